@@ -102,5 +102,41 @@ def test_a_short_log_whose_clock_tells_nothing_is_read_without_it(tmp_path: Path
 def test_rows_that_were_written_twice_are_no_coarse_clock() -> None:
     shown, x, force, _ = logged([0], 1, 1.0 / RATE_Hz)
     twice = [np.repeat(own, 2) for own in (shown, x, force)]
-    assert read_clock(*twice).note == ""
+    assert read_clock(twice[0], twice[1], twice[2]).note == ""
     assert len(analyse_loop(twice[1], twice[2], time_s=twice[0]).outlier_samples) == x.size
+
+
+@pytest.mark.parametrize("wraps_at_s", [1.0, 2.5, 0.65536, 1.0 / FREQUENCY_Hz])
+@pytest.mark.parametrize("tick", [1.0 / RATE_Hz, 0.01])
+def test_a_clock_that_wraps_goes_on_with_the_drive(tmp_path: Path, wraps_at_s: float, tick: float) -> None:
+    shown, x, force, true = logged([0], 10, tick, 0.137)
+    path = written(tmp_path, shown % wraps_at_s, x, force)
+    clock = read_clock(shown % wraps_at_s, x, force)
+    assert clock.time_s is not None
+    assert np.ptp(clock.time_s - true) < max(tick, 3.0 / RATE_Hz)
+    loops = read_loops(path, normal_load="2")
+    assert len(loops) == 10
+    assert all("goes back" in loop.notes[0] for loop in loops)
+    assert guess(path).tables["conditions"]["frequency_Hz"] == pytest.approx(FREQUENCY_Hz, rel=0.01)
+
+
+@pytest.mark.parametrize("begin_s", [0.0, 60.1])
+def test_a_counter_that_wraps_once_and_a_clock_that_is_set_back_go_on(begin_s: float) -> None:
+    shown, x, force, true = logged([0], 10, 1.0 / RATE_Hz, begin_s)
+    once = (shown + 2.0) % 65.536
+    back = np.where(true > begin_s + 1.23, shown - 0.31, shown)
+    for clock in (read_clock(once, x, force), read_clock(back, x, force)):
+        assert clock.time_s is not None
+        assert np.ptp(clock.time_s - true) < 1.5 / RATE_Hz
+
+
+def test_rows_in_another_order_and_times_that_start_again_each_cycle_are_left_as_they_are() -> None:
+    shown, x, force, _ = logged([0], 4, 1.0 / RATE_Hz)
+    later_first = np.r_[400:800, 0:400]
+    exchanged = np.r_[0:50, 51, 50, 52:800]
+    for order in (later_first, exchanged):
+        assert read_clock(shown[order], x[order], force[order]).note == ""
+    cycle = np.repeat([1.0, 2.0, 3.0, 4.0], 200)
+    again = np.tile(shown[:200], 4)
+    assert read_clock(again, x, force, [cycle]).note == ""
+    assert "3 times" in read_clock(again, x, force).note

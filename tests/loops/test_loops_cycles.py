@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
+from wirewear.loops import analyse_loop
 from wirewear.loops.cycles import cycles_between, split_cycles, turns_of
 from wirewear.records.importing.guessed_conditions import frequency_of
 
@@ -66,3 +67,20 @@ def test_the_frequency_of_a_drive_is_right_under_ripples(
     found, doubt = frequency_of({"displacement_um": x, "time_s": time}, {})
     assert found == pytest.approx(3.0, rel=5e-4)
     assert not doubt
+
+
+@pytest.mark.parametrize(("ripple_um", "often", "samples"), [(4.0, 23, 600), (6.0, 11, 800), (5.0, 23, 2000)])
+def test_the_friction_of_a_contact_that_a_ripple_unloads_is_that_at_which_it_slides(
+    ripple_um: float, often: int, samples: int
+) -> None:
+    angle = 2.0 * np.pi * np.arange(2 * samples) / samples
+    x, force = ripple_um * np.sin(often * angle) - 60.0 * np.cos(angle), np.full(2 * samples, -1.2)
+    for place, step in enumerate(np.diff(x)):
+        force[place + 1] = np.clip(force[place] + 0.167 * step, -1.2, 1.2)
+    x, force = noisy(x)[samples:], noisy(20.0 * force)[samples:] / 20.0
+    figures = analyse_loop(x, force, 2.0)
+    for found in (figures.friction_max, figures.friction_geometry_independent, figures.friction_forward):
+        assert found is not None
+        assert found.value == pytest.approx(0.6, rel=0.01)
+    assert figures.end_hook_ratio is not None
+    assert figures.end_hook_ratio.value == pytest.approx(1.0, rel=0.01)

@@ -149,3 +149,30 @@ def test_a_load_in_another_unit_than_its_name_says_is_told_of_loops_alone(tmp_pa
 def test_of_two_columns_of_one_name_and_unit_neither_is_taken() -> None:
     assert recognised(["Force (N)", "Force (N)"], "force") == []
     assert recognised(["Force (V)", "Force (N)", "Friction force (N)"], "force") == [2, 1]
+
+
+@pytest.mark.parametrize("name", ["Force x10 (N)", "Force (N) x 10", "Force [10^-1 N]", "Force/10 (N)", "Force 10 N"])
+def test_a_factor_in_a_name_is_neither_passed_over_nor_read_as_one(tmp_path: Path, name: str) -> None:
+    path = written(tmp_path, f"Elapsed (ms),Displacement (um),{name}", 1e3 * TIME, X, 10.0 * FORCE)
+    with pytest.raises(RecordError, match="states a factor"):
+        read_loops(path)
+    with pytest.raises(RecordError, match="no unit"):
+        read_loops(path, force=name)
+    chosen = read_loops(path, force=f"{name}:N")
+    assert chosen[0].time_s is not None
+    assert energies_mJ(chosen) == pytest.approx([10.0 * energy_mJ()] * 4, rel=0.01)
+    assert any("states a factor" in told for told in looked_into(path).remarks)
+
+
+@pytest.mark.parametrize("sign", [",", ";", "\t"])
+def test_comments_between_rows_are_no_rows_and_other_words_are_named_with_their_line(tmp_path: Path, sign: str) -> None:
+    rows = [sign.join(f"{one:.6g}" for one in row) for row in zip(TIME, X, FORCE, strict=True)]
+    for place, comment in ((333, "! T = 23.5, 41 %"), (222, "# why?"), (5, "// 2, 3"), (1, "# --- first, 1 ---")):
+        rows.insert(place, comment)
+    path = tmp_path / "log.txt"
+    path.write_text("\n".join([sign.join(["Time (s)", "Displacement (um)", "Force (N)"]), *rows]))
+    assert energies_mJ(read_loops(path)) == pytest.approx([energy_mJ()] * 4, rel=0.01)
+    rows.insert(100, "Pump on")
+    path.write_text("\n".join([sign.join(["Time (s)", "Displacement (um)", "Force (N)"]), *rows]))
+    with pytest.raises(RecordError, match="line 102"):
+        read_loops(path)

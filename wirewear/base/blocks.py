@@ -15,6 +15,9 @@ NUMBER_WORDS = {
 #: Columns that the rows of blocks have behind their own.
 COLUMNS = {"cycle": "cycle of block", "repeat": "repeat of block"}
 
+#: How a line begins that is a comment, and how one that is a comment if it is no row.
+_COMMENT, _PERHAPS = re.compile(r"\s*(?:!|%|//|#\s)"), re.compile(r"\s*[#;*]")
+
 _COUNT = r"(\d+(?:[,.'’ \xa0\u202f]\d{3})*(?:[.,]\d+)?(?:e\+?\d+|\s*[x×·*]\s*10\s?\^?\d+)?)\s*(k|mio|m)?"
 
 
@@ -95,6 +98,15 @@ def is_row(line: str) -> bool:
     fields = re.split(r"[\t;,]\s*|\s+", line.strip())
     numbers = (re.match(r"\"?[-+]?\.?\d", field) or MISSING.fullmatch(field) for field in fields)
     return not WORDS.match(line) and sum(found is not None for found in numbers) > 1
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line among rows is a comment: its first sign says so, and it has no numbers behind a missing one."""
+    if _COMMENT.match(line) or not _PERHAPS.match(line):
+        return _COMMENT.match(line) is not None
+    first, *others = re.split(r"[\t;,]\s*|\s+", line.strip())
+    numbers = sum(re.match(r"\"?[-+]?\.?\d", field) is not None for field in others)
+    return numbers < 2 if not first else not numbers or not MISSING.fullmatch(first)
 
 
 def numbering(labels: Sequence[str]) -> dict[str, list[int]]:

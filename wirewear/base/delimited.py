@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array, IntArray
-from wirewear.base.blocks import counts_in, numbered
+from wirewear.base.blocks import counts_in, is_comment, numbered
 from wirewear.base.errors import RecordError, shown
 from wirewear.base.files import read_bytes, utf8
 from wirewear.base.naming import MISSING
@@ -126,13 +126,14 @@ class DelimitedText:
         return tuple(self._fields(line)) if line.strip() else ()
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Number of the line, from 1, and fields of every row that is not blank."""
+        """Number of the line, from 1, and fields of every row that is neither blank nor a comment."""
         number = self.layout.lines_before_rows + 1
         lines = islice(self._lines(), number - 1, None)
         if b'"' not in self.data or self.layout.delimiter is None:
-            yield from ((n, self._fields(line)) for n, line in enumerate(lines, start=number) if line.strip())
+            told = ((n, line) for n, line in enumerate(lines, start=number) if line.strip() and not is_comment(line))
+            yield from ((n, self._fields(line)) for n, line in told)
         else:
-            yield from self._quoted(lines, number)
+            yield from self._quoted(("" if is_comment(line) else line for line in lines), number)
 
     def numbers(self, places: Mapping[str, int], *, as_logged: bool = False, clock: str | None = None) -> Numbers:
         """The columns at these places, counted from 0.

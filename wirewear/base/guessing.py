@@ -9,7 +9,7 @@ from pathlib import Path
 
 from geometry.arrays import Array
 from wirewear.base import delimited
-from wirewear.base.blocks import COLUMNS, blocks_of, numbering
+from wirewear.base.blocks import COLUMNS, blocks_of, is_comment, numbering
 from wirewear.base.errors import FIELD_UNITS, RecordError
 from wirewear.base.naming import KNOWN_UNITS, MISSING, WORDS, encoding_of, usual_unit
 from wirewear.base.spreadsheets import UNCOMPUTED, Sheet, left_out, sheet_text, workbook_text
@@ -195,13 +195,14 @@ def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2
     number = re.compile(_NUMBER.replace("[.,]", re.escape(decimal)))
     best, run, profile, strange = _Table(delimiter, decimal), list[int](), "", 0
     for place, line in enumerate([*lines, "end"]):
-        if not line.strip() and run:
+        if run and (not line.strip() or is_comment(line)):
             continue
         kinds = "".join(
             _kind(delimited.ungrouped(field, decimal), number) for field in delimited.fields_of(line, delimiter)
         ).rstrip(" ")
-        if run and strange < FEWEST_ALONE and _has_a_word(profile, kinds):
-            # If numbers go on below it, it is a row: reading it names the word.
+        between = kinds == "t" and len(profile) > 1 and place < len(lines) and not re.search(r"[\t;,]", line)
+        if run and strange < FEWEST_ALONE and (between or _has_a_word(profile, kinds)):
+            # If numbers go on below it, it is a row, or a word between rows: reading it names it.
             strange += 1
             continue
         strange = 0

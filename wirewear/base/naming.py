@@ -60,6 +60,14 @@ MISSING = re.compile(
     re.IGNORECASE,
 )
 
+#: A power of ten in a column's name by which its numbers are to be multiplied or divided: ``"Force x10 (N)"``.
+_FACTOR = re.compile(
+    r"(?:^|[\s_(\[)\]])[x×*·/]\s?(?:10+|10\s?\^\s?[-+]?\d+|1e[-+]?\d+|0[.,]0*1)(?!\d)|"
+    r"[^\W_]\s?[*×·/]\s?10+(?!\d)|(?<!\d)1\s?/\s?10+(?!\d)|(?<!\w)10+\s?[x×*·]|"
+    r"(?:^|[\s_(\[])(?:10+|0[.,]0*1|10\s?\^\s?[-+]?\d+)[\s_]?[^\W\d_]+[)\]]?$",
+    re.IGNORECASE,
+)
+
 #: A line that begins with a word, which is none of those for what is missing.
 WORDS = re.compile(
     rf"^[ \t]*[\"#%/;*\[=<({{-]*[ ]*(?!(?:{MISSING.pattern})\"?[ ]*(?:[\t;,]|$|[ ][-+.\d]))[^\W\d_]",
@@ -115,6 +123,11 @@ def usual_unit(unit: str) -> str:
     return joined if joined in KNOWN_UNITS else _WRITTEN_OUT.get(plain(unit).removesuffix("s"), unit)
 
 
+def states_factor(name: str) -> bool:
+    """Whether a column's name says that its numbers stand for others by a power of ten."""
+    return _FACTOR.search(unicodedata.normalize("NFKC", name)) is not None
+
+
 def units_of(channel: str) -> dict[str, float]:
     """Units in which loggers write a channel, those per length of a line contact among them."""
     unit = UNIT_OF.get(channel, "")
@@ -146,6 +159,7 @@ def recognised(names: Sequence[str], channel: str, units: Sequence[str] = ()) ->
     known, told = units_of(channel), [stem_and_unit(name, units_of(channel)) for name in names]
     own = list(units) or [unit or "" for _, unit in told]
     physical = [unit in known for unit in own]
+    plain_names = [not states_factor(name) for name in names]
     beside = _BESIDE if channel in UNIT_OF else _BESIDE | _COUNTED
     parts = [re.split(r"[_()]+", stem) for stem, _ in told]
     tared = [not _TARED.isdisjoint(words) for words in parts]
@@ -154,9 +168,10 @@ def recognised(names: Sequence[str], channel: str, units: Sequence[str] = ()) ->
     found = list[int]()
     for words in (exact, bare):
         for name in USUAL_NAMES[channel]:
-            alike = [place for place, word in enumerate(words) if word == name]
+            alike = [place for place, word in enumerate(words) if word == name and plain_names[place]]
             if alike and not any(physical[place] for place in alike):
-                alike += [place for place, word in enumerate(bare) if word == name and place not in alike]
+                like = (place for place, word in enumerate(bare) if word == name and plain_names[place])
+                alike += [place for place in like if place not in alike]
             for better in (physical, tared):
                 alike = [place for place in alike if better[place]] or alike
             # Of two columns of one name and unit, one is as likely as the other; times of several channels are alike.

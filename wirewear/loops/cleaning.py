@@ -17,6 +17,7 @@ FEWEST_SAMPLES = 16
 
 JOINED = "the points come in no order of time and were joined along the loop's outline, none of them left out"
 
+HALF = 0.9  #: Samples that end so much of the stroke away are half a cycle.
 LEAST_PAST = 0.02  #: Fewer samples past one cycle than this share do no harm.
 MOST_CLIPPED = 0.05  #: A loop of which a larger share of a channel's samples is clipped is no measurement.
 
@@ -296,6 +297,7 @@ def _closed(loop: CleanLoop) -> CleanLoop:
     if gap > 0.5:
         raise LoopError(
             f"the samples end {gap:.0%} of the stroke away from where they start: this is not a whole cycle"
+            f"{', but half of one, as where a count steps twice a cycle' if gap > HALF else ''}"
         )
     if gap > max(0.05, 3.0 * float(np.max(np.abs(np.diff(level)), initial=0.0))):
         return loop.noted(f"the loop is open by {gap:.0%} of the stroke and was closed by a straight line")

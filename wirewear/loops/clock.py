@@ -79,7 +79,7 @@ def _are_exchanged(time: Array, steps: Array, usual: float) -> bool:
     """Whether times (n,), with such steps, are those of a clock that goes on evenly, in another order of rows."""
     values, counts = np.unique(time, return_counts=True)
     between = np.diff(values)
-    run = (time.size - 1) / max(np.count_nonzero(steps), 1)
+    run = (time.size - 1) / max(int(np.count_nonzero(steps)), 1)
     most = max(run + UNEVEN[0], run * (1.0 + UNEVEN[1])) if run > GAP else 1.0
     return bool(counts.max() <= most and np.all(np.abs(between - usual) < (GAP - 1.0) * usual))
 

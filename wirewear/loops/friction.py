@@ -1,14 +1,15 @@
 """Friction from a loop: largest and geometry-independent."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from geometry.arrays import Array
 from wirewear.loops.branches import Branch, MicroSlip, slides_visibly
-from wirewear.loops.cleaning import CleanLoop
+from wirewear.loops.cleaning import FEWEST_SAMPLES, CleanLoop
 from wirewear.loops.figures import Measured, mean_of
+from wirewear.loops.noise import sample_noise, step_of
 from wirewear.loops.robust import LinearFit, best_fit, fit_linear
 from wirewear.loops.stick_slip import Course
 
@@ -18,6 +19,10 @@ PLACES = 41  #: Places at which both directions are read: about as many as a loo
 
 #: So many noises above what is fitted to a branch, a sample is no chance: outliers have been left out.
 BEYOND_NOISE = 5.0
+
+#: A drive goes back where the mean of so many samples falls behind by so many noises and steps, and that share of the
+#: way.
+SAMPLES_OF_MEAN, BEHIND_NOISES, BEHIND_STEPS, BEHIND_SHARE = 5, 4.0, 1.5, 0.002
 
 FRICTION_SHARE = 0.75
 STIFFNESS_SHARE = 0.05
@@ -46,6 +51,34 @@ def sliding_part(branch: Branch, slip: MicroSlip, stiffness_N_per_um: float) -> 
     slides = branch.travel_um > slip.travel_um
     position = slip_position(branch, stiffness_N_per_um)[slides]
     return Plateau(position, branch.travel_um[slides], branch.force_N[slides], force_ratio(branch)[slides])
+
+
+def advancing(branch: Branch) -> Branch:
+    """The branch without the samples of a drive that goes back on its way and has not yet come as far again.
+
+    A ripple of the drive unloads a contact that sticks: no such sample slides.
+    """
+    travel, pad = branch.travel_um, SAMPLES_OF_MEAN // 2
+    if travel.size < FEWEST_SAMPLES:
+        return branch
+    mean = np.convolve(np.pad(travel, pad, mode="edge"), np.full(SAMPLES_OF_MEAN, 1.0 / SAMPLES_OF_MEAN), "valid")
+    behind = np.maximum.accumulate(mean) - mean
+    noise = sample_noise(travel, np.arange(travel.size, dtype=float))
+    least = max(BEHIND_NOISES * noise, BEHIND_STEPS * step_of(travel), BEHIND_SHARE * branch.length_um)
+    runs = np.cumsum(behind == 0.0)
+    deepest = np.zeros(int(runs[-1]) + 1)
+    np.maximum.at(deepest, runs, behind)
+    advances = (behind == 0.0) | (deepest[runs] <= least)
+    if advances.all() or np.count_nonzero(advances) < FEWEST_SAMPLES:
+        return branch
+    normal = None if branch.normal_force_N is None else branch.normal_force_N[advances]
+    return replace(
+        branch,
+        travel_um=travel[advances],
+        force_N=branch.force_N[advances],
+        normal_force_N=normal,
+        samples=branch.samples[advances],
+    )
 
 
 def force_ratio(branch: Branch) -> Array:
@@ -152,6 +185,7 @@ def _ratio_noise(loop: CleanLoop) -> float:
 
 def _peak(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> Measured:
     slides = slides_visibly((branch, slip))
+    branch = advancing(branch) if slides else branch
     part = branch.travel_um > (slip.travel_um if slides else 0.0)
     return peak(branch.travel_um[part], force_ratio(branch)[part], _ratio_noise(loop), slides=slides)
 
@@ -160,7 +194,11 @@ def sliding_figures(
     loop: CleanLoop, courses: tuple[Course, Course], tops: tuple[Measured, Measured], stiffness_N_per_um: float
 ) -> SlidingFigures:
     """Plateau slope, hooks, asymmetry and (with a normal force) geometry-independent friction."""
-    plateaus = _plateaus(courses, stiffness_N_per_um)
+    branches = advancing(courses[0][0]), advancing(courses[1][0])
+    plateaus = (
+        sliding_part(branches[0], courses[0][1], stiffness_N_per_um),
+        sliding_part(branches[1], courses[1][1], stiffness_N_per_um),
+    )
     middle, half_range = _slip_range(plateaus)
     centres = [value_at(part.slip_position_um, part.ratio, middle, MIDDLE_SHARE * half_range) for part in plateaus]
     total = centres[0].value + centres[1].value
@@ -172,7 +210,6 @@ def sliding_figures(
     load = 1.0 if loop.normal_force_N is None else float(np.mean(loop.normal_force_N))
     friction = _geometry_independent(loop, plateaus, middle, half_range, stiffness_N_per_um)
     doubt = load * mean_of(*centres).deviation
-    branches = courses[0][0], courses[1][0]
     height = height_at(branches, (stiffness_N_per_um, np.inf), middle, MIDDLE_SHARE * half_range)
     return SlidingFigures(
         height_N=Measured.from_deviation(height.value, doubt),
@@ -187,10 +224,6 @@ def sliding_figures(
         forward=None if loop.normal_force_N is None else centres[0],
         backward=None if loop.normal_force_N is None else centres[1],
     )
-
-
-def _plateaus(courses: tuple[Course, Course], stiffness_N_per_um: float) -> tuple[Plateau, Plateau]:
-    return sliding_part(*courses[0], stiffness_N_per_um), sliding_part(*courses[1], stiffness_N_per_um)
 
 
 def _slip_range(plateaus: tuple[Plateau, Plateau]) -> tuple[float, float]:

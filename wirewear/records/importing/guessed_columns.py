@@ -10,7 +10,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.delimited import read_delimited
 from wirewear.base.errors import RecordError
-from wirewear.base.naming import KNOWN_UNITS, RAW_UNITS, UNIT_OF, recognised, stem_and_unit, units_of
+from wirewear.base.naming import KNOWN_UNITS, RAW_UNITS, UNIT_OF, recognised, states_factor, stem_and_unit, units_of
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.sources import layout_of, read_source
 from wirewear.records.importing.text_reader import OPEN
@@ -157,10 +157,14 @@ def rivals(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> d
 
 
 def unread(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> list[str]:
-    """Sentences on columns that part the samples by words or numbers and are not among those taken."""
+    """Sentences on columns that state a factor, or part the samples by words or numbers, and are not taken."""
     taken, told = {reference for reference, _ in columns.values()}, []
     for place, (reference, title) in enumerate(zip(file.references, file.titles, strict=True)):
-        if reference in taken or not title or place >= MOST_LABELS or file.unit(place, ""):
+        if reference in taken or not title or place >= MOST_LABELS:
+            continue
+        if states_factor(title):
+            told.append(f"{file.path.name}: the name of the column {title!r} states a factor: give it in a mapping")
+        if file.unit(place, ""):
             continue
         if place in file.words:
             text = read_delimited(file.path, layout_of(Source(files=(file.path.name,), **file.spelling)))

@@ -155,8 +155,8 @@ def loops_of(
     repeat = columns.get("repeat", np.full(count, float(named.get("repeat", source.repeat))))
     time, note = columns.get("time_s"), ""
     if time is not None:
-        parts = [columns[key] for key in ("repeat", "cycle", "cycles") if key in columns]
-        clock = read_clock(time, columns["displacement_um"], columns["tangential_force_N"], parts)
+        numbers = [columns[key] for key in ("repeat", "cycle", "cycles") if key in columns]
+        clock = read_clock(time, columns["displacement_um"], columns["tangential_force_N"], numbers)
         time, note = clock.time_s, clock.note
         if clock.gaps and "cycle" not in named.keys() | columns.keys():
             raise RecordError(f"{file}: {note}, nor how many cycles lie in its gaps: give a column cycle.")

@@ -14,6 +14,7 @@ from wirewear.base.delimited import CSV
 from wirewear.base.errors import FIELD_UNITS, RecordError, nearest, shown
 from wirewear.base.files import DELIMITERS, TABLE_FILE_NAME, Held, require_no_other
 from wirewear.base.guessing import GuessedLayout, NoTableError, guessed_layout
+from wirewear.base.naming import states_factor
 from wirewear.loops.cleaning import FEWEST_SAMPLES
 from wirewear.loops.clock import read_clock
 from wirewear.loops.cycles import outline, split_cycles
@@ -151,6 +152,8 @@ def _column(
         if key not in recognised:
             encoding = file.spelling.get("encoding", "utf-8")
             doubt = "" if encoding.startswith("utf") else f", or another --encoding than {encoding}, which is a guess"
+            if factored := next((title for title in file.titles if states_factor(title)), ""):
+                doubt += f"; {factored!r} states a factor, which only a mapping takes (`wirewear new --mapping`)"
             raise RecordError(
                 f"{file.path}: none of the columns {among} is known as the {channel}; name it by {option} COLUMN:UNIT"
                 f"{doubt}."
@@ -164,7 +167,7 @@ def _column(
             hint = f"; did you mean {like!r}?" if (like := nearest(own or asked, names)) else "."
             raise RecordError(f"{file.path}: there is no column {own or asked!r} among {among}{hint}")
         place = names.index(own)
-        name, unit = file.references[place], unit or file.unit(place, channel)
+        name, unit = file.references[place], unit or ("" if states_factor(own) else file.unit(place, channel))
     if unit not in known:
         said = f"cannot be in {unit!r}" if unit else "has no unit in its name"
         raise RecordError(
@@ -179,8 +182,8 @@ def _loops(
     if "cycles" in channels and "cycle" not in channels:
         channels["cycle"] = channels["cycles"] + 1.0
     if "time_s" in channels:
-        parts = [channels[key] for key in ("repeat", "cycle") if key in channels]
-        clock = read_clock(channels["time_s"], channels["displacement_um"], channels["tangential_force_N"], parts)
+        numbers = [channels[key] for key in ("repeat", "cycle") if key in channels]
+        clock = read_clock(channels["time_s"], channels["displacement_um"], channels["tangential_force_N"], numbers)
         remarks = (*remarks, clock.note) if clock.note else remarks
         channels = {key: own for key, own in channels.items() if key != "time_s"}
         channels |= {} if clock.time_s is None else {"time_s": clock.time_s}
