@@ -18,6 +18,8 @@ COLUMNS = {"cycle": "cycle of block", "repeat": "repeat of block"}
 #: How a line begins that is a comment, and how one that is a comment if it is no row.
 _COMMENT, _PERHAPS = re.compile(r"\s*(?:!|%|//|#\s)"), re.compile(r"\s*[#;*]")
 
+_WORD = re.compile(r"[^\W\d_]{2}")
+
 _COUNT = r"(\d+(?:[,.'’ \xa0\u202f]\d{3})*(?:[.,]\d+)?(?:e\+?\d+|\s*[x×·*]\s*10\s?\^?\d+)?)\s*(k|mio|m)?"
 
 
@@ -106,7 +108,9 @@ def is_comment(line: str) -> bool:
         return _COMMENT.match(line) is not None
     first, *others = re.split(r"[\t;,]\s*|\s+", line.strip())
     numbers = sum(re.match(r"\"?[-+]?\.?\d", field) is not None for field in others)
-    return numbers < 2 if not first else not numbers or not MISSING.fullmatch(first)
+    if not first:
+        return numbers < 2 and any(_WORD.search(field) and not MISSING.fullmatch(field) for field in others)
+    return not numbers or not MISSING.fullmatch(first)
 
 
 def numbering(labels: Sequence[str]) -> dict[str, list[int]]:
