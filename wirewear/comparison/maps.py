@@ -20,8 +20,9 @@ from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
 from geometry import Elastic
-from geometry.arrays import Array
+from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import StudyError
+from wirewear.loops.energy import SYSTEM_FREE_TRANSITION
 from wirewear.reference.cattaneo_mindlin import PartialSlipPoint, loading_displacement, partial_slip_point
 from wirewear.reference.half_space import partial_slip_stress
 from wirewear.reference.hertz import contact_modulus, gap_curvatures, hertz_elliptic, tangential_contact_modulus
@@ -31,6 +32,7 @@ LOADS = np.geomspace(0.1, 10.0, 41)  #: Loads of the map, relative to the test's
 
 #: A loop of this energy ratio is at the transition (S. Fouvry, P. Kapsa, L. Vincent, Wear 185 (1995) 35).
 TRANSITION = 0.2
+FULL = 0.85  #: No loop in partial slip fills so much of the box of its slip and its forces: at the transition, 0.77.
 
 
 #: Shares of the sliding force at which the tension is computed; it begins with a vertical tangent.
@@ -108,6 +110,16 @@ def energy_ratio(energy_mJ: Array, amplitude_um: Array, force_N: Array) -> Array
     """A = E_d/(4 δa Q*): 1 for a rectangle, 0.2 at the transition, 0 for a line; NaN where there is no box."""
     box = 4e-3 * amplitude_um * force_N
     return np.divide(energy_mJ, box, out=np.full_like(energy_mJ, np.nan), where=box > 0.0)
+
+
+def slides(energy_mJ: Array, amplitude_um: Array, slip_um: Array, force_N: Array) -> BoolArray:
+    """Whether contacts (n,) slide as a whole: by A, by the width of the loop, where the slopes of worn scars carry more
+    force than friction does, or by B, where a rig gives way that leaves little of the stroke.
+    """
+    wide = slip_um / amplitude_um > TRANSITION / SYSTEM_FREE_TRANSITION
+    full = energy_ratio(energy_mJ, slip_um, force_N) > FULL
+    whole: BoolArray = (energy_ratio(energy_mJ, amplitude_um, force_N) > TRANSITION) | wide | full
+    return whole
 
 
 @dataclass(frozen=True)

@@ -19,10 +19,10 @@ from wirewear.comparison.maps import (
     fresh_contact,
     line_through_origin,
     running_conditions,
+    slides,
     tension_lines,
 )
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
-from wirewear.loops.energy import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
 from wirewear.results import BORNE, BORNE_IS, PLAY_TRAVEL, PRESSURE_LENGTH, SPRING_TRAVEL, Loop, RunResult, Scar
 from wirewear.results.flat import named_for_users
@@ -284,12 +284,12 @@ def regime(result: RunResult) -> str:
         return "a contact that opens within its cycles"
     evolution = result.evolution
     amplitude = evolution["displacement_amplitude_um"]
-    ratio = energy_ratio(evolution["dissipated_energy_mJ"], amplitude, evolution["max_tangential_force_N"])
-    wide = evolution["slip_amplitude_um"] / amplitude > ENERGY_TRANSITION / SYSTEM_FREE_TRANSITION
-    slides = ((ratio > ENERGY_TRANSITION) | wide)[np.isfinite(ratio)]
-    if not slides.size or slides.all():
-        return "gross slip throughout" if slides.size else "no loop that encloses energy"
-    return "both partial and gross slip (a mixed regime)" if slides.any() else "partial slip throughout"
+    energy, force = evolution["dissipated_energy_mJ"], evolution["max_tangential_force_N"]
+    whole = slides(energy, amplitude, evolution["slip_amplitude_um"], force)
+    whole = whole[np.isfinite(energy_ratio(energy, amplitude, force))]
+    if not whole.size or whole.all():
+        return "gross slip throughout" if whole.size else "no loop that encloses energy"
+    return "both partial and gross slip (a mixed regime)" if whole.any() else "partial slip throughout"
 
 
 def figure_volume(volume_mm3: float) -> str:

@@ -22,9 +22,12 @@ from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, svg
 from wirewear.sweeps.indices import Index, indices
 from wirewear.sweeps.running import SweepResult
 from wirewear.sweeps.sweep import DEPTH, Sweep, SweepRow, VariedInput
+from wirewear.views.fretting_map import draw_fretting_map, is_map
 
 if TYPE_CHECKING:
     import polars as pl
+
+    from wirewear.comparison.mapped_tests import MappedTest
 
 
 #: Figures that are drawn, where they vary, with a depth after the first three; units and words follow from names.
@@ -217,16 +220,16 @@ def _write_failures(path: Path, sweep: Sweep, failed: Sequence[SweepRow]) -> Pat
         return write_csv(path, rows)
 
 
-def write_sweep(folder: Path, result: SweepResult) -> list[Path]:
-    """Write the table and, where any run is complete, the page; returns the paths.
+def write_sweep(folder: Path, result: SweepResult, tests: Sequence[MappedTest] = ()) -> list[Path]:
+    """Write the table and, where any run is complete, the page, with tests on its fretting map; returns the paths.
     Raises ResultError if a file cannot be written.
     """
     written = write_table(folder, result.sweep, result.rows)
     with writing(ResultError, f"cannot write {folder / PAGE}"):
-        return [*written, write_text(folder / PAGE, page(result))]
+        return [*written, write_text(folder / PAGE, page(result, tests))]
 
 
-def page(result: SweepResult) -> str:
+def page(result: SweepResult, tests: Sequence[MappedTest] = ()) -> str:
     """The page, which needs no other file."""
     figures = varying_figures(result)
     found = [i for name in drawn_among(figures) for i in indices(result.sweep.design, result.rows, name)]
@@ -238,7 +241,7 @@ def page(result: SweepResult) -> str:
             "failures": result.failures[:MOST_NAMED],
             "failed": len(result.failures),
             "sentences": sentences(result, found),
-            "pictures": _pictures(result, figures, found),
+            "pictures": _pictures(result, figures, found, tests),
             "ranges": [_range(name, values) for name, values in figures.items()],
             "indices": found,
             "cpu_s": sum(row.cpu_s for row in result.rows.values()),
@@ -272,10 +275,18 @@ def sentences(result: SweepResult, found: list[Index]) -> list[str]:
     return said
 
 
-def _pictures(result: SweepResult, figures: dict[str, Array], found: list[Index]) -> list[tuple[str, str, str]]:
+def _pictures(
+    result: SweepResult, figures: dict[str, Array], found: list[Index], tests: Sequence[MappedTest]
+) -> list[tuple[str, str, str]]:
     design = result.sweep.design
     drawn = {name: figures[name] for name in drawn_among(figures)}
     made: list[tuple[str, str, bytes]] = []
+    if is_map(result):
+        words = (
+            "Each mark is a run; mixed runs slide as a whole in the first or in the last cycle alone. Lines: where "
+            "the unworn contact begins to slide as a whole, by Cattaneo and Mindlin."
+        )
+        made.append(("Fretting map", words, svg(lambda: draw_fretting_map(result, tests))))
     if drawn:
         image = svg(lambda: draw_responses(design.factors, design.points, drawn))
         words = (

@@ -59,17 +59,22 @@ def maps(paths: tuple[Path, ...], output: Path, limit: float | None, as_json: bo
 @click.option("--jobs", type=click.IntRange(1), help="Runs side by side.  [default: one a core]")
 @group.scheduler_option
 @click.option("--estimate", is_flag=True, help="Make one run only, and say what all of them will take.")
+@click.option("--test", "test_paths", metavar="RECORD", multiple=True, type=click.Path(path_type=Path),
+              help="A measured test on the fretting map; may be repeated.")  # fmt: skip
 @group.most_memory
-def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: str | None, estimate: bool) -> None:
+def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: str | None, estimate: bool,
+          test_paths: tuple[Path, ...]) -> None:  # fmt: skip
     """Run a study with keys or effects varied; the same command goes on with a sweep that was interrupted.
 
     Leaves table.parquet, table.csv, failures.csv and the page sweep.html.
     """
     from wirewear.base.engine import engine_of
+    from wirewear.comparison.mapped_tests import fretting_tests
     from wirewear.sweeps import load_sweep, run_sweep
     from wirewear.views.sweep_page import write_sweep
 
     asked = load_sweep(sweep_path)
+    tests = [test for path in test_paths for test in fretting_tests(path)]
     folder = output or Path("runs") / sweep_path.resolve().stem
     with _told_of(len(asked)) as told:
         result = run_sweep(asked, folder, engine_of(jobs, scheduler), told, only_pilots=estimate)
@@ -80,7 +85,7 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
                 f"{count} of the {len(result.rows)} runs made failed; run {first.number}: {first.failure}", err=True
             )
         return
-    for path in write_sweep(folder, result):
+    for path in write_sweep(folder, result, tests):
         click.echo(path)
     if result.failures:
         click.echo(f"{len(result.failures)} of {len(asked)} runs failed; failures.csv says why.", err=True)
