@@ -10,6 +10,7 @@ from tests.synthetic_loops import bristle_loop
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.fit import fit_record
 from wirewear.diagnosis.fit.fit import tables_of_record
+from wirewear.diagnosis.fit.partial_slip import left_out
 from wirewear.records import ExperimentRecord
 
 FRICTION, LOAD_N = 0.62, 2.0
@@ -56,3 +57,12 @@ def test_a_record_in_partial_slip_that_states_no_friction_has_that_of_its_loops(
     stated = record.tables.stated.model_copy(update={"friction": None})
     record = dataclasses.replace(record, tables=record.tables.model_copy(update={"stated": stated}))
     assert tables_of_record(record)["contact"]["friction"] == pytest.approx(FRICTION, rel=0.1)
+
+
+def test_a_fit_to_a_mixed_test_says_which_loops_it_leaves_out_and_what_they_say() -> None:
+    sliding, sticking = independent_record({}, repeats=1, scars=False), sticking_record(0.9, 4000.0)
+    mixed = dataclasses.replace(sliding, loops=(*sliding.loops[:2], sticking.loops[0]))
+    (said,) = left_out(mixed)
+    assert said.startswith("a mixed test: 1 of 3 loops")
+    assert "friction from 0." in said
+    assert left_out(sliding) == left_out(sticking) == []

@@ -57,7 +57,9 @@ _REMAINING = np.linspace(1.0, 0.0, 240) ** 1.5  # dense where a contact begins t
 
 
 def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | None:
-    """What a loop without a plateau leaves; None where its load is not steady, or too few samples lie on it."""
+    """What a loop without a plateau leaves; None where its load is not steady, too few samples lie on it,
+    or its force falls.
+    """
     load = loop.normal_force_N
     if load is not None and float(np.ptp(load)) > STEADY * float(np.mean(load)):
         return None
@@ -65,6 +67,8 @@ def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | N
     if readings.travel_um.size < FEWEST:
         return None
     tried = _searched(readings, TRAVELS, SHARES)
+    if not tried.size:
+        return None
     for _ in range(CLOSER):
         # A corner is found only by travels that are near to it, and what fits best says what noise and model leave.
         best = tried[:, int(np.argmin(tried[0]))]
@@ -191,7 +195,7 @@ def _searched(readings: _Readings, travels: Array, shares: Array) -> Array:
             at = np.full(travels.size, share), travels, np.full(travels.size, exponent)
             tried.append(np.stack([left, 0.5 * height, 0.5 / np.sqrt(power), whole[:, 0], *at]))
     found = np.concatenate(tried, axis=1)
-    rising: Array = found[:, found[1] > 0.0]
+    rising: Array = found[:, np.isfinite(found[0]) & (found[1] > 0.0)]
     return rising
 
 

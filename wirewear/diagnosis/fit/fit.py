@@ -14,7 +14,7 @@ from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.fit import wear
 from wirewear.diagnosis.fit.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
-from wirewear.diagnosis.fit.partial_slip import StickingFit, fitted_sticking
+from wirewear.diagnosis.fit.partial_slip import StickingFit, fitted_sticking, left_out
 from wirewear.diagnosis.fit.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, require_foreseen
@@ -134,7 +134,7 @@ def fit_record(
         fitted = fast_fit(states, setup, tests)
     parameters = _of_fit(fitted, len(tests.repeats), record, contact.N_per_um) | spring | _play(tests) | worn
     study = fitted_study(record, parameters, record.cycles)
-    notes = [*told, *limits, *_misfit(fitted), *notes, *_missing(record, parameters, tests)]
+    notes = [*told, *limits, *left_out(record), *_misfit(fitted), *notes, *_missing(record, parameters, tests)]
     return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=kind.rigid_N_per_mm)
 
 

@@ -8,9 +8,10 @@ from scipy.special import stdtrit
 
 from wirewear.base.errors import RecordError, counted
 from wirewear.diagnosis.fit.values import FittedParameter
-from wirewear.loops import LoopError, Measured
-from wirewear.loops.figures import Sticking
+from wirewear.loops import LoopError, LoopFigures, Measured
+from wirewear.loops.figures import Sticking, regime_of
 from wirewear.records import AnyRecord
+from wirewear.records.values import MeasuredLoop
 
 CONTACT = 0.1  #: Relative standard deviation of an unworn contact's compliance by closed form.
 
@@ -58,13 +59,34 @@ def fitted_sticking(record: AnyRecord, rigid_N_per_mm: float) -> StickingFit | N
     return StickingFit({"friction": friction, "tangential_stiffness_N_per_mm": rig}, note)
 
 
+def left_out(record: AnyRecord) -> list[str]:
+    """Of a mixed test, which loops a fit to sliding ones leaves out, and what they say of friction themselves."""
+    known = [figures for loop in record.loops if (figures := _figures(loop, record)) is not None]
+    if regime_of(known) != "mixed":
+        return []
+    sticking = [figures for figures in known if figures.regime == "partial slip"]
+    frictions = [one for figures in sticking if (one := figures.friction_partial_slip) is not None]
+    bounded = [one.interval95 for one in frictions if np.isfinite(one.value)]
+    said = f"a mixed test: {len(sticking)} of {len(known)} loops are in partial slip, and were not fitted"
+    if bounded:
+        low, high = min(bounded, key=lambda one: one[1] / max(one[0], 1e-300))
+        said += f"; by themselves they leave friction from {low:.2g} to {high:.2g}, at best"
+    return [said]
+
+
+def _figures(loop: MeasuredLoop, record: AnyRecord) -> LoopFigures | None:
+    try:
+        return loop.figures(record.tables.conditions.normal_load_N)
+    except LoopError:
+        return None
+
+
 def _loops(record: AnyRecord) -> dict[tuple[int, int], Sticking]:
     """Loops without a plateau by repeat and cycle; none where one of the record has a plateau."""
     found = {}
     for loop in record.loops:
-        try:
-            figures = loop.figures(record.tables.conditions.normal_load_N)
-        except LoopError:
+        figures = _figures(loop, record)
+        if figures is None:
             continue
         if figures.friction_geometry_independent is not None:
             return {}
