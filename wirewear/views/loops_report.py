@@ -107,7 +107,8 @@ def _json(item: AnalysedLoop) -> dict[str, Any]:
     for name, _, _ in (*FIGURES, *SHOWN_BY_SOME, *WITHOUT_PLATEAU):
         found[name] = _measured_json(getattr(figures, name))
     found["stick_slip"] = _stick_slip_json(figures.stick_slip)
-    found["regime"] = {"value": figures.regime, "interval95": None, "possible": list(figures.regimes)}
+    found["regime"] = {"value": figures.regime, "interval95": None}
+    found["possible_regimes"] = list(figures.regimes)
     found["micro_slip_branches"] = [
         {
             "direction": branch.direction,
