@@ -223,3 +223,16 @@ def test_a_ball_whose_map_is_a_paraboloid_is_offered_the_radius_that_comes_neare
     sphere = np.sqrt(offered**2 - squared) - offered + squared / (2.0 * RADIUS_um)
     stated = np.sqrt(RADIUS_um**2 - squared) - RADIUS_um + squared / (2.0 * RADIUS_um)
     assert np.ptp(sphere) < 0.5 * np.ptp(stated)
+
+
+@pytest.mark.parametrize(("bow_um", "noise_um", "rim_um"), [(0.0, 0.15, 0.5), (0.0, 0.3, 0.5), (0.5, 0.05, 1.5)])
+def test_a_volume_that_rims_and_a_bow_put_off_is_said_to_be_uncertain(
+    tmp_path: Path, bow_um: float, noise_um: float, rim_um: float
+) -> None:
+    place = np.linspace(-1.0, 1.0, 81)
+    out = np.hypot(place[:, None], place) / 0.78
+    depth = 8.0 * np.maximum(1.0 - out**2, 0.0) - rim_um * np.exp(-(((out - 1.08) / 0.08) ** 2))
+    noise = noise_um * np.random.default_rng(5).standard_normal(depth.shape)
+    record, found, _ = imported(heights_of(tmp_path, noise + bow_um * place[:, None] ** 2 - depth, 10.0))
+    off = found / (1e-7 * float(depth.sum())) - 1.0
+    assert abs(off) < 0.03 or any("unworn" in note for note in record.notes)

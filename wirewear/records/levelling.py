@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.ndimage import binary_dilation, uniform_filter
+from scipy.ndimage import binary_dilation, distance_transform_edt, uniform_filter
 
 from geometry.arrays import Array, BoolArray
 from wirewear.loops.robust import biweight, median_deviation
@@ -38,6 +38,8 @@ LEAST_ON, LEAST_BORDER, MOST_ABOVE, MOST_AT_BORDER, LITTLE = 0.08, 0.25, 0.15, 0
 WELL_KNOWN, CERTAIN = 0.03, 2.0
 
 SETTLED = 5  #: Rounds in which a fit settles on what is not worn.
+
+FEWEST_FARTHER = 20  #: Unworn points a parameter that are fitted by their farther half, too.
 
 REWEIGHED = 4  #: Times that a fit weighs its points by what they leave.
 
@@ -374,6 +376,16 @@ def _form(surface: Surface, places: Array, height: Array, found: Array, unworn: 
     return np.asarray(np.append(found, np.zeros(whole - found.size)) + change)
 
 
+def _farther(surface: Surface, places: Array, height: Array, found: Array, unworn: BoolArray) -> Array | None:
+    """Parameters fitted to that half of the unworn points which lies farther from all others, as what is piled up
+    raises those near a scar; None where they are too few.
+    """
+    away = distance_transform_edt(unworn | ~np.isfinite(height))
+    if not np.isfinite(away).all() or np.count_nonzero(unworn) < FEWEST_FARTHER * found.size:
+        return None
+    return _fitted(surface, places, height, found, unworn & (away >= np.median(away[unworn])))[0]
+
+
 def _judged(surface: Surface, places: Array, height: Array, found: Array, unworn: BoolArray) -> Unworn:
     flat = places.reshape(2, -1)
     rest = height - surface.height(found, flat).reshape(height.shape)
@@ -384,12 +396,16 @@ def _judged(surface: Surface, places: Array, height: Array, found: Array, unworn
     means, whole = _Means.of(surface, places, rest, found, unworn), surface.placing + surface.forms
     doubt = np.inf
     if means.rest.size > found.size:
-        # A form that is not seen may be as large as instruments leave it.
-        flatness = np.where(np.arange(whole) < found.size, 0.0, 1.0 / FLATNESS_um**2)
+        # A form that is not seen may be as large as instruments leave it, or as one that is not certain.
+        size = np.maximum(np.abs(means.fitted(whole)[0]), FLATNESS_um) if means.rest.size > 2 * whole else FLATNESS_um
+        flatness = np.where(np.arange(whole) < found.size, 0.0, 1.0 / size**2)
         deviation = max(means.fitted(found.size)[2], 0.1 * FINEST_um)
         covariance = np.linalg.pinv(means.slopes.T @ means.slopes / deviation**2 + np.diag(flatness))
         lever = jacobian(surface, found, flat[:, :: max(height.size // MOST_POINTS, 1)], whole)[1].mean(axis=0)
-        doubt = _cell(places) * height.size * float(np.sqrt(lever @ covariance @ lever))
+        doubt = float(np.sqrt(lever @ covariance @ lever))
+        if (farther := _farther(surface, places, height, found, unworn)) is not None:
+            doubt = max(doubt, abs(float(lever[: found.size] @ (farther - found))) / CERTAIN)
+        doubt *= _cell(places) * height.size
     # What is little beside the scar's depth is a form that is left.
     above = blocks > max(limit, LITTLE * float(-np.percentile(blocks, 1.0)))
     share, at_border, raised, raised_at_border = (float(np.mean(one)) for one in (on, on[border], above, above[border]))
