@@ -1,10 +1,13 @@
 """Friction of contacts that stick in their middle, read from loops that another principle than the reading's makes."""
 
+import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.commands import wirewear
 from tests.synthetic_loops import Recipe, SyntheticLoop, bristle_loop, partial_slip_loop
 from wirewear.loops import LoopFigures, analyse_loop
 from wirewear.loops.figures import regime_of
@@ -61,3 +64,21 @@ def test_partial_and_gross_slip_make_a_mixed_test() -> None:
     _, displacement, force = SyntheticLoop(Recipe()).sampled(200)
     sliding = analyse_loop(displacement, force, 2.0)
     assert regime_of([measured(0.6, 0.7, 1, 0.0), sliding]) == "mixed"
+
+
+@pytest.mark.seconds
+def test_the_command_prints_the_interval_or_the_bound_and_null_for_what_is_not_known(tmp_path: Path) -> None:
+    found = {}
+    for share in (0.06, 0.9):
+        _, displacement, force = bristle_loop(0.6 * LOAD_N, share, 4, 0.125, 0.5)
+        path = tmp_path / f"{share}.csv"
+        rows = (f"{x},{q}" for x, q in zip(displacement, force, strict=True))
+        path.write_text("\n".join(["displacement_um,tangential_force_N", *rows]))
+        found[share] = json.loads(wirewear("loops", path, "--normal-load", str(LOAD_N), "--json").stdout)
+    bounded, told = (one["loops"][0] for one in found.values())
+    assert bounded["friction_partial_slip"]["value"] is bounded["friction_partial_slip"]["interval95"][1] is None
+    assert bounded["possible_regimes"] == ["stick", "partial slip"]
+    assert told["friction_partial_slip"]["interval95"][0] < 0.6 < told["friction_partial_slip"]["interval95"][1]
+    assert found[0.9]["regime"] == "partial slip"
+    text = wirewear("loops", path, "--normal-load", str(LOAD_N), "--output", tmp_path / "loops.png").stdout
+    assert "Without a plateau" in text

@@ -353,7 +353,13 @@ def _widths(axes: Axes, x: Array, q: Array, figures: LoopFigures) -> None:
     bottom = float(q.min()) - 0.13 * float(np.ptp(q))
     friction, elastic = _texts(figures)
     below = f"2δ0 = 2 × {slip:.4g} µm", f"2δa = 2 × {stroke:.4g} µm"
-    for half, height, text in ((slip, level, "\n".join([below[0], *elastic])), (stroke, bottom, below[1])):
+    inside = "\n".join([below[0], *elastic])
+    if figures.sticking is not None:
+        # A loop that thin leaves no room within.
+        words = "\n".join([*friction, inside])
+        axes.text(0.03, 0.96, words, color=WIDTH, fontsize=7, linespacing=1.25, va="top", transform=axes.transAxes)
+        friction, inside = [], ""
+    for half, height, text in ((slip, level, inside), (stroke, bottom, below[1])):
         arrow = {"arrowstyle": "<|-|>", "color": WIDTH, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", (middle - half, height), (middle + half, height), arrowprops=arrow)
         _text(axes, text, (middle, height), -3)
@@ -378,4 +384,7 @@ def _texts(figures: LoopFigures) -> tuple[list[str], list[str]]:
         elastic.append(f"free play = {' ± '.join(rounded(figures.free_play_um))} µm")
     if figures.measured_stiffness_N_per_um is not None:
         elastic.insert(0, f"K_t,m = {' ± '.join(rounded(figures.measured_stiffness_N_per_um, 1e3))} N/mm")
-    return [f"{name} = {' ± '.join(rounded(value))}" for name, value in friction if value is not None], elastic
+    words = [f"{name} = {' ± '.join(rounded(value))}" for name, value in friction if value is not None]
+    if figures.friction_partial_slip is not None:
+        words.append(f"µ partial slip: {_between(figures.friction_partial_slip)}")
+    return words, elastic
