@@ -131,6 +131,21 @@ def write_bytes(path: Path, data: bytes) -> Path:
     return path
 
 
+def write_grid(path: Path, grid: Any) -> Path:
+    """Write or replace a VTU or VTP file (by the ending) of a VTK grid or of points in one step and return its path.
+
+    By way of the memory: VTK's writers end the process where a disk is full. OSError when it cannot be written.
+    """
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
+
+    writer = vtkXMLPolyDataWriter() if path.suffix == ".vtp" else vtkXMLUnstructuredGridWriter()
+    writer.SetInputData(grid)
+    writer.SetDataModeToBinary()
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    return write_bytes(path, writer.GetOutputString().encode())
+
+
 @contextmanager
 def in_one_step(path: Path) -> Iterator[Path]:
     """A path beside `path`, with the same ending, to write to; it takes the place of `path` when all went well.
@@ -308,7 +323,8 @@ def writing(kind: type[WirewearError], what: str, then: str = "") -> Iterator[No
 def why_not_written(error: OSError) -> str:
     """Why something could not be written, as the end of a sentence."""
     if isinstance(error, FileExistsError):
-        return "it is a file, not a folder"
+        nowhere = isinstance(error.filename, str | os.PathLike) and os.path.islink(error.filename)  # noqa: PTH114
+        return "it is a link that leads nowhere" if nowhere else "it is a file, not a folder"
     if isinstance(error, NotADirectoryError):
         return "a part of this path is a file, not a folder"
     reason = error.strerror or str(error)

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from geometry import PlanarGeometry, PlanarMesh, build_planar
 from solvers.stress.line_surface_stress import LineSurfaceStress
 from wirewear.base.errors import ResultError
-from wirewear.base.writing import in_one_step, writing
+from wirewear.base.writing import write_grid, writing
 from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
 from wirewear.results import ContactForces, RunResult
 from wirewear.simulation import line_plan
@@ -108,9 +108,7 @@ def write_line_fields(
         with writing(ResultError, f"cannot write fields to {folder}"):
             folder.mkdir(parents=True, exist_ok=True)
             for body, grid in grids.items():
-                written.append(folder / f"{body}_{recorded.cycle:07d}_{k:03d}.vtu")
-                with in_one_step(written[-1]) as partial:
-                    grid.save(partial)
+                written.append(write_grid(folder / f"{body}_{recorded.cycle:07d}_{k:03d}.vtu", grid))
         if any(grid.cell_data["von_mises_MPa"].any() for grid in grids.values()):
             written.append(_drawn(states[bodies[-1]], grids, folder / f"section_{recorded.cycle:07d}_{k:03d}.png"))
     return written

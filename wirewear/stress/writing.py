@@ -15,7 +15,7 @@ from rich.table import Table
 
 from geometry.arrays import Array
 from wirewear.base.errors import ResultError
-from wirewear.base.writing import in_one_step, write_bytes, write_csv, writing
+from wirewear.base.writing import write_bytes, write_csv, write_grid, writing
 from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
 from wirewear.results import RunResult
 from wirewear.stress.bodies import (
@@ -105,17 +105,11 @@ def _draw(folder: Path, states: Sequence[BodyState]) -> list[Path]:
 
 
 def _write_state(folder: Path, state: BodyState) -> Path:
-    path = folder / f"{_name(state)}.vtu"
-    with in_one_step(path) as partial:
-        body_grid(state).save(partial)
-    return path
+    return write_grid(folder / f"{_name(state)}.vtu", body_grid(state))
 
 
 def _write_points(folder: Path, state: BodyState) -> Path:
-    path = folder / f"{_name(state)}_points.vtp"
-    with in_one_step(path) as partial:
-        integration_point_cloud(state).save(partial)
-    return path
+    return write_grid(folder / f"{_name(state)}_points.vtp", integration_point_cloud(state))
 
 
 def _write_series(path: Path, moments: Sequence[Sequence[BodyState]]) -> Path:
@@ -164,9 +158,7 @@ def write_strength(one: Strength, folder: Path) -> tuple[Path, Path]:
     path = folder / f"strength_{one.wire}_{one.cycle:07d}.vtu"
     with writing(ResultError, f"cannot write strengths to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        with in_one_step(path) as unfinished:
-            one.grid.save(unfinished)
-        return path, save(partial(draw_strength, one), path.with_suffix(".png"))
+        return write_grid(path, one.grid), save(partial(draw_strength, one), path.with_suffix(".png"))
 
 
 def write_strength_table(strengths: Sequence[Strength], folder: Path) -> Path:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wirewear.app.cli.group import Finite, Given, OutputFolder, cli, default_output, paper
+from wirewear.app.cli.group import Finite, Given, OutputFolder, busy, cli, default_output, paper
 from wirewear.app.cli.stress import BODY, asked_bodies
 from wirewear.base.errors import ResultError, StudyError, counted
 from wirewear.base.writing import usable_folder
@@ -76,7 +76,8 @@ def life(
             result, asked_bodies(body, result.label, result.bodies), values=values, wear_states=wear_states, tell=tell
         )
     folder = usable_folder(output or beside / "life")
-    written = write_lives(found, result.label, folder, cycle)
+    with busy("drawing the damage and writing the page"):
+        written = write_lives(found, result.label, folder, cycle)
     if as_json:
         click.echo(life_json(found))
     else:

@@ -117,8 +117,10 @@ def show(result_path: Path, output: Path | None, ending: str, animation: bool) -
     from wirewear.pictures import show as draw
     from wirewear.results import read_results
 
-    drawn = kind_of(read_results(result_path)[0]).drawings
-    for picture in draw(result_path, output, ending=ending, moving=animation, drawn=drawn):
+    with busy("drawing"):
+        drawn = kind_of(read_results(result_path)[0]).drawings
+        pictures = list(draw(result_path, output, ending=ending, moving=animation, drawn=drawn))
+    for picture in pictures:
         click.echo(picture)
 
 

@@ -193,7 +193,9 @@ def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
 
     folder = usable_folder(output or group.default_output(study_path) / "mesh")
     study = load_any_study(study_path)
-    for path in kind_of(study).write_meshes(study, fidelity, folder):
+    with group.busy("meshing and drawing"):
+        written = list(kind_of(study).write_meshes(study, fidelity, folder))
+    for path in written:
         click.echo(path)
 
 
