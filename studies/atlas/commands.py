@@ -10,6 +10,7 @@ import click
 from studies.atlas.entry import ALL, ENTRIES, PREDICTIONS, Entry, Row, read_entries
 from wirewear import StudyError
 from wirewear.app.cli.group import Commands, OutputFolder
+from wirewear.base import kinds
 
 fidelity_option = click.option(
     "--fidelity", type=click.Choice(("quick", "standard", "fine")), default="quick", show_default=True
@@ -112,7 +113,7 @@ def new(doi: str, name: str, kind: str, table: Path | None, into: Path) -> None:
     from wirewear.kinds import KINDS
     from wirewear.test.template import study_text
 
-    found = next((one for one in KINDS.values() if kind in one.names), None)
+    found = next((one for name, one in KINDS.items() if kind in kinds.NAMES[name]), None)
     if found is None:
         raise StudyError(f"there is no kind of contact {kind!r}: choose among {', '.join(KINDS)}.")
     folder = into / name

@@ -7,22 +7,12 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers import RoughLayer, ThirdBody
+from wirewear.base import kinds
 from wirewear.base.course import Course
 from wirewear.base.errors import Quantity
 from wirewear.effects import measurements
 from wirewear.effects.effect import Chain, Effect
-from wirewear.effects.parameter import (
-    AT_A_POINT,
-    added,
-    cycles_of_change,
-    exponent,
-    form,
-    limit_um,
-    order,
-    parameter,
-    part,
-    share,
-)
+from wirewear.effects.parameter import added, cycles_of_change, exponent, form, limit_um, order, parameter, part, share
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
 
 # Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
@@ -149,7 +139,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
     steepness: float = form(exponent(0.55))
     order: float = form(order(0.7))
     lasting: float = form(share(0.005, 0.6))
-    spreading: float = form(part("of its height that spreads the pressure", -0.5, 1.5), contacts=AT_A_POINT)
+    spreading: float = form(part("of its height that spreads the pressure", -0.5, 1.5), contacts=kinds.AT_A_POINT)
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with the rough layer as it is at that cycle."""
@@ -218,9 +208,9 @@ class ThirdBodyLayer(Effect[ContactLaw]):
 
     # A line contact's bed is computed along its profile, and stays a share of the depth: it has neither of these. Even
     # beds and gathered ones shear by V^0.2 more as they wear (contacts smaller than the scar), ejected ones less.
-    growth: float = form(added("power of the worn volume in the bed's shear", -0.2, 0.4), contacts=AT_A_POINT)
-    full_um: float = form(limit_um(0.5, 200.0), contacts=AT_A_POINT)
-    spreading: float = form(part("of its give that spreads the pressure", -0.5, 1.5), contacts=AT_A_POINT)
+    growth: float = form(added("power of the worn volume in the bed's shear", -0.2, 0.4), contacts=kinds.AT_A_POINT)
+    full_um: float = form(limit_um(0.5, 200.0), contacts=kinds.AT_A_POINT)
+    spreading: float = form(part("of its give that spreads the pressure", -0.5, 1.5), contacts=kinds.AT_A_POINT)
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
         """The law with the bed."""

@@ -4,10 +4,11 @@ from dataclasses import dataclass, replace
 from math import radians
 
 from solvers import Holder
+from wirewear.base import kinds
 from wirewear.base.errors import Quantity
 from wirewear.effects import measurements
 from wirewear.effects.effect import Effect
-from wirewear.effects.parameter import AT_A_POINT, RIGID, parameter
+from wirewear.effects.parameter import RIGID, parameter
 from wirewear.effects.seams import Age, Ageing, Control, Loading, Seam, Specimens
 
 
@@ -230,7 +231,7 @@ class CrossingAngleError(Effect[Specimens]):
 
     name = "crossing_angle_error"
     seam = Seam.SPECIMENS
-    contacts = ("crossed-wires",)
+    contacts = (kinds.CROSSED_WIRES,)
     ages = Ageing.NEVER
     signature = "nothing in loops to first order; a skewed scar"
     remedy = "measure the angle between the specimens and align the clamps"
@@ -263,7 +264,7 @@ class Plasticity(Effect[Specimens]):
 
     name = "plasticity"
     seam = Seam.SPECIMENS
-    contacts = AT_A_POINT
+    contacts = kinds.AT_A_POINT
     ages = Ageing.NEVER
     needs_load = True
     signature = "a larger contact before any wear; a depth that wear coefficient times energy does not explain"

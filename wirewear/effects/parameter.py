@@ -25,10 +25,6 @@ _ENDS = 1.96  # Standard deviations from the middle to either end of a range tha
 _LARGEST_LOGARITHM = math.log(sys.float_info.max)
 
 
-#: Kinds of contact at a point, whose bodies wear a scar that is as wide as it is long.
-AT_A_POINT = ("crossed-wires", "ball-on-flat", "point-contact")
-
-
 @dataclass(frozen=True)
 class Parameter:
     """One number of an effect."""

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from solvers import OxygenSupply, WearRates
+from wirewear.base import kinds
 from wirewear.base.course import Course
 from wirewear.base.errors import Quantity
 from wirewear.effects.effect import Chain, Effect
@@ -109,7 +110,7 @@ class ContactOxygenation(Effect[WearRates]):
     model_error = 0.1
     needs_whole_cycles = True
     # Scars of wires are so narrow that oxygen gets everywhere.
-    contacts = ("line-contact",)
+    contacts = (kinds.LINE_CONTACT,)
 
     supply_W: float = parameter(
         "friction power density times the square of the distance that oxygen gets from the contact's edge",

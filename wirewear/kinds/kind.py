@@ -36,7 +36,6 @@ class Kind:
     """A kind of contact. Its studies, records and results are its own; whoever has one asks its kind."""
 
     name: ClassVar[str]  #: As `kind` in a study and `contact_kind` of studies, records and results say it.
-    names: ClassVar[tuple[str, ...]]  #: All that `kind` in a study may be, older names too.
     inside_options: ClassVar[frozenset[str]]  #: Options of `wirewear fields` and `strength` that not all kinds know.
     scatters: ClassVar[bool]  #: Whether studies state the scatter of their inputs.
     options: ClassVar[frozenset[str]]  #: Keys of its records alone that `wirewear new --mapping` takes as options.

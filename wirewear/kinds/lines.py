@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
+from wirewear.base import kinds
 from wirewear.kinds.kind import Kind, elsewhere
 
 if TYPE_CHECKING:
@@ -15,8 +16,7 @@ if TYPE_CHECKING:
 class LineContacts(Kind):
     """A pad on a flat in plane strain."""
 
-    name: ClassVar[str] = "line-contact"
-    names: ClassVar[tuple[str, ...]] = (name, "cylinder-on-flat")
+    name: ClassVar[str] = kinds.LINE_CONTACT
     inside_options: ClassVar[frozenset[str]] = frozenset()
     scatters: ClassVar[bool] = False
     options: ClassVar[frozenset[str]] = frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_radius_mm"))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from wirewear.base import kinds
 from wirewear.base.errors import RecordError
 from wirewear.kinds.kind import Kind, elsewhere
 
@@ -36,8 +37,7 @@ class AtAPoint(Kind):
 class CrossedWires(AtAPoint):
     """Two round wires that cross."""
 
-    name: ClassVar[str] = "crossed-wires"
-    names: ClassVar[tuple[str, ...]] = (name,)
+    name: ClassVar[str] = kinds.CROSSED_WIRES
     options: ClassVar[frozenset[str]] = frozenset(("diameter_mm", "crossing_angle_deg"))
     rigid_N_per_mm: ClassVar[float] = 1e6
     template = elsewhere("wirewear.test.template:CROSSED_WIRES")
@@ -47,8 +47,7 @@ class CrossedWires(AtAPoint):
 class AnyBodies(AtAPoint):
     """Two bodies of any shapes."""
 
-    name: ClassVar[str] = "point-contact"
-    names: ClassVar[tuple[str, ...]] = (name,)
+    name: ClassVar[str] = kinds.POINT_CONTACT
     options: ClassVar[frozenset[str]] = frozenset()
     rigid_N_per_mm: ClassVar[float] = 1e7
     template = elsewhere("wirewear.test.points:ANY_BODIES")
@@ -64,8 +63,7 @@ class AnyBodies(AtAPoint):
 class BallOnFlat(AtAPoint):
     """A ball held above a flat."""
 
-    name: ClassVar[str] = "ball-on-flat"
-    names: ClassVar[tuple[str, ...]] = (name,)
+    name: ClassVar[str] = kinds.BALL_ON_FLAT
     options: ClassVar[frozenset[str]] = frozenset(("diameter_mm",))
     rigid_N_per_mm: ClassVar[float] = 1e7
     template = elsewhere("wirewear.test.points:BALL")

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Generic, Literal, Self, TypeVar
 
 from pydantic import Field, PlainValidator
 
+from wirewear.base import kinds
 from wirewear.base.errors import RecordError
 from wirewear.records import tables
 from wirewear.records.surfaces import PROFILES, SCARS
@@ -17,17 +18,17 @@ from wirewear.test.bodies import Body
 from wirewear.test.drive import BULK, BulkTable
 from wirewear.test.faces import FACE_KEYS, PadFace, half_width_of
 from wirewear.test.keys import Inconsistency, Table, one_of
-from wirewear.test.lengths import PLANAR_KINDS, stated_length_mm, whole_test
-from wirewear.test.lines import CYLINDER_ON_FLAT, Extent, Pad, Specimen, WearOfBodies
-from wirewear.test.points import BALL_ON_FLAT, POINT_CONTACT, BallAndFlat, LowerAndUpper
+from wirewear.test.lengths import stated_length_mm, whole_test
+from wirewear.test.lines import Extent, Pad, Specimen, WearOfBodies
+from wirewear.test.points import BallAndFlat, LowerAndUpper
 
 
 class RecordContact(keys.Table):
     """The kind and length of a line contact."""
 
-    kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(keys.one_of(*PLANAR_KINDS))] = Field(
-        description="kind of contact", examples=[PLANAR_KINDS[0]]
-    )
+    kind: Annotated[
+        Literal["line-contact", "cylinder-on-flat"], PlainValidator(keys.one_of(*kinds.NAMES[kinds.LINE_CONTACT]))
+    ] = Field(description="kind of contact", examples=[kinds.LINE_CONTACT])
     length_mm: Extent = Field(description="length of the line contact", examples=[10.0])
 
 
@@ -87,7 +88,7 @@ class LineFiles(keys.Table):
 class LineTest(OfRecord):
     """A test of a line contact as its file states it, without the names of data files."""
 
-    contact_kind, body_names = PLANAR_KINDS[0], BODIES
+    contact_kind, body_names = kinds.LINE_CONTACT, BODIES
     worn, needs_loops = PROFILES, False
 
     contact: RecordContact = Field(description="what touches")
@@ -137,7 +138,7 @@ class LineTest(OfRecord):
         del label
         round_pad, length_mm = study["pad"].get("radius_mm") is not None, study["contact"]["length_mm"]
         return {
-            "contact": {"kind": CYLINDER_ON_FLAT if round_pad else PLANAR_KINDS[0], "length_mm": length_mm},
+            "contact": {"kind": kinds.CYLINDER_ON_FLAT if round_pad else kinds.LINE_CONTACT, "length_mm": length_mm},
             "pad": tables.known_of(RecordPad, {**study["pad"], "material": None}),
             "specimen": tables.known_of(RecordBody, {**study["specimen"], "material": None}),
         }
@@ -206,7 +207,7 @@ class LineTest(OfRecord):
 
     def require_whole(self, where: str) -> None:
         """See that the pad has one face. Raises RecordError if it has none, or several."""
-        if (wanted := self.pad.missing_face(round_alone=self.contact.kind == CYLINDER_ON_FLAT)) is not None:
+        if (wanted := self.pad.missing_face(round_alone=self.contact.kind == kinds.CYLINDER_ON_FLAT)) is not None:
             raise RecordError(f"[pad] of {where} does not say which face the pad has: {wanted}.")
 
     @property
@@ -233,8 +234,8 @@ Bodies = TypeVar("Bodies", BallAndFlat, LowerAndUpper)
 class ContactAtAPoint(Table):
     """The kind of a contact at a point."""
 
-    kind: Annotated[str, PlainValidator(one_of(BALL_ON_FLAT, POINT_CONTACT))] = Field(
-        description="kind of contact", examples=[BALL_ON_FLAT]
+    kind: Annotated[str, PlainValidator(one_of(kinds.BALL_ON_FLAT, kinds.POINT_CONTACT))] = Field(
+        description="kind of contact", examples=[kinds.BALL_ON_FLAT]
     )
 
 
@@ -262,13 +263,13 @@ class BodiesTest(PointTest, Generic[Bodies]):
 class BallTest(BodiesTest[BallAndFlat]):
     """A test of a ball on a flat."""
 
-    contact_kind, body_names = BALL_ON_FLAT, ("flat", "ball")
+    contact_kind, body_names = kinds.BALL_ON_FLAT, ("flat", "ball")
 
 
 class ShapesTest(BodiesTest[LowerAndUpper]):
     """A test of bodies of any shapes."""
 
-    contact_kind, body_names = POINT_CONTACT, ("lower", "upper")
+    contact_kind, body_names = kinds.POINT_CONTACT, ("lower", "upper")
 
 
 class BodiesRecord(PointRecordTables):

@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator
 
+from wirewear.base import kinds
 from wirewear.base.errors import Quantity, RecordError, shown
 from wirewear.records.scars import MeasuredScar
 from wirewear.records.surfaces import SCARS
@@ -14,7 +15,7 @@ from wirewear.results.scar import WIRES, called
 from wirewear.test import keys
 from wirewear.test.bodies import Body, unworn_stiffness_N_per_um
 from wirewear.test.keys import Inconsistency
-from wirewear.test.tables import CROSSED_WIRES, Asked, HolderTable
+from wirewear.test.tables import Asked, HolderTable
 from wirewear.test.wires import BothWires, Wires
 
 DRIVES = ("sensor", "stroke")
@@ -223,13 +224,13 @@ class PointTest(OfTest):
 class OfWires(keys.Table):
     """The kind of contact, where it is stated."""
 
-    kind: Annotated[str, PlainValidator(keys.one_of(CROSSED_WIRES))] = Field(description="kind of contact")
+    kind: Annotated[str, PlainValidator(keys.one_of(kinds.CROSSED_WIRES))] = Field(description="kind of contact")
 
 
 class WiresTest(PointTest):
     """A test of crossed wires as its file states it."""
 
-    contact_kind, body_names = "crossed-wires", WIRES
+    contact_kind, body_names = kinds.CROSSED_WIRES, WIRES
 
     contact: OfWires | None = Field(None, description="what touches, where that is said")
     wires: BothWires

@@ -19,6 +19,7 @@ import h5py
 import numpy as np
 
 from geometry.arrays import Array
+from wirewear.base import kinds
 from wirewear.base.errors import ResultError
 from wirewear.results.contact_forces import ContactForces
 from wirewear.results.flat import whole
@@ -59,7 +60,7 @@ def line_result(file: h5py.File, path: Path) -> RunResult:
         versions={},
         timings_s={},
         path=path,
-        contact_kind="line-contact",
+        contact_kind=kinds.LINE_CONTACT,
         bodies=("specimen", "pad"),
         length_mm=_LENGTH_mm,
     )

@@ -11,6 +11,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.laws.layers import SurfaceLayer, bare_depth, work_through
+from wirewear.base import kinds
 from wirewear.base.errors import NoColumnError, ResultError, StudyError, as_sentence, counted
 from wirewear.effects import Age, Seam, applied, effects_of_tables
 from wirewear.loops import LoopSignals, Sensor
@@ -255,7 +256,7 @@ class RunResult:
     timings_s: Mapping[str, float]
     path: Path | None = None
     contact_forces: tuple[ContactForces, ...] = ()
-    contact_kind: str = "crossed-wires"
+    contact_kind: str = kinds.CROSSED_WIRES
     bodies: tuple[str, str] = WIRES
     length_mm: float | None = None
     label: str = field(init=False)

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from solvers import ContactProblem, CycleTrace, unloaded_state
+from wirewear.base import kinds
 from wirewear.base.cache import Identity
 from wirewear.effects import problem_with
 from wirewear.results import ContactForces, Loop, RunResult, Scar
@@ -29,7 +30,7 @@ from wirewear.test import LineStudy
 class LineRunRecord(Recorded):
     """The record of one run of a line contact."""
 
-    contact_kind, bodies, length_mm = "line-contact", ("specimen", "pad"), 1.0
+    contact_kind, bodies, length_mm = kinds.LINE_CONTACT, ("specimen", "pad"), 1.0
 
     def __init__(self, plan: "LineRun") -> None:
         """Empty, before the run."""

@@ -3,19 +3,19 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from wirewear.base import kinds
 from wirewear.base.errors import StudyError
 from wirewear.test.bodies import Wire
 from wirewear.test.drive import BulkTable
 from wirewear.test.fidelity import FIDELITIES
 from wirewear.test.keys import NO_PIVOT, Inconsistency, Table, merged
-from wirewear.test.lengths import PLANAR_KINDS
 from wirewear.test.life import LifeTable
 from wirewear.test.lines import LineTables
 from wirewear.test.messages import Keys, place, table_above, validated
 from wirewear.test.points import BallOnFlatTables, PointTables, ShapedBody
 from wirewear.test.programme import held_keys, logged_ends, placed, too_many
 from wirewear.test.surfaces import StatedSurface, unfit_layers
-from wirewear.test.tables import CROSSED_WIRES, CommonTables, ContactTables, StudyTables
+from wirewear.test.tables import CommonTables, ContactTables, StudyTables
 
 _GRIP_deg = ShapedBody.model_fields["grip_angle_deg"].default
 
@@ -38,7 +38,7 @@ def checked_tables(
         table = ".".join(str(key) for key in keys[:-1])
         return f"{prefix}.{table}".rstrip(".") if prefix and _holds(overrides or {}, keys) else table
 
-    tables = validated(of_kind(data.get("kind"))[0], data, where, StudyError, spelled)
+    tables = validated(of_kind(data.get("kind")), data, where, StudyError, spelled)
     contradiction = inconsistency(tables)
     if contradiction is not None:
         keys, problem = contradiction
@@ -65,7 +65,7 @@ def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
 
 def inconsistency(tables: CommonTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
-    checks = (type(tables).contradiction, *of_kind(tables.kind)[1], *_OF_ALL)
+    checks = (type(tables).contradiction, *(_OF_A_POINT if isinstance(tables, ContactTables) else ()), *_OF_ALL)
     return next((found for check in checks if (found := check(tables)) is not None), None)
 
 
@@ -191,18 +191,17 @@ Check = Callable[[Any], Inconsistency | None]
 _OF_ALL: tuple[Check, ...] = (_layers, _programme, _held)
 _OF_A_POINT: tuple[Check, ...] = (_wear, _bulk, _holder, _effects, _explicit, _fidelities)
 
-#: Tables by kind of contact and the checks between them; a file of no kind is told so by those of crossed wires.
-_KINDS: dict[str, tuple[type[CommonTables], tuple[Check, ...]]] = {
-    CROSSED_WIRES: (StudyTables, _OF_A_POINT),
-    "ball-on-flat": (BallOnFlatTables, _OF_A_POINT),
-    "point-contact": (PointTables, _OF_A_POINT),
-    **dict.fromkeys(PLANAR_KINDS, (LineTables, ())),
-}
 
-
-def of_kind(asked: object) -> tuple[type[CommonTables], tuple[Check, ...]]:
-    """The tables of a kind of contact and the checks between them; of crossed wires where there is no such kind."""
-    return next((own for kind, own in _KINDS.items() if asked == kind), _KINDS[CROSSED_WIRES])
+def of_kind(asked: object) -> type[CommonTables]:
+    """The tables of a study of that kind; where there is no such kind those of crossed wires, which say so."""
+    match asked:
+        case kinds.LINE_CONTACT | kinds.CYLINDER_ON_FLAT:
+            return LineTables
+        case kinds.BALL_ON_FLAT:
+            return BallOnFlatTables
+        case kinds.POINT_CONTACT:
+            return PointTables
+    return StudyTables
 
 
 #: Yields keys that tables state and that do not act there, as others decide in their place.

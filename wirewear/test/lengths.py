@@ -6,8 +6,6 @@ from typing import Any
 
 from wirewear.base.errors import WirewearError
 
-PLANAR_KINDS = ("line-contact", "cylinder-on-flat")  #: Kinds of contact whose tables are per length where they say so.
-
 #: By which power of its length a contact's number grows, by the unit at its key's end; all other numbers stay. The
 #: watts of an oxygen supply are a power density times the square of a distance, whatever the length.
 _POWERS = {"N": 1, "N_per_mm": 1, "N_mm_per_rad": 1, "mJ": 1, "J": 1, "mm3": 1, "um_per_N": -1, "um_per_N2": -2}

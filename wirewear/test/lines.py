@@ -8,18 +8,17 @@ from pydantic import Field, PlainValidator
 
 from geometry import Elastic, PlanarGeometry
 from solvers import Coulomb, Drive, EnergyLaw, WearLaw, WearRates
+from wirewear.base import kinds
 from wirewear.base.errors import Quantity, StudyError
 from wirewear.effects import Seam
 from wirewear.test import keys
 from wirewear.test.drive import BULK, BulkTable, bulk_of
 from wirewear.test.faces import PadFaceOrFile
 from wirewear.test.keys import Inconsistency
-from wirewear.test.lengths import GROWING, PLANAR_KINDS, given_length_mm, key_of_whole, lengthened, whole_test
+from wirewear.test.lengths import GROWING, given_length_mm, key_of_whole, lengthened, whole_test
 from wirewear.test.surfaces import LAYERS, LayerTable, StatedSurface, layers_of
 from wirewear.test.tables import CommonTables, DrivenConditions, FrictionTable, StatesItsKind
 from wirewear.test.template import Template
-
-CYLINDER_ON_FLAT = PLANAR_KINDS[1]  #: A line contact whose pad is a cylinder.
 
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]
 
@@ -168,9 +167,9 @@ class _OfPadAndSpecimen(StatesItsKind):
 class LineTables(CommonTables, _OfPadAndSpecimen):
     """A whole study of a line contact without its variants."""
 
-    kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(keys.one_of(*PLANAR_KINDS))] = Field(
-        description="kind of contact", examples=[PLANAR_KINDS[0]]
-    )
+    kind: Annotated[
+        Literal["line-contact", "cylinder-on-flat"], PlainValidator(keys.one_of(*kinds.NAMES[kinds.LINE_CONTACT]))
+    ] = Field(description="kind of contact", examples=[kinds.LINE_CONTACT])
     conditions: LineConditions = Field(description="load, stroke, motion and length of the test")
     contact: LineContactTable = Field(description="friction and length")
     wear: LineWear = Field(LineWear(), description="wear of both bodies; without this table nothing wears")
@@ -179,7 +178,7 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
     @property
     def contact_kind(self) -> str:
         """A cylinder on a flat is one of them."""
-        return PLANAR_KINDS[0]
+        return kinds.LINE_CONTACT
 
     @classmethod
     def known(cls, data: Mapping[str, Any], where: str, variant: Mapping[str, Any] | None = None) -> dict[str, Any]:
@@ -260,7 +259,7 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
         return self._of_bodies() or self._of_holder() or self._of_wear()
 
     def _of_bodies(self) -> Inconsistency | None:
-        if (wanted := self.pad.missing_face(round_alone=self.kind == CYLINDER_ON_FLAT)) is not None:
+        if (wanted := self.pad.missing_face(round_alone=self.kind == kinds.CYLINDER_ON_FLAT)) is not None:
             return Inconsistency(("pad",), f"does not say which face it has: {wanted}")
         for name in ("pad", "specimen"):
             if (bulk := getattr(self, name).bulk) is not None and (told := bulk.unfit(is_round=False)):
@@ -318,7 +317,7 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
 
 #: A titanium cylinder on a titanium flat.
 LINE_CONTACT = Template(
-    PLANAR_KINDS[0],
+    kinds.LINE_CONTACT,
     LineTables,
     ("pad", "specimen", "conditions", "contact", "wear", "holder", "log"),
     {

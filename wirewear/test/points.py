@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PlainValidator
 
 from geometry import TabledProfile
+from wirewear.base import kinds
 from wirewear.base.errors import Quantity
 from wirewear.effects import Age, Seam, Specimens, applied
 from wirewear.test import keys
@@ -16,8 +17,6 @@ from wirewear.test.keys import Inconsistency
 from wirewear.test.surfaces import LAYERS, LayerTable, StatedSurface
 from wirewear.test.tables import ContactTables, StatesItsKind
 from wirewear.test.template import COMMON, EXAMPLE, Template
-
-BALL_ON_FLAT, POINT_CONTACT = "ball-on-flat", "point-contact"
 
 #: Shapes that are blocks: whether they are curved along and across.
 _CURVED = {"ball": (True, True), "flat": (False, False), "cylinder": (False, True), "barrel": (True, True)}
@@ -232,7 +231,7 @@ class _OfBodies(StatesItsKind):
 class BallOnFlatTables(ContactTables, _OfBallAndFlat):
     """A whole study of a ball on a flat without its variants."""
 
-    kind: Literal["ball-on-flat"] = Field(description="kind of contact", examples=[BALL_ON_FLAT])
+    kind: Literal["ball-on-flat"] = Field(description="kind of contact", examples=[kinds.BALL_ON_FLAT])
 
     def bodies_of_test(self) -> tuple[BlockBody, BlockBody]:
         return self.bodies.of_test()
@@ -245,7 +244,7 @@ class BallOnFlatTables(ContactTables, _OfBallAndFlat):
 class PointTables(ContactTables, _OfBodies):
     """A whole study of a contact at a point without its variants."""
 
-    kind: Literal["point-contact"] = Field(description="kind of contact", examples=[POINT_CONTACT])
+    kind: Literal["point-contact"] = Field(description="kind of contact", examples=[kinds.POINT_CONTACT])
 
     def bodies_of_test(self) -> tuple[Body, Body]:
         return self.bodies.of_test()
@@ -273,7 +272,7 @@ def _of_wires(tables: ContactTables) -> Inconsistency | None:
 
 #: A steel ball of half an inch on a steel flat.
 BALL = Template(
-    BALL_ON_FLAT,
+    kinds.BALL_ON_FLAT,
     BallOnFlatTables,
     _SHOWN,
     _TEST | {"bodies": {"ball": {"diameter_mm": 12.7, **_STEEL}, "flat": _STEEL}},
@@ -283,7 +282,7 @@ BALL = Template(
 
 #: Two cylinders of half an inch, crossed at right angles.
 ANY_BODIES = Template(
-    POINT_CONTACT,
+    kinds.POINT_CONTACT,
     PointTables,
     _SHOWN,
     _TEST

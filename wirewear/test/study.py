@@ -8,16 +8,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Self, cast
 
+from wirewear.base import kinds
 from wirewear.base.errors import StudyError, shown
 from wirewear.base.files import Held, parsed_toml, read_toml, require_no_other
 from wirewear.test.any_study import AnyStudy
 from wirewear.test.bodies import Body
 from wirewear.test.consistency import checked_tables, of_kind
 from wirewear.test.fidelity import FIDELITIES, level_of
-from wirewear.test.lengths import PLANAR_KINDS
 from wirewear.test.lines import LineConditions, LineContactTable, LineMeshing, LineTables, LineWear, Pad, Specimen
 from wirewear.test.tables import (
-    CROSSED_WIRES,
     Conditions,
     Contact,
     ContactTables,
@@ -107,9 +106,10 @@ def point_study(data: Mapping[str, Any], where: str) -> Study:
     """A study of a contact at a point from nested tables.
     Raises StudyError, in one sentence, if the tables are no valid study of one.
     """
-    if data.get("kind") in PLANAR_KINDS:
+    if data.get("kind") in kinds.NAMES[kinds.LINE_CONTACT]:
         raise StudyError(
-            f'{where} is a study of kind "{data["kind"]}", which is not taken here: give one of kind "{CROSSED_WIRES}".'
+            f'{where} is a study of kind "{data["kind"]}", which is not taken here: give one of kind '
+            f'"{kinds.CROSSED_WIRES}".'
         )
     study: Study = study_from_tables(data, where)
     return study
@@ -146,7 +146,7 @@ def study_from_tables(data: Mapping[str, Any], where: str) -> Any:
     """Build a study of any kind from nested tables such as `Study.resolved()` returns.
     Raises StudyError, in one sentence, if the tables are no valid study.
     """
-    known = of_kind(data.get("kind"))[0].known
+    known = of_kind(data.get("kind")).known
     base = {key: value for key, value in data.items() if key != "variants"}
     tables: Any = checked_tables(known(base, where), where)
     variants: tuple[tuple[str, Any], ...] = tuple(

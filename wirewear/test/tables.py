@@ -10,11 +10,11 @@ from pydantic import Field, PlainValidator, model_validator
 
 from geometry import Elastic
 from solvers import Archard, Coulomb, Drive, EnergyLaw, FrictionLaw, Holder, Waveform, WearLaw, WearRates
+from wirewear.base import kinds
 from wirewear.base.errors import shown
 from wirewear.test import keys
 from wirewear.test.bodies import Body, Wire
 from wirewear.test.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, bulk_of, drive_of
-from wirewear.test.lengths import PLANAR_KINDS
 from wirewear.test.life import LifeTable
 from wirewear.test.programme import CycleBlock
 from wirewear.test.surfaces import LayerTable, layers_of
@@ -24,20 +24,16 @@ Formulation = Literal["augmented-lagrangian", "penalty"]
 Variation = Literal["none", "cycles", "energy_J"]
 WearUpdate = Literal["implicit", "explicit"]
 
-#: Kinds of study with tables of their own, which `wirewear run` takes beside crossed wires.
-POINT_KINDS = ("ball-on-flat", "point-contact")
-
-
-CROSSED_WIRES = "crossed-wires"  #: What the kind of crossed wires is called.
-
 
 def _checked_kind(value: object) -> str:
     if value == "rig-stiffness":
         raise ValueError('is "rig-stiffness", which is a line contact whose variants have the rigs: "line-contact"')
-    if value != CROSSED_WIRES:
-        others = " or ".join(f'"{kind}"' for kind in (*POINT_KINDS, *PLANAR_KINDS))
+    if value != kinds.CROSSED_WIRES:
+        others = " or ".join(
+            f'"{kind}"' for names in kinds.NAMES.values() for kind in names if kind != kinds.CROSSED_WIRES
+        )
         raise ValueError(f'is {shown(value)}, but must be "crossed-wires"; `wirewear run` also takes {others}')
-    return CROSSED_WIRES
+    return kinds.CROSSED_WIRES
 
 
 class Asked(keys.Table):

@@ -7,6 +7,7 @@ from typing import Any
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
+from wirewear.base import kinds
 from wirewear.base.errors import UNIT_SYMBOLS
 from wirewear.base.files import spelled
 from wirewear.test.keys import Table, quantity_of, table_of
@@ -47,7 +48,7 @@ class Template:
 
 #: A study of crossed wires.
 CROSSED_WIRES = Template(
-    "crossed-wires",
+    kinds.CROSSED_WIRES,
     StudyTables,
     ("wires", *COMMON),
     EXAMPLE,

@@ -19,6 +19,7 @@ from wirewear.app.cli.group import (
     overwrite_record,
     paper,
 )
+from wirewear.base import kinds
 from wirewear.base.errors import RecordError
 from wirewear.base.files import DELIMITERS, is_encoding_of_text
 from wirewear.base.writing import json_text, usable_file
@@ -125,7 +126,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
         raise RecordError("--record and --output belong together: which record, and where it goes when corrected.")
     study = load_study(study_path)
     study = study if variant is None else study.variant(variant)
-    record = None if record_path is None else read_record(record_path, "crossed-wires")
+    record = None if record_path is None else read_record(record_path, kinds.CROSSED_WIRES)
     place: dict[str, Any] = {"made_of": [record_path], "overwrite": overwrite}
     if output is not None:
         require_place(output, **place)

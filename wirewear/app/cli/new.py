@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wirewear.app.cli.group import Given, OutputFile, busy, cli, given
+from wirewear.base import kinds
 from wirewear.base.errors import RecordError, StudyError, as_sentence
 from wirewear.base.files import Held, parsed_toml, recognised, require_no_other
 from wirewear.base.writing import is_special, prepared_folder, usable_file, write_text
@@ -34,8 +35,8 @@ _TOLD = {
 
 @cli.command()
 @click.argument("names", metavar="NAME | FILES...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--kind", type=click.Choice([name for own in KINDS.values() for name in own.names]),
-              default="crossed-wires", show_default=True, help="What is simulated.")  # fmt: skip
+@click.option("--kind", type=click.Choice([name for names in kinds.NAMES.values() for name in names]),
+              default=kinds.CROSSED_WIRES, show_default=True, help="What is simulated.")  # fmt: skip
 @click.option("--from", "record_path", metavar="RECORD", type=Given(), help="Take over its test.")
 @click.option("--mapping", is_flag=True, help="Guess a mapping for `wirewear import` from a logger's FILES.")
 @click.option("--output", metavar="FILE.toml", type=OutputFile(),
@@ -63,14 +64,14 @@ def new(
     **told: float | None,
 ) -> None:
     """Begin a study NAME, or with --mapping an import of a logger's FILES."""
-    kind = next(name for name, own in KINDS.items() if kind in own.names)
+    kind = next(name for name, names_of in kinds.NAMES.items() if kind in names_of)
     if not mapping:
         _new_study(names, kind, record_path, output)
         return
     if record_path is not None:
         raise RecordError("--from takes a study's values over from a record, and does not go with --mapping.")
     known = {_TOLD[option]: value for option, value in told.items() if value is not None}
-    lines = KINDS["line-contact"]
+    lines = KINDS[kinds.LINE_CONTACT]
     by_options = not given("kind") and (pad_material is not None or known.keys() & lines.options)
     own = lines if by_options else KINDS[kind]
     foreign = {key for other in KINDS.values() for key in other.options & known.keys()} - own.options

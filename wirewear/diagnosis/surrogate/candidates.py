@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from geometry.arrays import Array
+from wirewear.base import kinds
 from wirewear.base.errors import StudyError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.inputs import Setup
@@ -45,7 +46,7 @@ class Candidate:
         stated: Stated,
         chosen: Mapping[str, str] | None = None,
         scales: Mapping[str, float] | None = None,
-        contact: str = "crossed-wires",
+        contact: str = kinds.CROSSED_WIRES,
     ) -> Candidate:
         """The effect in a test that states these numbers, with these words chosen; `scales` by unit as `Setup` has."""
         known = {

@@ -9,6 +9,7 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from geometry.arrays import Array
+from wirewear.base import kinds
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.effects import COLUMNS, Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
@@ -67,7 +68,7 @@ class Setup:
     crossing_error_rad: float = 0.0  #: Of the wires' axes; by what other bodies' scars are sheared alike.
     effects: tuple[AtWork, ...] = ()  #: At work beside that.
     length_mm: float = 0.0  #: Of a line contact; zero for contacts at a point.
-    contact_kind: str = "crossed-wires"
+    contact_kind: str = kinds.CROSSED_WIRES
     motion: FastMotion = SINE  #: How the drive passes its stroke in time.
     #: Of a test by blocks, cycles with how many of these conditions wear as much as all so far.
     worked: tuple[tuple[float, float], ...] = ()

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from wirewear.base import kinds
 from wirewear.base.errors import RecordError, as_sentence
 from wirewear.base.files import toml_text
 from wirewear.records.contact_tables import BallTest, LineTest, RecordContact
@@ -17,10 +18,8 @@ from wirewear.records.importing.sources import name_pattern
 from wirewear.records.importing.text_reader import OPEN, open_lines
 from wirewear.results.scar import WIRES
 from wirewear.test.faces import FACE_KEYS, PadFace
-from wirewear.test.lengths import PLANAR_KINDS
-from wirewear.test.lines import CYLINDER_ON_FLAT
 from wirewear.test.messages import validated
-from wirewear.test.points import BALL_ON_FLAT, BallAndFlat
+from wirewear.test.points import BallAndFlat
 from wirewear.test.wires import Wires
 
 #: What only options tell where no file holds loops.
@@ -42,13 +41,13 @@ def line_contact(known: Mapping[str, Any], specimen: Mapping[str, Any], pad: Map
     length = known.get("length_mm")
     if length is None:
         raise RecordError("no file tells the length of the line contact: give it by --length, in millimetres.")
-    validated(RecordContact, {"kind": PLANAR_KINDS[0], "length_mm": length}, "the options", RecordError)
+    validated(RecordContact, {"kind": kinds.LINE_CONTACT, "length_mm": length}, "the options", RecordError)
     face = {key: known[key] for key in FACE_KEYS if known.get(key) is not None}
     if validated(PadFace, face, "the options", RecordError).missing_face() is not None:
         raise RecordError(
             "no file tells the pad's face: give --radius, or --face-half-width and --edge-radius, in millimetres."
         )
-    kind = CYLINDER_ON_FLAT if face.keys() == {"radius_mm"} else PLANAR_KINDS[0]
+    kind = kinds.CYLINDER_ON_FLAT if face.keys() == {"radius_mm"} else kinds.LINE_CONTACT
     tables = {"contact": {"kind": kind, "length_mm": length}, "pad": face | dict(pad), "specimen": dict(specimen)}
     return Touching(tables, LineTest.body_names, length_mm=length)
 
@@ -257,7 +256,7 @@ def ball_on_flat(known: Mapping[str, Any], elastic: Mapping[str, float], of_ball
     told = "diameter_mm" in known
     remarks = () if told else ("no file tells the ball's diameter, in millimetres: --diameter does it, too",)
     bodies = BallAndFlat.model_validate(tables).of_test() if told else ()
-    touching = {"contact": {"kind": BALL_ON_FLAT}, "bodies": tables}
+    touching = {"contact": {"kind": kinds.BALL_ON_FLAT}, "bodies": tables}
     return Touching(touching, BallTest.body_names, remarks, {body.name: body for body in bodies})
 
 

@@ -1,0 +1,19 @@
+"""Kinds of contact as studies, records and results name them."""
+
+CROSSED_WIRES, LINE_CONTACT, BALL_ON_FLAT, POINT_CONTACT = (
+    "crossed-wires",
+    "line-contact",
+    "ball-on-flat",
+    "point-contact",
+)
+CYLINDER_ON_FLAT = "cylinder-on-flat"  #: A line contact whose pad is a cylinder.
+
+#: All that `kind` in a study may be, by the kind of contact.
+NAMES = {
+    CROSSED_WIRES: (CROSSED_WIRES,),
+    LINE_CONTACT: (LINE_CONTACT, CYLINDER_ON_FLAT),
+    BALL_ON_FLAT: (BALL_ON_FLAT,),
+    POINT_CONTACT: (POINT_CONTACT,),
+}
+#: Contacts whose bodies wear a scar that is as wide as it is long.
+AT_A_POINT = (CROSSED_WIRES, BALL_ON_FLAT, POINT_CONTACT)
