@@ -122,7 +122,7 @@ def _evenly_slid(drive: Drive, increments: int, guide: Guide) -> dict[float, Arr
     that of the slip.
     """
     time, slip = _slid(drive, guide)
-    even = spread_over_slip(slip, 1.0 + drive.load.shares(time) / drive.mean_load, sliding_increments(increments))
+    even = spread_over_slip(slip, drive.mean_load + drive.load.shares(time), sliding_increments(increments))
     return _of_strokes(drive, guide, np.sort(np.append(even, _onsets(slip, np.diff(guide.phase, prepend=0.0)))))
 
 

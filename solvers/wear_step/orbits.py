@@ -91,14 +91,17 @@ class _Met:
 
 
 def _met(problem: ContactProblem, pairing: Pairing, stop: WearStop, strains: Sequence[tuple[Array, Array]]) -> _Met:
-    """Strains: motions (n, 3) of both bodies' nodes over the slip before and over that after."""
+    """Strains: motions (n, 3) of both bodies' nodes over each of the stop's legs."""
     old, new, following, nodes = stop.begins, stop.state, stop.ends, pairing.nodes
     lever = levers(problem, new.drive, new.holder_x)[nodes]
     # Slip after a position is that of the points that face each other there, as slip before it is: friction work is
     # then that of the mean traction, also where points move into and out of a strained contact.
-    legs = ((old, new), (new, following))
-    slip, later = (_slip(problem, pairing, lever, *leg, moved) for leg, moved in zip(legs, strains, strict=True))
-    size = np.linalg.norm(slip, axis=1)
+    slip, later, *own = (
+        _slip(problem, pairing, lever, *leg, moved) for leg, moved in zip(stop.legs, strains, strict=True)
+    )
+    # Friction opposes the slip of the moment: before, the bodies may have stuck, or slid the other way.
+    latest = own[0] if own else slip
+    size = np.linalg.norm(latest, axis=1)
     traction = new.traction[nodes]
     pressure = np.einsum("ij,ij->i", traction, pairing.frames[:, 0, :])
     tangential = np.einsum("ij,ikj->ik", traction, pairing.frames[:, 1:, :])
@@ -107,14 +110,14 @@ def _met(problem: ContactProblem, pairing: Pairing, stop: WearStop, strains: Seq
     sticks = (pressure > 0.0) & still & (problem.law.limit(pressure) > 0.0)
     moving = ~sticks & (size > 0.0)
     direction = np.zeros_like(slip)
-    direction[moving] = -slip[moving] / size[moving, None]
+    direction[moving] = -latest[moving] / size[moving, None]
     everywhere = np.zeros(problem.primary.patch.size, dtype=bool)
     everywhere[nodes] = sticks
     driven = 0.5 * (abs(new.drive - old.drive) + abs(following.drive - new.drive))
     return _Met(
         pairing=pairing,
         lever=lever,
-        before=np.where(sticks, 0.0, size),
+        before=np.where(sticks, 0.0, np.linalg.norm(slip, axis=1)),
         after=np.linalg.norm(later, axis=1),
         sticks=everywhere,
         direction=direction,
@@ -148,10 +151,9 @@ def _position(met: _Met, stop: WearStop, sticks: BoolArray) -> Position:
 def _strains(
     problem: ContactProblem, stops: Sequence[WearStop], pairings: Sequence[Pairing]
 ) -> list[list[tuple[Array, Array]]]:
-    """Displacements (n, 3) of the primary and the secondary before and after each stop, where paired."""
+    """Displacements (n, 3) of the primary and the secondary over each leg of each stop, where paired."""
     # The slip after a stop is mostly that before the next one.
-    every = [[(stop.begins, stop.state), (stop.state, stop.ends)] for stop in stops]
-    legs = {(id(old), id(new)): (old, new) for both in every for old, new in both}
+    legs = {(id(old), id(new)): (old, new) for stop in stops for old, new in stop.legs}
     changes = (
         np.array([new.primary_force - old.primary_force for old, new in legs.values()]),
         np.array([new.secondary_force - old.secondary_force for old, new in legs.values()]),
@@ -162,7 +164,7 @@ def _strains(
         for body, nodes, change in zip((problem.primary, problem.secondary), reached, changes, strict=True)
     )
     known = dict(zip(legs, zip(*moved, strict=True), strict=True))
-    return [[known[id(old), id(new)] for old, new in both] for both in every]
+    return [[known[id(old), id(new)] for old, new in stop.legs] for stop in stops]
 
 
 def _slip(

@@ -17,7 +17,9 @@ from solvers.fretting import CycleTrace
 from solvers.wear_path import WornPlaces, slides, spread_over_slip
 from solvers.wear_step.symmetry import Mirror, mirrored
 
-_LEAST_LOAD = 0.1  # Of the mean load: no place with less stands for others, which would wear so little of the surface.
+# Of the mean load, or of the largest under which the bodies slide: no place with less stands for others, which would
+# wear so little of the surface.
+_LEAST_LOAD = 0.1
 
 
 class WearStop(NamedTuple):
@@ -30,6 +32,12 @@ class WearStop(NamedTuple):
     increment: int  #: Its number.
     load_slip: float | None  #: Integral of the load over the slip of which it stands for, N mm; None for its own.
     driven: float | None  #: What the drive moves while the bodies slide of which it stands for, mm; None for all.
+
+    @property
+    def legs(self) -> tuple[tuple[ContactState, ContactState], ...]:
+        """From where to where the bodies slide before and after it, and its increment where that is not the former."""
+        around = (self.begins, self.state), (self.state, self.ends)
+        return around if self.approached is self.begins else (*around, (self.approached, self.state))
 
 
 def stops_of(start: ContactState, trace: CycleTrace, half_cycle: Mirror | None) -> tuple[WearStop, ...]:
@@ -74,7 +82,10 @@ def worn_places(problem: ContactProblem, trace: CycleTrace, count: int) -> WornP
     ways = np.sign(slip) * slides(slip)
     mean = float(load.mean())
     found = np.maximum(np.rint(spread_over_slip(slip, 1.0 + load[1:] / mean, count)), 1.0).astype(np.int64)
-    kept = np.unique(np.append(found[load[found] > _LEAST_LOAD * mean], len(slip)))
+    # An increment in which the bodies part wears where it begins.
+    found = np.maximum(found - (load[found] <= 0.0), 1)
+    found = found[load[found] > _LEAST_LOAD * min(mean, float(load[found].max(initial=0.0)))]
+    kept = np.unique(np.append(found if len(found) else 1 + np.argmax(load[1:]), len(slip)))
     drive = np.where(ways != 0.0, np.abs(np.diff(trace.drive, prepend=trace.start.drive)), 0.0)
     work = 0.5 * (np.abs(slip) + np.abs(np.roll(slip, -1))) * load[1:]
     if load[-1] <= _LEAST_LOAD * mean:
@@ -98,7 +109,7 @@ def _shared(slip: Array, ways: Array, kept: IntArray, values: Array) -> Array:
         if len(other):
             share = (place > begin + other[-1]).astype(float)
         else:
-            share = (along[place] - along[begin]) / (along[end] - along[begin])
+            share = (along[place] - along[begin]) / max(along[end] - along[begin], 1e-300)
         found[k] += float((1.0 - share) @ values[place - 1])
         found[k + 1] += float(share @ values[place - 1])
     # Where the bodies do not slide at its end, a cycle begins with what its first place stands for.

@@ -240,12 +240,14 @@ def _cycle(
     symmetry: Symmetry,
     work_mJ: float,
 ) -> tuple[list[int], Cycle]:
-    """The positions of the traced cycle that slide, and the last one if the bodies touch there, by their numbers.
+    """The positions of the traced cycle that slide, and the last one if the bodies touch there, by their numbers; the
+    first one at which they touch where there is neither.
 
     work_mJ: friction work of the whole cycle.
     """
     every = positions_of(problem, passed, nodes, symmetry.half_cycle)
-    kept = [k for k, own in enumerate(every) if own.slides or (k == len(every) - 1 and len(own.nodes))]
+    touch = [k for k, own in enumerate(every) if len(own.nodes)]
+    kept = [k for k in touch if every[k].slides or k == len(every) - 1] or touch[:1]
     positions = tuple(every[k] for k in kept)
     orbits = orbits_of(problem, positions, symmetry)
     influences = Influences(

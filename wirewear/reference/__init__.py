@@ -11,7 +11,7 @@ from wirewear.reference.wear import *
 #: What this package offers of what its modules define.
 __all__ = [
     "CrossedWireScar", "Elastic", "HysteresisLoop", "LimitingShape", "LineContact", "LineScar", "PartialSlipPoint",
-    "PointContact", "SliderLoop", "WearingContact", "branch_force", "closed_loop", "contact_modulus",
+    "PointContact", "SliderLoop", "SlidingBall", "WearingContact", "branch_force", "closed_loop", "contact_modulus",
     "crossed_wire_scar", "displacement_after_reversal", "dissipated_energy", "energy_per_cycle", "even_line_contact",
     "even_line_load", "even_line_scar", "explicit_stability_limit", "first_loading_force", "force_amplitude",
     "gap_curvatures", "half_plane_line_stiffness", "hertz_bodies", "hertz_crossed_cylinders", "hertz_elliptic",

@@ -1,17 +1,31 @@
-"""A Coulomb slider behind a spring with free play, under a load that changes: what a loop of a yielding rig comes to.
+"""A ball that slides behind a spring under a load that changes: what a loop of a yielding rig comes to.
 
-The spring follows the drive until it carries what friction bears at the time; then the slider goes along. Where nothing
-presses, it stays with the drive, up to the play. Nothing here is shared with the solver.
+The ball's contact is a row of springs, each with its own load and Coulomb's friction, which has the forces and the
+friction work of Cattaneo and Mindlin's contact under any path (Jäger, Arch. Appl. Mech. 65 (1995) 478; Popov and Hess,
+Method of Dimensionality Reduction, 2015, chapter 5). What it comes to touch carries no friction yet, and what parts
+forgets it. Nothing here is shared with the solver.
 """
 
-from collections.abc import Callable
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from geometry.arrays import Array
 
-_CYCLES = 3  #: Until the loop is closed.
+_CYCLES = 2  #: Until the loop is closed.
+_SPRINGS = 40
+
+
+@dataclass(frozen=True)
+class SlidingBall:
+    """Radius of a ball on a flat, moduli E* and G* of both, friction, and the stiffness of the rig, inf if rigid."""
+
+    radius_mm: float
+    modulus_MPa: float
+    tangential_modulus_MPa: float
+    friction: float
+    rig_stiffness_N_per_mm: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -19,41 +33,60 @@ class SliderLoop:
     """A closed loop, from the drive's rest at +amplitude on; arrays (n,)."""
 
     displacement_mm: Array
-    place_mm: Array  #: Of the slider.
+    slid_mm: Array  #: By how much the ball has slid, a mean over its load; where nothing presses, with the drive.
     force_N: Array
 
     @property
     def slip_amplitude_mm(self) -> float:
-        """Half of the slider's way."""
-        return 0.5 * float(np.ptp(self.place_mm))
+        """Half of the way that the ball slides."""
+        return 0.5 * float(np.ptp(self.slid_mm))
 
     @property
     def energy_mJ(self) -> float:
-        """Friction work of the cycle, by the trapezoidal rule."""
-        means = 0.5 * (self.force_N[1:] + self.force_N[:-1])
-        return float(means @ np.diff(self.place_mm))
+        """The loop's area, by the trapezoidal rule."""
+        means = 0.5 * (self.force_N + np.roll(self.force_N, 1))
+        return float(means @ (self.displacement_mm - np.roll(self.displacement_mm, 1)))
 
 
-def slider_loop(
-    amplitude_mm: float,
-    friction_limit_N: Callable[[Array], Array],
-    compliance_mm_per_N: Callable[[Array], Array],
-    play_mm: float = 0.0,
-    samples: int = 4000,
-) -> SliderLoop:
+def slider_loop(amplitude_mm: float, load_N: Array, ball: SlidingBall) -> SliderLoop:
     """The loop of a sinusoidal drive.
 
-    friction_limit_N, compliance_mm_per_N: what friction bears, and the spring's, at shares (n,) of the cycle since the
-    drive's rest at +amplitude.
+    load_N: (n,) at the ends of n equal parts of the cycle from the drive's rest at +amplitude on; 0 where it parts.
     """
-    time = np.arange(samples + 1) / samples
-    drive, limit, half_play = amplitude_mm * np.cos(2.0 * np.pi * time), friction_limit_N(time), 0.5 * play_mm
-    compliance, place, places = compliance_mm_per_N(time), amplitude_mm, np.empty_like(time)
-    reach = limit * compliance + half_play
+    drive = amplitude_mm * np.cos(2.0 * np.pi * np.arange(1, len(load_N) + 1) / len(load_N))
+    largest = (3.0 * float(load_N.max()) * ball.radius_mm / (4.0 * ball.modulus_MPa)) ** (1.0 / 3.0)
+    width = largest / _SPRINGS
+    depth = ((np.arange(_SPRINGS) + 0.5) * width) ** 2 / ball.radius_mm
+    stiffness, across = 2.0 * ball.tangential_modulus_MPa * width, 2.0 * ball.modulus_MPa * width
+    limits = np.array([ball.friction * _carried(float(load), depth, across) for load in load_N])
+    strain, place, slid = np.zeros(_SPRINGS), float(drive[-1]), 0.0
+    found = np.empty((len(load_N), 2))
     for _ in range(_CYCLES):
-        for k, moved in enumerate(drive):
-            place = min(max(place, moved - reach[k]), moved + reach[k])
-            places[k] = place
-    stretch, slides = drive - places, limit * np.sign(np.gradient(places))
-    sprung = np.sign(stretch) * np.maximum(np.abs(stretch) - half_play, 0.0)
-    return SliderLoop(drive, places, np.divide(sprung, compliance, out=slides, where=compliance > 0.0))
+        for k, (moved, load, limit) in enumerate(zip(drive, load_N, limits, strict=True)):
+            reach = limit / stiffness
+            step = _step(strain, reach, stiffness, float(moved) - place, ball.rig_stiffness_N_per_mm)
+            held = np.clip(strain + step, -reach, reach)
+            slid += float((strain + step - held) @ limit) / float(limit.sum()) if load > 0.0 else step
+            strain, place = held, place + step
+            found[k] = slid, stiffness * float(held.sum())
+    return SliderLoop(drive, *found.T)
+
+
+def _carried(load_N: float, depth_mm: Array, stiffness: float) -> Array:
+    """What (m,) of a load each spring carries; depth_mm: (m,) growing, the approach at which it comes to carry any."""
+    if load_N <= 0.0:
+        return np.zeros_like(depth_mm)
+    # The first k springs carry the load at an approach that is the least for those that touch.
+    approach = float(np.min((load_N / stiffness + np.cumsum(depth_mm)) / np.arange(1, len(depth_mm) + 1)))
+    return stiffness * np.maximum(approach - depth_mm, 0.0)
+
+
+def _step(strain: Array, reach: Array, stiffness: float, ahead: float, rig: float) -> float:
+    """By how much the ball moves until the rig's spring, `ahead` of it, carries what the springs do."""
+    if math.isinf(rig):
+        return ahead
+    bends = np.sort(np.concatenate([-reach - strain, reach - strain]))
+    most = stiffness * float(reach.sum()) / rig
+    bends = np.concatenate([[min(bends[0], ahead - most) - 1.0], bends, [max(bends[-1], ahead + most) + 1.0]])
+    forces = stiffness * np.clip(strain + bends[:, None], -reach, reach).sum(axis=1)
+    return float(np.interp(0.0, forces - rig * (ahead - bends), bends))

@@ -71,7 +71,11 @@ class AmplitudeSearch:
                 f"no amplitude was found at which the drive holds {held.key} = {held.target:g}: at "
                 f"{1e3 * amplitude_mm:.4g} um it comes to {found:.4g} {held.unit}"
             )
-        if self.large_mm - self.small_mm <= WITHIN * amplitude_mm:
+        growth = found / amplitude_mm if held.slope is None else held.slope(trace)
+        growth = max(growth, 1e-9 * held.target / amplitude_mm)
+        # Where both bodies and rig carry much of the motion, the figure is what little is left of the amplitude.
+        apart = WITHIN * max(min(held.target / growth, amplitude_mm), WITHIN * amplitude_mm)
+        if self.large_mm - self.small_mm <= apart:
             return None  # steps of the figure, where nodes come to slide, are larger than what is wanted
         if lacking > 0.0:
             self.small_mm = max(self.small_mm, amplitude_mm)
@@ -85,7 +89,7 @@ class AmplitudeSearch:
                 "displacement_amplitude_um"
             )
         before, self._latest = self._latest, (amplitude_mm, found)
-        wanted = self._wanted(amplitude_mm, found, before, trace)
+        wanted = self._wanted(amplitude_mm, found, before, growth)
         high = min(self.large_mm, _MOST * amplitude_mm)
         low = max(self.small_mm, _LEAST * amplitude_mm)
         margin = 0.0
@@ -99,16 +103,12 @@ class AmplitudeSearch:
             wanted = max(wanted, amplitude_mm / _FAR) if lacking > 0.0 else min(wanted, _FAR * amplitude_mm)
         return float(min(np.clip(wanted, low + margin, high - margin), held.largest_mm))
 
-    def _wanted(
-        self, amplitude_mm: float, found: float, before: tuple[float, float] | None, trace: CycleTrace
-    ) -> float:
-        """The amplitude that would hold the figure if this grew as it did, or as it is expected to."""
-        held, lacking = self.held, self.held.target - found
+    def _wanted(self, amplitude_mm: float, found: float, before: tuple[float, float] | None, growth: float) -> float:
+        """The amplitude that would hold the figure if this grew as it did, or by `growth` per mm."""
+        lacking = self.held.target - found
         if before is not None and (found - before[1]) * (amplitude_mm - before[0]) > 0.0:
             return amplitude_mm + lacking * (amplitude_mm - before[0]) / (found - before[1])
-        if held.slope is not None:
-            return amplitude_mm + lacking / held.slope(trace)
-        return amplitude_mm * held.target / max(found, 1e-9 * held.target)
+        return amplitude_mm + lacking / growth
 
 
 def _slip_um(trace: CycleTrace, probe: Probe | None) -> float:
