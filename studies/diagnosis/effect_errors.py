@@ -27,7 +27,7 @@ from wirewear.diagnosis.infer.covariance import smooth_covariance, solver_covari
 from wirewear.diagnosis.observe.observable import Scale
 from wirewear.diagnosis.observe.observed_record import read_at_corners
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.surrogate.candidates import nominal_setup
+from wirewear.diagnosis.surrogate.candidates import nominal_inputs
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.nominal import nominal_run, nominal_study
 from wirewear.diagnosis.surrogate.wear_states import WearStates
@@ -96,7 +96,7 @@ def _pair_of(path: Path, effect: str, parameters: dict[str, float]) -> EffectPai
     record, _ = read_at_corners(read_record(path))
     study = nominal_study(record)
     states = WearStates.of_run(nominal_run(study))
-    nominal = nominal_setup(study, record.tables.conditions.drive)
+    nominal = nominal_inputs(study, record.tables.conditions.drive)
     kind = all_effects()[effect]
     changed = nominal.with_effect(kind(**parameters))
     observed = reduce(record)

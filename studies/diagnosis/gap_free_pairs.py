@@ -16,9 +16,9 @@ from wirewear import WirewearError, read_record
 from wirewear.diagnosis.infer.covariance import OWN, SCATTER, SHARED, components, derivatives
 from wirewear.diagnosis.observe.observed_record import read_at_corners
 from wirewear.diagnosis.observe.reduction import Layout, Observations, reduce
-from wirewear.diagnosis.surrogate.candidates import nominal_setup
+from wirewear.diagnosis.surrogate.candidates import nominal_inputs
 from wirewear.diagnosis.surrogate.forward import simulate
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.nominal import nominal_run, nominal_study
 from wirewear.diagnosis.surrogate.wear_states import NUMERICAL, WearStates
 from wirewear.records import RecordTables
@@ -58,7 +58,7 @@ def pairs_of(folder: Path, *, scattered: bool = False) -> Iterator[Pair]:
             record, _ = read_at_corners(read_record(path))
             study = nominal_study(record)
             states = WearStates.of_run(nominal_run(study))
-            setup = nominal_setup(study, record.tables.conditions.drive)
+            setup = nominal_inputs(study, record.tables.conditions.drive)
             observed = reduce(record)
             yield pair_of(path.name, test_of(record.tables), states, setup, observed, scattered=scattered)
         except WirewearError as problem:
@@ -78,7 +78,7 @@ def test_of(tables: RecordTables) -> str:
 
 
 def pair_of(
-    name: str, test: str, states: WearStates, setup: Setup, observed: Observations, *, scattered: bool = False
+    name: str, test: str, states: WearStates, setup: SurrogateInputs, observed: Observations, *, scattered: bool = False
 ) -> Pair:
     """One pair, of the first repeat, thinned to a few cycles of loops and of the evolution."""
     layout, keep = observed.layout, np.zeros(len(observed.layout), dtype=bool)

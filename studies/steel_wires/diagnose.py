@@ -24,7 +24,7 @@ from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose
 from wirewear.diagnosis.infer.shrink import physical_gap
 from wirewear.diagnosis.surrogate.forward import simulate
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.pictures import save
 from wirewear.pictures.loop import draw_loop, name_axes
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure
@@ -48,7 +48,7 @@ class Chapter:
     whole: Diagnosed
     stiffness: Estimate
     early_stiffness: Estimate
-    calibrated: Setup
+    calibrated: SurrogateInputs
     cycles: tuple[int, int]
 
     def differences(self, cycle: int) -> dict[str, tuple[float, float]]:

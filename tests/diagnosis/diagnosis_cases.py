@@ -15,9 +15,9 @@ from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.observe.channels import half_width, loop_area
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.record_diagnosis import judged
-from wirewear.diagnosis.surrogate.candidates import nominal_setup
-from wirewear.diagnosis.surrogate.forward import LoopCourse, simulate
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.candidates import nominal_inputs
+from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.nominal import nominal_study
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.diagnosis.wording import Diagnosed
@@ -81,13 +81,13 @@ def tables(drive: str = "sensor", **stated: float | str) -> RecordTables:
     )
 
 
-def nominal(drive: str = "stroke") -> Setup:
+def nominal(drive: str = "stroke") -> SurrogateInputs:
     """The model of that record without any effect."""
     stated = tables(drive)
-    return nominal_setup(nominal_study(ExperimentRecord(stated, ())), stated.conditions.drive)
+    return nominal_inputs(nominal_study(ExperimentRecord(stated, ())), stated.conditions.drive)
 
 
-def with_effect(setup: Setup, name: str, values: Mapping[str, float]) -> Setup:
+def with_effect(setup: SurrogateInputs, name: str, values: Mapping[str, float]) -> SurrogateInputs:
     """The setup with an effect of the library."""
     return setup.with_effect(effect_named(name)(**values))
 
@@ -108,7 +108,7 @@ def record(
     """A record of that many repeats with scattered friction and wear, and noisy samples."""
     random = np.random.default_rng(seed)
     stated = tables(drive, tangential_stiffness_N_per_mm=stiffness_N_per_mm)
-    base = nominal_setup(nominal_study(ExperimentRecord(stated, ())), stated.conditions.drive)
+    base = nominal_inputs(nominal_study(ExperimentRecord(stated, ())), stated.conditions.drive)
     for name, values in (effects or {}).items():
         base = with_effect(base, name, values)
     loops, rows = [], []
@@ -126,7 +126,14 @@ def record(
 
 
 def _loop(
-    course: LoopCourse, row: int, repeat: int, cycle: int, samples: int, random: np.random.Generator, *, normal: bool
+    course: PredictedLoops,
+    row: int,
+    repeat: int,
+    cycle: int,
+    samples: int,
+    random: np.random.Generator,
+    *,
+    normal: bool,
 ) -> MeasuredLoop:
     phase = 2.0 * np.pi * (np.arange(samples) + random.random()) / samples
     x, q, p = course.displacement_um[row], course.tangential_force_N[row], course.normal_force_N[row]
@@ -149,7 +156,7 @@ def _loop(
     )
 
 
-def _evolution(course: LoopCourse, repeat: int) -> MeasuredEvolution:
+def _evolution(course: PredictedLoops, repeat: int) -> MeasuredEvolution:
     x, q = course.displacement_um, course.tangential_force_N
     return MeasuredEvolution(
         repeat,
@@ -174,8 +181,8 @@ def concluded(
     states: WearStates,
     observed: Observations,
     left_out: Sequence[str] = (),
-    setup: Setup | None = None,
+    setup: SurrogateInputs | None = None,
 ) -> Diagnosed:
     """The diagnosis of a reduced record on the wear states of its nominal model, in circumstances as it states them."""
-    inputs = replace(setup or nominal_setup(study, record.tables.conditions.drive), motion=observed.motion)
+    inputs = replace(setup or nominal_inputs(study, record.tables.conditions.drive), motion=observed.motion)
     return judged(record, study, states, observed, search(states, inputs, observed, left_out))

@@ -26,7 +26,7 @@ from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.observe.along_branches import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.surrogate.candidates import nominal_setup
+from wirewear.diagnosis.surrogate.candidates import nominal_inputs
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.loop_states import scar_skew
 from wirewear.diagnosis.surrogate.nominal import nominal_study, wearing
@@ -143,7 +143,7 @@ def test_whitened_residuals_of_gap_free_records_are_standard_deviates_at_most() 
     """Solvers may differ by less than the covariance allows, never by more."""
     for seed in (2, 3, 4):
         one = independent_record(seed=seed)
-        observed, setup = reduce(one), nominal_setup(nominal_study(one), "sensor")
+        observed, setup = reduce(one), nominal_inputs(nominal_study(one), "sensor")
         covariance = estimate(frozen_states(), setup, observed)
         whitened = Problem.of(frozen_states(), setup, observed.layout, covariance).whitened(setup)
         assert float((whitened**2).mean()) < 1.3
@@ -154,7 +154,7 @@ def test_whitened_residuals_of_gap_free_records_are_standard_deviates_at_most() 
 def test_the_frozen_states_are_those_of_a_run_made_now() -> None:
     """Within what solvers may differ by; otherwise `python -m tests.exam.frozen_states` is due."""
     record = independent_record()
-    observed, setup = reduce(record), nominal_setup(nominal_study(record), "sensor")
+    observed, setup = reduce(record), nominal_inputs(nominal_study(record), "sensor")
     frozen, present = (
         observed.layout.observed(simulate(states, setup, observed.layout.cycles))
         for states in (frozen_states(), present_states(record))

@@ -9,8 +9,8 @@ import pytest
 from geometry.arrays import Array
 from tests.diagnosis.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from tests.exam.independent_records import independent_record
-from wirewear.diagnosis.surrogate.forward import LoopCourse, simulate
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.layered_wires import FlattenedWires, LayeredWires
 
 CYCLES = np.array([1.0, 100.0, 1000.0, 3000.0, 10_000.0, 30_000.0, 100_000.0])
@@ -21,7 +21,7 @@ def wires() -> LayeredWires:
     return replace(states(), stroke_um=60.0).layered()
 
 
-def course(setup: Setup | None = None, **changed: float) -> LoopCourse:
+def course(setup: SurrogateInputs | None = None, **changed: float) -> PredictedLoops:
     rough = with_effect(setup or nominal(), "roughness_compliance", {**FIVE, **changed})
     return simulate(replace(states(), stroke_um=60.0), rough, CYCLES)
 
@@ -83,7 +83,7 @@ def wires_of_flattening() -> FlattenedWires:
     return replace(states(), stroke_um=60.0).flattened()
 
 
-def course_of_flattening(flattening_um: float) -> LoopCourse:
+def course_of_flattening(flattening_um: float) -> PredictedLoops:
     flat = with_effect(nominal(), "plasticity", {"flattening_um": flattening_um})
     return simulate(replace(states(), stroke_um=60.0), flat, CYCLES_OF_FLATTENING)
 

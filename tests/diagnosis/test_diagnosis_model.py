@@ -27,7 +27,7 @@ from wirewear.diagnosis.observe.observable import ModelLoops, Scale
 from wirewear.diagnosis.observe.reduction import _all_observables, reduce
 from wirewear.diagnosis.surrogate.candidates import library
 from wirewear.diagnosis.surrogate.forward import simulate
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.loop_states import FULL_SLIP
 from wirewear.diagnosis.surrogate.sensing import KNEE, MIDDLE
 from wirewear.diagnosis.wording import _one, explanations, of_pairs, sentence_of, share
@@ -90,7 +90,7 @@ def test_a_wide_scatter_that_is_stated_makes_a_difference_of_its_size_no_gap() -
     assert np.isfinite(close.shrink.before)
 
 
-def areas(setup: Setup, cycles: Array = FIRST) -> Array:
+def areas(setup: SurrogateInputs, cycles: Array = FIRST) -> Array:
     course = simulate(states(), setup, cycles)
     return loop_area(course.displacement_um, course.tangential_force_N)
 
@@ -138,7 +138,7 @@ COUPLING = "displacement_load_coupling"
     ids=["spring", "play", "linear coupling", "quadratic coupling", "zero of the force"],
 )
 def test_springs_and_play_take_their_share_of_the_energy_and_readings_none(
-    changed: Setup, lost_mJ: float, within: float
+    changed: SurrogateInputs, lost_mJ: float, within: float
 ) -> None:
     cycles = FIRST if lost_mJ else np.array([100.0, 1e4])
     before = areas(nominal(), cycles)
@@ -211,7 +211,7 @@ def test_evidence_counts_by_what_the_best_leaves(misfit: float) -> None:
         assert found.probabilities[names] == pytest.approx(probability)
 
 
-def chain_of(setup: Setup, cycles: np.ndarray, worn_um3: np.ndarray | None = None) -> Chain:
+def chain_of(setup: SurrogateInputs, cycles: np.ndarray, worn_um3: np.ndarray | None = None) -> Chain:
     worn = np.zeros_like(cycles) if worn_um3 is None else worn_um3
     return setup.chain(250.0, 2000.0, cycles, np.zeros_like(cycles), worn)
 

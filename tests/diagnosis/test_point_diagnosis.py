@@ -16,7 +16,7 @@ from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.fit import fit_record
 from wirewear.diagnosis.preparation import prepared
-from wirewear.diagnosis.surrogate.candidates import library, nominal_setup
+from wirewear.diagnosis.surrogate.candidates import library, nominal_inputs
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.nominal import nominal_study
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
@@ -50,7 +50,7 @@ def test_a_ball_on_a_flat_and_crossed_cylinders_have_the_same_states_and_loops()
     ball, crossed = (WearStates.of_run(run_of(kind)) for kind in SHAPES)
     for field in fields(WearStates):
         assert getattr(ball, field.name) == pytest.approx(getattr(crossed, field.name), rel=1e-3, abs=1e-6), field.name
-    setups = [nominal_setup(study_from_tables(run_of(kind).study, "s"), "stroke") for kind in SHAPES]
+    setups = [nominal_inputs(study_from_tables(run_of(kind).study, "s"), "stroke") for kind in SHAPES]
     of_ball, of_crossed = (replace(one, crossing_error_rad=round(one.crossing_error_rad, 12)) for one in setups)
     assert of_ball == replace(of_crossed, contact_kind="ball-on-flat")
     loops = [simulate(own, setup, np.array([1e3, 1e5])) for own, setup in zip((ball, crossed), setups, strict=True)]
@@ -58,7 +58,9 @@ def test_a_ball_on_a_flat_and_crossed_cylinders_have_the_same_states_and_loops()
 
 
 def test_effects_of_a_contact_at_a_point_are_considered_but_no_angle_of_axes_that_a_ball_has_not() -> None:
-    names = {one.name for one in library(nominal_setup(study_from_tables(run_of("ball-on-flat").study, "s"), "stroke"))}
+    names = {
+        one.name for one in library(nominal_inputs(study_from_tables(run_of("ball-on-flat").study, "s"), "stroke"))
+    }
     assert {"plasticity", "third_body", "roughness_compliance", "free_play", "tangential_compliance"} <= names
     assert "crossing_angle_error" not in names
 

@@ -17,8 +17,8 @@ from wirewear.base.errors import RecordError
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.fit.fit import fit_record
 from wirewear.diagnosis.observe.channels import half_width, loop_area
-from wirewear.diagnosis.surrogate.candidates import library, nominal_setup
-from wirewear.diagnosis.surrogate.forward import LoopCourse
+from wirewear.diagnosis.surrogate.candidates import library, nominal_inputs
+from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.forward import simulate as simulate_fast
 from wirewear.diagnosis.surrogate.nominal import nominal_study, require_foreseen
 from wirewear.diagnosis.surrogate.nominal_model import PointModel
@@ -133,10 +133,10 @@ def test_every_figure_that_a_study_may_state_is_known() -> None:
 CYCLES = np.geomspace(1.0, 1e5, 11)
 
 
-def driven(held: str, **effect: float) -> LoopCourse:
+def driven(held: str, **effect: float) -> PredictedLoops:
     """Fast loops of the steel wires under a drive that holds 45 um of slip or 0.2 mJ a cycle."""
     conditions = nominal_study(record(repeats=1)).conditions
-    setup = nominal_setup(
+    setup = nominal_inputs(
         nominal_study(record(repeats=1)).changed({"conditions": {held: 45.0 if "um" in held else 0.2}}), "sensor"
     )
     assert setup.amplitude_um < conditions.displacement_amplitude_um
@@ -162,7 +162,7 @@ def test_a_drive_that_holds_its_displacement_loses_slip_where_it_was_to_hold_tha
 def test_a_drive_is_suspected_to_hold_its_displacement_only_where_it_is_stated_to_hold_something_else() -> None:
     study = nominal_study(record(repeats=1))
     slipping = study.changed({"conditions": {"held_slip_amplitude_um": 45.0}})
-    names = [{one.name for one in library(nominal_setup(own, "sensor"))} for own in (study, slipping)]
+    names = [{one.name for one in library(nominal_inputs(own, "sensor"))} for own in (study, slipping)]
     assert names[1] - names[0] == {"held_displacement"}
 
 

@@ -16,8 +16,8 @@ from wirewear.diagnosis.answer import Confirmed, Estimate, estimates
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import fit
 from wirewear.diagnosis.infer.shrink import achieved
-from wirewear.diagnosis.surrogate.forward import LoopCourse, simulate
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.nominal import ObserverOf
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.effects import Age, Seam, applied
@@ -64,7 +64,7 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
     return replace(diagnosed, diagnosis=diagnosis)
 
 
-def _course(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], LoopCourse]:
+def _course(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], PredictedLoops]:
     """Loops that a run of the study with the leading effects leaves, and profiles where these are foreseen."""
     from wirewear.simulation import Observer, run_study
 
@@ -102,7 +102,7 @@ def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:
 
 def course_of_loops(
     read: Sequence[Loop], cycles: Array, profiles: Mapping[str, tuple[Array, Array]] | None = None
-) -> LoopCourse:
+) -> PredictedLoops:
     """Loops of a full simulation as the fast model gives them: two branches each, as sensors read them."""
     loops = {loop.cycle: loop for loop in read}
     x, q, p = (np.empty((cycles.size, 2, _POINTS)) for _ in range(3))
@@ -117,10 +117,14 @@ def course_of_loops(
             for channel, values in ((x, place), (q, loop.tangential_force_N), (p, loop.normal_force_N)):
                 channel[row, side] = np.interp(at, np.arange(2 * n), np.concatenate([values, values]))
     nothing = np.full(cycles.size, np.nan)
-    return LoopCourse(cycles, x, q, p, nothing, nothing, nothing, np.ones((2, 4)), np.full(2, np.nan), profiles or {})
+    return PredictedLoops(
+        cycles, x, q, p, nothing, nothing, nothing, np.ones((2, 4)), np.full(2, np.nan), profiles or {}
+    )
 
 
-def calibrated(diagnosed: Diagnosed, effect: str, cycles: Sequence[int]) -> tuple[Mapping[str, Estimate], Setup]:
+def calibrated(
+    diagnosed: Diagnosed, effect: str, cycles: Sequence[int]
+) -> tuple[Mapping[str, Estimate], SurrogateInputs]:
     """Parameters of an effect as the loops of these cycles alone give them, and the nominal model with it.
     Raises RecordError if the effect was not considered, or the record has no loops of these cycles.
     """

@@ -12,7 +12,7 @@ import numpy as np
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.observe.observed_record import repaired
 from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, nominal_study, require_foreseen
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.diagnosis.surrogate.wear_states import WearStates
@@ -33,7 +33,7 @@ class ReducedRecord:
     record: AnyRecord
     study: AnyStudy[Any]
     states: WearStates
-    setup: Setup
+    setup: SurrogateInputs
     observed: Observations
     checked: tuple[Remark, ...] = ()
 
@@ -52,7 +52,7 @@ class PreparedRecord:
         """A sentence that says what is not stated; empty where nothing is missing."""
         return _NOT_STATED.format(" and ".join(self.unknown)) if self.unknown else ""
 
-    def nominal(self, observer_of: ObserverOf | None = None) -> tuple[WearStates, Setup, tuple[str, ...]]:
+    def nominal(self, observer_of: ObserverOf | None = None) -> tuple[WearStates, SurrogateInputs, tuple[str, ...]]:
         """The surrogate's wear states, by the one finite element run of the study, its inputs, and what limits both.
         Raises StudyError or SolverError if the study cannot be run.
         """

@@ -19,7 +19,7 @@ from wirewear.diagnosis.infer.weighing import ForceZero, Weighed
 from wirewear.diagnosis.infer.where import GapFinding, Relevance, Resemblance
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.surrogate.candidates import unforeseen
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import all_effects, all_measurements, effect_named
 from wirewear.records import AnyRecord
@@ -49,7 +49,7 @@ class Diagnosed:
     record: AnyRecord
     study: AnyStudy[Any]
     states: WearStates
-    setup: Setup
+    setup: SurrogateInputs
     observed: Observations
     search: Search
     weighed: Weighed
@@ -266,7 +266,7 @@ def of_scatter(contradicted: Sequence[str]) -> tuple[str, ...]:
 
 
 def of_the_record(
-    record: AnyRecord, setup: Setup, observed: Observations, shrink: Shrink, wrong: Fit | None
+    record: AnyRecord, setup: SurrogateInputs, observed: Observations, shrink: Shrink, wrong: Fit | None
 ) -> tuple[str, ...]:
     """What the record lacks, and what its answer cannot say for that."""
     notes = list(observed.notes[:5])

@@ -21,7 +21,7 @@ from wirewear.diagnosis.observe import ObservedBranch, ReducedLoop
 from wirewear.diagnosis.observe.reduction import row_labels
 from wirewear.diagnosis.observe.scars import FEWEST_POINTS, read_profile
 from wirewear.diagnosis.surrogate.candidates import effect_of
-from wirewear.diagnosis.surrogate.forward import LoopCourse, simulate
+from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
 from wirewear.diagnosis.surrogate.sensing import still_to_come
 from wirewear.diagnosis.wording import (
     next_measurement,
@@ -149,7 +149,7 @@ Bar = tuple[str, float, float, str]  #: Name, value, per cent of the longest, co
 
 
 def residuals(
-    loops: tuple[ReducedLoop, ...], course: LoopCourse, row: int, scatter: Mapping[str, float], load_N: float
+    loops: tuple[ReducedLoop, ...], course: PredictedLoops, row: int, scatter: Mapping[str, float], load_N: float
 ) -> list[dict[str, Array]]:
     """Measured less computed force on both branches of a cycle's loop, against displacement.
 
@@ -260,7 +260,7 @@ def loops(diagnosed: Diagnosed) -> dict[str, Any]:
     }
 
 
-def _left(diagnosed: Diagnosed, course: LoopCourse, row: int, cycle: int) -> list[list[list[float | None]]]:
+def _left(diagnosed: Diagnosed, course: PredictedLoops, row: int, cycle: int) -> list[list[list[float | None]]]:
     """Displacement, measured less computed force, and half-width of the band, of both branches."""
     own = tuple(loop for loop in diagnosed.observed.loops if loop.cycle == cycle)
     scatter = diagnosed.search.covariance.scatter
@@ -276,7 +276,7 @@ def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
     return max((place for place, cycle in enumerate(cycles) if cycle <= last), default=len(cycles) - 1)
 
 
-def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, LoopCourse]]) -> list[dict[str, Any]]:
+def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, PredictedLoops]]) -> list[dict[str, Any]]:
     """Worn bodies along the motion, measured and computed: profiles, or bowls of the computed depth and length."""
     found = []
     for place, body in enumerate(diagnosed.record.tables.body_names):

@@ -9,7 +9,7 @@ from geometry.arrays import Array
 from wirewear.base.course import Course
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.surrogate.forward import simulate
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects.contact import FrictionEvolution
 from wirewear.loops import LoopError, LoopFigures, Measured, analyse_loop
@@ -207,7 +207,7 @@ def _friction(coordinates: Array) -> Course:
     return Course(float(initial), float(final), float(cycles))
 
 
-def fast_fit(states: WearStates, setup: Setup, tests: LoopsOfTests) -> FastFit:
+def fast_fit(states: WearStates, setup: SurrogateInputs, tests: LoopsOfTests) -> FastFit:
     """Constant friction, or friction that runs in where the loops ask for that."""
     start = np.array([np.log(setup.friction), setup.compliance_um_per_N])
     constant = _fitted(states, setup, tests, start)
@@ -233,7 +233,7 @@ def _bounds(count: int, tests: LoopsOfTests) -> tuple[Array, Array]:
     return low, high
 
 
-def _fitted(states: WearStates, setup: Setup, tests: LoopsOfTests, start: Array) -> FastFit:
+def _fitted(states: WearStates, setup: SurrogateInputs, tests: LoopsOfTests, start: Array) -> FastFit:
     low, high = _bounds(start.size, tests)
     start = np.clip(start, low + 1e-9, high - 1e-9)
 
@@ -261,7 +261,7 @@ def _fitted(states: WearStates, setup: Setup, tests: LoopsOfTests, start: Array)
 
 
 def figures_of_model(
-    states: WearStates, setup: Setup, coordinates: Array, cycles: Array, samples: int = SAMPLES
+    states: WearStates, setup: SurrogateInputs, coordinates: Array, cycles: Array, samples: int = SAMPLES
 ) -> Array:
     """FITTED figures (n, k) of the fast model's loops of so many samples, read as measured ones are."""
     course = _friction(coordinates)

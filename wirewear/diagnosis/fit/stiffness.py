@@ -16,7 +16,7 @@ from geometry.arrays import Array
 from wirewear.diagnosis.fit.fast_fit import EVIDENCE, FITTED, LoopsOfTests, figures_of_model
 from wirewear.diagnosis.fit.values import FittedParameter
 from wirewear.diagnosis.surrogate.forward import simulate
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.loops.branches import remaining_force
@@ -36,7 +36,7 @@ _FIRST_CYCLES = 10  #: Cycles of the run on a rigid rig that tells the stiffness
 
 
 def with_spring(
-    states: WearStates, setup: Setup, record: AnyRecord, tests: LoopsOfTests
+    states: WearStates, setup: SurrogateInputs, record: AnyRecord, tests: LoopsOfTests
 ) -> tuple[WearStates, dict[str, FittedParameter]]:
     """States whose load falls as the record's does, and the spring's stiffness; as they are where it does not decide.
 

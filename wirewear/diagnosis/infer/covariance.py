@@ -21,7 +21,7 @@ from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.observable import ModelLoops, Scale
 from wirewear.diagnosis.observe.reduction import Layout, Observations, Part
 from wirewear.diagnosis.surrogate.forward import simulate
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 
 #: Standard deviations of what honest models and rigs differ by that a tolerance is: nineteen of twenty stay within it.
@@ -70,14 +70,14 @@ SHARED: Mapping[str, float] = {name: SCATTER[name] for name in ("displacement_of
 NOISE_INFLATION = _KNOWN.number("noise_inflation")
 
 
-def solver_covariance(states: WearStates, setup: Setup, layout: Layout) -> Array:
+def solver_covariance(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Array:
     """Covariance (n, n) of the solvers' differences around a setup."""
     freedoms = derivatives(states, setup, layout, states.freedoms)
     covariance: Array = freedoms @ freedoms.T + remainder(states, setup, layout)
     return covariance
 
 
-def tolerated(states: WearStates, setup: Setup, layout: Layout, tolerance: Mapping[str, float]) -> Array:
+def tolerated(states: WearStates, setup: SurrogateInputs, layout: Layout, tolerance: Mapping[str, float]) -> Array:
     """Covariance (n, n) of differences that are within a record's tolerance, of any smooth shape."""
     size = whole_sizes(setup, layout, np.nan_to_num(layout.computed(states, setup)[0]))
     for part in layout:
@@ -87,13 +87,13 @@ def tolerated(states: WearStates, setup: Setup, layout: Layout, tolerance: Mappi
     return smooth_covariance(layout, size, Scale(setup.amplitude_um, setup.plateau_force_N))
 
 
-def whole_sizes(setup: Setup, layout: Layout, predicted: Array) -> Array:
+def whole_sizes(setup: SurrogateInputs, layout: Layout, predicted: Array) -> Array:
     """What differences (n,) are relative to, at predicted values (n,)."""
     whole = [part.observable.whole(setup, predicted[part.rows]) for part in layout]
     return np.concatenate([np.zeros(0), *whole])
 
 
-def moved(setup: Setup, name: str, size: float) -> Setup:
+def moved(setup: SurrogateInputs, name: str, size: float) -> SurrogateInputs:
     """The setup with one scatter or numerical freedom moved by so many of its units."""
     if name in _RELATIVE:
         return replace(setup, **{_RELATIVE[name]: getattr(setup, _RELATIVE[name]) * (1.0 + size)})
@@ -104,7 +104,7 @@ def moved(setup: Setup, name: str, size: float) -> Setup:
     return replace(setup, **{name: getattr(setup, name) + size})
 
 
-def derivatives(states: WearStates, setup: Setup, layout: Layout, sizes: Mapping[str, float]) -> Array:
+def derivatives(states: WearStates, setup: SurrogateInputs, layout: Layout, sizes: Mapping[str, float]) -> Array:
     """Change of the observables (n, k) by one standard deviation of each scatter or freedom, by central differences."""
     both = layout.computed(
         states, *(moved(setup, name, side * size) for side in (0.5, -0.5) for name, size in sizes.items())
@@ -112,12 +112,12 @@ def derivatives(states: WearStates, setup: Setup, layout: Layout, sizes: Mapping
     return np.nan_to_num(both[: len(sizes)] - both[len(sizes) :]).T
 
 
-def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
+def remainder(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Array:
     """Covariance (n, n) of solver differences that no numerical freedom describes."""
     return np.asarray(sum(components(states, setup, layout).values(), np.zeros((len(layout), len(layout)))))
 
 
-def components(states: WearStates, setup: Setup, layout: Layout) -> dict[str, Array]:
+def components(states: WearStates, setup: SurrogateInputs, layout: Layout) -> dict[str, Array]:
     """The remainder's parts (n, n): what is smooth of each observable, by its name, and what all have in common.
 
     `HOOKS` differ as a whole; `OWN` is what the reading of a loop makes unsure.
@@ -243,7 +243,7 @@ class Covariance:
     contradicted: tuple[str, ...] = ()  #: Names of those that are stated and that the repeats contradict.
 
 
-def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covariance:
+def estimate(states: WearStates, setup: SurrogateInputs, observed: Observations) -> Covariance:
     """The covariance around one setup; the repeats' scatter is estimated from them and the expectation, pooled."""
     layout = observed.layout
     stated = observed.stated_scatter
@@ -284,7 +284,12 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
 
 
 def with_model_error(
-    states: WearStates, nominal: Setup, changed: Setup, layout: Layout, covariance: Covariance, share: float
+    states: WearStates,
+    nominal: SurrogateInputs,
+    changed: SurrogateInputs,
+    layout: Layout,
+    covariance: Covariance,
+    share: float,
 ) -> Covariance:
     """The covariance with a smooth error of that share of the change from one setup to the other."""
     before, after = layout.computed(states, nominal, changed)

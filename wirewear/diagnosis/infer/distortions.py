@@ -19,7 +19,7 @@ from wirewear.diagnosis.infer.inference import Fit, Problem, jacobian_of
 from wirewear.diagnosis.observe.reduction import Layout
 from wirewear.diagnosis.observe.scars import ProfileDepths
 from wirewear.diagnosis.surrogate.forward import simulate
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.effects import Age, Ageing, Chain, Seam
 
 _KNOWN = constants("infer.families")
@@ -159,7 +159,7 @@ def families_of(layout: Layout) -> tuple[Family, ...]:
     return (*found, *PROFILE_FAMILIES) if layout.of_kind(ProfileDepths).any() else found
 
 
-def columns_of(problem: Problem, setup: Setup) -> tuple[tuple[Columns, ...], ...]:
+def columns_of(problem: Problem, setup: SurrogateInputs) -> tuple[tuple[Columns, ...], ...]:
     """All families around a setup; of each, the columns that it may have, one set instead of another."""
     layout, states = problem.layout, problem.states
     course = simulate(states, setup, layout.cycles)
@@ -182,7 +182,9 @@ def columns_of(problem: Problem, setup: Setup) -> tuple[tuple[Columns, ...], ...
     return tuple(found)
 
 
-def _courses(family: Family, problem: Problem, setup: Setup, base: Array, knots: Array) -> tuple[Columns, ...]:
+def _courses(
+    family: Family, problem: Problem, setup: SurrogateInputs, base: Array, knots: Array
+) -> tuple[Columns, ...]:
     """Columns of what changes in time: freely, or, as likely as that, towards a final value as creep and warmth do."""
     free: Array = np.asarray(np.linalg.cholesky(_kernel(knots, 0.0)), dtype=np.float64)
     observed = np.nan_to_num(_in_time(family, problem, setup, base, knots, free))
@@ -208,7 +210,9 @@ def _of_shapes(
             yield change * weights[row]
 
 
-def _in_time(family: Family, problem: Problem, setup: Setup, base: Array, knots: Array, values: Array) -> Array:
+def _in_time(
+    family: Family, problem: Problem, setup: SurrogateInputs, base: Array, knots: Array, values: Array
+) -> Array:
     """Changes (n, k) of the observables by courses of a column through values (j, k) at knots."""
     force = setup.plateau_force_N
     scale = {"": 0.0, "force": force, "compliance": setup.amplitude_um / force}[family.scale]

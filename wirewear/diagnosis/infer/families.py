@@ -18,7 +18,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.surrogate.forward import LoopCourse
+from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.line_wear import EDGE
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.diagnosis.surrogate.sensing import KNEE, SLIDING
@@ -63,7 +63,7 @@ class Family:
 class Branches:
     """A course's loops by branch, (n, 2, m) each, the scales of a distortion (amplitude, plateau force), the drive."""
 
-    course: LoopCourse
+    course: PredictedLoops
     y_um: Array
     p_N: Array
     amplitude_um: float
@@ -71,7 +71,7 @@ class Branches:
     motion: FastMotion = SINE
 
     @classmethod
-    def of(cls, course: LoopCourse, amplitude_um: float, force_N: float, motion: FastMotion = SINE) -> Branches:
+    def of(cls, course: PredictedLoops, amplitude_um: float, force_N: float, motion: FastMotion = SINE) -> Branches:
         """Those of a computed course."""
         return cls(
             course,
@@ -92,12 +92,12 @@ class Branches:
         """Travel since the knee over the amplitude (n, 2, m), 0 while the contact sticks."""
         return np.maximum(self.y_um - self.y_um[:, :, KNEE, None], 0.0) / self.amplitude_um
 
-    def read_with(self, displacement_um: Array, force_N: Array) -> LoopCourse:
+    def read_with(self, displacement_um: Array, force_N: Array) -> PredictedLoops:
         """The course with other readings of true loops (n, 2, m), centred between their tips as measured ones are."""
         tips = displacement_um.max(axis=(1, 2), keepdims=True) + displacement_um.min(axis=(1, 2), keepdims=True)
         return replace(self.course, displacement_um=displacement_um - 0.5 * tips, tangential_force_N=force_N)
 
-    def sliding_under(self, added_N: Array, load_share: Array | None = None) -> LoopCourse:
+    def sliding_under(self, added_N: Array, load_share: Array | None = None) -> PredictedLoops:
         """The course when the sliding contact resists by so much more (n, 2, m), in the direction of travel.
 
         The stick branch begins where the other branch ends and rises to the new knee; its travel goes with its rise.
@@ -117,7 +117,7 @@ class Branches:
             return course
         return replace(course, normal_force_N=course.normal_force_N * (1.0 + load_share))
 
-    def held_with(self, given_um: Array) -> LoopCourse:
+    def held_with(self, given_um: Array) -> PredictedLoops:
         """The course when the holder gives way by so much more (n, 2, m) while the contact sticks, from its start on.
 
         What slides is held by the drive: the same forces at the same places, but for the later knee.
@@ -126,20 +126,20 @@ class Branches:
         y[:, :, :SLIDING] += given_um[:, :, :SLIDING] - given_um[:, :, :1]
         return self._along(y, self.p_N)
 
-    def _along(self, y_um: Array, p_N: Array) -> LoopCourse:
+    def _along(self, y_um: Array, p_N: Array) -> PredictedLoops:
         # A later knee swallows the first places of the sliding part.
         forward = np.maximum.accumulate(y_um, axis=2)
         return replace(self.course, displacement_um=_DIRECTIONS * forward, tangential_force_N=_DIRECTIONS * p_N)
 
 
 #: A distortion: the course of branches under so much of it.
-Shape = Callable[[Branches, float], LoopCourse]
+Shape = Callable[[Branches, float], PredictedLoops]
 
 
 def force_read(power: Callable[[Array], Array]) -> Shape:
     """A force channel that reads Q + Q* f(Q/Q*)."""
 
-    def shape(b: Branches, size: float) -> LoopCourse:
+    def shape(b: Branches, size: float) -> PredictedLoops:
         true = b.course.tangential_force_N
         return b.read_with(b.course.displacement_um, true + size * b.force_N * power(true / b.force_N))
 
@@ -149,7 +149,7 @@ def force_read(power: Callable[[Array], Array]) -> Shape:
 def displacement_read(power: Callable[[Array], Array]) -> Shape:
     """A displacement channel that reads δ + δa f(δ/δa), f being 0 at both ends, as the drive holds them."""
 
-    def shape(b: Branches, size: float) -> LoopCourse:
+    def shape(b: Branches, size: float) -> PredictedLoops:
         true = b.course.displacement_um
         read = true + size * b.amplitude_um * power(true / b.amplitude_um)
         return b.read_with(read, b.course.tangential_force_N)
@@ -170,7 +170,7 @@ def loaded(share: Callable[[Branches], Array]) -> Shape:
 def yielding(released: float) -> Shape:
     """A holder that slips, with hysteresis, once the force has swung by twice a share of the plateau force."""
 
-    def shape(b: Branches, size: float) -> LoopCourse:
+    def shape(b: Branches, size: float) -> PredictedLoops:
         held = released * b.force_N
         start = b.p_N[:, :, :1]
         swung = np.maximum(b.p_N - held, start + held)
@@ -182,7 +182,7 @@ def yielding(released: float) -> Shape:
 def stiffening() -> Shape:
     """A holder whose elastic give departs from the straight line by a cubic share, alike in both directions."""
 
-    def shape(b: Branches, size: float) -> LoopCourse:
+    def shape(b: Branches, size: float) -> PredictedLoops:
         return b.held_with(size * b.amplitude_um * (b.p_N / b.force_N) ** 3)
 
     return shape
@@ -191,7 +191,7 @@ def stiffening() -> Shape:
 def force_after_play() -> Shape:
     """A force channel that comes after the force by a play: a reading stays until it is taken up, then lags by half."""
 
-    def shape(b: Branches, size: float) -> LoopCourse:
+    def shape(b: Branches, size: float) -> PredictedLoops:
         half = size * b.force_N
         read = np.maximum(b.p_N - half, b.p_N[:, :, :1] + half)
         return b.read_with(b.course.displacement_um, _DIRECTIONS * read)
@@ -202,7 +202,7 @@ def force_after_play() -> Shape:
 def displacement_after_play(*, held: bool) -> Shape:
     """The same of the displacement channel; `held` if the drive makes up for what the reading loses at the tips."""
 
-    def shape(b: Branches, size: float) -> LoopCourse:
+    def shape(b: Branches, size: float) -> PredictedLoops:
         half = size * b.amplitude_um
         read = np.maximum(b.y_um - half, b.y_um[:, :, :1] + half)
         if held:
@@ -325,7 +325,7 @@ FAMILIES: tuple[Family, ...] = (
 def worn(share: Callable[[Array], Array]) -> Shape:
     """Bodies that wear by a share f(x/w) of the largest depth more, w the scar's half-width."""
 
-    def shape(b: Branches, size: float) -> LoopCourse:
+    def shape(b: Branches, size: float) -> PredictedLoops:
         changed = {
             body: (x, depth + size * float(depth.max()) * share(x / half_width(x, depth)))
             for body, (x, depth) in b.course.profiles.items()
@@ -345,7 +345,7 @@ def aside(power: int) -> Callable[[Array], Array]:
     return lambda u: np.asarray(u**power * np.maximum(1.0 - u**2, 0.0))
 
 
-def widened(b: Branches, size: float) -> LoopCourse:
+def widened(b: Branches, size: float) -> PredictedLoops:
     """Scars that are wider by a share, of the same area."""
     changed = {
         body: (x, np.interp(x / (1.0 + size), x, depth) / (1.0 + size))

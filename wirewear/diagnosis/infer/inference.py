@@ -19,7 +19,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.observe.reduction import Layout
 from wirewear.diagnosis.surrogate.candidates import Candidate
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 
 Found = TypeVar("Found")
@@ -45,14 +45,14 @@ class Problem:
     """
 
     states: WearStates
-    setup: Setup
+    setup: SurrogateInputs
     layout: Layout
     mean: Array
     whitening: Array
-    known: dict[Setup, Array] = field(default_factory=dict)
+    known: dict[SurrogateInputs, Array] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, states: WearStates, setup: Setup, layout: Layout, covariance: Covariance) -> Problem:
+    def of(cls, states: WearStates, setup: SurrogateInputs, layout: Layout, covariance: Covariance) -> Problem:
         """The whole record."""
         return cls(states, setup, layout, covariance.mean, _whitening(covariance.total))
 
@@ -61,18 +61,18 @@ class Problem:
         whitening = _whitening(covariance.total[np.ix_(keep, keep)])
         return Problem(self.states, self.setup, self.layout.taken(keep), covariance.mean[keep], whitening)
 
-    def predictions(self, setups: Sequence[Setup]) -> Array:
+    def predictions(self, setups: Sequence[SurrogateInputs]) -> Array:
         """Observables (k, n) under setups."""
         new = [setup for setup in dict.fromkeys(setups) if setup not in self.known]
         values = self.layout.computed(self.states, *new)
         self.known.update(zip(new, np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0), strict=True))
         return np.stack([self.known[setup] for setup in setups])
 
-    def predicted(self, setup: Setup) -> Array:
+    def predicted(self, setup: SurrogateInputs) -> Array:
         """Observables (n,) under a setup."""
         return np.asarray(self.predictions([setup])[0])
 
-    def whitened(self, setup: Setup) -> Array:
+    def whitened(self, setup: SurrogateInputs) -> Array:
         """Residual (m,) in independent standard deviations."""
         return self.whitening @ (self.mean - self.predicted(setup))
 
@@ -84,7 +84,7 @@ class Fit:
     candidates: tuple[Candidate, ...]
     coordinates: Array
     spread: Array
-    setup: Setup
+    setup: SurrogateInputs
     distance2: float
     log_evidence: float
 
@@ -116,7 +116,7 @@ def jacobian_of(problem: Problem, one: Fit) -> Array:
     return together(problem, [asked])[0]
 
 
-def applied(candidates: Sequence[Candidate], setup: Setup, coordinates: Array) -> Setup:
+def applied(candidates: Sequence[Candidate], setup: SurrogateInputs, coordinates: Array) -> SurrogateInputs:
     """The setup with several effects in it, one after the other."""
     at = 0
     for candidate in candidates:
@@ -127,7 +127,7 @@ def applied(candidates: Sequence[Candidate], setup: Setup, coordinates: Array) -
 
 
 #: What a search asks for, residuals under setups, and what it comes to.
-Asking = Generator[list[Setup], list[Array], Found]
+Asking = Generator[list[SurrogateInputs], list[Array], Found]
 
 
 def together(problem: Problem, searches: Sequence[Asking[Found]]) -> list[Found]:
@@ -183,7 +183,7 @@ def sought(
         middle, root = known.coordinates, np.asarray(np.linalg.cholesky(known.spread), dtype=np.float64)
         starts, ends = [np.zeros(low.size)], (np.full(low.size, -REACH), np.full(low.size, REACH))
 
-    def at(z: Array) -> Setup:
+    def at(z: Array) -> SurrogateInputs:
         return applied(candidates, problem.setup, middle + root @ z)
 
     places = _starts(candidates) if starts is None else starts
@@ -219,7 +219,7 @@ def _promising(starts: Sequence[Array], rests: Sequence[Array]) -> list[Array]:
 
 
 def _descend(
-    at: Callable[[Array], Setup], start: Array, iterations: int, ends: tuple[Array, Array]
+    at: Callable[[Array], SurrogateInputs], start: Array, iterations: int, ends: tuple[Array, Array]
 ) -> Asking[tuple[float, Array, Array]]:
     """Levenberg–Marquardt on the residual and the prior, from one start, between the ends of the parameters' ranges.
 
@@ -250,7 +250,7 @@ def _descend(
     return cost, z, rest
 
 
-def _jacobian(at: Callable[[Array], Setup], z: Array, rest: Array) -> Asking[Array]:
+def _jacobian(at: Callable[[Array], SurrogateInputs], z: Array, rest: Array) -> Asking[Array]:
     # Away from the bound, so that the steps are never clipped.
     steps = np.where(z > 0.0, -_STEP, _STEP)
     moved = z + np.diag(steps)

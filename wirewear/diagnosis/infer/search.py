@@ -22,7 +22,7 @@ from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, applied
 from wirewear.diagnosis.infer.weighing import NOTICEABLE, Remainder, distances, remainder_of
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.surrogate.candidates import Candidate, library
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import Measurement, all_measurements, splits
 
@@ -83,7 +83,7 @@ class Search:
         return distances(self.problem, fits)
 
 
-def search(states: WearStates, setup: Setup, observed: Observations, left_out: Sequence[str] = ()) -> Search:
+def search(states: WearStates, setup: SurrogateInputs, observed: Observations, left_out: Sequence[str] = ()) -> Search:
     """All explanations of a record; `left_out` names effects that are not to be considered."""
     effects = [effect for effect in library(setup) if effect.kind.name not in left_out]
     problem, covariance = problem_around(states, setup, setup, observed)
@@ -126,8 +126,8 @@ def leading(none: Fit, others: Sequence[Fit]) -> tuple[Fit, tuple[Fit, ...]]:
 
 def problem_around(
     states: WearStates,
-    setup: Setup,
-    around: Setup,
+    setup: SurrogateInputs,
+    around: SurrogateInputs,
     observed: Observations,
     effects: Sequence[Candidate] = (),
     before: Problem | None = None,
@@ -227,7 +227,7 @@ class Updated(Search):
         return np.sqrt(squares)
 
 
-def updated(first: Search, states: WearStates, setup: Setup, observed: Observations) -> Search:
+def updated(first: Search, states: WearStates, setup: SurrogateInputs, observed: Observations) -> Search:
     """A search with what another record shows, in its own circumstances and on its own nominal run."""
     around = applied(first.best.candidates, setup, first.best.coordinates)
     problem, _ = problem_around(states, setup, around, observed, first.best.candidates)

@@ -22,8 +22,8 @@ from wirewear.diagnosis.observe.channels import half_width, loop_area
 from wirewear.diagnosis.observe.observable import AlongBranch, Scale
 from wirewear.diagnosis.observe.reduction import Features, Layout, Observations
 from wirewear.diagnosis.observe.scars import ProfileDepths
-from wirewear.diagnosis.surrogate.forward import LoopCourse, simulate
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.results.scar import called
 
@@ -271,7 +271,7 @@ class _LeftOut:
         """An explanation fitted to the rest alone."""
         return fit(self.known, one.candidates, [one.coordinates]) if one.candidates else one
 
-    def squares_of(self, setup: Setup) -> Array:
+    def squares_of(self, setup: SurrogateInputs) -> Array:
         """Squared residuals under a setup."""
         return self.scores.squares(self.problem.predicted(setup))
 
@@ -302,7 +302,7 @@ def achieved(
     covariance: Covariance,
     observed: Observations,
     before: Shrink,
-    course_at: Callable[[Array], LoopCourse],
+    course_at: Callable[[Array], PredictedLoops],
 ) -> tuple[float, float]:
     """Shrink and gap on the held-out loops by another simulation, which gives a course at cycles."""
     layout = problem.layout
@@ -333,7 +333,7 @@ def _free_prediction(problem: Problem, covariance: Covariance, train: BoolArray,
 
 
 def physical_gap(
-    states: WearStates, observed: Observations, before: Setup, after: Setup, cycles: tuple[int, ...]
+    states: WearStates, observed: Observations, before: SurrogateInputs, after: SurrogateInputs, cycles: tuple[int, ...]
 ) -> Mapping[str, tuple[float, float]]:
     """Mean distances of measured and computed loops over the held-out cycles, (before, after).
 
@@ -355,7 +355,7 @@ def physical_gap(
 
 
 def _profiles(
-    states: WearStates, observed: Observations, before: Setup, after: Setup
+    states: WearStates, observed: Observations, before: SurrogateInputs, after: SurrogateInputs
 ) -> dict[str, tuple[float, float]]:
     """Root mean square of measured less computed depths along profiles; nothing where there are none."""
     layout = observed.layout
@@ -369,7 +369,7 @@ def _profiles(
     return {"profile_depth_um": (first, second)}
 
 
-def _figures(course: LoopCourse, observed: Observations, cycles: list[int]) -> tuple[Array, Array, Array]:
+def _figures(course: PredictedLoops, observed: Observations, cycles: list[int]) -> tuple[Array, Array, Array]:
     """Distances at each cycle: half width [µm], area [%], force at equal displacement on the plateaus [N]."""
     widths = half_width(course.displacement_um, course.tangential_force_N)
     areas = loop_area(course.displacement_um, course.tangential_force_N)

@@ -19,7 +19,7 @@ from wirewear.diagnosis.observe.along_branches import PlateauForce, Stick
 from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.reduction import Part
 from wirewear.diagnosis.observe.scars import ProfileDepths
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.effects import Seam
 
 _KNOWN = constants("infer.where")
@@ -73,7 +73,7 @@ class GapFinding:
         return self.text.partition(": ")[0]
 
 
-def places(problem: Problem, covariance: Covariance, setup: Setup) -> list[Place]:
+def places(problem: Problem, covariance: Covariance, setup: SurrogateInputs) -> list[Place]:
     """All zones and cycles, flagged where they differ."""
     predicted = problem.predicted(setup)
     residual = problem.mean - predicted
@@ -85,7 +85,7 @@ def places(problem: Problem, covariance: Covariance, setup: Setup) -> list[Place
     return [replace(place, flagged=bool(own)) for place, own in zip(found, flagged, strict=True)]
 
 
-def changes(problem: Problem, covariance: Covariance, setup: Setup) -> list[Place]:
+def changes(problem: Problem, covariance: Covariance, setup: SurrogateInputs) -> list[Place]:
     """What an explanation makes of all zones and cycles, flagged where it stands out as much as anywhere, or half.
 
     It is free of noise, and no part of it is a specimen's.

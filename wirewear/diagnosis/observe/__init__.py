@@ -19,13 +19,16 @@ from wirewear.diagnosis.observe.observable import (
     rows_of,
 )
 from wirewear.diagnosis.observe.observed_record import Reading
-from wirewear.diagnosis.surrogate.forward import LoopCourse
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.forward import PredictedLoops
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 
-#: As packages know it that were written when numbers of one zone had a class of their own.
+#: As packages know them that were written before these names.
 OfWholeLoops = Observable
+LoopCourse = PredictedLoops
+Setup = SurrogateInputs
 
 __all__ = [
-    "AlongBranch", "LoopCourse", "ModelLoops", "Observable", "ObservedBranch", "OfLoops", "OfWholeLoops", "Reading",
-    "ReducedLoop", "Scale", "Setup", "Site", "Sites", "Smoothness", "SolverSize", "Zone", "rows_of",
+    "AlongBranch", "LoopCourse", "ModelLoops", "Observable", "ObservedBranch", "OfLoops", "OfWholeLoops",
+    "PredictedLoops", "Reading", "ReducedLoop", "Scale", "Setup", "Site", "Sites", "Smoothness", "SolverSize",
+    "SurrogateInputs", "Zone", "rows_of",
 ]  # fmt: skip

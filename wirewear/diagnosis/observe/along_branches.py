@@ -16,7 +16,7 @@ from wirewear.diagnosis.observe import observable
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR, OUTLYING, LocalLine, ObservedBranch, force_at, knees_of
 from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, POSITION_WINDOW, ReducedLoop
 from wirewear.diagnosis.observe.observed_record import Reading
-from wirewear.diagnosis.surrogate.forward import LoopCourse
+from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.sensing import read_along, still_to_come
 from wirewear.loops.noise import noise_factor
 
@@ -87,7 +87,7 @@ class Stick(observable.ByLocalLines):
         branch = loop.branches[int(site.branch < 0)]
         return displacement_at(branch, site.level, FORCE_WINDOW * loop.mid_force_N, loop)
 
-    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
         """Linear between the model's points; past a loop's tips a force crosses no branch, which ends there."""
         x, q, row = observable.branches_of(course, sites)
         return sites.branch * read_along(np.maximum.accumulate(q, axis=1), x, row, sites.level)
@@ -155,7 +155,7 @@ class ShelfTravel(observable.OfLoops):
         travel, unsure = travel_between(loop.branches[int(site.branch < 0)], site.level)
         return travel, float(np.hypot(np.sqrt(0.5) * unsure, loop.displacement_noise_um))
 
-    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
         """Between the same forces, linear between the model's points."""
         return observable.travel_um(course, sites, -sites.level, sites.level)
 
@@ -264,7 +264,7 @@ class PlateauForce(observable.ByLocalLines):
         branch, window_um = loop.branches[int(site.branch < 0)], POSITION_WINDOW * loop.amplitude_um
         return force_at(branch, branch.sign * site.level, window_um, loop.sample_noise_N, loop.correlation)
 
-    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
         """Linear between the model's points."""
         x, q, row = observable.branches_of(course, sites)
         return sites.branch * read_along(still_to_come(x), q, row, self.along(sites))
@@ -307,7 +307,7 @@ class KneePeak(observable.OfLoops):
         peak, weight = peak_N(x - x[0], branch.force_N[branch.knee :], loop.amplitude_um, loop.correlation)
         return branch.sign * peak, loop.sample_noise_N * weight
 
-    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
         """The same of computed branches."""
         peaks = computed_peaks_N(course.displacement_um, course.tangential_force_N)
         return np.asarray(sites.branch * peaks[observable.rows_of(course, sites), (sites.branch < 0).astype(int)])

@@ -26,8 +26,8 @@ from wirewear.diagnosis.observe.observable import (
     rows_of,
 )
 from wirewear.diagnosis.observe.observed_record import Reading, spread_cycles
-from wirewear.diagnosis.surrogate.forward import LoopCourse
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.forward import PredictedLoops
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.sensing import SLIDING, read_along
 from wirewear.loops.sensor import enclosed_areas
 
@@ -63,7 +63,7 @@ class _OfNormalForce(OfLoops):
         """Every cycle at which a repeat has it."""
         return [Site(cycle) for cycle in reading.cycles if any(loop.normal_N for loop in reading.at(cycle))]
 
-    def whole(self, setup: Setup, predicted: Array) -> Array:
+    def whole(self, setup: SurrogateInputs, predicted: Array) -> Array:
         """The load."""
         return np.full(predicted.size, setup.load_N)
 
@@ -81,7 +81,7 @@ class NormalForce(_OfNormalForce):
             return np.nan, np.nan
         return float(np.mean(loop.normal_N)), loop.normal_error_N / float(np.sqrt(2.0))
 
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: Sites) -> Array:
         """Mean over what slides."""
         p = course.normal_force_N
         return np.asarray(p[:, :, SLIDING:].mean(axis=(1, 2)))[rows_of(course, sites)]
@@ -100,7 +100,7 @@ class NormalForceByDirection(_OfNormalForce):
             return np.nan, np.nan
         return loop.normal_N[0] - loop.normal_N[1], loop.normal_error_N * float(np.sqrt(2.0))
 
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: Sites) -> Array:
         """Means over what slides."""
         forward, backward = (course.normal_force_N[:, side, SLIDING:].mean(axis=1) for side in (0, 1))
         return np.asarray(forward - backward)[rows_of(course, sites)]
@@ -140,7 +140,7 @@ class _AlongStroke(OfLoops):
         # A median of normal deviates scatters by a factor √(π/2) more than their mean.
         return 0.5 * sum(values), float(0.5 * np.sqrt(0.5 * np.pi * sum(variances)))
 
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: Sites) -> Array:
         """The same of computed branches."""
         x, load = course.displacement_um, course.normal_force_N[..., SLIDING:]
         place = x[..., SLIDING:] / (0.5 * np.ptp(x, axis=(1, 2)))[:, None, None]
@@ -198,7 +198,7 @@ class Amplitude(OfLoops):
         """As the loop was cleaned."""
         return loop.amplitude_um, loop.amplitude_error_um
 
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: Sites) -> Array:
         """Half of the computed loop's extent."""
         x = course.displacement_um
         return np.asarray(0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2))))[rows_of(course, sites)]
@@ -242,7 +242,7 @@ class EvolutionFigure(Observable):
         """What straight lines between few samples may miss of it; half the variance changes as samples move along."""
         return 0.0
 
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: Sites) -> Array:
         """The same of computed loops."""
         return self.of_loops(course.displacement_um, course.tangential_force_N)[rows_of(course, sites)]
 

@@ -20,8 +20,8 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe.local_lines import LocalLine
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observed_record import Reading
-from wirewear.diagnosis.surrogate.forward import LoopCourse
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.forward import PredictedLoops
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.sensing import MIDDLE, SLIDING, read_along
 from wirewear.records.tables import Tolerance
 
@@ -95,7 +95,7 @@ class Sites:
         return [(*pair, np.flatnonzero((self.cycle == pair[0]) & (self.branch == pair[1]))) for pair in pairs]
 
 
-def rows_of(course: LoopCourse, sites: Sites) -> NDArray[np.intp]:
+def rows_of(course: PredictedLoops, sites: Sites) -> NDArray[np.intp]:
     """Row (n,) of a course in which each site's cycle stands."""
     return np.searchsorted(course.cycles, sites.cycle)
 
@@ -144,8 +144,8 @@ class SolverSize:
 class ModelLoops:
     """A course under a setup."""
 
-    setup: Setup
-    course: LoopCourse
+    setup: SurrogateInputs
+    course: PredictedLoops
 
     @cached_property
     def scale(self) -> Scale:
@@ -173,7 +173,7 @@ class ModelLoops:
         return np.asarray(force[:, 0, -1] - force[:, 0, MIDDLE])
 
 
-def branches_of(course: LoopCourse, sites: Sites) -> tuple[Array, Array, NDArray[np.intp]]:
+def branches_of(course: PredictedLoops, sites: Sites) -> tuple[Array, Array, NDArray[np.intp]]:
     """Displacements and forces (r, m) of branches in the direction of travel, so that both rise; the row of each site.
 
     Of whole loops it is that of the branch towards +x.
@@ -183,7 +183,7 @@ def branches_of(course: LoopCourse, sites: Sites) -> tuple[Array, Array, NDArray
     return x, q, 2 * rows_of(course, sites) + (sites.branch < 0)
 
 
-def travel_um(course: LoopCourse, sites: Sites, low_N: Array, high_N: Array) -> Array:
+def travel_um(course: PredictedLoops, sites: Sites, low_N: Array, high_N: Array) -> Array:
     """Travel (n,) of a course's branches from one force (n,) in their direction to the other at each site."""
     x, q, row = branches_of(course, sites)
     rising = np.maximum.accumulate(q, axis=1)
@@ -234,7 +234,7 @@ class Observable(ABC):
         """Values and standard deviations of their noise (n,) in one repeat, NaN where there are none."""
 
     @abstractmethod
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: Sites) -> Array:
         """Values (n,) of a computed course that holds all of the sites' cycles.
 
         Loops of several setups come as one course, whose cycles go on; scars and profiles (`of_scars`) come one by one.
@@ -249,7 +249,7 @@ class Observable(ABC):
         (only,) = self.zones
         return np.full(len(sites), only.name)
 
-    def whole(self, setup: Setup, predicted: Array) -> Array:
+    def whole(self, setup: SurrogateInputs, predicted: Array) -> Array:
         """What a difference (n,) is relative to, in the observable's unit, at predicted values (n,)."""
         match self.unit:
             case "N":

@@ -20,8 +20,8 @@ from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
 from wirewear.diagnosis.observe.observable import AlongBranch, Observable, Site, Sites
 from wirewear.diagnosis.observe.observed_record import Reading, read
 from wirewear.diagnosis.observe.scars import ProfileDepths, ScarFigures, ScarSkew
-from wirewear.diagnosis.surrogate.forward import OF_LOOPS, LoopCourse, simulated
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.forward import OF_LOOPS, PredictedLoops, simulated
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.records import AnyRecord
@@ -191,17 +191,17 @@ class Layout:
         """Zone of each number (n,): stick, knee, plateau, tip of the loop, or the channel where it has none."""
         return np.concatenate([part.observable.zone(part.sites, amplitude_um) for part in self])
 
-    def observed(self, course: LoopCourse) -> Array:
+    def observed(self, course: PredictedLoops) -> Array:
         """The numbers (n,) of a computed course, which must hold all of `cycles`."""
         return np.asarray(self._observed([course])[0])
 
-    def computed(self, states: WearStates, *setups: Setup) -> Array:
+    def computed(self, states: WearStates, *setups: SurrogateInputs) -> Array:
         """The numbers (k, n) under several setups."""
         parts = [setups[start : start + _TOGETHER] for start in range(0, len(setups), _TOGETHER)]
         found = [self._observed(simulated(states, part, self.cycles)) for part in parts]
         return np.concatenate([np.zeros((0, len(self))), *found])
 
-    def _observed(self, courses: Sequence[LoopCourse]) -> Array:
+    def _observed(self, courses: Sequence[PredictedLoops]) -> Array:
         """The numbers (k, n) of courses: those of loops are read as if of one course with later and later cycles."""
         count, whole = len(courses), int(courses[0].cycles[-1]) + 1
         each: dict[str, Any] = {

@@ -12,7 +12,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe import observable
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.observed_record import Reading
-from wirewear.diagnosis.surrogate.forward import LoopCourse
+from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.loop_states import scar_skew
 from wirewear.records import MeasuredProfile, MeasuredScar
 from wirewear.results.scar import SCAR_FIGURES, crossings
@@ -93,7 +93,7 @@ class ScarFigures(_OfScars):
                     noise[place] = np.hypot(FIGURE_ERROR, _shallow(figures, least))
         return values, noise
 
-    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
         """Those of the course's end."""
         figure = np.array([SCAR_FIGURES.index(name) for name in sites.figure], dtype=int)
         least = np.where(figure == SCAR_FIGURES.index("depth"), DEPTH_ERROR_um, 1e-6)
@@ -119,7 +119,7 @@ class ScarSkew(_OfScars):
             noise[sites.wire == scar.body] = _shallow(scar.figures) * SHALLOW_SKEW
         return values, noise
 
-    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
         """Those of the course's end."""
         return np.asarray(course.skew[sites.level.astype(int)])
 
@@ -227,7 +227,7 @@ class ProfileDepths(observable.Observable):
                 noise[place] = one.error_of(count, reading.depth_noise_um)
         return values, noise
 
-    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
+    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
         """Those of the course's end."""
         values = np.zeros(len(sites))
         for body, (x, depth) in course.profiles.items():

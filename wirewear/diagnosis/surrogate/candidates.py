@@ -14,7 +14,7 @@ from geometry.arrays import Array
 from wirewear.base import kinds
 from wirewear.base.errors import StudyError
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.effects import Effect, Parameter, Stated, all_effects
 from wirewear.test import LineStudy, Study
 from wirewear.test.bodies import Gap
@@ -48,7 +48,7 @@ class Candidate:
         scales: Mapping[str, float] | None = None,
         contact: str = kinds.CROSSED_WIRES,
     ) -> Candidate:
-        """The effect in a test that states these numbers, with these words chosen; `scales` by unit as `Setup` has."""
+        """The effect in a test that states these numbers, with these words chosen; `scales` by unit."""
         known = {
             name: described.beside(stated).scaled((scales or {}).get(described.quantity.unit, 1.0))
             for name, described in kind.parameters().items()
@@ -89,7 +89,7 @@ class Candidate:
         """The effect with these parameters."""
         return self.kind(**self.values(coordinates), **self.chosen)
 
-    def applied(self, setup: Setup, coordinates: Array) -> Setup:
+    def applied(self, setup: SurrogateInputs, coordinates: Array) -> SurrogateInputs:
         """The setup with the effect in it."""
         return setup.with_effect(self.effect(coordinates))
 
@@ -124,21 +124,21 @@ class Candidate:
         return starts
 
 
-def nominal_line_setup(study: LineStudy, drive: Literal["sensor", "stroke"]) -> Setup:
+def nominal_line_setup(study: LineStudy, drive: Literal["sensor", "stroke"]) -> SurrogateInputs:
     """The circumstances that a study of a line contact states, its own effects among them."""
-    setup = Setup.of(study, drive, sum(study.energy_coefficients()), study.contact.length_mm)
+    setup = SurrogateInputs.of(study, drive, sum(study.energy_coefficients()), study.contact.length_mm)
     return replace(setup, effects=study.effects)
 
 
-def nominal_setup(study: Study, drive: Literal["sensor", "stroke"]) -> Setup:
+def nominal_inputs(study: Study, drive: Literal["sensor", "stroke"]) -> SurrogateInputs:
     """The circumstances that a study states, its own effects among them, with the numerical freedoms as expected."""
     wear, friction = study.wear, study.contact.friction
     worn = 0.0 if wear is None else wear.volume_per_sliding_mm3_per_N_m(friction) / max(friction, 1e-9)
-    setup = Setup.of(study, drive, worn)
+    setup = SurrogateInputs.of(study, drive, worn)
     return replace(setup, crossing_error_rad=atan(Gap.of(*study.bodies).shear), effects=study.effects, **EXPECTED)
 
 
-def library(setup: Setup) -> tuple[Candidate, ...]:
+def library(setup: SurrogateInputs) -> tuple[Candidate, ...]:
     """All effects that there are, those of installed packages among them, as far as the fast model can foresee them."""
     return tuple(
         Candidate.of(
@@ -155,7 +155,7 @@ def effect_of(name: str) -> str:
     return name.partition(":")[0]
 
 
-def unforeseen(setup: Setup) -> tuple[str, ...]:
+def unforeseen(setup: SurrogateInputs) -> tuple[str, ...]:
     """Names of the effects that the fast model cannot foresee."""
     return tuple(
         name
@@ -164,7 +164,7 @@ def unforeseen(setup: Setup) -> tuple[str, ...]:
     )
 
 
-def _foreseen(kind: type[Effect[Any]], setup: Setup) -> bool:
+def _foreseen(kind: type[Effect[Any]], setup: SurrogateInputs) -> bool:
     try:
         setup.with_effect(kind.sized("easy", setup.stated)).chain(1.0, 1.0, *np.ones((3, 1)))
     except StudyError:

@@ -1,4 +1,4 @@
-"""The fast forward model: loops and wear under any `Setup`, in milliseconds, on the wear states of one nominal run.
+"""The fast forward model: loops and wear under any inputs, in milliseconds, on the wear states of one nominal run.
 
 Several setups are computed together: arrays hold their moments one after the other, for each as many.
 
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.diagnosis.surrogate import sensing
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.layered_wires import LAYER_MEMORY, SHEAR_RATIO, remembered
 from wirewear.diagnosis.surrogate.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
 from wirewear.diagnosis.surrogate.wear_states import WearStates
@@ -55,7 +55,7 @@ OF_LOOPS = "displacement_um", "tangential_force_N", "normal_force_N", "slip_um",
 
 
 @dataclass(frozen=True, eq=False)
-class LoopCourse:
+class PredictedLoops:
     """Loops and wear at some cycles (n,) under one set of circumstances, as sensors read them.
 
     `displacement_um` and `tangential_force_N` are (n, 2, m): the branch towards +x in order of travel, and the one
@@ -132,12 +132,12 @@ class _Layer:
         return _Layer(*(column[moments] for column in self.columns))
 
 
-def simulate(states: WearStates, setup: Setup, cycles: Array) -> LoopCourse:
+def simulate(states: WearStates, setup: SurrogateInputs, cycles: Array) -> PredictedLoops:
     """Loops at `cycles` (n,), increasing."""
     return simulated(states, (setup,), cycles)[0]
 
 
-def simulated(states: WearStates, setups: Sequence[Setup], cycles: Array) -> list[LoopCourse]:
+def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Array) -> list[PredictedLoops]:
     """The same under several setups of one test and one drive, which differ in their effects and numbers."""
     last = max(setups[0].cycles, float(cycles[-1]))
     nodes = np.unique(np.concatenate([np.geomspace(0.5, last, _NODES), cycles]))
@@ -155,16 +155,18 @@ def simulated(states: WearStates, setups: Sequence[Setup], cycles: Array) -> lis
         states.profiles(one, end.taken(np.array([place])), float(slip[ends[place]])) for place, one in enumerate(setups)
     ]
     columns = (np.split(column, len(setups)) for column in (*loops, slip[at], energy[at], chain.worn_um3))
-    return [LoopCourse(cycles, *own) for own in zip(*columns, scars, skews, profiles, strict=True)]
+    return [PredictedLoops(cycles, *own) for own in zip(*columns, scars, skews, profiles, strict=True)]
 
 
-def _columns(setups: Sequence[Setup], moments: int) -> Setup:
+def _columns(setups: Sequence[SurrogateInputs], moments: int) -> SurrogateInputs:
     """Several setups as one whose numbers are arrays (n,), one for each of so many moments of each."""
     each: dict[str, Any] = {name: np.repeat([getattr(setup, name) for setup in setups], moments) for name in _NUMBERS}
     return replace(setups[0], **each)
 
 
-def _wear_path(states: WearStates, setups: Sequence[Setup], cycles: Array) -> tuple[list[Chain], Array, Array]:
+def _wear_path(
+    states: WearStates, setups: Sequence[SurrogateInputs], cycles: Array
+) -> tuple[list[Chain], Array, Array]:
     """Each setup's chain with its worn volume at cycles (n,), and slip amplitudes and loop energies of all, joined."""
     count, setup = len(setups), _columns(setups, cycles.size)
     wearing = setups[0].wearing_cycles(cycles)
@@ -200,7 +202,7 @@ def _summed(per_cycle: Array, steps: Array) -> Array:
 
 
 def _contact(
-    states: WearStates, setup: Setup, chain: Chain, slip: Array, layer: _Layer | None
+    states: WearStates, setup: SurrogateInputs, chain: Chain, slip: Array, layer: _Layer | None
 ) -> sensing.SlidingContact:
     """The contact's force curve at a slip amplitude, from the state of equal V R/δ⁴."""
     own = setup.stretch * slip
@@ -253,7 +255,7 @@ def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
     return row, np.minimum(np.maximum(share, 0.0), 3.0)
 
 
-def _missing_slip(setup: Setup, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
+def _missing_slip(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
     """How much farther (n,) the contact has to slide for the drive to hold what it holds."""
     tip = contact.force_N[:, sensing.END]
     stroke = slip + sensing.elastic_of(contact) * tip + 0.5 * chain.free_play_um
@@ -270,7 +272,7 @@ def _missing_slip(setup: Setup, chain: Chain, contact: sensing.SlidingContact, s
     return np.asarray(chain.amplitude_um - stroke)
 
 
-def _missing_held(setup: Setup, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
+def _missing_held(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
     """The same of a drive that holds a figure of the loop in place of its amplitude."""
     target, tip = setup.held_share * setup.amplitude_um, contact.force_N[:, sensing.END]
     if setup.held == "energy":

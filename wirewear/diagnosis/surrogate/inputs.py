@@ -48,7 +48,7 @@ class AtWork(Protocol):
 
 
 @dataclass(frozen=True)
-class Setup:
+class SurrogateInputs:
     """One set of circumstances under which loops are computed: a test as it is believed to be, and what changes it.
 
     The last eight are numerical freedoms of the fast model.
@@ -90,7 +90,7 @@ class Setup:
     @classmethod
     def of(
         cls, study: AnyStudy[Any], drive: Literal["sensor", "stroke"], wear_mm3_per_J: float, length_mm: float = 0.0
-    ) -> Setup:
+    ) -> SurrogateInputs:
         """The circumstances that a study states."""
         conditions, friction, holder = study.conditions, study.contact.friction, study.holder
         tangential, rotational = holder.tangential_stiffness_N_per_mm, holder.rotational_stiffness_N_mm_per_rad
@@ -118,7 +118,7 @@ class Setup:
         """How many cycles (n,) of these conditions wear as much as the test has by cycles (n,)."""
         return np.interp(cycles, *np.array(self.worked).T) if self.worked else cycles
 
-    def with_effect(self, effect: AtWork) -> Setup:
+    def with_effect(self, effect: AtWork) -> SurrogateInputs:
         """The same with one more effect at work."""
         return replace(self, effects=(*self.effects, effect))
 

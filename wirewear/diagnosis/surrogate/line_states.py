@@ -25,7 +25,7 @@ from wirewear.reference import Elastic, contact_modulus
 from wirewear.test.faces import Face
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.surrogate.inputs import Setup
+    from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
     from wirewear.effects import Chain, Effect
     from wirewear.results import Loop, RunResult
 
@@ -150,7 +150,7 @@ class LineStates(WearStates):
         """A R/δ³."""
         return np.asarray(worn_um3 / self.length_um * self.radius_um / slip_um**3)
 
-    def wearing(self, setup: Setup, chain: Chain, slip_um: Array) -> Array:
+    def wearing(self, setup: SurrogateInputs, chain: Chain, slip_um: Array) -> Array:
         """Less where oxygen does not get."""
         if not chain.oxygen_W.any():
             return chain.wear_um3_per_mJ
@@ -158,7 +158,7 @@ class LineStates(WearStates):
         factor = changed.factor_at(1e-6 * chain.worn_um3 / self.length_um)
         return np.asarray(chain.wear_um3_per_mJ * factor)
 
-    def profiles(self, setup: Setup, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:
+    def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:
         """Those of the nominal run at the same worn area, widened with the slip, changed by bed and oxygen."""
         area = float(last.worn_um3[0]) / self.length_um
         changed = self._changed(setup, last, np.array([slip_um]))
@@ -166,7 +166,7 @@ class LineStates(WearStates):
         after = before if changed == changed.plain else worn_line(changed)
         return {body: self._profile(own, area, slip_um, before, after) for body, own in self.bodies.items()}
 
-    def _changed(self, setup: Setup, chain: Chain, slip_um: Array) -> WornLineContact:
+    def _changed(self, setup: SurrogateInputs, chain: Chain, slip_um: Array) -> WornLineContact:
         """The contact with a chain's bed and supply of oxygen, rounded so that equal ones are computed once."""
         if self.contact is None:
             raise RunError("a line contact's states lack its contact")

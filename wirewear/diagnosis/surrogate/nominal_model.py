@@ -11,8 +11,8 @@ from typing import Any, ClassVar, cast
 
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.surrogate import nominal
-from wirewear.diagnosis.surrogate.candidates import nominal_line_setup, nominal_setup
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.candidates import nominal_inputs, nominal_line_setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.line_states import LineStates
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_the_same
 from wirewear.diagnosis.surrogate.wear_states import WearStates
@@ -55,9 +55,9 @@ class PointModel:
         result = nominal.nominal_run(self.study, observer_of)
         return WearStates.of_run(result), nominal.limits_of(result, self.study)
 
-    def inputs(self, tables: Any) -> Setup:
+    def inputs(self, tables: Any) -> SurrogateInputs:
         """The circumstances that the study states, with the surrogate's numerical freedoms as expected."""
-        return nominal_setup(self.study, tables.conditions.drive)
+        return nominal_inputs(self.study, tables.conditions.drive)
 
     def with_effects(self, effects: Sequence[Effect[Any]], amplitude_um: float, increments: int) -> Study:
         """The study with further effects and another amplitude. increments: of a loop, where quick runs state none."""
@@ -104,7 +104,7 @@ class LineModel:
         states = LineStates.of_line(result, self.study.pad.profile, tables.length_mm)
         return states, nominal.limits_of(result, self.study)
 
-    def inputs(self, tables: Any) -> Setup:
+    def inputs(self, tables: Any) -> SurrogateInputs:
         """The circumstances that the study states."""
         return nominal_line_setup(self.study, tables.conditions.drive)
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array, ComplexArray
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.effects import Chain
 
@@ -107,7 +107,9 @@ def read_along(known: Array, values: Array, row: NDArray[np.intp], at: Array) ->
     return np.asarray(first + share * (last - first))
 
 
-def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array) -> tuple[Array, Array, Array]:
+def read_by_sensors(
+    setup: SurrogateInputs, chain: Chain, x: Array, q: Array, load: Array
+) -> tuple[Array, Array, Array]:
     """Both branches (n, 2, m) as the sensors read them, and the normal force; `load` (n, k) of those that slide."""
     # A branch sticks under the load of the end where it begins; the other way the load is the same, mirrored.
     there = np.concatenate([np.repeat(load[:, :1], STICK.size, axis=1), load[:, 1:]], axis=1)
@@ -148,7 +150,7 @@ def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array)
     return read - centre + moved_um, q, p
 
 
-def late_places(setup: Setup, read: Array, lag: float) -> Array:
+def late_places(setup: SurrogateInputs, read: Array, lag: float) -> Array:
     """Displacements (n, 2, m) behind a first-order filter whose time constant is a phase of the drive.
 
     The motion that was measured is the late one; what goes before it is passed at the same times. A drive held on what

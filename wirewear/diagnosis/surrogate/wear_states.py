@@ -32,7 +32,7 @@ from wirewear.test import study_from_tables
 from wirewear.test.bodies import Gap, hertz_of, unworn_stiffness_N_per_um
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.surrogate.inputs import Setup
+    from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
     from wirewear.effects import Chain, Effect
     from wirewear.results import RunResult
 
@@ -121,11 +121,11 @@ class WearStates:
         """Share (n,) of the worn volume that opens the gap."""
         return np.asarray(1.0 - chain.retained_fraction)
 
-    def wearing(self, setup: Setup, chain: Chain, slip_um: Array) -> Array:  # noqa: ARG002
+    def wearing(self, setup: SurrogateInputs, chain: Chain, slip_um: Array) -> Array:  # noqa: ARG002
         """Worn volume of both bodies per friction energy (n,)."""
         return chain.wear_um3_per_mJ
 
-    def profiles(self, setup: Setup, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:  # noqa: ARG002
+    def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:  # noqa: ARG002
         """Places and depths of each body's profile at a chain's one moment; wires have maps instead."""
         return {}
 
