@@ -60,7 +60,7 @@ class Silent:
 
 
 @pytest.mark.slow
-def test_a_killed_worker_is_told_in_one_sentence() -> None:
+def test_a_killed_worker_is_stated_in_one_sentence() -> None:
     ended = subprocess.run([sys.executable, "-c", KILLED], cwd=ROOT, capture_output=True, text=True, check=False)
     run, batch = ended.stdout.splitlines()
     ended_outside = "was ended from outside, perhaps because memory ran out"

@@ -97,7 +97,7 @@ def test_what_is_interrupted_within_a_compiled_function_is_interrupted(study_fil
 
 
 @pytest.mark.seconds
-def test_the_installed_command_tells_its_version_and_a_missing_study_without_a_traceback(tmp_path: Path) -> None:
+def test_the_installed_command_prints_its_version_and_a_missing_study_without_a_traceback(tmp_path: Path) -> None:
     command = Path(sys.executable).with_name("wirewear")
     version = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)
     assert __version__ in version.stdout

@@ -159,7 +159,7 @@ def test_a_column_that_there_is_not_is_answered_with_those_like_it(run: ww.Run) 
     assert run.evolution.get("slip") is None
 
 
-def test_runs_of_one_variant_beside_one_another_are_told_apart_by_what_differs(run: ww.Run) -> None:
+def test_runs_of_one_variant_beside_one_another_are_labelled_by_what_differs(run: ww.Run) -> None:
     study = ww.load(MINIMAL).resolved()
     loads = [
         dataclasses.replace(run, study=study | {"conditions": study["conditions"] | {"normal_load_N": at}})

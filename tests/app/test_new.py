@@ -30,7 +30,7 @@ def example() -> ExperimentRecord:
     return read_record(EXAMPLE)
 
 
-def test_a_new_study_can_be_run_and_tells_what_each_key_means(tmp_path: Path) -> None:
+def test_a_new_study_can_be_run_and_explains_each_key(tmp_path: Path) -> None:
     path = tmp_path / "soft_rig.toml"
     wirewear("new", tmp_path / "soft_rig")
     study = load_study(path)
@@ -65,7 +65,7 @@ def test_a_guessed_mapping_gives_the_files_record(tmp_path: Path, example: Exper
         np.testing.assert_allclose(volumes, truth, rtol=0.05)
 
 
-def test_a_mapping_asks_for_what_no_file_tells(tmp_path: Path, example: ExperimentRecord) -> None:
+def test_a_mapping_asks_for_what_no_file_states(tmp_path: Path, example: ExperimentRecord) -> None:
     files = write_english(ExperimentRecord(example.tables, example.loops[:1]), tmp_path)
     asked = wirewear("new", "--mapping", *files)
     assert re.search(r'fill in what stands as "\?" in line \d+ \(diameter_mm\), then: wirewear import', asked.stdout)
@@ -80,7 +80,7 @@ def test_a_mapping_asks_for_what_no_file_tells(tmp_path: Path, example: Experime
 @pytest.mark.parametrize(
     ("recorded", "phase"), [((1, 10, 100, 1000, 10_000), 0.0), ((1, 2, 3, 20, 21, 150), 0.7), ((1, 10_000), 0.0)]
 )
-def test_cycles_of_a_log_with_gaps_are_numbered_where_its_pieces_tell_the_frequency(
+def test_cycles_of_a_log_with_gaps_are_numbered_where_its_pieces_give_the_frequency(
     tmp_path: Path, recorded: tuple[int, ...], phase: float
 ) -> None:
     random, turn = np.random.default_rng(2), 2.0 * np.pi * np.arange(200) / 200

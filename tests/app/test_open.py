@@ -108,7 +108,7 @@ def test_nothing_outside_the_folder_is_served_or_written(server: WorkspaceServer
     assert asked(server.url + "files/..", "PUT", b"1")[0] == 409
 
 
-def test_what_is_made_anew_is_put_aside_and_a_step_waits_for_what_it_needs(workspace: Workspace) -> None:
+def test_what_is_made_again_is_put_aside_and_a_step_waits_for_what_it_needs(workspace: Workspace) -> None:
     for text in ("first", "second", "third"):
         workspace.write_mapping(text)
     workspace.add("a.csv", b"1")

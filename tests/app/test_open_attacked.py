@@ -96,7 +96,7 @@ def test_an_upload_that_is_not_whole_changes_nothing(
 
 
 @pytest.mark.parametrize("address", ["http://[/", "a%00b", "l" * 300, "out/a%00b", f"out/{'l' * 300}", "%ff%fe"])
-def test_an_address_that_is_none_is_told_so(
+def test_an_address_that_is_none_is_answered_so(
     server: WorkspaceServer, capfd: pytest.CaptureFixture[str], address: str
 ) -> None:
     whole = address if address.startswith("http") else f"/{server.secret}/{address}"
@@ -166,7 +166,7 @@ def test_who_knows_the_address_is_answered_however_many_wait_without_a_word(serv
         assert idle[0].recv(1) == b""
 
 
-def test_a_port_that_is_taken_is_told_in_one_sentence(server: WorkspaceServer, tmp_path: Path) -> None:
+def test_a_port_that_is_taken_is_stated_in_one_sentence(server: WorkspaceServer, tmp_path: Path) -> None:
     words = ("open", "--no-browser", "--port", server.server_address[1], "--output", tmp_path / "other")
     said = wirewear(*words, code=2).stderr
     assert "cannot be used: address already in use; without --port any that is free is taken." in said

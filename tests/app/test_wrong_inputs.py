@@ -111,7 +111,9 @@ def test_a_wrong_input_is_one_sentence_and_exit_code_2(line: str, sentence: str)
         "calibrate steel_wires.toml --variant rigid --record RECORD",
     ],
 )
-def test_an_output_that_takes_no_files_is_told_at_once(line: str, output: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_output_that_takes_no_files_is_refused_at_once(
+    line: str, output: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def forbidden(*_: object) -> None:
         raise AssertionError("a body was condensed")
 
@@ -155,7 +157,7 @@ LONG = "n" * 300
 
 
 @pytest.mark.parametrize("given", ["text/deeper", "/proc/nowhere/deeper", LONG, f"nowhere/{LONG}"])
-def test_an_output_that_cannot_be_written_is_told_while_the_command_is_read(given: str, tmp_path: Path) -> None:
+def test_an_output_that_cannot_be_written_is_refused_while_the_command_is_read(given: str, tmp_path: Path) -> None:
     before = sorted(tmp_path.iterdir())
     for command, parameter in outputs():
         assert isinstance(parameter.type, OutputFile | OutputFolder), command
@@ -347,7 +349,7 @@ def mistakes() -> list[tuple[str, str, str]]:
         ),
     ],
 )
-def test_a_mistake_is_told_with_its_place_and_what_would_be_right(old: str, new: str, message: str) -> None:
+def test_a_mistake_is_stated_with_its_place_and_what_would_be_right(old: str, new: str, message: str) -> None:
     assert MINIMAL.count(old) == 1
     with pytest.raises(StudyError) as caught:
         parse_study(MINIMAL.replace(old, new), "s.toml")

@@ -129,7 +129,7 @@ def test_a_nominal_run_is_kept_for_its_code_and_constants(runs: list[Study], mon
 
 
 @pytest.mark.parametrize("damage", [b"", b"junk", None])
-def test_a_damaged_nominal_run_is_made_anew_and_kept(runs: list[Study], home: Path, damage: bytes | None) -> None:
+def test_a_damaged_nominal_run_is_made_again_and_kept(runs: list[Study], home: Path, damage: bytes | None) -> None:
     nominal_run(coarse())
     (kept,) = home.glob("nominal-*.h5")
     whole = kept.read_bytes()

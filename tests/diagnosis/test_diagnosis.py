@@ -249,7 +249,7 @@ def test_wires_at_the_stated_angle_have_the_skew_of_their_run_and_at_another_its
 
 
 @pytest.mark.slow
-def test_a_record_that_states_nothing_of_friction_and_wear_is_diagnosed_by_what_it_tells_itself() -> None:
+def test_a_record_that_states_no_friction_and_wear_is_diagnosed_by_its_own_data() -> None:
     """The answer is that of the record which states both as they are."""
     told = read_record(EXAMPLES / "rigid_stated_compliant_rig")
     silent = told.tables.stated.model_copy(update={"friction": None, "energy_wear_coefficient_mm3_per_J": None})

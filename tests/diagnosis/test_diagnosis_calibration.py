@@ -77,7 +77,7 @@ def test_no_module_holds_tuned_numbers_of_its_own(file: Path) -> None:
     assert not (set(numbers_of_modules(file)) - OF_THE_CODE)
 
 
-def test_the_hash_changes_with_the_file_and_whatever_is_believed_of_an_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_hash_changes_with_the_file_and_whatever_is_stated_of_an_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     known, before = all_effects(), digest()
     assert digest() == before
     found = {before}

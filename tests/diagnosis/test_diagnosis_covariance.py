@@ -144,7 +144,7 @@ def test_means_of_few_samples_scatter_as_drawn_noise_does(correlation: float, co
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.5, 0.8])
-def test_a_noise_told_by_cubics_through_neighbours_is_that_of_a_sample(correlation: float) -> None:
+def test_a_noise_estimated_by_cubics_through_neighbours_is_that_of_a_sample(correlation: float) -> None:
     noise = autoregression(41_000, correlation, seed=5)
     time = np.arange(noise.size, dtype=float)
     told = sample_noise(noise + np.sin(1e-3 * time), time)
@@ -152,7 +152,7 @@ def test_a_noise_told_by_cubics_through_neighbours_is_that_of_a_sample(correlati
 
 
 @pytest.mark.parametrize("correlation", [0.3, 0.6, 0.8])
-def test_neighbours_nearer_than_a_samples_noise_tell_how_they_correlate(correlation: float) -> None:
+def test_neighbours_nearer_than_a_samples_noise_show_how_they_correlate(correlation: float) -> None:
     noise = autoregression(41_000, correlation, seed=6)
     told = sample_noise(noise, np.arange(noise.size, dtype=float))
     assert correlation_of_neighbours(1.0 / told, most=0.95) == pytest.approx(correlation, abs=0.04)
@@ -190,7 +190,7 @@ def test_noise_and_its_correlation_are_found_under_a_curve_that_takes_its_slow_p
     assert np.median(found) == pytest.approx(0.01 * np.sqrt((1.0 + correlation) / (1.0 - correlation)), rel=0.15)
 
 
-def test_noise_is_told_from_a_hooked_branch_and_a_spread_by_medians_is_a_standard_deviation() -> None:
+def test_noise_is_separated_from_a_hooked_branch_and_a_spread_by_medians_is_a_standard_deviation() -> None:
     random = np.random.default_rng(8)
     x = np.linspace(-55.0, 60.0, 190)
     hooked = [(x, 1.24 + 0.6 * (x / 60.0) ** 21 + 0.01 * random.standard_normal(x.size)) for _ in range(2)]

@@ -59,7 +59,7 @@ def test_evidence_is_that_of_the_normal_distribution_with_both_spaces_in_its_cov
 
 
 @pytest.mark.slow
-def test_a_saturating_force_cell_is_told_with_its_seam_and_size() -> None:
+def test_a_saturating_force_cell_is_found_with_its_seam_and_size() -> None:
     """What a compliance, a gain or another friction leaves of it is a cubic in Q."""
     answer = diagnosed(bent(saturating)).diagnosis
     assert answer.verdict == "unexplained"
@@ -74,7 +74,7 @@ def test_a_saturating_force_cell_is_told_with_its_seam_and_size() -> None:
     ("change", "seams", "words"),
     [(grinding, {"contact", "loading"}, "alike on both sides"), (creeping, {"sensor"}, "zero of the force channel")],
 )
-def test_what_is_bent_elsewhere_is_told_there(change: Change, seams: set[str], words: str) -> None:
+def test_what_is_bent_elsewhere_is_placed_there(change: Change, seams: set[str], words: str) -> None:
     answer = diagnosed(bent(change)).diagnosis
     assert answer.verdict == "unexplained"
     assert answer.resembles[0].seam in seams

@@ -110,7 +110,7 @@ def test_a_sines_lag_turns_its_phase() -> None:
     assert SINE.phases(place)[0, 0] == pytest.approx(2.0 * np.pi + np.arcsin(place[0, 0]), abs=1e-9)
 
 
-def test_a_triangles_lag_is_told_from_what_the_late_sensor_reads() -> None:
+def test_a_triangles_lag_is_found_from_what_the_late_sensor_reads() -> None:
     """In closed form: x less v τ (1 − 2 exp(−t/τ)) at times t after a reversal; its stroke shrinks by v τ ln 2."""
     spectrum = np.fft.rfft(triangle(phases(4096)))
     late = np.fft.irfft(spectrum / (1.0 + 1j * LAG * np.arange(spectrum.size)), 4096)

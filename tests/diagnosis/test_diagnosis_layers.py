@@ -110,7 +110,7 @@ def test_the_moving_scar_is_deeper_the_fixed_one_shallower_and_the_flats_count_i
 
 
 @pytest.mark.slow
-def test_a_flattening_is_told_from_wear_that_changes() -> None:
+def test_a_flattening_is_distinguished_from_wear_that_changes() -> None:
     one = diagnosed(record({"plasticity": {"flattening_um": 2.0}}))
     probabilities = one.weighed.probabilities
     assert max(probabilities, key=lambda names: probabilities[names]) == ("plasticity",)

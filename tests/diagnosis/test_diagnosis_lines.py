@@ -38,7 +38,7 @@ def test_a_loop_of_a_line_contact_gives_its_slip_friction_stiffness_and_load(ful
     assert load == pytest.approx(LOAD_N)
 
 
-def test_a_foreseen_profile_has_the_area_that_its_body_loses_and_reaches_as_far_as_it_slips() -> None:
+def test_a_predicted_profile_has_the_area_that_its_body_loses_and_reaches_as_far_as_it_slips() -> None:
     place = np.linspace(-1.6, 1.6, 321)
     own = WornProfiles(np.array([400.0]), place, 0.75 * np.maximum(1.0 - place**2, 0.0)[None], 0.4, 20.0, 0.5)
     both = WornLine(np.zeros(1), np.array([0.0, 1e-3]), np.zeros((2, 1)), np.ones(2), np.array([0.1, 0.1]))

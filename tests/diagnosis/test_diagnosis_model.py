@@ -282,7 +282,7 @@ def test_an_open_answer_states_no_gap_that_is_less_likely_than_none(none: float,
     assert [line.split()[1] for line in ten_lines(answer).splitlines() if line.startswith("  where:")] == ["one", "two"]
 
 
-def test_effects_that_cannot_be_told_apart_are_one_explanation_and_so_are_the_halves_of_a_pair() -> None:
+def test_effects_that_look_alike_are_one_explanation_and_so_are_the_halves_of_a_pair() -> None:
     causes = [Cause("third_body", 0.2, {}, joint=True), Cause("free_play", 0.2, {}, joint=True), Cause("none", 0.3, {})]
     causes += [Cause("tangential_compliance", 0.18, {}), Cause("rotational_compliance", 0.1, {})]
     found = explanations(causes, [("rotational_compliance", "tangential_compliance")])

@@ -71,7 +71,7 @@ def test_the_surprise_is_the_largest_bayes_factor_of_any_falling_density_of_p(p_
 
 
 @pytest.mark.slow
-def test_noise_of_the_believed_covariance_surprises_as_often_as_its_p_value_says() -> None:
+def test_noise_of_the_stated_covariance_surprises_as_often_as_its_p_value_says() -> None:
     """Of 200 records of noise a tenth or fewer surprise like one in ten, where the observables' variances are as
     uncertain as believed.
     """
@@ -181,7 +181,7 @@ def one_loop(effect: str, drive: str, seed: int, cycle: int) -> ExperimentRecord
 
 
 @pytest.mark.seconds
-def test_a_stroke_held_by_an_encoder_tells_a_sensor_from_a_spring() -> None:
+def test_a_stroke_held_by_an_encoder_separates_a_sensor_from_a_spring() -> None:
     (group,) = diagnosis_of(one_loop("sensor", "sensor", 1, 100)).equivalent
     assert {"tangential_compliance", "displacement_load_coupling"} <= set(group)
     both = diagnosis_of(one_loop("sensor", "sensor", 1, 100), one_loop("sensor", "stroke", 2, 100))

@@ -66,7 +66,7 @@ def test_friction_and_rig_lie_in_their_intervals_and_wear_is_volume_over_the_who
 
 
 @pytest.mark.slow
-def test_free_play_is_told_from_compliance() -> None:
+def test_free_play_is_distinguished_from_compliance() -> None:
     fit = fitted("loose")
     assert known(fit, "free_play_um").value == pytest.approx(5.0, rel=0.1)
     assert known(fit, "tangential_stiffness_N_per_mm").value == pytest.approx(167.0, rel=0.07)
@@ -96,7 +96,7 @@ def test_the_spring_that_presses_the_wires_is_that_of_another_codes_test() -> No
     assert SPRING not in fit_record(dataclasses.replace(record_of("as stated"), loops=tuple(unknown))).parameters
 
 
-def test_a_spring_is_told_from_a_drift_and_from_scatter_or_not_at_all() -> None:
+def test_a_spring_is_distinguished_from_a_drift_and_from_scatter_or_not_at_all() -> None:
     cycles, descent_um = np.array([100.0, 1000.0, 10_000.0, 100_000.0]), np.array([0.6, 2.6, 8.0, 28.0])
     scatter = 0.001 * np.random.default_rng(1).standard_normal((3, 4)) + np.array([[2.02], [2.0], [1.97]])
     found = spring_of_loads(scatter - 1e-3 * 1.4 * descent_um, descent_um, cycles)

@@ -96,7 +96,7 @@ def test_friction_rig_and_wear_of_both_bodies_are_found(face: str) -> None:
 
 
 @pytest.mark.slow
-def test_play_is_told_from_the_rigs_stiffness() -> None:
+def test_play_is_distinguished_from_the_rigs_stiffness() -> None:
     fit = fitted("cylinder", 4.0)
     assert fit.parameters["free_play_um"].value == pytest.approx(4.0, rel=0.1)
     assert fit.parameters["tangential_stiffness_N_per_mm"].value == pytest.approx(16000.0, rel=0.1)

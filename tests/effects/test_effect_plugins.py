@@ -183,7 +183,7 @@ def test_a_package_reads_another_loggers_files(mapping: Path) -> None:
     assert loops[1].tangential_force_N.tolist() == pytest.approx(force.tolist())
 
 
-def test_files_that_a_package_knows_are_guessed_without_being_told_their_kind(mapping: Path) -> None:
+def test_files_that_a_package_knows_are_guessed_without_their_kind_stated(mapping: Path) -> None:
     time, displacement, force = SyntheticLoop(Recipe()).sampled(SAMPLES)
     rows = zip(time / FREQUENCY_Hz, displacement, force, strict=True)
     path = mapping.parent / "log.jsonl"

@@ -107,7 +107,7 @@ def test_nothing_readable_names_effect_or_seed_and_the_manifest_binds_key_and_re
     assert {name: case["sha256"] for name, case in manifest["cases"].items()} == contents(batch)
 
 
-def test_the_hash_tells_nothing_to_who_guesses_the_seed_and_the_key_file_is_its_owners_alone(tmp_path: Path) -> None:
+def test_the_hash_reveals_no_seed_and_the_key_file_is_its_owners_alone(tmp_path: Path) -> None:
     for name in ("one", "two"):
         make_batch(tmp_path / name, cases=4, seed=9, generator=PlainModel())
     assert contents(tmp_path / "one") == contents(tmp_path / "two")
@@ -129,7 +129,7 @@ class StuckModel(PlainModel):
         return super().make(case)
 
 
-def test_a_case_that_does_not_slip_is_drawn_anew_with_the_same_effects(tmp_path: Path) -> None:
+def test_a_case_that_does_not_slip_is_drawn_again_with_the_same_effects(tmp_path: Path) -> None:
     make_batch(tmp_path / "b", cases=6, seed=2, generator=StuckModel())
     planned = planned_cases(6, 2, LIBRARY_EFFECTS, OUTSIDE)
     for case, truth in zip(planned, truth_in(tmp_path / "b")["truths"], strict=True):

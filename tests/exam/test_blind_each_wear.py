@@ -137,7 +137,7 @@ def test_a_flake_leaves_a_pit_in_one_wire_at_its_cycle() -> None:
     assert np.abs(after.shapes.moving - before.shapes.moving).max() < 1e-4
 
 
-def test_a_wire_put_back_turned_has_its_scar_aside_and_is_worn_in_anew() -> None:
+def test_a_wire_put_back_turned_has_its_scar_aside_and_is_worn_in_again() -> None:
     world = changed(STEEL, "remounted_wire", {"aside_um": 20.0, "cycle": 1000.0})
     before, after, late = snapshots(world, [999, 1000, 3000], 16)
     grid = grid_of(world, 16)

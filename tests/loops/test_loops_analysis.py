@@ -99,7 +99,7 @@ def test_coarse_simulated_loops_give_slip_and_energy_within_half_a_percent() -> 
 
 
 @pytest.mark.parametrize(("samples", "rig_stiffness", "coarse"), [(40, 1e9, 2), (400, 1e9, 0), (40, 167.0, 0)])
-def test_a_stiffness_that_few_samples_tell_is_noted_by_branch(samples: int, rig_stiffness: float, coarse: int) -> None:
+def test_a_stiffness_from_few_samples_is_noted_by_branch(samples: int, rig_stiffness: float, coarse: int) -> None:
     _, displacement, force = SyntheticLoop(Recipe(rig_stiffness=rig_stiffness)).sampled(samples, 0.2)
     notes = analyse_loop(displacement, force, 2.0).notes
     assert sum("its stiffness is coarse" in note for note in notes) == coarse
@@ -107,7 +107,7 @@ def test_a_stiffness_that_few_samples_tell_is_noted_by_branch(samples: int, rig_
 
 @pytest.mark.parametrize("rig_stiffness", [100.0, 400.0, 1600.0])
 @pytest.mark.parametrize("contact_stiffness", [1000.0, 2700.0, 10000.0])
-def test_corner_curvature_tells_a_round_from_a_sharp_corner(rig_stiffness: float, contact_stiffness: float) -> None:
+def test_corner_curvature_separates_a_round_from_a_sharp_corner(rig_stiffness: float, contact_stiffness: float) -> None:
     recipe = Recipe(rig_stiffness=rig_stiffness, contact_stiffness=contact_stiffness)
     _, displacement, force = SyntheticLoop(recipe).sampled(256)
     figure = analyse_loop(displacement, force, 2.0).corner_curvature
@@ -210,7 +210,7 @@ def test_slip_and_friction_of_a_rig_with_play_are_those_of_its_contact() -> None
     assert figures.friction_energy.value == pytest.approx(0.62, rel=0.01)
 
 
-def test_stick_slip_is_told_by_its_share_frequency_and_fall() -> None:
+def test_stick_slip_is_described_by_its_share_frequency_and_fall() -> None:
     loop = replace(SOFT, chatter_drop=0.4)
     chatter = figures_of(loop).stick_slip
     assert chatter is not None

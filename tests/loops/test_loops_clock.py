@@ -71,7 +71,7 @@ def test_one_cycle_of_a_coarse_clock_is_analysed_whole(tick: float) -> None:
 
 @pytest.mark.parametrize("tick", [0.01, 0.1, 1.0])
 @pytest.mark.parametrize("starts", [(0,), (0, 99, 999)])
-def test_a_coarse_clock_tells_frequency_and_cycles_also_across_gaps(
+def test_a_coarse_clock_gives_frequency_and_cycles_also_across_gaps(
     tmp_path: Path, tick: float, starts: tuple[int, ...]
 ) -> None:
     found = guess(written(tmp_path, *logged(starts, 9, tick)[:3]))
@@ -92,7 +92,7 @@ def test_pieces_shorter_than_two_ticks_are_refused_with_a_sentence(tmp_path: Pat
     assert len(read_loops(path)) == 4 * len(starts)
 
 
-def test_a_short_log_whose_clock_tells_nothing_is_read_without_it(tmp_path: Path) -> None:
+def test_a_short_log_whose_clock_is_useless_is_read_without_it(tmp_path: Path) -> None:
     found = guess(written(tmp_path, *logged([0], 4, 1.0)[:3]))
     assert "time_s" not in found.tables["loops"]["columns"]
     assert (found.tables["conditions"]["frequency_Hz"], found.tables["conditions"]["cycles"]) == ("?", 4)

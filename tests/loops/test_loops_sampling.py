@@ -230,7 +230,7 @@ def test_a_late_channel_is_noted_and_intervals_hold_the_truth(samples: int, nois
 
 @pytest.mark.parametrize("lag", [-5.0, -2.0, 0.0, 1.0, 4.0])
 @pytest.mark.parametrize("share", [0.0, 1.0], ids=["spring", "Mindlin"])
-def test_a_lag_is_told_whatever_of_spring_or_contact_takes_up_the_rise(lag: float, share: float) -> None:
+def test_a_lag_is_found_whatever_of_spring_or_contact_takes_up_the_rise(lag: float, share: float) -> None:
     stiff = {"contact_stiffness": 1e6} if share == 0.0 else {"contact_stiffness": 160.0, "rig_stiffness": 1e9}
     time, displacement, force = SyntheticLoop(Recipe(**stiff)).sampled(2560, 0.31)
     found = lag_of(clean_loop(displacement[::10], np.roll(force, round(10 * lag))[::10], time_s=time[::10]))
@@ -292,7 +292,7 @@ def test_a_contact_that_sticks_says_so_with_its_numbers(noise: float) -> None:
 
 @pytest.mark.parametrize("last", [0.5, 1.0, 3.0])
 @pytest.mark.parametrize("start", [0.0, 0.25, 0.6])
-def test_a_cycles_period_is_told_by_its_drive_where_steps_are_uneven(start: float, last: float) -> None:
+def test_a_cycles_period_is_found_from_its_drive_where_steps_are_uneven(start: float, last: float) -> None:
     """Whatever the last step is: the mean of the others, or their median, miss it by up to 4 % of the period."""
     random = np.random.default_rng(1)
     steps = np.append(random.uniform(0.3, 2.0, 63), last)

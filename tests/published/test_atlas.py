@@ -80,7 +80,7 @@ def test_an_expression_of_all_rows_is_one_figure(tmp_path: Path) -> None:
         (ENTRY, TABLE.replace("b,fit", "a,fit"), "every name once"),
     ],
 )
-def test_mistakes_are_told_in_a_sentence(tmp_path: Path, entry: str, table: str, told: str) -> None:
+def test_mistakes_are_stated_in_a_sentence(tmp_path: Path, entry: str, table: str, told: str) -> None:
     with pytest.raises(StudyError, match=told):
         made(tmp_path, entry, table).rows(simulated)
 
@@ -94,7 +94,7 @@ def test_a_prediction_that_is_written_is_kept(tmp_path: Path, monkeypatch: pytes
     assert read_entries(["made"], tmp_path)[0].predictions == {("c", "energy"): 8.0, ("d", "energy"): 10.4}
 
 
-def test_a_begun_entry_is_run_once_its_table_has_a_key_of_the_study(tmp_path: Path) -> None:
+def test_an_unfinished_entry_is_run_once_its_table_has_a_key_of_the_study(tmp_path: Path) -> None:
     begun = CliRunner().invoke(
         commands.atlas, ["new", "10.1/x", "--name", "mine", "--kind", "crossed-wires", "--into", str(tmp_path)]
     )
@@ -118,7 +118,7 @@ def test_the_frozen_table_holds_every_comparison_that_the_entries_state() -> Non
     assert len(written) >= 12
 
 
-def test_what_moves_by_more_than_its_tolerance_is_told(tmp_path: Path) -> None:
+def test_what_moves_by_more_than_its_tolerance_is_stated(tmp_path: Path) -> None:
     rows = [Row("e", name, "f", "1", 1.0, None, 1.0, None, 0.1) for name in "ab"]
     before = frozen(write_table(rows, tmp_path / "table.csv"))
     assert before == rows

@@ -272,7 +272,7 @@ def test_a_map_of_no_finite_size_is_refused_in_a_sentence(tmp_path: Path, cycle:
         import_record(mapped(tmp_path, GERMAN + scar))
 
 
-def test_a_map_that_states_no_scale_is_read_by_what_the_mapping_tells(tmp_path: Path, cycle: Any) -> None:
+def test_a_map_that_states_no_scale_is_read_by_what_the_mapping_states(tmp_path: Path, cycle: Any) -> None:
     """A matrix of numpy has neither size nor unit; steps along y are longer."""
     (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
     x, y = np.arange(-200.0, 200.0, 4.0)[:, None], np.arange(-150.0, 150.0, 6.0)[None, :]

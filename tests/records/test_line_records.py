@@ -131,7 +131,7 @@ def test_pictures_and_loops_of_a_run_are_had_from_its_file(result: RunResult, tm
     assert energies == pytest.approx(evolution["dissipated_energy_mJ"][at], rel=0.05)
 
 
-def test_what_is_wrong_with_a_record_is_told(record: LineRecord) -> None:
+def test_what_is_wrong_with_a_record_is_stated(record: LineRecord) -> None:
     loop, profile = record.loops[0], record.scars[0]
 
     def topics(changed: LineRecord) -> set[str]:
@@ -154,7 +154,7 @@ def test_what_is_wrong_with_a_record_is_told(record: LineRecord) -> None:
     assert topics(replace(record, scars=(unworn,))) == set()
 
 
-def test_profiles_of_exchanged_bodies_are_told_as_the_flats_scar_is_longer_by_the_stroke(record: LineRecord) -> None:
+def test_profiles_of_exchanged_bodies_show_as_the_flats_scar_is_longer_by_the_stroke(record: LineRecord) -> None:
     x = np.linspace(-600.0, 600.0, 601)
     half = float(np.sqrt(2e3 * (record.tables.pad.radius_mm or 0.0) * 2.0))
     reach = record.tables.conditions.displacement_amplitude_um

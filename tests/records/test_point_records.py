@@ -123,7 +123,7 @@ def test_a_ball_is_as_stiff_as_hertz_and_mindlin_make_it_and_as_crossed_cylinder
         (lambda scar: dataclasses.replace(scar, depth_um=10.0 * scar.depth_um), "times as wide as both scars' depths"),
     ],
 )
-def test_scars_of_a_ball_that_cannot_be_are_told(spoil: Any, says: str) -> None:
+def test_scars_of_a_ball_that_cannot_be_are_stated(spoil: Any, says: str) -> None:
     record = record_of_result(run_of("ball-on-flat"))
     flat, ball = record.scars
     told = check_record(dataclasses.replace(record, scars=(spoil(flat), ball))).problems
@@ -232,7 +232,7 @@ def changed(folder: Path, old: str, new: str) -> Path:
         ('scar_ball = "scar_ball.csv"', 'scar_fixed = "scar_ball.csv"', "a ball-on-flat has a flat and a ball"),
     ],
 )
-def test_what_a_record_of_bodies_says_wrongly_is_told(tmp_path: Path, old: str, new: str, says: str) -> None:
+def test_what_a_record_of_bodies_says_wrongly_is_stated(tmp_path: Path, old: str, new: str, says: str) -> None:
     with pytest.raises(RecordError) as caught:
         read_record(changed(tmp_path / "record", old, new))
     assert says in str(caught.value)

@@ -215,7 +215,7 @@ def test_a_record_whose_writer_is_killed_between_two_steps_is_named_to_readers_a
     assert contents(home) == before
 
 
-def test_a_record_is_not_put_in_place_of_the_folder_that_the_command_was_begun_in(
+def test_a_record_is_not_put_in_place_of_the_folder_that_the_command_runs_in(
     home: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (home / "empty").mkdir()

@@ -141,7 +141,9 @@ def test_statistics_of_an_elliptic_loop_are_those_of_its_closed_form() -> None:
         ("drift", lambda f: [*f[:4], f"{float(f[4]) + 9.0 * (f[1] != '100')}", *f[5:]], "middle of the stroke"),
     ],
 )  # fmt: skip
-def test_what_is_odd_is_told(folder: Path, topic: str, change: Callable[[list[str]], list[str]], words: str) -> None:
+def test_what_is_odd_is_remarked(
+    folder: Path, topic: str, change: Callable[[list[str]], list[str]], words: str
+) -> None:
     assert topic not in topics(folder)
     edit_loops(folder, change)
     assert words in topics(folder)[topic]
@@ -156,7 +158,7 @@ def test_a_scar_map_that_ends_within_the_scar_is_a_problem(folder: Path) -> None
     assert "cut off the moving wire's scar" in topics(folder)["scars"]
 
 
-def test_the_command_prints_words_or_json_and_its_exit_code_tells_problems(folder: Path) -> None:
+def test_the_command_prints_words_or_json_and_its_exit_code_states_problems(folder: Path) -> None:
     assert json.loads(wirewear("check", folder, "--json").stdout)["repeats"] == [1, 2]
     edit_loops(folder, lambda f: [*f[:5], f"{-float(f[5])}", f[6]])
     assert "Problems" in wirewear("check", folder, code=1).stdout

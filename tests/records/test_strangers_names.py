@@ -65,12 +65,12 @@ def test_names_of_many_languages_and_encodings_are_known(tmp_path: Path, languag
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "utf-8", "gbk"])
-def test_words_that_nothing_tells_apart_are_read_as_before(encoding: str) -> None:
+def test_words_that_nothing_distinguishes_are_read_as_before(encoding: str) -> None:
     head = "位移（毫米）" if encoding == "gbk" else "Prüfkörper;Maß"
     assert encoding_of(head.encode(encoding)) == {"gbk": "gb18030"}.get(encoding, encoding)
 
 
-def test_unknown_names_in_an_encoding_that_was_guessed_are_told_with_the_option(tmp_path: Path) -> None:
+def test_unknown_names_in_an_encoding_that_was_guessed_are_listed_with_the_option(tmp_path: Path) -> None:
     path = written(tmp_path, "ABC;кол;дол", TIME, X, FORCE, encoding="cp1251")
     with pytest.raises(RecordError, match=r"--displacement COLUMN:UNIT, or another --encoding than cp1252, which is a"):
         read_loops(path)
@@ -139,7 +139,7 @@ def test_a_channel_whose_zero_was_set_is_taken_for_the_other_with_a_word(tmp_pat
     assert told not in chosen[0].notes
 
 
-def test_a_load_in_another_unit_than_its_name_says_is_told_of_loops_alone(tmp_path: Path) -> None:
+def test_a_load_in_another_unit_than_its_name_says_is_found_from_loops_alone(tmp_path: Path) -> None:
     path = written(tmp_path, "Displacement (um),Force (N),Load (N)", X, FORCE, 2000.0 + 0.0 * X)
     told = remarks(analyse_loops(read_loops(path)))
     assert any("times the normal load, which no dry friction gives" in one for one in told)

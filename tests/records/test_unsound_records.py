@@ -150,7 +150,7 @@ def _driven(samples: int, dense_at_turns: bool, noise_um: float) -> list[Measure
 @pytest.mark.seconds
 @pytest.mark.parametrize("stated", [0.0, 0.15])
 @pytest.mark.parametrize(("samples", "dense_at_turns"), [(92, True), (128, False), (256, False)])
-def test_noise_that_is_as_stated_is_told_to_be_no_other(
+def test_noise_that_is_as_stated_draws_no_remark(
     sound: ExperimentRecord, samples: int, dense_at_turns: bool, stated: float
 ) -> None:
     noise = sound.tables.noise.model_copy(update={"displacement_um": stated, "tangential_force_N": stated / 20.0})

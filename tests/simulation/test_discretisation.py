@@ -247,7 +247,7 @@ def test_figures_tend_to_what_they_would_be_without_any_error(tmp_path: Path) ->
         assert 0.0 < error < 0.06
 
 
-def test_an_error_that_falls_faster_than_can_be_believed_leaves_the_limit_within_its_error(tmp_path: Path) -> None:
+def test_an_error_that_falls_implausibly_fast_leaves_the_limit_within_its_error(tmp_path: Path) -> None:
     for value, limit, error in converged(FakeRunner(0.03, 0.01, 0.02, order=3.0), tmp_path):
         assert value == pytest.approx(1.06)
         assert abs(limit - 1.0) <= error

@@ -109,7 +109,7 @@ def grown(figures: dict[float, float], target: float) -> Ending:
     return ending
 
 
-def test_the_end_is_foreseen_of_a_power_of_the_cycles_and_its_interval_holds_a_power_that_changes() -> None:
+def test_the_end_is_predicted_of_a_power_of_the_cycles_and_its_interval_holds_a_power_that_changes() -> None:
     ending = grown({float(n): 0.1 * n**0.5 for n in (1, 10, 100, 400, 1000, 2000, 4000)}, 20.0)
     assert ending.foreseen() == "; depth_um = 20 is expected after 40\u2009000 cycles (40\u2009000 to 40\u2009000)"
 
@@ -122,7 +122,7 @@ def test_the_end_is_foreseen_of_a_power_of_the_cycles_and_its_interval_holds_a_p
 
 
 @pytest.mark.parametrize("figures", [{}, {1.0: 0.1}, {1.0: 0.1, 2.0: 0.1, 8.0: 0.1, 16.0: 0.1}])
-def test_no_end_is_foreseen_of_a_figure_that_is_young_or_does_not_grow(figures: dict[float, float]) -> None:
+def test_no_end_is_predicted_of_a_figure_that_is_young_or_does_not_grow(figures: dict[float, float]) -> None:
     assert grown(figures, 20.0).foreseen() == ""
 
 
@@ -191,7 +191,7 @@ def test_an_effect_has_all_blocks_hold_its_displacement(stated: str, key: str) -
 
 @pytest.mark.slow
 @pytest.mark.parametrize("truly", [(), (HeldDisplacement(displacement_amplitude_um=53.0),)])
-def test_a_rig_that_held_its_displacement_in_place_of_the_slip_is_told_from_one_that_held_it(truly: Any) -> None:
+def test_a_rig_that_held_its_displacement_is_distinguished_from_one_that_held_the_slip(truly: Any) -> None:
     study = load_study(STEEL_WIRES).variant("compliant").changed({"conditions": {"held_slip_amplitude_um": 45.0}})
     result = simulate(study.with_effects(*truly), fidelity="quick")
     sensor = Sensor(noise=SensorNoise(displacement_um=0.15, tangential_force_N=0.008))
@@ -284,7 +284,7 @@ def test_line_contacts_go_through_blocks_too() -> None:
         ("[programme]\ncycles = 3\n", "programme .*must be a list of tables"),
     ],
 )
-def test_a_programme_that_cannot_be_is_told_with_its_block(programme: str, told: str) -> None:
+def test_a_programme_that_cannot_be_is_stated_with_its_block(programme: str, told: str) -> None:
     with pytest.raises(StudyError, match=told):
         coarse(LONG + programme)
 

@@ -108,7 +108,7 @@ def test_any_even_profile_touches_and_wears_as_the_cylinder_that_it_is() -> None
         (FLAT, {"variants": {"no way": {}}}, "needs another name"),
     ],
 )
-def test_a_mistake_is_told_in_one_sentence(pad: dict[str, Any], changes: dict[str, Any], complaint: str) -> None:
+def test_a_mistake_is_stated_in_one_sentence(pad: dict[str, Any], changes: dict[str, Any], complaint: str) -> None:
     with pytest.raises(StudyError, match=complaint):
         line_study(**({"kind": "line-contact", "pad": pad} | changes))
 

@@ -172,7 +172,7 @@ def test_a_crossing_angle_counts_where_both_wires_state_all_else_and_so_does_wha
         ({"kind": "ball-on-flat", "bodies": {"ball": STEEL, "flat": STEEL}}, {}, "diameter_mm"),
     ],
 )
-def test_what_is_no_contact_at_a_point_is_told(contact: dict[str, Any], tables: dict[str, Any], says: str) -> None:
+def test_what_is_no_contact_at_a_point_is_refused(contact: dict[str, Any], tables: dict[str, Any], says: str) -> None:
     told = refusal(contact, **tables)
     assert says in told
     assert "\n" not in told

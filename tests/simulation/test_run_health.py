@@ -163,7 +163,9 @@ def test_round_off_of_nodes_that_stick_is_no_energy_lost(cycle: CycleTrace, worn
 
 
 @given(st.floats(-0.9, 2.0), st.floats(1.5, 10.0), st.floats(0.0, 5.0))
-def test_energy_bends_when_less_or_more_has_worn_than_a_power_tells(power: float, ratio: float, before: float) -> None:
+def test_energy_bends_when_less_or_more_has_worn_than_a_power_predicts(
+    power: float, ratio: float, before: float
+) -> None:
     worn = (ratio ** (power + 1.0) - 1.0) / (power + 1.0)
     now = (ratio, ratio**power, before + worn)
     assert not bends((1.0, 1.0, before), now)

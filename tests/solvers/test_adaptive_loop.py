@@ -55,7 +55,7 @@ def test_a_contact_that_hardly_slides_is_followed_as_the_drive_goes(amplitude: f
 
 
 @given(amplitudes, st.floats(0.05, 0.6), st.floats(0.2, 1.0), st.integers(6, 200))
-def test_a_stroke_before_tells_where_bodies_slide(amplitude: float, share: float, sprung: float, count: int) -> None:
+def test_a_stroke_before_predicts_where_bodies_slide(amplitude: float, share: float, sprung: float, count: int) -> None:
     """The holder springs back by less than it was carried along, and is carried on as the force grows."""
     carried = share * amplitude
     stands = -sprung * carried

@@ -172,7 +172,7 @@ def test_bulk_stresses_change_from_block_to_block_of_any_contact() -> None:
         (block(9, "bulk.fixed = 3"), r"bulk in \[wires.fixed\] of block 1 .*must be a table"),
     ],
 )
-def test_a_bulk_stress_that_cannot_be_is_told_with_its_place(text: str, told: str) -> None:
+def test_a_bulk_stress_that_cannot_be_is_stated_with_its_place(text: str, told: str) -> None:
     with pytest.raises(StudyError, match=told):
         coarse(LONG + text)
 
@@ -204,7 +204,7 @@ def test_torsion_is_of_round_bars() -> None:
         stretched("pad", {"torsion_stress_MPa": 10.0})
 
 
-def test_a_record_states_the_bulk_stress_of_its_test_without_which_loops_are_foreseen(tmp_path: Path) -> None:
+def test_a_record_states_the_bulk_stress_of_its_test_without_which_loops_are_predicted(tmp_path: Path) -> None:
     text = LONG.replace("cycles = 400", "cycles = 2") + TENSION + block(1) + block(1, "bulk.fixed.phase_deg = 0")
     result = simulate(coarse(text), fidelity="quick")
     record = record_of_result(result)

@@ -213,7 +213,7 @@ def test_a_layer_rubs_by_its_own_friction_until_it_is_worn_through() -> None:
     assert pulled(both, (4e-3, 0.0)) == pytest.approx(0.8, rel=5e-3)
 
 
-def test_a_run_of_wires_tells_when_a_layer_was_worn_through_and_shows_where(tmp_path: Path) -> None:
+def test_a_run_of_wires_states_when_a_layer_was_worn_through_and_shows_where(tmp_path: Path) -> None:
     bare = coarse()
     deepest = run_study(bare, fidelity="quick", output=tmp_path / "bare")[0].evolution["max_depth_fixed_um"]
     layers = [{"thickness_um": 0.5 * float(deepest[-1]), "wear_factor": 0.9, "friction": 0.5}]

@@ -86,7 +86,7 @@ def run() -> RunResult:
 
 
 @pytest.mark.seconds
-def test_commands_on_a_run_whose_wires_part_leave_out_what_cannot_be_told(run: RunResult, tmp_path: Path) -> None:
+def test_commands_on_a_run_whose_wires_part_leave_out_what_is_unknown(run: RunResult, tmp_path: Path) -> None:
     write_result(tmp_path / "run" / "result.h5", run)
     assert write_page([run], tmp_path).is_file()
     for command in (

@@ -203,7 +203,7 @@ def test_places_of_a_steady_load_are_those_of_the_slip_alone() -> None:
         ("approach_um", 1.0, "holds the bodies at a fixed approach"),
     ],
 )
-def test_a_mistake_in_a_drive_is_told_in_one_sentence(key: str, value: object, complaint: str) -> None:
+def test_a_mistake_in_a_drive_is_stated_in_one_sentence(key: str, value: object, complaint: str) -> None:
     given = {"conditions.load_cycle": {"amplitude_share": 0.5}, f"conditions.{key}": value}
     with pytest.raises(StudyError, match=complaint):
         coarse().with_values(given)
@@ -219,7 +219,7 @@ def test_a_mistake_in_a_drive_is_told_in_one_sentence(key: str, value: object, c
         ("load_cycle", {"points": [[0.0, 1.0], [0.5, 0.0], [1.0, 1.0]]}),
     ],
 )
-def test_a_study_tells_its_drive_as_it_was_given(key: str, value: object) -> None:
+def test_a_study_states_its_drive_as_it_was_given(key: str, value: object) -> None:
     study = coarse().with_values({f"conditions.{key}": value})
     told = study.resolved()["conditions"][key]
     assert told == value

@@ -134,7 +134,7 @@ def study_with(tmp_path: Path, law: str) -> Path:
         ('{ name = "shear-limited", shear_strength_MPa = "high" }', "must be a finite number"),
     ],
 )
-def test_a_study_with_a_wrong_law_is_told_what_is_wrong(tmp_path: Path, law: str, says: str) -> None:
+def test_a_study_with_a_wrong_law_is_refused_with_the_reason(tmp_path: Path, law: str, says: str) -> None:
     with pytest.raises(StudyError, match=re.escape(says)):
         load_study(study_with(tmp_path, law))
 

@@ -77,7 +77,7 @@ def test_jumps_that_are_rejected_without_end_are_an_error() -> None:
         solvers.take_step(controller, 1.0, 1e9, 1.0, (), 1e12, lambda state, _done, _n: (state, 1.0))
 
 
-def test_friction_work_that_jumps_do_not_foresee_keeps_the_energy_within_the_tolerance() -> None:
+def test_friction_work_that_jumps_do_not_predict_keeps_the_energy_within_the_tolerance() -> None:
     # Work per cycle grows as 1 + N / 100, jumps foresee that it stays.
     for tolerance in (0.1, 0.02):
         controller, energy, done, jump = solvers.JumpController(tolerance), 1.0, 1.0, 9.0

@@ -65,7 +65,7 @@ def _answer(folder: Path, values: Mapping[str, float], kept: Path | None = None)
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("change", "expected"), [({"factor": 20.0}, 40.0), ({"shift": 2.0}, 30.0)])
-def test_code_from_functions_and_numbers_of_other_files_is_compiled_anew_when_those_change(
+def test_code_from_functions_and_numbers_of_other_files_is_compiled_again_when_those_change(
     tmp_path: Path, change: dict[str, float], expected: float
 ) -> None:
     before = {"factor": 10.0, "shift": 1.0}
@@ -76,7 +76,7 @@ def test_code_from_functions_and_numbers_of_other_files_is_compiled_anew_when_th
 
 @pytest.mark.slow
 @pytest.mark.parametrize("left", [0, 40, -1])
-def test_damaged_code_is_compiled_anew_and_kept_whole(tmp_path: Path, left: int) -> None:
+def test_damaged_code_is_compiled_again_and_kept_whole(tmp_path: Path, left: int) -> None:
     values = {"factor": 10.0, "shift": 1.0}
     assert _answer(tmp_path, values) == (20.0, 0)
     for path in (tmp_path / "kept").glob("*.code"):

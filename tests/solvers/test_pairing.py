@@ -190,7 +190,7 @@ MESH_mm = 0.010
 STEPS_mm = 1e-3 * np.array([0.1, 0.2, 1.5, 4.0, 3.9, 1.0])
 
 
-def test_bodies_pressed_anew_around_worn_scars_leave_no_friction_on_what_sticks() -> None:
+def test_bodies_pressed_again_around_worn_scars_leave_no_friction_on_what_sticks() -> None:
     problem = crossed_wires(0.005, wear=RATES)
     worn = jumped(problem, at_the_end(problem, STROKE_mm), 2e4, stroke_mm=STROKE_mm).state
     assert worn.core.sum() > 4

@@ -112,7 +112,7 @@ STUDY = (Path(__file__).parents[2] / "studies" / "steel_wires" / "study.toml").r
         ),
     ],
 )
-def test_a_study_with_a_wrong_wear_law_is_told_what_is_wrong(law: str, says: str) -> None:
+def test_a_study_with_a_wrong_wear_law_is_refused_with_the_reason(law: str, says: str) -> None:
     with pytest.raises(StudyError) as refused:
         parse_study(STUDY.replace("[wear]", f"[wear]\nlaw = {law}"), "s.toml")
     assert says in str(refused.value)

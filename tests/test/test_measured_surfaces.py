@@ -221,7 +221,7 @@ def test_a_profile_of_heights_is_levelled_against_the_pads_face(tmp_path: Path) 
         (None, {"file": None, "x_um": [0, 1], "y_um": [0, 1], "depths": "eJw="}, "depths that are not those"),
     ],
 )
-def test_a_surface_that_cannot_be_taken_is_told_in_one_sentence(
+def test_a_surface_that_cannot_be_taken_is_stated_in_one_sentence(
     tmp_path: Path, rows: str | None, surface: dict[str, Any], complaint: str
 ) -> None:
     file = tmp_path / "scar.csv"
@@ -242,7 +242,7 @@ def test_a_surface_that_stands_out_where_the_bodies_then_touch_is_named() -> Non
         simulate(any_study(tables, "s.toml"), fidelity="quick")
 
 
-def test_heights_are_told_where_to_be_read_by_what_does_not_level_them(tmp_path: Path) -> None:
+def test_heights_name_where_to_be_read_by_what_does_not_level_them(tmp_path: Path) -> None:
     (tmp_path / "map.csv").write_text("x_um,y_um,height_um\n0,0,1\n1,0,1\n0,1,1\n", encoding="utf-8")
     tables = study(BALL).resolved()
     tables["bodies"]["ball"]["surface"] = {"file": str(tmp_path / "map.csv")}

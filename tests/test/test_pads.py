@@ -148,7 +148,7 @@ def test_the_even_face_of_an_uneven_one_lies_above_it_and_ends_where_its_shorter
         (None, "face_half_width_mm = 5\nradius_mm = 4", "no face cut off a radius of 4"),
     ],
 )
-def test_a_face_that_cannot_be_is_told_in_words(tmp_path: Path, rows: str | None, pad: str, complaint: str) -> None:
+def test_a_face_that_cannot_be_is_stated_in_words(tmp_path: Path, rows: str | None, pad: str, complaint: str) -> None:
     if rows is not None:
         (tmp_path / "pad.csv").write_text(rows, encoding="utf-8")
     named = "" if "cut off" in complaint else 'profile_file = "pad.csv"\n'
@@ -238,7 +238,7 @@ def test_a_pressed_pin_with_rounded_edges_has_sneddons_radius_approach_and_middl
         (pad(profile_points_mm=[[-1, 1], [0, 0], [1, 1]]), "a turned face has points from x = 0 on"),
     ],
 )
-def test_a_turned_face_that_cannot_be_is_told_in_one_sentence(contact: dict[str, Any], complaint: str) -> None:
+def test_a_turned_face_that_cannot_be_is_stated_in_one_sentence(contact: dict[str, Any], complaint: str) -> None:
     with pytest.raises(StudyError, match=complaint):
         study(contact)
 

@@ -151,7 +151,7 @@ def test_a_shorter_test_records_the_cycles_asked_for_as_far_as_it_goes_in_a_file
 
 @pytest.mark.seconds
 @given(paths, junk)
-def test_any_value_in_any_place_is_accepted_or_told_in_one_sentence(keys: tuple[str, ...], value: object) -> None:
+def test_any_value_in_any_place_is_accepted_or_refused_in_one_sentence(keys: tuple[str, ...], value: object) -> None:
     data = minimal()
     here = data
     for key in keys[:-1]:

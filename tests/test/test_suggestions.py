@@ -33,7 +33,7 @@ def test_a_key_that_lacks_words_is_taken_for_the_one_that_must_be_given(key: str
 
 
 @pytest.mark.parametrize("angle", [1, 2, 2.5, 3, 4, 1.0])
-def test_a_small_angle_is_told_the_range_and_is_not_taken_for_radians(angle: float) -> None:
+def test_a_small_angle_is_answered_by_the_range_and_is_not_taken_for_radians(angle: float) -> None:
     tables = minimal()
     tables["wires"]["crossing_angle_deg"] = angle
     with pytest.raises(StudyError, match=r"must lie between 5 and 175 degrees\.$"):
@@ -58,7 +58,7 @@ def groove(angle_deg: float) -> tuple[Array, Array, Array]:
 
 @pytest.mark.parametrize("name", ["moving", "fixed"])
 @pytest.mark.parametrize("stated", [None, 60.0])
-def test_a_wire_that_lies_askew_is_told_the_crossing_angle(name: str, stated: float | None) -> None:
+def test_a_wire_that_lies_askew_is_answered_by_the_crossing_angle(name: str, stated: float | None) -> None:
     known = {"diameter_mm": 0.45} | ({} if stated is None else {"crossing_angle_deg": stated})
     _, remark = _laid(Path("scar.xyz"), name, crossed_wires(known, STEEL), groove(30.0))
     assert f"nor at the crossing angle, {stated or 90:g}°: give crossing_angle_deg" in remark
