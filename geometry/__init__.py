@@ -10,7 +10,7 @@ from geometry.lazy import loaded_late
 if TYPE_CHECKING:
     from geometry.body import BodyGeometry, BodyMesh, Elastic, build_body
     from geometry.errors import GeometryError
-    from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, graded_layers
+    from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, RimGradedAxis, graded_layers
     from geometry.mesh import HexMesh, QuadMesh, mirror_images
     from geometry.patch import ContactPatch
     from geometry.profiles import Barrel, Cylinder, Flat, LoweredSurface, Profile, RoundedFlat, TabledProfile, Turned
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 __all__ = [
     "Barrel", "BlockGeometry", "BodyGeometry", "BodyMesh", "ContactPatch", "Cylinder", "EdgeGradedAxis", "Elastic",
     "Flat", "GeometryError", "GradedAxis", "HexMesh", "Layering", "LoweredSurface", "PlanarGeometry", "PlanarMesh",
-    "Profile", "QuadMesh", "RoundedFlat", "TabledProfile", "Turned", "WireGeometry", "build_body", "build_planar",
-    "graded_layers", "mirror_images",
+    "Profile", "QuadMesh", "RimGradedAxis", "RoundedFlat", "TabledProfile", "Turned", "WireGeometry", "build_body",
+    "build_planar", "graded_layers", "mirror_images",
 ]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

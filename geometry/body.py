@@ -16,7 +16,7 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
 from geometry.errors import GeometryError
-from geometry.grading import GradedAxis, Layering, graded_layers
+from geometry.grading import GradedAxis, Layering, RimGradedAxis, graded_layers
 from geometry.mesh import HexMesh, lowered
 from geometry.patch import ContactPatch
 from geometry.profiles import Profile
@@ -126,8 +126,8 @@ def _collect(gmsh: Any) -> tuple[Array, IntArray]:
 class BodyGeometry(ABC):
     """What a body's mesh is built from; lengths in mm. Its axis is x, its contact the origin, facing +z."""
 
-    axial: GradedAxis  #: Grading of the contact patch along the body.
-    transverse: GradedAxis  #: That across it.
+    axial: GradedAxis | RimGradedAxis  #: Grading of the contact patch along the body.
+    transverse: GradedAxis | RimGradedAxis  #: That across it.
     coarse_mm: float  #: Largest element far from the contact.
     layering: Layering  #: Of the elements under the patch.
     grip_stiffness_N_per_mm3: float | None  #: Of an elastic grip per area, None of a rigid one.
@@ -172,7 +172,7 @@ class BodyGeometry(ABC):
     @property
     def finest_mm(self) -> float:
         """Smallest spacing of the patch's lines."""
-        return min(float(axis.half_lines()[1]) for axis in (self.axial, self.transverse))
+        return min(axis.finest_mm for axis in (self.axial, self.transverse))
 
     @property
     def layers(self) -> tuple[float, float]:

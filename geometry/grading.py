@@ -31,6 +31,11 @@ class GradedAxis:
                 f"half-extent {self.half_extent_mm} mm; give a finer mesh"
             )
 
+    @property
+    def finest_mm(self) -> float:
+        """Smallest spacing of the lines."""
+        return float(self.half_lines()[1])
+
     def half_lines(self) -> Array:
         """Mesh lines from 0 to the patch's edge, shape (n,), first entry 0, last `half_extent_mm`."""
         lines = [0.0]
@@ -76,6 +81,68 @@ class EdgeGradedAxis:
         width = self.half_extent_mm - self.fine_from_mm
         fine = np.linspace(self.fine_from_mm, self.half_extent_mm, int(np.ceil(width / self.fine_mm - 1e-9)) + 1)
         return np.concatenate([[0.0], np.cumsum(middle)[:-1], fine])
+
+
+@dataclass(frozen=True)
+class RimGradedAxis:
+    """Mesh lines of a contact patch, symmetric about zero, that are finest about a contact's rim and coarser within.
+
+    Between the middle and the rim at |x| = `rim_mm` stand `elements`; their sizes fall towards it as a sine's steps do
+    up to `share` of its quarter. Beyond it they grow again, alike, and then by `growth` up to `half_extent_mm`.
+    """
+
+    rim_mm: float
+    elements: int
+    half_extent_mm: float
+    share: float = 0.7
+    growth: float = 1.4
+
+    def __post_init__(self) -> None:
+        if not (self.elements >= 2 and 0.0 < self.rim_mm < self.half_extent_mm):
+            raise GeometryError(
+                f"a contact patch of half-extent {self.half_extent_mm} mm must reach beyond the rim at {self.rim_mm} "
+                f"mm that {self.elements} elements lead to, at least 2"
+            )
+
+    @property
+    def fine_mm(self) -> float:
+        """Spacing at the rim."""
+        return float(self.rim_mm - self._to_rim()[-2])
+
+    @property
+    def finest_mm(self) -> float:
+        """Smallest spacing of the lines."""
+        return float(np.diff(self.half_lines()).min())
+
+    @property
+    def outer_mm(self) -> float:
+        """Spacing in the middle, the largest within the rim."""
+        return float(self._to_rim()[1])
+
+    def _to_rim(self) -> Array:
+        turned = np.linspace(0.0, 0.5 * np.pi * self.share, self.elements + 1)
+        return np.asarray(np.sin(turned) * (self.rim_mm / np.sin(turned[-1])))
+
+    def half_lines(self) -> Array:
+        """Mesh lines from 0 to the patch's edge, shape (n,), first entry 0, last `half_extent_mm`."""
+        within = self._to_rim()
+        sizes, rest = np.diff(within)[::-1], self.half_extent_mm - self.rim_mm
+        beyond = [0.0]
+        for size in sizes:
+            if beyond[-1] >= rest - 0.3 * size:
+                break
+            beyond.append(beyond[-1] + float(size))
+        while beyond[-1] < rest - 0.3 * size:
+            size *= self.growth
+            beyond.append(beyond[-1] + float(size))
+        beyond_rim = np.array(beyond[1:]) * (rest / beyond[-1])
+        beyond_rim[-1] = rest
+        return np.concatenate([within, self.rim_mm + beyond_rim])
+
+    def lines(self) -> Array:
+        """Mesh lines over the whole patch, shape (2n - 1,), exactly antisymmetric about zero."""
+        half_lines = self.half_lines()
+        return np.concatenate([-half_lines[:0:-1], half_lines])
 
 
 @dataclass(frozen=True)

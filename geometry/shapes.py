@@ -8,7 +8,7 @@ import numpy as np
 from geometry.arrays import Array, BoolArray, IntArray
 from geometry.body import BodyGeometry
 from geometry.errors import GeometryError
-from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, graded_layers
+from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, RimGradedAxis, graded_layers
 from geometry.mesh import QuadMesh
 from geometry.patch import ContactPatch
 from geometry.profiles import Barrel, Cylinder, Profile, Turned
@@ -23,8 +23,8 @@ class WireGeometry(BodyGeometry):
 
     diameter_mm: float
     length_mm: float
-    axial: GradedAxis
-    transverse: GradedAxis
+    axial: GradedAxis | RimGradedAxis
+    transverse: GradedAxis | RimGradedAxis
     coarse_mm: float
     grip_half_angle_rad: float = pi / 4  #: Half of the sector of the lateral surface, from the back, that is gripped.
     grip_half_length_mm: float | None = None
@@ -96,8 +96,8 @@ class BlockGeometry(BodyGeometry):
     half_width_along_mm: float  #: To each side of the contact, as the next.
     half_width_across_mm: float
     height_mm: float  #: From the contact to the back.
-    axial: GradedAxis
-    transverse: GradedAxis
+    axial: GradedAxis | RimGradedAxis
+    transverse: GradedAxis | RimGradedAxis
     coarse_mm: float
     grip_stiffness_N_per_mm3: float | None = None
     layering: Layering = field(default_factory=Layering)

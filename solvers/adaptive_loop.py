@@ -17,7 +17,7 @@ from solvers.contact import ContactProblem, advance
 from solvers.contact.problem import sliding_force
 from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
 from solvers.drive import Drive, phases
-from solvers.fretting import CycleTrace, Watch, settled
+from solvers.fretting import CycleTrace, Watch, closed_cycle, settled
 from solvers.wear_step.symmetry import Mirror, kept_by, mirrored, symmetry_of
 
 #: Allowed distance of the force from the straight lines between increments, over the friction force.
@@ -61,11 +61,13 @@ def closed_adaptive_cycle(
     friction, over a share of the load.  moved: a cycle, or half of one, with the wear frozen that ends where the loop
     is to start; else half a cycle is moved first.
 
-    Bodies of which a part has stuck ever since they were pressed together go both ways: strokes do not wipe out what it
-    remembers.
+    Bodies of which a part has stuck ever since they were pressed together go both ways, for strokes do not wipe out
+    what it remembers, in as many increments as given: their force bends evenly, see `forced_path`.
     """
     trace = moved or settled(problem, state, drive, settling_increments or increments, watch, guide)[1]
     state = trace.states[-1]
+    if state.core.any():
+        return closed_cycle(problem, state, drive, increments, watch, moved=trace)
     friction = sliding_force(problem, state)
     largest, way = float(np.abs(trace.tangential_force).max()), np.abs(np.diff(trace.drive, prepend=trace.start.drive))
     # Of a rectangular loop that is its half height.
@@ -77,7 +79,7 @@ def closed_adaptive_cycle(
         tolerance * (height if min(friction, largest) > least else max(height, least)),
         increments,
     )
-    mirror = None if state.core.any() else kept_by(symmetry_of(problem), state).half_cycle
+    mirror = kept_by(symmetry_of(problem), state).half_cycle
     there = back = None
     for _ in range(_MOST_REPEATS):
         start = state

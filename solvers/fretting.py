@@ -17,7 +17,7 @@ from solvers.contact.problem import facing_offset
 from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
 from solvers.drive import Drive, Path
 from solvers.errors import SolverError
-from solvers.wear_path import WornPlaces, cosine_places, loop_path, traced_path
+from solvers.wear_path import WornPlaces, cosine_places, forced_path, loop_path, traced_path
 
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
 _CLOSURE = 2e-3
@@ -89,8 +89,15 @@ def first_quarter(
     problem: ContactProblem, state: ContactState, drive: Drive, increments: int, watch: Watch | None = None
 ) -> ContactState:
     """Move from mid-stroke to +amplitude without wear."""
+    return traced_quarter(problem, state, drive, increments, watch)[0]
+
+
+def traced_quarter(
+    problem: ContactProblem, state: ContactState, drive: Drive, increments: int, watch: Watch | None = None
+) -> tuple[ContactState, CycleTrace]:
+    """The state after that move, and the move."""
     path = _cosine_stroke(drive, -1.0, increments).from_middle
-    return _follow(problem, state, path, 0.0, watch, None)[0]
+    return _follow(problem, state, path, 0.0, watch, None)
 
 
 def run_cycle(
@@ -136,23 +143,40 @@ def closed_cycle(
     watch: Watch | None = None,
     guide: Guide | None = None,
     settling_increments: int | None = None,
+    *,
+    moved: CycleTrace | None = None,
 ) -> tuple[ContactState, CycleTrace]:
     """A closed loop with the wear frozen; it starts and ends at the other end of the stroke.
 
     A cycle jump leaves tractions that belong to a slightly different surface; half a cycle of sliding, in steps of
     1/settling_increments of a cycle (default: 1/increments), removes their memory. Where the contact sticks almost
     throughout, cycles are repeated until the loop closes.
+
+    moved: a cycle, or half of one, that ends where the loop is to start; else half a cycle is moved first.
     """
-    state, trace = settled(problem, state, drive, settling_increments or increments, watch, guide)
+    if moved is None:
+        moved = settled(problem, state, drive, settling_increments or increments, watch, guide)[1]
+    state, trace = moved.states[-1], moved
     for _ in range(_MOST_REPEATS):
         before = float(trace.tangential_force[-1])
         followed = drive.steady or guide is not None
-        path = loop_path(drive, _side(state), increments, guide)
+        if drive.steady and state.core.any():
+            path = forced_path(drive, _side(state), increments, *_last_stroke(trace))
+        else:
+            path = loop_path(drive, _side(state), increments, guide)
         state, trace = _follow(problem, state, path, 0.0, watch, guide)
         guide, change = trace.guide, abs(float(trace.tangential_force[-1]) - before)
         if followed and change <= _CLOSURE * float(np.abs(trace.tangential_force).max()):
             break
     return state, trace
+
+
+def _last_stroke(trace: CycleTrace) -> tuple[Array, Array]:
+    """Drive in mm and force in N along the last stroke of a trace, its start included."""
+    every = (trace.start, *trace.states)
+    drives = np.array([state.drive for state in every])
+    first = len(every) - 1 - int(np.argmax(np.abs(drives - drives[-1])[::-1]))
+    return drives[first:], np.array([float(state.primary_force[:, 0].sum()) for state in every[first:]])
 
 
 def settled(

@@ -160,6 +160,21 @@ def loop_path(drive: Drive, side: float, increments: int, guide: Guide | None) -
     return drive.stroke(side, along[side]) + drive.stroke(-side, along[-side])
 
 
+def forced_path(drive: Drive, side: float, increments: int, drives_mm: Array, forces_N: Array) -> Path:
+    """The path of a cycle whose contact sticks in its middle, from side x amplitude on: over each increment the force
+    changes by as much, which follows a curve that bends all along it best.
+
+    drives_mm, forces_N: (m,) of a similar stroke, its start included.
+    """
+    moved, forced = np.abs(drives_mm - drives_mm[0]), np.abs(forces_N - forces_N[0])
+    order = np.maximum.accumulate(forced)
+    wanted = np.linspace(0.0, order[-1], increments // 2 + 1)[1:]
+    shares = np.interp(wanted, order, moved) / moved[-1]
+    places = drive.amplitude_mm * (1.0 - 2.0 * shares)
+    places[np.argmin(np.abs(places))], places[-1] = 0.0, -drive.amplitude_mm
+    return drive.stroke(side, side * places) + drive.stroke(-side, -side * places)
+
+
 def _with_places(places: Array, others: Array) -> Array:
     """Places along a stroke (m,) and others (k,) between them, without those that lie next to one of these."""
     step, direction = _APART * np.abs(np.gradient(places)), float(np.sign(places[-1]))

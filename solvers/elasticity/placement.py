@@ -113,6 +113,11 @@ class PlacedBody:
         """The block of the compliance that was gathered last, or nothing; see `solvers.elasticity.compliance`."""
         return []
 
+    @cached_property
+    def latest_compliance(self) -> list[tuple["PlacedBody", Any]]:
+        """The body faced last and the compliance of both that was gathered then, or nothing."""
+        return []
+
     def sample(self, points_mm: Array, depth_mm: Array) -> SurfaceSample:
         """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) given relative to the body's origin."""
         local = points_mm @ self.world_to_patch.T
@@ -169,7 +174,7 @@ def facing(primary: PlacedBody, secondary: PlacedBody) -> PlacedBody:
     turn = secondary.world_to_patch @ primary.world_to_patch.T
     finest = (*_finest(primary.patch), *_finest(secondary.patch))
     sizes = _sizes(primary, secondary)[folded.piece_nodes()]
-    steps = np.clip(np.rint(np.log(sizes / finest) / log(_ALIKE) - 1e-6), 0, _KINDS)
+    steps = np.clip(np.rint(np.log(sizes / finest) / log(_ALIKE) - 1e-6), -_KINDS, _KINDS)
     kinds, kind = np.unique(steps.astype(int), axis=0, return_inverse=True)
     near = _near_fields(kinds, finest, own, other, turn)
     # Alike lattices answer with displacements that go with one over their size.

@@ -141,16 +141,48 @@ def test_the_first_stage_resolves_the_fresh_contact_alike_in_all_directions() ->
             assert np.diff(axis.lines()).max() < 1.2 * axis.fine_mm
 
 
+STICKING = MINIMAL.replace("displacement_amplitude_um = 60.0", "displacement_amplitude_um = 0.45")
+WORN = "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n"
+
+
 @pytest.mark.parametrize("fidelity", sorted(WIRE_LEVELS))
-def test_a_contact_that_sticks_in_its_middle_and_wears_around_it_has_finer_elements(fidelity: str) -> None:
-    unworn = MINIMAL.replace("displacement_amplitude_um = 60.0", "displacement_amplitude_um = 0.45")
-    worn, level = unworn + "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n", WIRE_LEVELS[fidelity]
-    for text, expected in ((worn, level.per_sticking_radius), (unworn, level.per_contact_radius)):
-        plan = discretise(parse_study(text, "study"), fidelity)
-        sizes = [axis.fine_mm for wire in (plan.moving, plan.fixed) for axis in (wire.axial, wire.transverse)]
-        assert plan.hertz.contact_radius_mm / np.array(sizes) == pytest.approx([expected] * 4)
-        assert plan.coarsening == 1.0
-        assert plan.increments_per_wear_cycle == (16 if text is worn else level.increments_per_cycle)
+@pytest.mark.parametrize("wear", ["", WORN])
+def test_a_contact_that_sticks_in_its_middle_has_elements_that_shrink_towards_its_rim(fidelity: str, wear: str) -> None:
+    level, plan = WIRE_LEVELS[fidelity], discretise(parse_study(STICKING + wear, "study"), fidelity)
+    elements = round(1.25 * level.per_sticking_radius if wear else level.to_rim)
+    rim = plan.hertz.contact_radius_mm
+    for axis in (axis for wire in (plan.moving, plan.fixed) for axis in (wire.axial, wire.transverse)):
+        lines = axis.half_lines()
+        within = np.diff(lines[: elements + 1])
+        assert lines[elements] == pytest.approx(rim)
+        assert (np.diff(within) < 0.0).all()
+        assert within[-1] < 0.6 * within[0] < rim / elements
+        assert 1.25 * rim < lines[-1] < 1.7 * rim
+    assert plan.coarsening == 1.0
+    assert plan.increments_per_wear_cycle == 16
+
+
+@pytest.mark.parametrize(
+    ("conditions", "sticks"),
+    [
+        ("held_tangential_force_N = 0.2", True),
+        ("held_tangential_force_N = 4.0", False),
+        ("held_slip_amplitude_um = 0.15", True),
+        ("held_slip_amplitude_um = 10.0", False),
+        ("held_energy_mJ = 1e-6", True),
+        ("held_energy_mJ = 1e-2", False),
+    ],
+)
+def test_a_held_figure_below_that_of_sliding_is_meshed_for_what_slips(conditions: str, sticks: bool) -> None:
+    held = MINIMAL.replace("displacement_amplitude_um = 60.0", f"displacement_amplitude_um = 60.0\n{conditions}")
+    axis = discretise(parse_study(held, "study"), "quick").fixed.axial
+    assert (axis.finest_mm < 0.9 * axis.half_lines()[1]) == sticks
+
+
+def test_a_drive_that_a_soft_rig_takes_up_is_meshed_for_what_slips() -> None:
+    for stiffness, sticks in (("rigid", False), (50.0, True)):
+        own = STICKING.replace("0.45\n", "3.0\n") + f"[holder]\ntangential_stiffness_N_per_mm = {stiffness!r}\n"
+        assert discretise(parse_study(own.replace("'", '"'), "study"), "quick").expected.sticks == sticks
 
 
 @pytest.mark.parametrize("worn", [False, True])

@@ -28,7 +28,9 @@ from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import ExperimentRecord, read_record, record_of_result, write_record
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.values import believed_study
+from wirewear.reference import first_loading_force, partial_slip_point, sliding_threshold
 from wirewear.simulation import simulate
+from wirewear.simulation.control import HeldFigure, amplitude_from
 from wirewear.simulation.cycling import FIGURES, Ending
 from wirewear.simulation.runs import run_study
 from wirewear.test.programme import held_keys
@@ -361,3 +363,22 @@ def test_an_unknown_key_of_a_block_is_passed_over_with_its_line(measured: Experi
     text = file.read_text(encoding="utf-8").partition("# The files as wirewear wrote them")[0]
     file.write_text(text.replace("cycles = 50,", 'cycles = 50, lubricant = "oil",', 1), encoding="utf-8")
     assert any("lubricant" in note for note in read_record(tmp_path).notes)
+
+
+@pytest.mark.parametrize("largest_mm", [1e-3, 20e-3, 1.0])
+@pytest.mark.parametrize("share", [0.15, 0.7, 0.98])
+@pytest.mark.parametrize("rig_N_per_mm", [1e9, 167.0])
+def test_a_held_force_finds_its_amplitude_whatever_the_drive_has_at_most(
+    largest_mm: float, share: float, rig_N_per_mm: float
+) -> None:
+    contact = partial_slip_point(40.0, 0.6, 0.118, 9.5e4)
+    largest_mm += sliding_threshold(contact, rig_N_per_mm)
+
+    def force(place_mm: Any) -> float:
+        return float(first_loading_force(contact, place_mm, rig_N_per_mm))
+
+    held = HeldFigure("held_tangential_force_N", share * contact.limit_N, "N", largest_mm, lambda *_: 0.0, None, 0.0)
+    tried: list[float] = []
+    found = amplitude_from(held, force, lambda place: tried.append(place) or place)  # type: ignore[arg-type, func-returns-value, return-value]
+    assert force(found) == pytest.approx(held.target, rel=2e-4)
+    assert len(tried) < 40

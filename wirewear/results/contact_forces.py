@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 
-from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, WireGeometry
+from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, RimGradedAxis, WireGeometry
 from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.base.errors import ResultError
 from wirewear.results.positions import POSITIONS
@@ -204,7 +204,10 @@ def geometry_of(table: Mapping[str, Any]) -> BodyGeometry:
     Raises ResultError if it is none of this version.
     """
     try:
-        axes = {name: GradedAxis(**table[name]) for name in ("axial", "transverse")}
+        axes = {
+            name: (RimGradedAxis if "rim_mm" in table[name] else GradedAxis)(**table[name])
+            for name in ("axial", "transverse")
+        }
         shape = WireGeometry if "diameter_mm" in table else BlockGeometry
         return shape(**{**table, **axes, "layering": Layering(**table["layering"])})
     except (KeyError, TypeError) as problem:

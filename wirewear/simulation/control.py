@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from solvers import CycleTrace, SolverError
+from solvers import ContactState, CycleTrace, SolverError
 from wirewear.effects import Age, Seam, applied
 from wirewear.loops.sensor import LoopSignals, Sensor
 from wirewear.simulation.measures import Probe, friction_work_mJ, is_half, slip_amplitude_mm
@@ -19,6 +19,7 @@ MOST_CORRECTIONS = 30
 _LEAST, _MOST = 0.3, 3.0  # Of an amplitude: those to be tried next.
 _INSIDE = 0.1  # Of the interval in which the amplitude lies: no guess comes nearer to its ends.
 _SLOW = 0.5  # A correction is slow if it leaves more of what was lacking, or of that interval.
+_PROBED, _GROWS = 1e-3, 1.3  # Of the largest amplitude, by which a contact is moved at first; from try to try.
 _FAR = 0.4  # Of an amplitude: as far the next one goes after a slow correction to the same side, or farther.
 
 
@@ -39,10 +40,40 @@ class HeldFigure:
     #: proportion.
     slope: Callable[[CycleTrace], float] | None
     first_mm: float  #: Amplitude to begin with.
+    #: By a state at the end of the stroke alone, where one shows it: it may then be looked for in the first quarter.
+    of_state: Callable[[ContactState], float] | None = None
 
     def error(self, trace: CycleTrace) -> float:
         """Relative difference of a measured loop's figure from what is to be held."""
         return self.measure(trace, None) / self.target - 1.0
+
+
+def amplitude_from(
+    held: HeldFigure, shown_by: Callable[[ContactState], float], moved_to: Callable[[float], ContactState]
+) -> float:
+    """The amplitude in mm at which a figure that a state shows is first held, not beyond the drive's largest.
+
+    moved_to: the state of the contact moved from mid-stroke to a place, in mm. A small step shows how stiff contact and
+    rig are together; friction only softens them, so that the amplitude lies beyond what this stiffness would need.
+    """
+    from scipy.optimize import brentq
+
+    wanted = held.target * (1.0 - 0.1 * WITHIN)
+
+    def lacking(place_mm: float) -> float:
+        return shown_by(moved_to(place_mm)) - wanted
+
+    low = _PROBED * held.largest_mm
+    while (found := lacking(low) + wanted) >= 0.5 * wanted:
+        low *= 0.5 * wanted / found
+    low = high = min(low * wanted / max(found, 1e-9 * wanted), held.largest_mm)
+    while lacking(high) < 0.0:
+        if high >= held.largest_mm:
+            return held.largest_mm
+        low, high = high, min(_GROWS * high, held.largest_mm)
+    if low == high:
+        return high
+    return float(brentq(lacking, low, high, xtol=1e-6 * high, rtol=0.1 * WITHIN))
 
 
 @dataclass
@@ -124,6 +155,10 @@ def _largest_force_N(trace: CycleTrace, _: Probe | None = None) -> float:
     return float(np.abs(trace.tangential_force).max())
 
 
+def _force_N(state: ContactState) -> float:
+    return abs(float(state.primary_force[:, 0].sum()))
+
+
 def _energy_mJ(trace: CycleTrace, _: Probe | None) -> float:
     return friction_work_mJ(trace)
 
@@ -148,6 +183,7 @@ def held_of(study: AnyStudy[Any]) -> HeldFigure | None:
     sensor = replace(applied(study.effects, Seam.SENSOR, Sensor(), Age.new()), lag_s=0.0)
     unit, per_mm = "um", cast("Callable[[CycleTrace], float] | None", lambda _: 1e3)
     measure: Measure
+    of_state: Callable[[ContactState], float] | None = None
     match stated.figure:
         case "slip":
             measure = _slip_um
@@ -158,7 +194,7 @@ def held_of(study: AnyStudy[Any]) -> HeldFigure | None:
         case "energy":
             measure, unit, per_mm = _energy_mJ, "mJ", lambda trace: 4.0 * _largest_force_N(trace)
         case _:
-            measure, unit, per_mm = _largest_force_N, "N", None
+            measure, unit, per_mm, of_state = _largest_force_N, "N", None, _force_N
     carried_um = 1e3 * friction_N * holder.compliance_at_contact_mm_per_N
     first_mm = 1e-3 * stated.first_um(friction_N, carried_um, largest_um)
-    return HeldFigure(stated.key, stated.value, unit, 1e-3 * largest_um, measure, per_mm, first_mm)
+    return HeldFigure(stated.key, stated.value, unit, 1e-3 * largest_um, measure, per_mm, first_mm, of_state)

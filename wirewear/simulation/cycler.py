@@ -6,7 +6,7 @@ from functools import cached_property
 
 import solvers
 from wirewear.effects import Age
-from wirewear.simulation.control import AmplitudeSearch, HeldFigure
+from wirewear.simulation.control import AmplitudeSearch, HeldFigure, amplitude_from
 from wirewear.simulation.measures import Probe
 from wirewear.simulation.statistics import Tally
 from wirewear.simulation.store import Meshes
@@ -16,6 +16,8 @@ from wirewear.test.tables import Stop
 Watch = Callable[[solvers.ContactState, float], None]
 
 _Cycle = tuple[solvers.ContactState, solvers.CycleTrace]
+#: A loop, of which problem and motion, and the states before and after it.
+_Loop = tuple[solvers.ContactProblem, "Motion", tuple[solvers.ContactState, ...], solvers.CycleTrace]
 
 Told = Callable[[solvers.ContactState, solvers.IncrementReport], None]  #: Of an increment.
 
@@ -96,6 +98,8 @@ class Cycler:
     def __init__(self, motion: Motion, tally: Tally, watch: Watch) -> None:
         """Without a first guess, before the first cycle."""
         self._latest: _Traced | None = None
+        self._quarter: solvers.CycleTrace | None = None
+        self._loop: _Loop | None = None
         self.motion, self.tally, self._tell = motion, tally, watch
         self.guide: solvers.Guide | None = None
         self.now = 1.0
@@ -172,7 +176,14 @@ class Cycler:
     def moved_out(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> solvers.ContactState:
         """From mid-stroke to +amplitude, without wear."""
         fresh, motion = self.aged(problem, state, 0.0), self.motion
-        return solvers.first_quarter(fresh, state, self._drive(state), motion.increments, self._watch)
+        drive = self._drive(state)
+        if motion.held is not None and motion.held.of_state is not None and drive.steady:
+            amplitude = amplitude_from(
+                motion.held, motion.held.of_state, lambda place: solvers.advance(fresh, state, place, 0.0)[0]
+            )
+            drive = replace(drive, amplitude_mm=amplitude)
+        end, self._quarter = solvers.traced_quarter(fresh, state, drive, motion.increments, self._watch)
+        return end
 
     def worn(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, before: float, cycles: float
@@ -251,8 +262,19 @@ class Cycler:
     ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
         """A closed loop with the wear frozen."""
         current, motion = self.aged(problem, state, done), self.motion
+        if self._loop is not None and problem.unchanging and state.core.any():
+            known, of, ends, loop = self._loop
+            if known is current and of is motion and any(end is state for end in ends):
+                return ends[1], loop
         # Where the contact wears, the next jump starts from the cycle that leads to the loop.
-        moved = None if problem.unchanging and motion.held is None else self._traced(problem, state, done).trace
+        moved, quarter = None, self._quarter
+        if not problem.unchanging:
+            moved = self._traced(problem, state, done).trace
+        elif quarter is not None and quarter.states[-1] is state and state.core.any():
+            # Where the contact sticks in its middle, the way from mid-stroke is half of a stroke's.
+            moved = quarter
+        elif motion.held is not None:
+            moved = self._traced(problem, state, done).trace
         steady = motion.drive.steady
         increments = motion.drive.followed_by(motion.increments) if motion.follows_force else motion.increments
 
@@ -270,6 +292,7 @@ class Cycler:
         after, trace, guide = self._holding(current, state, drive, cycle, self._watch)
         if self.goes_on_from(problem, state):
             self.guide = guide
+        self._loop = current, motion, (state, after), trace
         return after, trace
 
     def goes_on_from(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> bool:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from math import cos, hypot, pi, radians, sin
 from typing import Any
 
-from geometry import BodyGeometry, GradedAxis, Layering
+from geometry import BodyGeometry, GradedAxis, Layering, RimGradedAxis
 from wirewear.base.errors import StudyError
 from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit
 from wirewear.results.scar import called
@@ -34,6 +34,12 @@ _FINE_MARGIN = 1.15
 _GROWTH_BESIDE = 1.3
 _LARGEST_BESIDE = 2.5
 _COARSENING_STEP = 1.05
+
+# Of a contact that sticks in its middle: by how much its patch is larger, without wear and with it, which widens it.
+_STUCK_MARGIN, _WORN_MARGIN = 1.3, 1.6
+_LAYERS_TO_RIM = 0.6  #: Elements a radius, over those to the rim, for which layers resolve the depth below.
+_OBLIQUE = 0.95  #: Chord over reach of an ellipse along a patch's axis, below which lines cannot be fine at its rim.
+_EVENLY, _EVEN_MORE = 0.01, 1.25  #: Grading of lines that are spaced evenly, and how many more elements they need.
 
 
 @dataclass(frozen=True)
@@ -89,8 +95,8 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
     """
     level, chosen = _level_of(study, fidelity), study.fidelity(fidelity)
     expected = expected_contact(study)
-    if expected.sticks and study.wear is not None:
-        level = level.for_sticking()
+    if expected.sticks and (expected.face is None or study.wear is not None):
+        level = level.for_sticking(wears=study.wear is not None)
     if not study.contact.friction_law.proportional:
         level = replace(level, per_contact_radius=_WITH_PRESSURE * level.per_contact_radius)
     if expected.face is not None:
@@ -113,6 +119,8 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
         widening=half_width / needed,
         contact_mm=None if chosen.contact_mesh_um is None else chosen.contact_mesh_um * finer_mm,
         outer_mm=None if chosen.outer_mesh_um is None else chosen.outer_mesh_um * finer_mm,
+        sticks=expected.sticks and follows(study, fidelity) and expected.face is None,
+        stuck_margin=_STUCK_MARGIN if study.wear is None else _WORN_MARGIN,
     )
     moving, fixed, coarsening = affordable_meshes(study, sizes, level)
     increments = chosen.increments_per_cycle or level.increments_per_cycle
@@ -131,6 +139,13 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
         predicted_scar_half_width_mm=half_width,
         coarsening=coarsening,
     )
+
+
+def follows(study: Study, fidelity: str) -> bool:
+    """Whether meshes may follow the scar: the study gives no sizes of its own, and does not ask otherwise."""
+    chosen = study.fidelity(fidelity)
+    given = (study.mesh.scar_half_width_um, chosen.contact_mesh_um, chosen.outer_mesh_um)
+    return study.mesh.follow_scar and all(size is None for size in given)
 
 
 def _require_stable_update(study: Study, expected: ExpectedContact, element_mm: float, increments: int) -> None:
@@ -168,6 +183,9 @@ class ElementSizes:
     widening: float = 1.0  #: Of the patch beyond its need.
     contact_mm: float | None = None  #: Element size that the study gives across the contact's narrowest axis.
     outer_mm: float | None = None  #: The largest that it gives.
+    #: Whether the contact sticks in its middle; its patch then reaches beyond the rim by this factor alone.
+    sticks: bool = False
+    stuck_margin: float = _STUCK_MARGIN
 
 
 def unknowns(body: BodyGeometry) -> int:
@@ -237,8 +255,10 @@ def _scar_element_mm(scar: Ellipse, motion_rad: float, axis_rad: float, level: W
 
 def _graded(
     axis: PatchAxis, narrowest_mm: float, sizes: ElementSizes, level: WireLevel, motion_rad: float
-) -> GradedAxis:
+) -> GradedAxis | RimGradedAxis:
     contact, scar, angle = sizes.contact, sizes.scar, axis.angle_rad
+    if sizes.sticks:
+        return _graded_to_rim(contact, angle, sizes.stuck_margin, level)
     finest = narrowest_mm / level.per_contact_radius if sizes.contact_mm is None else sizes.contact_mm
     fine = finest * contact.chord(angle) / narrowest_mm
     within = fine
@@ -254,9 +274,18 @@ def _graded(
     return GradedAxis(within, min(scarred, half), _LARGEST_BESIDE * within, half, _GROWTH_BESIDE)
 
 
+def _graded_to_rim(contact: Ellipse, axis_rad: float, margin: float, level: WireLevel) -> RimGradedAxis:
+    """Mesh lines of a contact that sticks in its middle, fine at its rim where the ellipse lies along the axes."""
+    rim, chord = contact.reach(axis_rad), contact.chord(axis_rad)
+    if chord < _OBLIQUE * rim:
+        return RimGradedAxis(rim, round(_EVEN_MORE * level.to_rim * rim / chord), margin * rim, _EVENLY)
+    return RimGradedAxis(rim, round(level.to_rim), margin * rim)
+
+
 def _geometry(body: Body, axes: PatchAxes, sizes: ElementSizes, level: WireLevel, motion_rad: float) -> BodyGeometry:
     narrowest = min(sizes.contact.chord(axis.angle_rad) for axis in (axes.axial, axes.transverse))
     axial, transverse = (_graded(axis, narrowest, sizes, level, motion_rad) for axis in (axes.axial, axes.transverse))
     per_radius = level.per_contact_radius if sizes.contact_mm is None else narrowest / sizes.contact_mm
+    per_radius = _LAYERS_TO_RIM * level.to_rim if sizes.sticks else per_radius
     elongation = (sizes.contact.major_mm * sizes.contact.minor_mm) ** 0.5 / narrowest
     return body.geometry(axial, transverse, Layering.resolving(per_radius, max(1.0, elongation)))

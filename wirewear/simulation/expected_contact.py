@@ -6,7 +6,7 @@ pressure and of distance from the edge are integrated over a contact that few el
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import cos, hypot, nan, pi, radians, sin, sqrt
+from math import cos, hypot, inf, nan, pi, radians, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from wirewear.test import AnyStudy, Study
 from wirewear.test.bodies import hertz_of, on_pad
 from wirewear.test.faces import Face, half_width_of
 from wirewear.test.life import TENSILE_STRENGTH, LifeTable
+from wirewear.test.programme import held_by
 
 # Effects may add this factor to the worn volume before the patch grows: 8 % of its half-width in 3D. Runs with and
 # without effects that fit into the margin have the same meshes and differ by nothing else.
@@ -216,17 +217,30 @@ def expected_contact(study: Study) -> ExpectedContact:
 
 
 def _sticks(study: Study, hertz: reference.PointContact) -> bool:
-    """Whether the displacement is too small for the unworn bodies to slide by Cattaneo and Mindlin, on a rigid rig.
+    """Whether the drive is too weak to make the unworn bodies slide, by Cattaneo and Mindlin in series with the rig.
 
     The contact between gripped bodies is softer and slides later. Effects, and a load that falls, may make it slide
     earlier: with any, it is taken to slide.
     """
-    if study.effects or not study.contact.friction or not study.conditions.drive.load.steady:
+    conditions, friction = study.conditions, study.contact.friction
+    if study.effects or not friction or not conditions.drive.load.steady:
         return False
     radius = (hertz.major_semi_axis_mm * hertz.minor_semi_axis_mm) ** 0.5
     modulus = reference.tangential_contact_modulus(*(body.material for body in study.bodies))
-    contact = reference.partial_slip_point(study.conditions.normal_load_N, study.contact.friction, radius, modulus)
-    return 1e-3 * study.conditions.displacement_amplitude_um < contact.full_slip_displacement_mm
+    contact = reference.partial_slip_point(conditions.normal_load_N, friction, radius, modulus)
+    soft = study.tables.rig.compliance_at_contact_mm_per_N
+    drive_um = 1e3 * reference.sliding_threshold(contact, 1.0 / soft if soft else inf)
+    stated = held_by(conditions)
+    if stated is None:
+        return conditions.displacement_amplitude_um < drive_um
+    slides_from = {
+        "tangential": contact.limit_N,
+        "energy": reference.energy_per_cycle(contact, contact.limit_N),
+        "slip": 1e3 * reference.slip_amplitude(contact, contact.full_slip_displacement_mm),
+        "motion": 1e3 * contact.full_slip_displacement_mm,
+        "reading": drive_um,
+    }
+    return stated.value < slides_from[stated.figure]
 
 
 def _worn_volume(study: Study, factors: WearFactors) -> float:

@@ -17,7 +17,14 @@ from wirewear.base.memory import free_memory
 from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.control import held_of
 from wirewear.simulation.cycler import FrettingTest, Motion
-from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, unknowns
+from wirewear.simulation.discretisation import (
+    Discretisation,
+    ElementSizes,
+    affordable_meshes,
+    discretise,
+    follows,
+    unknowns,
+)
 from wirewear.simulation.expected_contact import ExpectedContact
 from wirewear.simulation.problem import (
     condense_bodies,
@@ -74,7 +81,7 @@ def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[Mesh
     """
     fresh, scar = plan.expected.fresh, plan.expected.scar
     growth = 1.0 if scar is None else scar.major_mm / fresh.major_mm
-    if growth <= _GROWTH_PER_STAGE or not _follows(study, fidelity):
+    if growth <= _GROWTH_PER_STAGE or not follows(study, fidelity):
         return (MeshStage(fresh.major_mm, growth * fresh.major_mm, plan.moving, plan.fixed),)
     count = ceil(log(growth) / log(_GROWTH_PER_STAGE))
     widths = [fresh.major_mm * growth ** (k / count) for k in range(count + 1)]
@@ -88,19 +95,13 @@ def spare_stages(study: Study, fidelity: str, plan: Discretisation, last: MeshSt
     """
     stages: list[MeshStage] = []
     width, growth = last.to_half_width_mm, _GROWTH_PER_STAGE
-    while _follows(study, fidelity) and len(stages) < _MOST_SPARE and growth > _LEAST_GROWTH:
+    while follows(study, fidelity) and len(stages) < _MOST_SPARE and growth > _LEAST_GROWTH:
         try:
             stages.append(_stage(study, plan, width, growth * width, fresh=False))
             width *= growth
         except StudyError:
             growth = growth**0.5
     return tuple(stages)
-
-
-def _follows(study: Study, fidelity: str) -> bool:
-    chosen = study.fidelity(fidelity)
-    given = (study.mesh.scar_half_width_um, chosen.contact_mesh_um, chosen.outer_mesh_um)
-    return study.mesh.follow_scar and all(size is None for size in given)
 
 
 def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float, *, fresh: bool) -> MeshStage:

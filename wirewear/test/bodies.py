@@ -8,7 +8,7 @@ from typing import Literal, Self, TypeVar
 
 import numpy as np
 
-from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, Turned, WireGeometry
+from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, RimGradedAxis, Turned, WireGeometry
 from geometry.arrays import Array
 from wirewear import reference
 from wirewear.base.errors import StudyError
@@ -79,7 +79,9 @@ class Body(ABC):
         return None if isinstance(self.grip_stiffness_N_per_mm3, str) else self.grip_stiffness_N_per_mm3
 
     @abstractmethod
-    def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> BodyGeometry:
+    def geometry(
+        self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
+    ) -> BodyGeometry:
         """The geometry that is meshed under a patch. Raises StudyError if the patch does not fit on it."""
 
 
@@ -98,7 +100,9 @@ class Wire(Body):
     def curvatures_per_mm(self) -> tuple[float, float]:
         return 0.0, 2.0 / self.diameter_mm
 
-    def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> WireGeometry:
+    def geometry(
+        self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
+    ) -> WireGeometry:
         """A round bar held about its back or at its ends."""
         reach, limit = transverse.half_extent_mm, 0.42 * self.diameter_mm
         if reach > limit:
@@ -149,7 +153,9 @@ class BlockBody(Body):
     def face(self) -> Face | None:
         return self.of_pad
 
-    def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> BlockGeometry:
+    def geometry(
+        self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
+    ) -> BlockGeometry:
         """A block as wide as its radii allow, or where it is straight as keeps its sides far from the contact.
 
         Held as it is, it approaches less than a half-space by about 0.5 a² / size of a ball's contact of radius a.

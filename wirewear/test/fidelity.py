@@ -10,6 +10,7 @@ Level = TypeVar("Level")
 
 FIDELITIES = ("quick", "standard", "fine")
 
+TO_RIM_WORN = 1.25  #: Elements to the rim of a contact that sticks in its middle and wears, over those of even size.
 STICKING_INCREMENTS = 16  #: Of a cycle that only wears, around a centre that sticks for good.
 
 
@@ -33,6 +34,9 @@ class WireLevel:
     #: meshed finer than the fresh contact.
     along_motion: float
     across_motion: float
+    #: Elements from the middle to the rim of a contact that sticks in its middle, smaller towards the rim: its patch
+    #: need hold little beside it, and the annulus that slips is narrow (docs/partial_slip.md).
+    to_rim: float
     increments_per_cycle: int
     wear_increments: float  #: Positions at which surfaces wear in a cycle, as a share of a loop's increments.
     jump_tolerance: float
@@ -43,10 +47,11 @@ class WireLevel:
     #: that stick face nodes that stick.
     sticking: bool = False
 
-    def for_sticking(self) -> "WireLevel":
+    def for_sticking(self, *, wears: bool) -> "WireLevel":
         """The level for a contact whose middle sticks for good, which needs few positions."""
         return replace(
             self,
+            to_rim=TO_RIM_WORN * self.per_sticking_radius if wears else self.to_rim,
             per_contact_radius=self.per_sticking_radius,
             wear_increments=min(self.wear_increments, STICKING_INCREMENTS / self.increments_per_cycle),
             sticking=True,
@@ -60,6 +65,7 @@ class WireLevel:
             per_sticking_radius=self.per_sticking_radius / factor,
             along_motion=self.along_motion / factor,
             across_motion=self.across_motion / factor,
+            to_rim=self.to_rim / factor,
         )
 
 
@@ -69,6 +75,7 @@ WIRE_LEVELS = {
         per_sticking_radius=4.0,
         along_motion=18.0,
         across_motion=6.3,
+        to_rim=10.0,
         increments_per_cycle=32,
         wear_increments=1.0,
         jump_tolerance=0.1,
@@ -80,6 +87,7 @@ WIRE_LEVELS = {
         per_sticking_radius=8.0,
         along_motion=30.0,
         across_motion=8.0,
+        to_rim=14.0,
         increments_per_cycle=40,
         wear_increments=1.0,
         jump_tolerance=0.05,
@@ -91,6 +99,7 @@ WIRE_LEVELS = {
         per_sticking_radius=10.0,
         along_motion=42.0,
         across_motion=11.0,
+        to_rim=20.0,
         increments_per_cycle=64,
         wear_increments=1.0,
         jump_tolerance=0.02,
