@@ -379,6 +379,11 @@ def test_a_held_force_finds_its_amplitude_whatever_the_drive_has_at_most(
 
     held = HeldFigure("held_tangential_force_N", share * contact.limit_N, "N", largest_mm, lambda *_: 0.0, None, 0.0)
     tried: list[float] = []
-    found = amplitude_from(held, force, lambda place: tried.append(place) or place)  # type: ignore[arg-type, func-returns-value, return-value]
+
+    def moved_to(place_mm: float) -> Any:
+        tried.append(place_mm)
+        return place_mm
+
+    found = amplitude_from(held, force, moved_to)
     assert force(found) == pytest.approx(held.target, rel=2e-4)
     assert len(tried) < 40
