@@ -20,7 +20,7 @@ from wirewear.diagnosis.observe.channels import half_width, loop_area
 from wirewear.diagnosis.surrogate.candidates import library, nominal_inputs
 from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.forward import simulate as simulate_fast
-from wirewear.diagnosis.surrogate.nominal import nominal_study, require_foreseen
+from wirewear.diagnosis.surrogate.nominal import nominal_study, require_supported
 from wirewear.diagnosis.surrogate.nominal_model import PointModel
 from wirewear.effects.holder import HeldDisplacement
 from wirewear.effects.sensors import DisplacementGain
@@ -332,7 +332,7 @@ def test_by_default_the_block_with_the_longest_stroke_and_most_loops_is_looked_a
     assert measured.of_block().block == 1
     assert measured.of_block(2).scars == ()
     with pytest.raises(RecordError, match=r"block 2 .* slides in scars of longer strokes"):
-        require_foreseen(measured.of_block(2))
+        require_supported(measured.of_block(2))
     with pytest.raises(RecordError, match=r"has no loop of block 7 .*: it has loops of 1, 2, 3"):
         measured.of_block(7)
 

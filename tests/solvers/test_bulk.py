@@ -15,7 +15,7 @@ from tests.simulation.test_drives_and_stops import LONG, block
 from tests.stress.interior_runs import CYCLE, run_with_forces
 from tests.studies import coarse, line_study, minimal
 from wirewear import StudyError
-from wirewear.diagnosis.surrogate.nominal import limits_of, require_foreseen
+from wirewear.diagnosis.surrogate.nominal import limits_of, require_supported
 from wirewear.records import read_record, record_of_result, write_record
 from wirewear.records.values import believed_study
 from wirewear.results import read_result
@@ -211,6 +211,6 @@ def test_a_record_states_the_bulk_stress_of_its_test_without_which_loops_are_pre
     write_record(tmp_path, record)
     believed = believed_study(read_record(tmp_path).tables)
     assert [own.study.drive.bulk[1].phase_rad for own in believed.schedule.stretches] == [0.5 * np.pi, 0.0]
-    require_foreseen(record)
+    require_supported(record)
     (told,) = limits_of(result, believed)
     assert told.startswith("loops are foreseen without the bulk stresses")

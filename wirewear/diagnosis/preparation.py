@@ -13,7 +13,7 @@ from wirewear.base.errors import RecordError
 from wirewear.diagnosis.observe.observed_record import repaired
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
-from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, nominal_study, require_foreseen
+from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, nominal_study, require_supported
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.records import AnyRecord, Remark
@@ -99,7 +99,7 @@ def prepared(
 
 
 def _prepared(record: AnyRecord, model: AnyStudy[Any] | None) -> PreparedRecord:
-    require_foreseen(record)
+    require_supported(record)
     if model is None:
         unknown: dict[str, float] = {}
         if record.tables.missing:

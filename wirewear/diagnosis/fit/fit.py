@@ -17,7 +17,7 @@ from wirewear.diagnosis.fit.fast_fit import FITTED, FastFit, LoopsOfTests, fast_
 from wirewear.diagnosis.fit.partial_slip import StickingFit, fitted_sticking, left_out
 from wirewear.diagnosis.fit.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
-from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, require_foreseen
+from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, require_supported
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.kinds import kind_of
 from wirewear.loops import LoopError
@@ -113,7 +113,7 @@ def fit_record(
     sticking = fitted_sticking(record, kind.rigid_N_per_mm)
     if sticking is not None:
         return _of_sticking(record, sticking, given)
-    require_foreseen(record)
+    require_supported(record)
     with stage("checking the record"):
         told = tuple(remark.text for remark in remarks_told(record))
     with stage("measuring the loops"):

@@ -87,7 +87,7 @@ def kept_or_made(
     return result, path
 
 
-def require_foreseen(record: AnyRecord) -> None:
+def require_supported(record: AnyRecord) -> None:
     """See that the fast model foresees the loops that are looked at of a record.
     Raises RecordError if its load varies within the cycle, its drive holds another figure than the stroke, or they are
     of a block whose stroke is shorter than another's.
