@@ -29,9 +29,7 @@ def _checked_kind(value: object) -> str:
     if value == "rig-stiffness":
         raise ValueError('is "rig-stiffness", which is a line contact whose variants have the rigs: "line-contact"')
     if value != kinds.CROSSED_WIRES:
-        others = " or ".join(
-            f'"{kind}"' for names in kinds.NAMES.values() for kind in names if kind != kinds.CROSSED_WIRES
-        )
+        others = " or ".join(f'"{kind}"' for kind in (*kinds.AT_A_POINT[1:], *kinds.NAMES[kinds.LINE_CONTACT]))
         raise ValueError(f'is {shown(value)}, but must be "crossed-wires"; `wirewear run` also takes {others}')
     return kinds.CROSSED_WIRES
 
