@@ -387,3 +387,15 @@ def test_a_held_force_finds_its_amplitude_whatever_the_drive_has_at_most(
     found = amplitude_from(held, force, moved_to)
     assert force(found) == pytest.approx(held.target, rel=2e-4)
     assert len(tried) < 40
+
+
+@pytest.mark.parametrize("offset_N", [0.0, 0.6])
+def test_a_held_force_is_found_where_force_goes_with_the_way_or_is_there_before_it(offset_N: float) -> None:
+    def force(place_mm: Any) -> float:
+        return offset_N + 3.0 * float(place_mm)
+
+    def moved_to(place_mm: Any) -> Any:
+        return place_mm
+
+    held = HeldFigure("held_tangential_force_N", 1.0, "N", 1e6, lambda *_: 0.0, None, 0.0)
+    assert force(amplitude_from(held, force, moved_to)) == pytest.approx(1.0, rel=1e-3)
