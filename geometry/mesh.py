@@ -246,7 +246,7 @@ def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
     """The mesh with its surface nodes (k,) moved down, towards -z, by a depth (k,) and its inside smoothed.
 
     All other nodes of the boundary stay where they are, so the volume shrinks by the integral of the depth exactly. A
-    symmetric mesh stays so to the last bit under a depth that is. `require_quality` tells whether elements are sound.
+    symmetric mesh stays so to the last bit under a depth that is. `require_quality` checks whether elements are sound.
     """
     drop = np.zeros(len(mesh.points))
     drop[nodes] = depth_mm

@@ -1,7 +1,7 @@
 """Closed loops with as many increments as straight lines between them need to follow the force.
 
 A stroke starts with short steps, for the force turns most just after a reversal. From there on the slopes of two
-neighbouring chords tell how far the force departs from them: steps grow and shrink with that, and one that proves too
+neighbouring chords show how far the force departs from them: steps grow and shrink with that, and one that proves too
 long is taken again. The way back of a symmetric contact is the mirror image of the way out; any other takes the same
 steps, refined where its own force asks for it.
 """
@@ -152,7 +152,7 @@ class _Walk:
         bends: list[float] = []
         refused: list[tuple[_Step, float]] = []
         size = _FIRST_STEP * whole if proposed is None else whole
-        taken_anew = 0.0
+        restarted_at = 0.0
         while not steps or steps[-1].end < whole:
             state, place = (steps[-1].after, steps[-1].end) if steps else (start, 0.0)
             stop = float(stops[np.searchsorted(stops, place, side="right")])
@@ -161,8 +161,8 @@ class _Walk:
             step = _Step(state, after, place, target, tuple(reports))
             bend = _bend(steps[-1], step) if steps else 0.0
             behind, ahead = (bend * steps[-1].length ** 2 if steps else 0.0), bend * step.length**2
-            if not refused and behind > _PATIENCE * allowed and place > taken_anew:
-                taken_anew = place
+            if not refused and behind > _PATIENCE * allowed and place > restarted_at:
+                restarted_at = place
                 size = max(0.5 * steps.pop().length, self._shortest)
                 bends.pop()
                 continue

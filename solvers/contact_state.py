@@ -56,7 +56,7 @@ class ContactState:
     holder_x: float  #: Position of the upper body's holder, as the next.
     holder_z: float
     holder_tilt: float  #: Of the holder about its pivot, rad, positive when it moves the contact towards +x.
-    holder_rate: float  #: Holder's motion per drive's over the increment: tells sticking (1) from sliding.
+    holder_rate: float  #: Holder's motion per drive's over the increment: distinguishes sticking (1) from sliding.
     overlap_area: float  #: Plane area on which the undeformed bodies overlap, mm².
     pressed_z: float  #: Holder's height when the bodies had just been pressed together (NaN before).
     traction: Array  #: (n, 3) on the upper body at the primary's nodes, world axes, per plane area.

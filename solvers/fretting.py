@@ -26,7 +26,7 @@ _MOST_REPEATS = 4
 Watch = Callable[[ContactState, IncrementReport], None]  #: Called after every increment.
 
 
-# Forces below this share of the largest tell nothing of a spring.
+# Forces below this share of the largest show nothing of a spring.
 _LEAST_FORCE = 0.05
 _LEAST_SHARE_OF_LOAD = 1e-6
 

@@ -175,8 +175,8 @@ class KeptCode(NullCache):
 
     def _name(self, sig: Any, codegen: Any) -> str:
         asked = (str(self._source), str(sig), codegen.magic_tuple(), numba.__version__, platform.python_version())
-        told = hashlib.sha256(repr(asked).encode()).hexdigest()[:16]
-        return f"{self._source.stem}.{self._function}-{told}.code"
+        digest = hashlib.sha256(repr(asked).encode()).hexdigest()[:16]
+        return f"{self._source.stem}.{self._function}-{digest}.code"
 
     def _check(self, code: bytes) -> bytes:
         return hashlib.sha256(self._stamp.encode() + code).digest()

@@ -1,7 +1,7 @@
 """Cycle jumps: how many cycles one step of wear stands for.
 
-A step tells by how much the pressures of its two stages differ; its error is of second order in that, which sets the
-next step. So does the friction work that it foresees at its end, where a cycle traced there tells another.
+A step knows by how much the pressures of its two stages differ; its error is of second order in that, which sets the
+next step. So does the friction work that it predicts at its end, where a cycle traced there has another.
 Milestones, the cycles to be logged, are hit exactly.
 """
 
@@ -51,14 +51,14 @@ class JumpController:
         return min(jump, 0.5 * ahead)
 
 
-def change_by_work(foreseen_mJ: float, traced_mJ: float, cycles: float, energy_mJ: float) -> float:
+def change_by_work(predicted_mJ: float, traced_mJ: float, cycles: float, energy_mJ: float) -> float:
     """The change of the pressures, as `JumpController` takes it, that the error of a step's friction work amounts to.
 
-    foreseen_mJ, traced_mJ: friction work of a cycle after a step of so many cycles, as the step has it and as a cycle
+    predicted_mJ, traced_mJ: friction work of a cycle after a step of so many cycles, as the step has it and as a cycle
     traced on the worn surfaces has it.  energy_mJ: friction energy of the whole run so far.
     The difference grows along the step, so the energy misses half of it for every cycle: that is of second order.
     """
-    missed = 0.5 * cycles * abs(traced_mJ - foreseen_mJ)
+    missed = 0.5 * cycles * abs(traced_mJ - predicted_mJ)
     return float(missed / (_ENERGY_SHARE * max(energy_mJ, 1e-300))) ** 0.5 if missed else 0.0
 
 

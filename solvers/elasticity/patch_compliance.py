@@ -31,7 +31,7 @@ Pair = tuple[float, float]
 
 _DEPTH = 24.0  #: How deep the lattice reaches, in elements.
 _REACH = 6.0  #: The correction reaches so many of the larger elements.
-_ALIASES = 4  #: Shorter waves beneath those that a lattice tells apart, which a cell's uniform traction contains.
+_ALIASES = 4  #: Shorter waves beneath those that a lattice resolves, which a cell's uniform traction contains.
 _NEGLIGIBLE = 1e-3  #: Shares of a wave that are left out.
 #: Corners of a brick along each axis, in the order of its nodes; the first four are below.
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])

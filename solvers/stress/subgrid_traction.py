@@ -36,7 +36,7 @@ ComplexArray = NDArray[np.complexfloating]
 #: Nodes of the lattice along each axis before it repeats; odd, so that no wave alternates from node to node.
 _PERIOD = 41
 _DEPTH = 24.0  #: How deep the lattice reaches, in elements.
-_ALIASES = 12  #: Shorter waves beneath those that the lattice tells apart, which a bilinear traction contains.
+_ALIASES = 12  #: Shorter waves beneath those that the lattice resolves, which a bilinear traction contains.
 #: Corners of a brick along each axis, in the order of its nodes.
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
 _OF_TRACTION = ((2, 2), (4, 1), (5, 0))  #: Stress components that are the traction itself: zz, yz, xz of z, y, x.
@@ -200,7 +200,7 @@ _BEYOND = 3  #: The square is continued so many elements beyond the contact.
 #: An edge lies no farther out than one element: squares beyond are below zero by this share of the largest one within
 #: so many elements.
 _OUTSIDE, _NEAREST = 0.3, 4
-#: Curvatures that the nodes do not tell are small, by this share of the other terms' weight.
+#: Curvatures that the nodes do not show are small, by this share of the other terms' weight.
 _UNTOLD = 1e-6
 _FORCE_WIDTH = 2.0
 _MOST_SCALED = 2.0

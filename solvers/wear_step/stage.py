@@ -230,7 +230,7 @@ def worn_by(
 ) -> tuple[WearState, Recession]:
     """The wear state after friction work and wear work per area (N,) of one cycle, repeated for so many cycles (N,).
 
-    How both bodies recede by it is told as well.
+    How both bodies recede by it is returned as well.
     """
     shapes = before.primary_depth.shape, before.secondary_depth.shape
 

@@ -352,7 +352,7 @@ def _outcome(
     orbits, first, last = cycle.orbits, stages.first.pressure, stages.last.pressure
     weights = orbits.areas * orbits.twice
     states = [worn.get(k) or replace(state, wear=stages.wear) for k, state in enumerate(trace.states)]
-    # What pressures change by, and friction that remembers, tell alike how far apart the stages are.
+    # What pressures change by, and friction that remembers, show alike how far apart the stages are.
     pressures = float(weights @ np.abs(last - first)) / float(weights @ (last + first))
     friction = stages.last.friction.change_since(stages.first.friction, weights * (last + first))
     return CycleJump(

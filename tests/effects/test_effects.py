@@ -123,7 +123,7 @@ def test_a_senseless_effect_is_refused_with_one_sentence(tables: str, message: s
 
 @everyone
 def test_an_effect_is_described_in_full(kind: type[effects.Effect[Any]]) -> None:
-    told = effect_text(kind)
-    assert all(f"\n{name}: " in f"\n{told}" for name in kind.parameters())
-    assert f"Signature: {kind.signature}." in told
-    assert "Told apart by: " in told
+    text = effect_text(kind)
+    assert all(f"\n{name}: " in f"\n{text}" for name in kind.parameters())
+    assert f"Signature: {kind.signature}." in text
+    assert "Distinguished by: " in text

@@ -91,7 +91,7 @@ def test_whole_numbers_whose_sign_may_be_the_decimal_sign_are_asked_about(tmp_pa
     rows = [(spelled(1e3 * x, 0, sign, "?"), "1") for x in strangers.X]
     path = tmp_path / "log.csv"
     path.write_text("Displacement (nm);Force (N)\n" + "\n".join(";".join(row) for row in rows), encoding="utf-8")
-    with pytest.raises(RecordError, match=r"is a fraction or a number of thousands is not told"):
+    with pytest.raises(RecordError, match=r"is a fraction or a number of thousands is uncertain"):
         read_loops(path)
 
 

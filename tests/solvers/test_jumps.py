@@ -85,9 +85,9 @@ def test_friction_work_that_jumps_do_not_predict_keeps_the_energy_within_the_tol
         while done < 1e4:
 
             def attempt(state: float, before: float, cycles: float) -> tuple[float, float]:
-                foreseen, traced = 1.0 + before / 100.0, 1.0 + (before + cycles) / 100.0
-                after = state + cycles * foreseen
-                return after, solvers.change_by_work(foreseen, traced, cycles, after)
+                predicted, traced = 1.0 + before / 100.0, 1.0 + (before + cycles) / 100.0
+                after = state + cycles * predicted
+                return after, solvers.change_by_work(predicted, traced, cycles, after)
 
             step = solvers.take_step(controller, energy, jump, done, (), 1e4, attempt)
             energy, jump, done, steps = step.state, step.next_jump, done + step.jump, steps + 1

@@ -37,8 +37,8 @@ _COUNTS = {key: _patterns(key) for key in NUMBER_WORDS}
 
 
 def counts_in(labels: Sequence[str], key: str) -> list[int] | None:
-    """The numbers of cycles or of repeats that labels tell in words; None where one of them tells none, or all of them
-    may be thousands or fractions of three digits: ``"Cycle 1.000"``.
+    """The numbers of cycles or of repeats that labels state in words; None where one of them states none, or all of
+    them may be thousands or fractions of three digits: ``"Cycle 1.000"``.
 
     key: "cycle" or "repeat".
     """
@@ -114,11 +114,11 @@ def is_comment(line: str) -> bool:
 
 
 def numbering(labels: Sequence[str]) -> dict[str, list[int]]:
-    """The numbers of cycles and of repeats of several blocks, as far as all labels tell them; none where two blocks
+    """The numbers of cycles and of repeats of several blocks, as far as all labels state them; none where two blocks
     would be alike.
     """
-    told = {key: counts_in(labels, key) for key in NUMBER_WORDS}
-    known = {key: counts for key, counts in told.items() if counts is not None}
+    stated = {key: counts_in(labels, key) for key in NUMBER_WORDS}
+    known = {key: counts for key, counts in stated.items() if counts is not None}
     pairs = set(zip(*known.values(), strict=True))
     return known if len(labels) > 1 and len(pairs) == len(labels) else {}
 
@@ -126,11 +126,11 @@ def numbering(labels: Sequence[str]) -> dict[str, list[int]]:
 def numbered(lines: Sequence[str], head: int, delimiter: str | None) -> list[str]:
     """As many lines: rows of all blocks have their numbers behind them, below the names at `head`; others are blank."""
     labels, blocks = blocks_of(lines, head)
-    told, sign = numbering(labels), delimiter or " "
+    numbers, sign = numbering(labels), delimiter or " "
     found, width = [""] * len(lines), len(lines[head].split(delimiter))
     found[head] = sign.join([lines[head].rstrip(), *COLUMNS.values()])
     for number, block in enumerate(blocks):
-        own = sign.join("" if key not in told else str(told[key][number]) for key in COLUMNS)
+        own = sign.join("" if key not in numbers else str(numbers[key][number]) for key in COLUMNS)
         for place in block:
             if line := lines[place].rstrip():
                 short = max(width - len(line.split(delimiter)), 0)

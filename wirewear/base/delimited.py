@@ -130,8 +130,8 @@ class DelimitedText:
         number = self.layout.lines_before_rows + 1
         lines = islice(self._lines(), number - 1, None)
         if b'"' not in self.data or self.layout.delimiter is None:
-            told = ((n, line) for n, line in enumerate(lines, start=number) if line.strip() and not is_comment(line))
-            yield from ((n, self._fields(line)) for n, line in told)
+            rows = ((n, line) for n, line in enumerate(lines, start=number) if line.strip() and not is_comment(line))
+            yield from ((n, self._fields(line)) for n, line in rows)
         else:
             yield from self._quoted(("" if is_comment(line) else line for line in lines), number)
 
@@ -233,11 +233,11 @@ class DelimitedText:
             width = width or len(fields)
             whole = not self.names or not (as_logged or self.layout.ragged)
             if len(fields) != width and (whole or any(fields[width:])):
-                told = f"{self.layout.line_of_names} names {width} columns"
-                told = told if self.names else f"{self.layout.lines_before_rows + 1} has {width}"
+                stated = f"{self.layout.line_of_names} names {width} columns"
+                stated = stated if self.names else f"{self.layout.lines_before_rows + 1} has {width}"
                 raise RecordError(
                     f"{self.path}, line {number}, column {min(len(fields), width)}: there are {len(fields)} fields "
-                    f"where line {told}."
+                    f"where line {stated}."
                 )
             numbers.append(number)
             for name, place in places.items():
@@ -266,7 +266,7 @@ class DelimitedText:
 
     @cached_property
     def _shows_fractions(self) -> bool:
-        """Whether some number tells the decimal sign, so that the other one can only part thousands."""
+        """Whether some number shows the decimal sign, so that the other one can only part thousands."""
         fraction = re.compile(rf"[-+]?\d+{re.escape(self.layout.decimal)}\d+")
         return any(fraction.fullmatch(field) and not in_doubt(field) for _, row in self.rows() for field in row)
 
@@ -277,10 +277,10 @@ class DelimitedText:
         if not text:
             return math.nan
         # Python reads 1_000 as a thousand, which no logger means.
-        told = "_" not in text and (not in_doubt(text) or self.layout.decimal in text or self._shows_fractions)
+        certain = "_" not in text and (not in_doubt(text) or self.layout.decimal in text or self._shows_fractions)
         plain = ungrouped(text, self.layout.decimal)
         try:
-            return float(plain.replace(",", ".") if comma else plain) if told else float("")
+            return float(plain.replace(",", ".") if comma else plain) if certain else float("")
         except ValueError:
             column = self.names[place] if place < len(self.names) else place + 1
             other = "." if comma else ","

@@ -17,7 +17,7 @@ from secrets import token_hex
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from wirewear.base.cache import WARNED, cache_directory, code_hash
-from wirewear.base.errors import EngineError, LostTaskError, tell_plainly
+from wirewear.base.errors import EngineError, LostTaskError, show_warnings_plainly
 from wirewear.base.memory import end_with_parent
 from wirewear.base.writing import writing
 
@@ -104,7 +104,7 @@ class LocalProcesses(Engine):
         waiting = deque(range(len(tasks)))
         while waiting:
             lost += yield from self._until_lost(tasks, waiting, self._jobs, until)
-        # A broken pool does not tell whose process was lost: those that ran are repeated one by one.
+        # A broken pool does not show whose process was lost: those that ran are repeated one by one.
         for place in sorted(lost):
             again = yield from self._until_lost(tasks, deque([place]), 1, until)
             if again:
@@ -153,7 +153,7 @@ class LocalProcesses(Engine):
 def _begin(warned: frozenset[str]) -> None:
     """What a process does before its tasks; its user has been warned of that already."""
     end_with_parent()
-    tell_plainly()
+    show_warnings_plainly()
     WARNED.update(warned)
 
 
@@ -254,8 +254,8 @@ class DaskCluster(Engine):
                 get_address_host_port(self.address)
             client = Client(self.address, timeout=PATIENCE_s, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as problem:
-            told = next(iter(str(problem).splitlines()), type(problem).__name__)
-            raise EngineError(f"no Dask scheduler answers at {self.address!r} ({told}).") from None
+            reason = next(iter(str(problem).splitlines()), type(problem).__name__)
+            raise EngineError(f"no Dask scheduler answers at {self.address!r} ({reason}).") from None
         with client:
             self._require_fit(client)
             yield client

@@ -123,7 +123,7 @@ class LostTaskError(EngineError):
     """A task's process was lost each time that it was started."""
 
 
-def tell_plainly() -> None:
+def show_warnings_plainly() -> None:
     """Show our own warnings as one sentence; libraries' ones are for whoever asks Python for warnings, with -W."""
     otherwise = warnings.showwarning
 

@@ -101,13 +101,13 @@ def recognised(path: Path) -> Held | None:
         # Other programs write HDF5 too.
         return Held.RUN if path.name == RESULT_FILE_NAME or b"\nwirewear sha256 " in end else None
     with suppress(ValueError, RecursionError):
-        return _told_by(tomllib.loads(path.read_text(encoding="utf-8-sig")))
+        return _held_by(tomllib.loads(path.read_text(encoding="utf-8-sig")))
     rows = start.decode("latin-1").replace("\0", "").splitlines()
     is_numbers = start.startswith(_PACKED) or any(map(_ROW.fullmatch, rows))
     return Held.NUMBERS if is_numbers and path.suffix != ".toml" else None
 
 
-def _told_by(tables: Mapping[str, Any]) -> Held | None:
+def _held_by(tables: Mapping[str, Any]) -> Held | None:
     if "kind" not in tables and any(name in tables for name in _SOURCES):
         return Held.MAPPING
     if "files" in tables:

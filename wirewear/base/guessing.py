@@ -48,7 +48,7 @@ class NoTableError(RecordError):
 
 @dataclass(frozen=True)
 class GuessedLayout:
-    """A layout with the names of its columns, and the units where a line or the names tell them ("" where not)."""
+    """A layout with the names of its columns, and the units where a line or the names state them ("" where not)."""
 
     layout: delimited.DelimitedLayout
     names: tuple[str, ...]
@@ -85,7 +85,7 @@ def guessed_layout(path: Path) -> GuessedLayout:
         raise NoTableError(f"{path}: no table of numbers is found in its first {FIRST_LINES} lines.")
     if in_doubt_of := _thousands_or_fractions(lines[best.first :], best):
         raise RecordError(
-            f"{path}: whether {in_doubt_of} is a fraction or a number of thousands is not told: save it without signs "
+            f"{path}: whether {in_doubt_of} is a fraction or a number of thousands is uncertain: save it without signs "
             "between thousands."
         )
     names, names_line, units = _names(lines, best)
@@ -126,15 +126,15 @@ def _of_blocks(path: Path, guessed: GuessedLayout, text: str, sheets: list[Sheet
     head = lines.index(name) if name in lines else layout.header_lines
     wanted = layout.names_line and (len(sheets) > 1 or WORDS.search(text, _place(text, layout.lines_before_rows)))
     labels, _ = blocks_of(lines, head) if wanted else ([], [])
-    if told := numbering(labels):
+    if numbers := numbering(labels):
         layout = replace(layout, blocks=True, header_lines=head)
         names, units = (*guessed.names[: guessed.width], *COLUMNS.values()), (*guessed.units[: guessed.width], "", "")
-        what = " and ".join(f"{key}s {', '.join(map(str, counts))}" for key, counts in told.items())
+        what = " and ".join(f"{key}s {', '.join(map(str, counts))}" for key, counts in numbers.items())
         remarks = [f"{path.name}: {len(labels)} {'sheets' if sheets else 'blocks'} are read, as {what}"]
         guessed = replace(guessed, layout=layout, names=names, units=units, width=len(names), tables=())
     else:
         remarks = []
-    return replace(guessed, remarks=(*remarks, *left_out(path, sheets, name if told else None)))
+    return replace(guessed, remarks=(*remarks, *left_out(path, sheets, name if numbers else None)))
 
 
 def _place(text: str, lines: int) -> int:
@@ -168,7 +168,7 @@ def _tables(text: str, layout: delimited.DelimitedLayout) -> tuple[delimited.Del
 
 
 def _thousands_or_fractions(lines: list[str], table: "_Table") -> str:
-    """A number that may be either: no number of the table tells, and its column has others without any sign."""
+    """A number that may be either: no number of the table shows which, and its column has others without any sign."""
     rows = [delimited.fields_of(line, table.delimiter) for line in lines if line.strip()]
     signed = [field for row in rows for field in row if table.decimal in field]
     if not signed or not all(map(delimited.in_doubt, signed)):
@@ -302,9 +302,9 @@ def _named_fields(line: str, table: _Table) -> list[str]:
 def _are_units(fields: list[str]) -> bool:
     """Whether a line holds units: short, in brackets or not, most of them known ones."""
     bare = [usual_unit(field.strip("[]() ")) for field in fields]
-    told = [unit for unit in bare if unit not in _NO_UNIT]
-    known = sum(unit in KNOWN_UNITS for unit in told)
-    return any(fields) and all(len(unit) <= 12 for unit in told) and (2 * known > len(told) or not told)
+    stated = [unit for unit in bare if unit not in _NO_UNIT]
+    known = sum(unit in KNOWN_UNITS for unit in stated)
+    return any(fields) and all(len(unit) <= 12 for unit in stated) and (2 * known > len(stated) or not stated)
 
 
 def _units_in_header(header: list[str], table: _Table, names: tuple[str, ...]) -> tuple[str, ...]:

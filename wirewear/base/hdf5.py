@@ -80,7 +80,7 @@ def sealed(image: bytes) -> bytes:
 def opened_hdf5(
     path: Path, kind: type[WirewearError], what: str, *, unsealed: tuple[int, ...] = ()
 ) -> Iterator[h5py.File]:
-    """An HDF5 file that `hdf5_image` made, to be read; what it holds that cannot be read is told as damage.
+    """An HDF5 file that `hdf5_image` made, to be read; what it holds that cannot be read is reported as damage.
     Raises WirewearError, of the given kind, if there is no such file, it is damaged or cut off, or it reaches beyond
     itself.
 

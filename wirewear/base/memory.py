@@ -38,7 +38,7 @@ def require_room(path: Path, need: float, kind: type[WirewearError]) -> None:
 def free_memory() -> float:
     """Bytes of memory that may be used: as WIREWEAR_MOST_MEMORY_GB says, else what is free, also in a container.
 
-    Infinity where the system does not tell.
+    Infinity where the system does not report it.
     """
     with suppress(ValueError):
         chosen = float(os.environ.get(MOST_MEMORY_GB, ""))
@@ -48,7 +48,7 @@ def free_memory() -> float:
 
 
 def free_disk(path: Path) -> float:
-    """Bytes that are free where a file or folder is, or is to be made; infinity where the system does not tell."""
+    """Bytes that are free where a file or folder is, or is to be made; infinity where the system does not report it."""
     while not path.exists() and path != path.parent:
         path = path.parent
     try:

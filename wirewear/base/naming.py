@@ -139,8 +139,8 @@ def stem_and_unit(name: str, known: dict[str, float]) -> tuple[str, str | None]:
     name = unicodedata.normalize("NFKC", name).lstrip("#%/; ")
     bracketed = re.fullmatch(r"(.+?)[\s_]*[\[(]\s*([^\[\]()]+?)\s*[\])]", name)
     match = bracketed or re.fullmatch(r"(.+?)(?:,\s+|[\s_/]*[_\[(\s/]\s*)([^\s_\[\]()/]+)\s*[\])]?", name)
-    told = usual_unit(match[2]) if match else ""
-    stem, unit = (match[1], told) if match and told in known else (name, None)
+    stated = usual_unit(match[2]) if match else ""
+    stem, unit = (match[1], stated) if match and stated in known else (name, None)
     if unit is None and bracketed and usual_unit(bracketed[2]) in KNOWN_UNITS:
         stem = bracketed[1]
     stem = re.sub(r"[\s_.\-]+", "_", plain(stem).strip())
@@ -154,14 +154,14 @@ def recognised(names: Sequence[str], channel: str, units: Sequence[str] = ()) ->
     Of columns of one name, that with a unit of the channel stands before its raw twin, and that whose zero was set
     before the other.
 
-    units: what is told of each column's unit, "" where nothing is; else by the names.
+    units: what is stated of each column's unit, "" where nothing is; else by the names.
     """
-    known, told = units_of(channel), [stem_and_unit(name, units_of(channel)) for name in names]
-    own = list(units) or [unit or "" for _, unit in told]
+    known, parted = units_of(channel), [stem_and_unit(name, units_of(channel)) for name in names]
+    own = list(units) or [unit or "" for _, unit in parted]
     physical = [unit in known for unit in own]
     plain_names = [not states_factor(name) for name in names]
     beside = _BESIDE if channel in UNIT_OF else _BESIDE | _COUNTED
-    parts = [re.split(r"[_()]+", stem) for stem, _ in told]
+    parts = [re.split(r"[_()]+", stem) for stem, _ in parted]
     tared = [not _TARED.isdisjoint(words) for words in parts]
     exact = ["_".join(word for word in words if word and word not in _TARED) for words in parts]
     bare = [_alone(word, beside) for word in exact]

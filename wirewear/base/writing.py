@@ -2,7 +2,7 @@
 
 A file is made beside its place under a name of its own, synchronised with the disk, and then put into its place, so
 that processes that write the same file at once do not meet. What a killed process left is deleted by the next that
-writes the file: a lock that ended with the process tells that nobody is at it.
+writes the file: a lock that ended with the process shows that nobody is at it.
 """
 
 from __future__ import annotations
@@ -310,7 +310,7 @@ def link_followed(path: Path) -> Path:
 
 @contextmanager
 def writing(kind: type[WirewearError], what: str, then: str = "") -> Iterator[None]:
-    """Whatever cannot be written within it is told as an error of that kind: ``{what}: no space left on device.``.
+    """Whatever cannot be written within it is raised as an error of that kind: ``{what}: no space left on device.``.
 
     `then` says what can be done about it.
     """

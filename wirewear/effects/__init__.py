@@ -8,17 +8,17 @@ from wirewear.effects.registry import (
     ENTRY_POINT_GROUP,
     all_effects,
     all_measurements,
+    distinguished_by,
     effect_named,
     effects_of_tables,
     splits,
     tables_of_effects,
-    told_apart_by,
 )
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Control, Loading, Seam, Specimens, applied, problem_with
 
 __all__ = [
     "COLUMNS", "ENTRY_POINT_GROUP", "Age", "Ageing", "Answer", "Chain", "ContactLaw", "Control", "Effect", "Loading",
     "Measurement", "Parameter", "Quantity", "Seam", "Size", "Specimens", "Stated", "UnforeseenError", "all_effects",
-    "all_measurements", "applied", "effect_named", "effects_of_tables", "parameter", "problem_with", "splits",
-    "tables_of_effects", "told_apart_by",
+    "all_measurements", "applied", "distinguished_by", "effect_named", "effects_of_tables", "parameter", "problem_with",
+    "splits", "tables_of_effects",
 ]  # fmt: skip

@@ -183,7 +183,7 @@ class Effect(ABC, Generic[T]):
     answers: ClassVar[tuple[Answer, ...]] = ()
     #: What to check on the rig, or to state in a record, where it is the cause.
     remedy: ClassVar[str] = ""
-    #: Belief before looking beside that in other effects which a record cannot tell from it.
+    #: Belief before looking beside that in other effects which a record cannot distinguish from it.
     prior_weight: ClassVar[float] = 1.0
     #: How far the fast model is off the full simulation with it, relative to the change that it makes.
     model_error: ClassVar[float] = 0.0
@@ -246,7 +246,7 @@ class Effect(ABC, Generic[T]):
 
     @classmethod
     def expected(cls) -> dict[str, Any]:
-        """All that is believed of it before looking, as plain numbers: what it changes of an answer."""
+        """All that is expected of it before looking, as plain numbers: what it changes of an answer."""
         return {
             "prior_weight": cls.prior_weight,
             "model_error": cls.model_error,

@@ -1,11 +1,11 @@
-"""Measurements beyond a record's loops, and what each would show: effects of different answers are told apart by it."""
+"""Measurements beyond a record's loops, and what each would show: different answers distinguish effects."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Measurement:
-    """A measurement that laboratories can make, and why it tells effects apart; its cost in days of a laboratory."""
+    """A measurement that laboratories can make, and why it distinguishes effects; its cost in days of a laboratory."""
 
     what: str
     why: str
@@ -49,7 +49,7 @@ HALF_LOAD = Measurement(
 
 INTERRUPTED_SCARS = Measurement(
     "scars of tests stopped after 1 to 10, 1 000 and 30 000 cycles",
-    "the path of the worn volume tells an early flattening, a wrong and a changing wear rate apart",
+    "the path of the worn volume distinguishes an early flattening, a wrong and a changing wear rate",
     cost_days=3.0,
 )
 

@@ -40,8 +40,8 @@ class Parameter:
     #: Key of a study, such as "contact.friction", of whose value neutral, easy, hard and interest are multiples; empty
     #: for plain values.
     share_of: str = ""
-    #: Another parameter and the power of this one that it goes with, where nothing in a record of wires tells the two
-    #: apart; a diagnosis then leaves this one at its middle.
+    #: Another parameter and the power of this one that it goes with, where nothing in a record of wires distinguishes
+    #: the two; a diagnosis then leaves this one at its middle.
     held_by: tuple[str, float] | None = None
 
     def beside(self, stated: Stated) -> "Parameter":
@@ -77,7 +77,7 @@ class Parameter:
     def near_neutral(self) -> float:
         """The neutral value, or where that is at the end of a logarithm's range, what is as good as it.
 
-        That is a standard deviation from the middle of what one expects: from there on hardly anything tells of it.
+        That is a standard deviation from the middle of what one expects: from there on hardly anything shows it.
         """
         if not self.logarithmic or self.neutral is None or 0.0 < self.neutral < math.inf:
             return self.neutral or 0.0

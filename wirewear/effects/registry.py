@@ -111,7 +111,7 @@ def _problem(sentence: str) -> StudyError:
 
 
 def all_measurements() -> tuple[Measurement, ...]:
-    """Every measurement that tells effects apart: the library's, then those that effects of packages bring."""
+    """Every measurement that distinguishes effects: the library's, then those that effects of packages bring."""
     named = (answer.measurement for effect in all_effects().values() for answer in effect.answers)
     return tuple(dict.fromkeys((*measurements.LIBRARY, *named)))
 
@@ -122,8 +122,8 @@ def splits(measurement: Measurement, one: str, other: str) -> bool:
     return bool(a and b and a != b)
 
 
-def told_apart_by(effect: EffectType) -> tuple[Measurement, ...]:
-    """Measurements that tell an effect from its look-alikes, or from any other if it has none; the cheapest first."""
+def distinguished_by(effect: EffectType) -> tuple[Measurement, ...]:
+    """Measurements that distinguish an effect from its look-alikes, or from any other without any; cheapest first."""
     others = effect.confused_with or tuple(all_effects())
     found = [m for m in all_measurements() if any(splits(m, effect.name, other) for other in others)]
     return tuple(sorted(found, key=lambda measurement: measurement.cost_days))
@@ -148,7 +148,7 @@ def _effect_json(effect: EffectType) -> dict[str, Any]:
         "seam": str(effect.seam),
         "signature": effect.signature,
         "confused_with": list(effect.confused_with),
-        "split_by": "; ".join(measurement.what for measurement in told_apart_by(effect)),
+        "split_by": "; ".join(measurement.what for measurement in distinguished_by(effect)),
         "parameters": [_parameter_json(name, item) for name, item in effect.parameters().items()],
         "choices": {name: list(words) for name, words in effect.choices().items()},
     }
@@ -195,7 +195,7 @@ def _multiple(item: Parameter) -> str:
 
 
 def effect_text(effect: type[Effect[Any]]) -> str:
-    """One effect in full: physics, parameters, signature, look-alikes and what tells them apart."""
+    """One effect in full: physics, parameters, signature, look-alikes and what distinguishes them."""
     parts = [
         f"{effect.name} ({effect.seam})",
         getdoc(effect) or "",
@@ -208,7 +208,7 @@ def effect_text(effect: type[Effect[Any]]) -> str:
         (
             f"Signature: {effect.signature}.\n"
             f"Confused with: {', '.join(effect.confused_with) or 'no other effect'}.\n"
-            f"Told apart by: {_split_text(effect)}."
+            f"Distinguished by: {_split_text(effect)}."
         ),
     ]
     return "\n\n".join(parts)
@@ -220,5 +220,5 @@ def _parameter_text(name: str, item: Parameter) -> str:
 
 
 def _split_text(effect: EffectType) -> str:
-    found = told_apart_by(effect)
+    found = distinguished_by(effect)
     return "; ".join(f"{m.what} ({effect.answer_to(m)})" for m in found) or "no further measurement that is known"

@@ -30,9 +30,9 @@ class OfAKind(Protocol):
         """The name of its kind of contact."""
 
 
-def kind_of(told: OfAKind) -> Kind:
+def kind_of(one: OfAKind) -> Kind:
     """The kind of contact of a study, a record or a result."""
-    return KINDS[told.contact_kind]
+    return KINDS[one.contact_kind]
 
 
 def load_any_study(path: str | Path, *, varied: bool = False) -> Any:

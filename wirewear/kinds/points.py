@@ -53,9 +53,9 @@ class AnyBodies(AtAPoint):
     template = elsewhere("wirewear.test.points:ANY_BODIES")
 
     def touching(self, *_: Any) -> Any:
-        """No options tell shapes; RecordError says so."""
+        """No options state shapes; RecordError says so."""
         raise RecordError(
-            f"no options tell the shapes of a {self.name}: write [contact] and [bodies] of a mapping yourself "
+            f"no options state the shapes of a {self.name}: write [contact] and [bodies] of a mapping yourself "
             "(docs/records.md), or take --kind ball-on-flat or crossed-wires."
         )
 

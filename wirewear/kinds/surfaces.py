@@ -38,8 +38,8 @@ def with_levelled(tables: Mapping[str, Any], where: str) -> Mapping[str, Any]:
     study = study_from_tables(unworn, where)
     for (*place, key), file in heights.items():
         holder = reduce(dict.__getitem__, place, whole)
-        told = {name: value for name, value in holder[key].items() if name != "file"}
-        stated = validated(StatedSurface, told | _LEVEL, where, StudyError)
+        keys = {name: value for name, value in holder[key].items() if name != "file"}
+        stated = validated(StatedSurface, keys | _LEVEL, where, StudyError)
         try:
             of = _of_line if isinstance(study, LineStudy) else _of_body
             x, y, depth = of(study, place[-1], file, stated)
@@ -60,9 +60,9 @@ def _has_heights(file: Path) -> bool:
 
 
 def _of_body(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
-    told = stated.model_dump(include={"step_um", "height_unit"}, exclude_none=True)
-    told |= {"files": file.name, "frame": "wire" if stated.frame == "body" else "test"}
-    source = ScarSource.model_validate(told)
+    keys = stated.model_dump(include={"step_um", "height_unit"}, exclude_none=True)
+    keys |= {"files": file.name, "frame": "wire" if stated.frame == "body" else "test"}
+    source = ScarSource.model_validate(keys)
     of = MapOfBody(file, source, next(body for body in study.bodies if body.name == name), 1)
     columns = {} if is_map(file) else known_columns(file, COLUMNS)
     if {"x_um", "y_um", "height_um"} <= columns.keys():
@@ -88,7 +88,7 @@ def _of_line(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
     return found.x_um, np.zeros(1), found.depth_um[:, None]
 
 
-def _require_certain(told: Sequence[str]) -> None:
+def _require_certain(sentences: Sequence[str]) -> None:
     """See that nothing is to be said of how heights were levelled. Raises RecordError with the first that is."""
-    if told:
-        raise RecordError(f"{told[0]}.")
+    if sentences:
+        raise RecordError(f"{sentences[0]}.")

@@ -41,7 +41,7 @@ def fit(
 ) -> None:
     """Fit friction, rig stiffness, play and wear coefficients to a record, each with its interval.
 
-    Loops tell friction, rig and play. The wear coefficient takes a scar's volume, measured or given, as well.
+    Loops determine friction, rig and play. The wear coefficient takes a scar's volume, measured or given, as well.
     """
     from wirewear.app.cli.study_script import wide_console
     from wirewear.base.locks import occupied

@@ -16,7 +16,7 @@ import click
 from click.core import ParameterSource
 from click.decorators import FC
 
-from wirewear.base.errors import Quantity, RunError, WirewearError, tell_plainly
+from wirewear.base.errors import Quantity, RunError, WirewearError, show_warnings_plainly
 from wirewear.base.files import TABLE_FILE_NAME, example
 from wirewear.base.memory import MOST_MEMORY_GB
 from wirewear.base.writing import usable_file, usable_folder, why_not_written
@@ -54,7 +54,7 @@ class Finite(click.FloatRange):
 
 
 class StatedOption(click.types.FloatParamType):
-    """A number in its sensible range, as a key of a study is checked: one in another unit is told so."""
+    """A number in its sensible range, as a key of a study is checked: one in another unit is named as such."""
 
     name = "number"
 
@@ -128,7 +128,7 @@ class _Misused(_OneSentence):
     """What was typed does not fit the command; how it is used stands before the sentence, unless a value is wrong."""
 
     def __init__(self, error: click.UsageError) -> None:
-        """Tell another's error."""
+        """State another's error."""
         said = re.sub(
             r"is not a valid (float|integer)( range)?",
             lambda found: f"is no {_NUMBERS[found[1]]}",
@@ -147,8 +147,8 @@ class _Misused(_OneSentence):
 
 
 @contextmanager
-def _misuse_told() -> Iterator[None]:
-    """Tell click's own errors in the way of ours."""
+def _misuse_reported() -> Iterator[None]:
+    """Report click's own errors in the way of ours."""
     try:
         yield
     except _SHOWS_HELP:
@@ -158,13 +158,13 @@ def _misuse_told() -> Iterator[None]:
 
 
 @contextmanager
-def _unwritten_told() -> Iterator[None]:
-    """Tell what the system refuses, on standard output too, in the way of our own errors."""
+def _unwritten_reported() -> Iterator[None]:
+    """Report what the system refuses, on standard output too, in the way of our own errors."""
     try:
         try:
             yield
         finally:
-            # A full disk is to be told in time.
+            # A full disk is to be reported in time.
             sys.stdout.flush()
     except OSError as error:
         if error.errno == errno.EPIPE:
@@ -194,14 +194,14 @@ class Commands(_Listed):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse what stands before the command."""
-        with _misuse_told(), _unwritten_told():
+        with _misuse_reported(), _unwritten_reported():
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
         """Run the command that was asked for."""
         try:
-            with warnings.catch_warnings(), _misuse_told(), _unwritten_told():
-                tell_plainly()
+            with warnings.catch_warnings(), _misuse_reported(), _unwritten_reported():
+                show_warnings_plainly()
                 return super().invoke(ctx)
         except (KeyboardInterrupt, SystemError) as error:
             # What is interrupted within a compiled function comes as a fault of the interpreter's.
@@ -288,10 +288,10 @@ scheduler_option = click.option(
 overwrite_record = click.option("--overwrite", is_flag=True, help="Also in place of what was not made in the same way.")
 
 
-def a_list(*names: str, told: str) -> Callable[[FC], FC]:
+def a_list(*names: str, form: str) -> Callable[[FC], FC]:
     """An option that takes a list; what it is given repeatedly adds up, to one text."""
-    joined, told = (lambda *given: ",".join(given[-1])), f"Separated by commas: {told}"
-    return click.option(*names, metavar="LIST", multiple=True, callback=joined, help=told)
+    joined, text = (lambda *given: ",".join(given[-1])), f"Separated by commas: {form}"
+    return click.option(*names, metavar="LIST", multiple=True, callback=joined, help=text)
 
 
 @contextmanager

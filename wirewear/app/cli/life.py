@@ -67,13 +67,13 @@ def life(
     with progress_bar() as bar:
         task = bar.add_task("", total=None)
 
-        def tell(name: str, at: int) -> None:
+        def report(name: str, at: int) -> None:
             bar.update(task, description=f"{name}, cycle {counted(at)}")
             if bar.disable:
                 click.echo(f"wirewear: {name}, cycle {counted(at)}", err=True)
 
         found = lives(
-            result, asked_bodies(body, result.label, result.bodies), values=values, wear_states=wear_states, tell=tell
+            result, asked_bodies(body, result.label, result.bodies), values=values, wear_states=wear_states, tell=report
         )
     folder = usable_folder(output or beside / "life")
     with busy("drawing the damage and writing the page"):

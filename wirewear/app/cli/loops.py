@@ -96,7 +96,7 @@ def loops_command(
 
 @cli.command()
 @click.argument("study_path", metavar="STUDY.toml", type=Given())
-@a_list("--loads", told="normal loads in newtons.  [default: 0.5, 1, 1.5 × the study's]")
+@a_list("--loads", form="normal loads in newtons.  [default: 0.5, 1, 1.5 × the study's]")
 @click.option(
     "--near", metavar="POINT", default="moving-wire", show_default=True, help="Or between-wires, between-holders."
 )

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
 
 
-#: Keys of a record that options tell.
-_TOLD = {
+#: Keys of a record that options state.
+_KEYS = {
     "diameter": "diameter_mm",
     "crossing_angle": "crossing_angle_deg",
     "length": "length_mm",
@@ -61,7 +61,7 @@ def new(
     output: Path | None,
     material: str | None,
     pad_material: str | None,
-    **told: float | None,
+    **stated: float | None,
 ) -> None:
     """Begin a study NAME, or with --mapping an import of a logger's FILES."""
     kind = next(name for name, names_of in kinds.NAMES.items() if kind in names_of)
@@ -70,15 +70,15 @@ def new(
         return
     if record_path is not None:
         raise RecordError("--from takes a study's values over from a record, and does not go with --mapping.")
-    known = {_TOLD[option]: value for option, value in told.items() if value is not None}
+    known = {_KEYS[option]: value for option, value in stated.items() if value is not None}
     lines = KINDS[kinds.LINE_CONTACT]
     by_options = not given("kind") and (pad_material is not None or known.keys() & lines.options)
     own = lines if by_options else KINDS[kind]
     foreign = {key for other in KINDS.values() for key in other.options & known.keys()} - own.options
-    for option in (option.replace("_", "-") for option, key in _TOLD.items() if key in foreign):
+    for option in (option.replace("_", "-") for option, key in _KEYS.items() if key in foreign):
         raise RecordError(f"--{option} does not go with the options of a {own.name}.")
-    for option in (option for option, key in _TOLD.items() if key in known):
-        _require_sensible(option, known[_TOLD[option]], own)
+    for option in (option for option, key in _KEYS.items() if key in known):
+        _require_sensible(option, known[_KEYS[option]], own)
     _new_mapping(names, output, (material, pad_material or material), known, own)
 
 
@@ -91,7 +91,7 @@ def _require_sensible(option: str, value: float, kind: Kind) -> None:
 
     def fields(table: type[Table]) -> "Iterator[FieldInfo]":
         for key, field in table.model_fields.items():
-            yield from (field,) if key == _TOLD[option] else fields(own) if (own := table_of(field)) else ()
+            yield from (field,) if key == _KEYS[option] else fields(own) if (own := table_of(field)) else ()
 
     try:
         for quantity in filter(None, map(quantity_of, fields(MAPPINGS[kind.name]))):

@@ -121,9 +121,9 @@ def check(context: click.Context, record_path: Path, block: int | None, as_json:
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @click.option("--samples", type=click.IntRange(16, 100_000), help="Samples a loop.  [default: the simulation's]")
 @overwrite_record
-@a_list("--noise", told="displacement_um=0.15,tangential_force_N=0.008,depth_um=0.05")
-@a_list("--gain", told="displacement=1.02,tangential_force=0.98,normal_force=1")
-@a_list("--sensor", "sensor_list", told="linear_um_per_N=0.5,lag_s=1e-4,...")
+@a_list("--noise", form="displacement_um=0.15,tangential_force_N=0.008,depth_um=0.05")
+@a_list("--gain", form="displacement=1.02,tangential_force=0.98,normal_force=1")
+@a_list("--sensor", "sensor_list", form="linear_um_per_N=0.5,lag_s=1e-4,...")
 @most_memory
 def export(
     result_path: Path,
@@ -163,15 +163,15 @@ def export(
     with busy("exporting the record"):
         result = _run_at(result_path, variant)
         record = record_of_result(result, length_mm=length_mm, **reading)
-        told = [problem.text for problem in check_record(record).problems]
+        problems = [problem.text for problem in check_record(record).problems]
         if result.status != "complete":
-            told.insert(0, f"The run {result.label!r} is not complete ({result.message}).")
+            problems.insert(0, f"The run {result.label!r} is not complete ({result.message}).")
         if heights is None:
             written = [write_record(folder or Path(), record, **place)]
         else:
             surfaces = kind_of(result).surfaces(result, depth_noise, seed)
             written = write_as_heights(heights, record.loops, surfaces, repeats, overwrite=overwrite)
-    for sentence in told:
+    for sentence in problems:
         click.echo(f"wirewear: {sentence}", err=True)
     _echo(written)
 

@@ -76,7 +76,7 @@ def fields(
         given = {"--integration-points": integration_points, "--no-pictures": no_pictures, "--animate": animate}
         _require_known(result_path, kind, given)
         bodies = asked_bodies(body, result.label, result.bodies)
-        _tell_taken(cycle, result, bodies)
+        _report_taken(cycle, result, bodies)
         usable_folder(folder)
         shown: dict[str, Any] = {
             "bodies": bodies,
@@ -191,12 +191,12 @@ def _assessing(
     every = cycles or _recorded(result.contact_forces)
     bodies = asked_bodies(body, result.label, result.bodies)
     for cycle in cycles:
-        _tell_taken(cycle, result, bodies)
+        _report_taken(cycle, result, bodies)
     chosen = {one: [*dict.fromkeys(assessable(result, one, cycle, asked, inside) for cycle in every)] for one in bodies}
     return chosen, lambda one, cycle: strength_of(result, one, cycle, asked, inside)
 
 
-def _tell_taken(cycle: float, result: RunResult, bodies: Iterable[str]) -> None:
+def _report_taken(cycle: float, result: RunResult, bodies: Iterable[str]) -> None:
     taken = {result.forces(cycle, one).cycle for one in bodies} - {cycle}
     if taken:
         recorded = ", ".join(map(counted, _recorded(result.contact_forces)))

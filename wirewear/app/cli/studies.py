@@ -41,8 +41,8 @@ def materials_command() -> None:
         source = item.source if item.verified else f"unverified: {item.source}"
         table.add_row(item.name, ", ".join(item.also), f"{1e-3 * modulus:.4g}", f"{ratio:g}", source)
         if item.fatigue:
-            told = ", ".join(f"{key} = {value:g}" for key, value in item.fatigue)
-            table.add_row("", "fatigue", "", "", f"{told}; {item.fatigue_told}")
+            data = ", ".join(f"{key} = {value:g}" for key, value in item.fatigue)
+            table.add_row("", "fatigue", "", "", f"{data}; {item.fatigue_told}")
     wide_console(130).print(table)
 
 
@@ -188,7 +188,7 @@ def run(
         _require_nothing_lost(folder)
     study = load_any_study(study_path)
     if variant is None:
-        _tell_unused(study)
+        _report_unused(study)
     else:
         study = study.variant(variant)
     if record_path is not None:
@@ -245,7 +245,7 @@ def _status_of(path: Path) -> str | None:
     return None
 
 
-def _tell_unused(study: AnyStudy[Any]) -> None:
+def _report_unused(study: AnyStudy[Any]) -> None:
     """Say which of a study's own values no variant takes over: editing them changes nothing."""
     for table, key, value in study.unused_values():
         click.echo(

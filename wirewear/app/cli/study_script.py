@@ -55,13 +55,13 @@ def _one_sentence(context: click.Context) -> Iterator[None]:
     except (WirewearError, ModuleNotFoundError) as error:
         raise _OfScript(context.command.name, str(error)) from error
     except OSError as error:
-        told = f"{error.filename or 'the output'} can be neither read nor written: {why_not_written(error)}."
-        raise _OfScript(context.command.name, told) from error
+        reason = f"{error.filename or 'the output'} can be neither read nor written: {why_not_written(error)}."
+        raise _OfScript(context.command.name, reason) from error
 
 
 @contextmanager
 def understanding(path: Path, what: str) -> Iterator[None]:
-    """Within it, whatever is looked for in a file's tables and is not there is told: the file is no `what`.
+    """Within it, whatever is looked for in a file's tables and is not there is reported: the file is no `what`.
     Raises ResultError if a key, an entry or a number was missing, or something else stood in its place.
     """
     try:
