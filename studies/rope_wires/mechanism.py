@@ -22,7 +22,7 @@ from wirewear import lives
 from wirewear.base.errors import counted
 from wirewear.pictures import style
 from wirewear.simulation import simulate
-from wirewear.stress.damage import Begun, Damage
+from wirewear.stress.damage import Damage, Initiation
 from wirewear.test import study_from_tables
 
 STUDY = Path(__file__).with_name("study.toml")
@@ -57,8 +57,8 @@ def row(stroke_um: float, load_N: float) -> dict[str, float]:
 
 def until_one(damage: Damage) -> float:
     """Cycles until the sum reaches 1."""
-    begun: Begun | None = damage.begun([1.0])[0]
-    return np.inf if begun is None else begun.cycles
+    initiation: Initiation | None = damage.initiations([1.0])[0]
+    return np.inf if initiation is None else initiation.cycles
 
 
 def draw(rows: list[dict[str, float]]) -> Figure:

@@ -141,7 +141,7 @@ def test_line_contacts_share_maps_of_their_own_per_millimetre(tmp_path: Path) ->
     assert "P [N/mm]" in wirewear("maps", folder, folder, "--output", tmp_path / "maps").output
     assert "normal_load_N_per_mm" in (tmp_path / "maps" / "tests.csv").read_text(encoding="utf-8")
     page = tmp_path / "maps" / "maps.html"
-    assert "no line tells where it begins to slide" in page.read_text(encoding="utf-8")
+    assert "no line shows where it begins to slide" in page.read_text(encoding="utf-8")
     assert page_faults(page) == []
     mixed = wirewear("maps", folder, EXAMPLES / "no_gap", "--output", tmp_path / "maps", code=2)
     assert "share no map" in mixed.stderr

@@ -113,7 +113,7 @@ def grown(figures: dict[float, float], target: float) -> Ending:
 
 def test_the_end_is_predicted_of_a_power_of_the_cycles_and_its_interval_holds_a_power_that_changes() -> None:
     ending = grown({float(n): 0.1 * n**0.5 for n in (1, 10, 100, 400, 1000, 2000, 4000)}, 20.0)
-    assert ending.foreseen() == "; depth_um = 20 is expected after 40\u2009000 cycles (40\u2009000 to 40\u2009000)"
+    assert ending.expected_end() == "; depth_um = 20 is expected after 40\u2009000 cycles (40\u2009000 to 40\u2009000)"
 
     def depth(n: float) -> float:
         return float(0.1 * n**0.5 / (1.0 + n / 2e4))
@@ -125,7 +125,7 @@ def test_the_end_is_predicted_of_a_power_of_the_cycles_and_its_interval_holds_a_
 
 @pytest.mark.parametrize("figures", [{}, {1.0: 0.1}, {1.0: 0.1, 2.0: 0.1, 8.0: 0.1, 16.0: 0.1}])
 def test_no_end_is_predicted_of_a_figure_that_is_young_or_does_not_grow(figures: dict[float, float]) -> None:
-    assert grown(figures, 20.0).foreseen() == ""
+    assert grown(figures, 20.0).expected_end() == ""
 
 
 def test_every_figure_that_a_study_may_state_is_known() -> None:

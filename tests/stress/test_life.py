@@ -126,18 +126,18 @@ def test_damage_is_carried_and_taken_away_as_the_closed_form_has_it(states: int)
     exact = scale * (np.exp(-(level - SPEED * 5000.0) / LAMBDA_mm) - np.exp(-level / LAMBDA_mm))
     assert now.damage[0][there] == pytest.approx(exact[there], rel=0.02)
     # At the surface the sum comes to `scale` at most: what would break soon without wear never does.
-    half, never = damage.begun([0.5 * scale, 1.2 * scale])
+    half, never = damage.initiations([0.5 * scale, 1.2 * scale])
     assert half is not None
     assert half.cycles == pytest.approx(LAMBDA_mm / SPEED * np.log(2.0), rel=0.02)
     assert never is None
-    still = worn_evenly(states, 20000.0, speed=0.0).begun([0.5 * scale])[0]
+    still = worn_evenly(states, 20000.0, speed=0.0).initiations([0.5 * scale])[0]
     assert still is not None
     assert still.cycles == pytest.approx(0.5 * scale / RATE, rel=1e-6)
 
 
 def test_a_run_that_ends_too_early_is_gone_on_with_as_it_wears() -> None:
     scale = RATE * LAMBDA_mm / SPEED
-    later, never = worn_evenly(3, 2000.0).begun([0.5 * scale, 1.2 * scale])
+    later, never = worn_evenly(3, 2000.0).initiations([0.5 * scale, 1.2 * scale])
     assert later is not None
     assert later.beyond
     assert later.cycles == pytest.approx(LAMBDA_mm / SPEED * np.log(2.0), rel=0.03)
@@ -146,7 +146,7 @@ def test_a_run_that_ends_too_early_is_gone_on_with_as_it_wears() -> None:
 
 @pytest.mark.parametrize("speed", [1e-30, 1e-24, 1e-15])
 def test_a_surface_that_recedes_by_round_off_is_gone_on_with_as_one_that_stays(speed: float) -> None:
-    ends = [worn_evenly(3, 200.0, speed=each).begun([0.5, 1e3]) for each in (speed, 0.0)]
+    ends = [worn_evenly(3, 200.0, speed=each).initiations([0.5, 1e3]) for each in (speed, 0.0)]
     for found, expected in zip(*ends, strict=True):
         assert found is not None
         assert expected is not None
@@ -208,7 +208,7 @@ def begun_in_blocks(blocks: list[Asked], ran: int, sums: list[float]) -> list[fl
             for one in course.ahead
         ],
     )
-    return [np.inf if one is None else one.cycles for one in damage.begun(sums)]
+    return [np.inf if one is None else one.cycles for one in damage.initiations(sums)]
 
 
 def miner(blocks: list[Asked], asked: float, most: int) -> float:

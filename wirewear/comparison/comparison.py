@@ -68,9 +68,9 @@ def compare(result: RunResult, record: AnyRecord) -> RecordComparison:
     Raises RecordError if they have no cycle in common, and no scars where a record may be without loops, or if nothing
     can be concluded from the record.
     """
-    told = problems_told(record)
+    problems = problems_told(record)
     if result.status != "complete":
-        told = (f"The run {result.label!r} is not complete ({result.message}).", *told)
+        problems = (f"The run {result.label!r} is not complete ({result.message}).", *problems)
     if record.tables.length_mm:
         result = result.of_length(record.tables.length_mm)
     loops, loop_notes = loop_pairs(result, record)
@@ -82,7 +82,7 @@ def compare(result: RunResult, record: AnyRecord) -> RecordComparison:
             f"the result's cycles are {logged}, the record's {', '.join(map(counted, record.cycles)) or 'none'}."
         )
     rows = [*loop_differences(loops), *evolution_differences(result, record), *scar_differences(scars)]
-    notes = (*told, *record.notes, *loop_notes, *scar_notes)
+    notes = (*problems, *record.notes, *loop_notes, *scar_notes)
     return RecordComparison(result, record, loops, scars, tuple(rows), notes, _unlike(result, record))
 
 

@@ -32,7 +32,7 @@ from wirewear.results import RunResult, read_loops, read_results
 
 REGIMES: tuple[RegimeOfTest, ...] = ("partial slip", "mixed", "gross slip")
 
-LEAST_SPREAD = 1.5  #: Energies of tests must differ by this factor for a threshold to be told from their scatter.
+LEAST_SPREAD = 1.5  #: Energies of tests must differ by this factor for a threshold to exceed their scatter.
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class MappedTest:
     path: str  #: What it was read from.
     normal_load_N: float  #: Mean of the loops' median load, or what was asked for.
     displacement_amplitude_um: float  #: δa, mean of all loops.
-    worn: tuple[WornTest, ...]  #: Energy and volume of each repeat that tells both.
+    worn: tuple[WornTest, ...]  #: Energy and volume of each repeat that states both.
     slip_amplitude_um: tuple[float, float] = (float("nan"), float("nan"))  #: δ0 at the first and at the last cycle.
     regime: RegimeOfTest = "partial slip"  #: "mixed" where some of its loops slide as a whole and others do not.
     sliding: tuple[SlidingMap, ...] = ()  #: Criteria of sliding by cycle.
@@ -88,7 +88,7 @@ class MappedTest:
 def lines_of(tests: Iterable[MappedTest]) -> tuple[RegressionLine | None, RegressionLine | None]:
     """Worn volume over friction energy of all repeats: through the origin, and with a threshold energy.
 
-    None where there is no test that tells both, or, for the threshold, where fewer than three or none that differ.
+    None where there is no test that states both, or, for the threshold, where fewer than three or none that differ.
     """
     worn = [one for test in tests for one in test.worn if one.energy_J > 0.0]
     if not worn:

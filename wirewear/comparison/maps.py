@@ -213,7 +213,7 @@ class RegressionLine:
     """V = slope · (ΣE_d − threshold); intervals hold the true values with a probability of 95 %."""
 
     slope_mm3_per_J: float  #: Worn volume per friction energy.
-    #: Of the slope; infinite where there is one test more than nothing to tell it by.
+    #: Of the slope; infinite where there is one test more than nothing to estimate it by.
     slope_interval95: tuple[float, float]
     threshold_J: float  #: Energy below which nothing wears; 0 for a line through the origin.
     threshold_interval95: tuple[float, float]  #: By the scatter of slope and intercept.
@@ -231,7 +231,7 @@ def line_through_origin(energy_J: ArrayLike, volume_mm3: ArrayLike) -> Regressio
     square = float(share @ share)
     slope = float(share @ y) / square / largest
     left = y - slope * x
-    # One test alone lies on its line, which nothing tells the uncertainty of.
+    # One test alone lies on its line, which nothing shows the uncertainty of.
     free = x.size - 1
     half = _quantile(free) * np.sqrt(float(left @ left) / free / square) / largest if free else np.inf
     return RegressionLine(slope, (slope - half, slope + half), 0.0, (0.0, 0.0), _explained(y, left), x.size)

@@ -29,7 +29,7 @@ class Registration:
     """Where the measured scar lies in the simulated one's frame, each with its standard deviation.
 
     A point (x, y) of the simulated frame is found in the measured map at the point turned by `rotation_deg` about the
-    origin and then shifted by (shift_x_um, shift_y_um). `rotation_held` says that the scar is too round to tell.
+    origin and then shifted by (shift_x_um, shift_y_um). `rotation_held` says that the scar is too round to show it.
     """
 
     shift_x_um: float

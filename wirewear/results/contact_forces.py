@@ -1,6 +1,6 @@
 """Forces on a body's patch at positions of a recorded cycle, and the means of its pressure over a stated length.
 
-The stresses inside a body follow from the forces. At a crest as narrow as an element, nodal pressures tell the mesh: of
+The stresses inside a body follow from the forces. At a crest as narrow as an element, nodal pressures show the mesh: of
 wires a mean is over a disc of that diameter in the plane of contact, of line contacts over a segment of that length.
 Each node's pressure stands for the cell that belongs to the node, up to halfway to its neighbours: the forces on the
 nodes are kept to round-off, wherever the contact ends between them.

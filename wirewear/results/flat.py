@@ -106,7 +106,7 @@ def _write_surface(path: Path, scar: Scar, *, upper: bool) -> None:
 def labelled(result: RunResult) -> xarray.DataTree:
     """A run as a tree of data sets: `evolution`, `loops` and `scars/<wire>_<cycle>`; every array states its unit.
 
-    Loops are told apart by `cycle` and filled up with NaN to the length of the longest.
+    Loops are distinguished by `cycle` and filled up with NaN to the length of the longest.
     Raises ResultError if xarray is not installed.
     """
     made = _xarray()

@@ -114,7 +114,7 @@ def _bulk_rows(results: Sequence[RunResult]) -> list[Row]:
     """Axial and bending stress at the contact over the first logged cycle, of bodies that carry any."""
 
     def cell(body: str) -> Callable[[RunResult], str]:
-        def told(result: RunResult) -> str:
+        def shown(result: RunResult) -> str:
             found = (one.bulk_stress_MPa for one in result.contact_forces if one.body == body)
             stress = next((one for one in found if one is not None), None)
             if stress is None:
@@ -122,7 +122,7 @@ def _bulk_rows(results: Sequence[RunResult]) -> list[Row]:
             along = stress[:, :2].sum(axis=1)
             return f"{_number(float(along.min()))} … {_number(float(along.max()))}"
 
-        return told
+        return shown
 
     rows = [(f"bulk stress along the {results[0].called(body)} [MPa]", cell(body)) for body in results[0].bodies]
     return [row for row in rows if any(row[1](result) != NOTHING for result in results)]

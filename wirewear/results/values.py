@@ -345,12 +345,12 @@ class RunResult:
             elif later == 0 or bare[later - 1] <= 0.0:
                 found.append(float(cycles[later] * through / bare[later]))
             else:
-                # What is worn through wears by other pressures: of the measured cycles, those before tell more.
+                # What is worn through wears by other pressures: of the measured cycles, those before show more.
                 first = later - 2 if later > 1 and 0.0 < bare[later - 2] < bare[later - 1] else later - 1
                 known = np.log(np.array([bare[first : first + 2], cycles[first : first + 2]]))
                 slope = (known[1, 1] - known[1, 0]) / (known[0, 1] - known[0, 0])
-                foreseen = np.exp(known[1, 0] + slope * (np.log(through) - known[0, 0]))
-                found.append(float(min(foreseen, cycles[later])))
+                predicted = np.exp(known[1, 0] + slope * (np.log(through) - known[0, 0]))
+                found.append(float(min(predicted, cycles[later])))
         return tuple(found)
 
     def _layers(self, body: str) -> list[SurfaceLayer]:

@@ -63,7 +63,7 @@ def richardson(spacings: Sequence[float], values: Sequence[float]) -> Limit:
 
 
 def _order(spacings: Sequence[float], ratio: float) -> float:
-    """The order at which errors fall so that the two changes have this ratio, within what can be believed."""
+    """The order at which errors fall so that the two changes have this ratio, within what is plausible."""
     coarse, middle, fine = spacings
 
     def excess(order: float) -> float:

@@ -12,14 +12,14 @@ from wirewear.simulation.statistics import Tally
 from wirewear.simulation.store import Meshes
 from wirewear.test.tables import Stop
 
-#: Told of every increment: the state after it, and the cycles done before the jump that it belongs to.
+#: Called at every increment: the state after it, and the cycles done before the jump that it belongs to.
 Watch = Callable[[solvers.ContactState, float], None]
 
 _Cycle = tuple[solvers.ContactState, solvers.CycleTrace]
 #: A loop, of which problem and motion, and the states before and after it.
 _Loop = tuple[solvers.ContactProblem, "Motion", tuple[solvers.ContactState, ...], solvers.CycleTrace]
 
-Told = Callable[[solvers.ContactState, solvers.IncrementReport], None]  #: Of an increment.
+Reported = Callable[[solvers.ContactState, solvers.IncrementReport], None]  #: Of an increment.
 
 #: Tries a jump: from the state after so many cycles over some more, to the state then and the pressures' change.
 Attempt = Callable[[solvers.ContactState, float, float], tuple[solvers.ContactState, float]]
@@ -100,7 +100,7 @@ class Cycler:
         self._latest: _Traced | None = None
         self._quarter: solvers.CycleTrace | None = None
         self._loop: _Loop | None = None
-        self.motion, self.tally, self._tell = motion, tally, watch
+        self.motion, self.tally, self._notify = motion, tally, watch
         self.guide: solvers.Guide | None = None
         self.now = 1.0
         self.friction_work_mJ = 0.0
@@ -115,7 +115,7 @@ class Cycler:
         return problem, self._turned(self.aged(problem, state, done), state, drive, self._watch)
 
     def _turned(
-        self, current: solvers.ContactProblem, state: solvers.ContactState, drive: solvers.Drive, watch: Told
+        self, current: solvers.ContactProblem, state: solvers.ContactState, drive: solvers.Drive, watch: Reported
     ) -> solvers.ContactState:
         """The state at the same end of another drive's stroke.
 
@@ -144,7 +144,7 @@ class Cycler:
         begin: solvers.ContactState,
         drive: solvers.Drive,
         cycle: Callable[[solvers.ContactState, solvers.Drive, solvers.Guide | None], _Cycle],
-        watch: Told,
+        watch: Reported,
         probe: Probe | None = None,
     ) -> tuple[solvers.ContactState, solvers.CycleTrace, solvers.Guide | None]:
         """A cycle from a state on, with the amplitude at which the drive holds what it is to hold, and the first guess
@@ -203,7 +203,7 @@ class Cycler:
 
     def wearing(self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float) -> Attempt:
         """Jumps from the state after `done` cycles: a cycle traced with the wear frozen, then any number of cycles."""
-        traced, in_vain = self._traced(problem, state, done), list[_Traced]()
+        traced, unused = self._traced(problem, state, done), list[_Traced]()
         # A cycle that judges a jump, or leads to a loop, is that from which the next one starts: counted here, a run
         # that is resumed between both, and traces it again, counts as one that is not.
         self._count(traced)
@@ -212,16 +212,16 @@ class Cycler:
             def problem_at(cycle: float, energy_mJ: float) -> solvers.ContactProblem:
                 return self.motion.aged(problem, Age(cycle, 1e-3 * energy_mJ))
 
-            while in_vain:
-                self._count(in_vain.pop())
+            while unused:
+                self._count(unused.pop())
             jump = solvers.jump_cycles(problem_at, traced.start, traced.trace, traced.symmetry, before, cycles)
             self.guide, self.friction_work_mJ = jump.guide, jump.friction_work
             if not jump.uncertain:
                 return jump.state, jump.pressure_change
-            # What sticks and how far the rest slides is known of the cycle before the jump: the one after it tells what
+            # What sticks and how far the rest slides is known of the cycle before the jump: the one after it shows what
             # came of that, and is of no use if the jump is rejected.
             after = self._traced(problem, jump.state, before + cycles)
-            in_vain.append(after)
+            unused.append(after)
             self.friction_work_mJ = after.work_mJ
             missed = solvers.change_by_work(jump.friction_work, after.work_mJ, cycles, jump.state.wear.energy_mJ)
             return jump.state, max(jump.pressure_change, missed)
@@ -237,11 +237,11 @@ class Cycler:
 
         def watch(passed: solvers.ContactState, report: solvers.IncrementReport) -> None:
             reports.append(report)
-            self._tell(passed, self.now)
+            self._notify(passed, self.now)
 
         def forced(begins: solvers.ContactState, place: float) -> solvers.ContactState:
-            after, told = solvers.advance(current, begins, place, 0.0)
-            reports.extend(told)
+            after, taken = solvers.advance(current, begins, place, 0.0)
+            reports.extend(taken)
             return after
 
         def cycle(begin: solvers.ContactState, drive: solvers.Drive, guide: solvers.Guide | None) -> _Cycle:
@@ -317,4 +317,4 @@ class Cycler:
 
     def _watch(self, state: solvers.ContactState, report: solvers.IncrementReport) -> None:
         self.tally.counters.count(report)
-        self._tell(state, self.now)
+        self._notify(state, self.now)

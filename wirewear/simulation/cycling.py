@@ -26,7 +26,7 @@ _STOPPED = 1e-3
 #: The course of a figure is taken from where the test had done its cycles over this, and that before from there.
 _BACK = 2.0
 _CHANGES = 2.0  # Of the change of the power so far: what it may change by on the way.
-_LEAST_SLOPE = 0.02  # Of logarithms: a figure that grows more slowly has no end to foresee.
+_LEAST_SLOPE = 0.02  # Of logarithms: a figure that grows more slowly has no end to predict.
 
 FIGURES: Mapping[str, Callable[[ContactState], float]] = {
     "depth_um": lambda state: 1e3 * max(float(depth.max()) for depth in state.wear.depths),
@@ -72,7 +72,7 @@ class Ending:
         for key in self.stops:
             self.course.setdefault(key, []).append((done, FIGURES[key](state)))
 
-    def foreseen(self) -> str:
+    def expected_end(self) -> str:
         """When the first stop will be met, with an interval, as the rest of a sentence; empty if it cannot be said."""
         found = {key: ends for key in self.stops if (ends := self._ends(key)) is not None}
         if not found:
@@ -181,13 +181,13 @@ class _Run:
             with threadpool_limits(limits=1, user_api="blas"):
                 if checkpoint is None:
                     problem, state = self._started(problem)
-                    told = self._cycle_on(problem, state, 1.0, None)
+                    message = self._cycle_on(problem, state, 1.0, None)
                 else:
-                    told = self._cycle_on(problem, checkpoint.state, checkpoint.done, checkpoint.next_jump)
+                    message = self._cycle_on(problem, checkpoint.state, checkpoint.done, checkpoint.next_jump)
         except SolverError as error:
             self._store("failed", str(error))
             raise
-        result = self._store("complete", told)
+        result = self._store("complete", message)
         self.store.drop_checkpoint()
         return result
 
@@ -271,12 +271,12 @@ class _Run:
                 # On the meshes on which the surfaces have worn: they fit each other worse on the next ones.
                 self.cycler.now = done
                 problem, state = self._at_milestone(problem, state, done, step.jump)
-                foreseen = "" if self.record.ends else self.ending.foreseen()
-                self._store("running", f"{counted(done)} of {counted(end)} cycles simulated{foreseen}")
+                expected = "" if self.record.ends else self.ending.expected_end()
+                self._store("running", f"{counted(done)} of {counted(end)} cycles simulated{expected}")
             self._keep(done, wanted, state)
         stop = self.ending.reached(state)
-        told = self.ending.foreseen() if stop is None else f": {stop} has reached its stop"
-        return f"{counted(done)} cycles simulated{told}"
+        why = self.ending.expected_end() if stop is None else f": {stop} has reached its stop"
+        return f"{counted(done)} cycles simulated{why}"
 
     def _stepped(
         self, stepper: WearStepper, problem: ContactProblem, state: ContactState, done: float, wanted: float

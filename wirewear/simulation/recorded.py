@@ -55,7 +55,7 @@ MEASURED = "measured_"  #: What names of a holder's measured elements begin with
 
 _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")  #: Packages whose versions a result records.
 
-# Of the depth at which a layer ends: a loop is measured where it is that deep, so that its end is foreseen from near.
+# Of the depth at which a layer ends: a loop is measured where it is that deep, so that its end is predicted from near.
 _NEARLY = 0.9
 
 

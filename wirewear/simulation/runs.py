@@ -44,7 +44,7 @@ ObserverOf = Callable[[str], AbstractContextManager[Observer]]
 
 @dataclass(frozen=True)
 class RemoteObserver(Observer):
-    """Sends what a run tells it to the process that watches."""
+    """Sends what a run reports to it to the process that watches."""
 
     index: int
     mailbox: Queue[Any]
@@ -85,9 +85,9 @@ def run_side_by_side(
     manager.start(end_with_parent)
     with manager, ThreadPoolExecutor(1) as waiting:
         mailbox = manager.Queue()
-        told = [partial(task, RemoteObserver(index, mailbox)) for index, task in enumerate(tasks)]
+        observed = [partial(task, RemoteObserver(index, mailbox)) for index, task in enumerate(tasks)]
         stop = Event()
-        every = waiting.submit(_done_until, stop, engine, told)
+        every = waiting.submit(_done_until, stop, engine, observed)
         try:
             while not every.done():
                 _deliver(mailbox, observers)
@@ -127,7 +127,7 @@ class Task:
     label: str  #: What it is called beside others.
     folder: RunFolder
     simulate: Callable[..., RunResult]  #: Does it in a folder, watched by an observer; can be sent to another process.
-    #: Does what runs side by side would all have to do, such as meshes that they share; is told of each part.
+    #: Does what runs side by side would all have to do, such as meshes that they share; hears of each part.
     prepare: Callable[[Callable[[str], None]], None]
 
 
@@ -173,19 +173,19 @@ def _run_all(
         results = []
         for task, found in runs:
             with observer_of(task.label) as observer:
-                _tell(found, observer)
+                _report(found, observer)
                 results.append(task.simulate(task.folder, observer, resume=resume))
         return results
     with ExitStack() as stack:
         watchers = [stack.enter_context(observer_of(task.label)) for task, _ in runs]
         for (task, found), watcher in zip(runs, watchers, strict=True):
-            _tell(found, watcher)
+            _report(found, watcher)
             task.prepare(watchers[0].stage)
         tasks = [partial(task.simulate, task.folder, resume=resume) for task, _ in runs]
         return run_side_by_side(tasks, watchers, engine)
 
 
-def _tell(found: Found, observer: Observer) -> None:
+def _report(found: Found, observer: Observer) -> None:
     if found.note:
         observer.note(found.note)
 
@@ -283,7 +283,7 @@ def run_study(
 
     `observer_of` opens an observer for each run by its label. With `resume`, a run continues at its last checkpoint,
     and one that is complete is read from its file and left as it is; one that another version of the program made is
-    run again, of which the observer is told. With `jobs` above 1, that many variants run side by side, each in a
+    run again, which the observer is informed of. With `jobs` above 1, that many variants run side by side, each in a
     process of its own, or where `engine` does it, whose workers must see the folder; the results are the same.
 
     Raises StudyError if the study cannot be discretised, or asks for more memory or cycle jumps than can be had;

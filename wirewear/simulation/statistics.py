@@ -100,7 +100,7 @@ class Tally:
 
 
 def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, float]], accumulated_mJ: float) -> None:
-    """Count what the latest measured cycle, the last row of an evolution, tells.
+    """Count what the latest measured cycle, the last row of an evolution, shows.
 
     accumulated_mJ: friction energy that has worn.
     """
@@ -142,7 +142,7 @@ def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accu
     Up to the first loop the energy per cycle is taken to be that one's, between two loops to be a power of the cycles.
     0 before anything has worn. NaN where
     that differs from what has worn, but straight lines between the loops differ to the other side: the loops are then
-    too few to tell how much they enclose.
+    too few to show how much they enclose.
     """
     if accumulated_mJ <= 0.0:
         return 0.0
@@ -150,12 +150,12 @@ def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accu
     by_powers = first + enclosed_energy(cycles, per_cycle_mJ)
     by_lines = first + float(np.trapezoid(per_cycle_mJ, cycles))
     mismatch = abs(by_powers / accumulated_mJ - 1.0)
-    told = mismatch <= ENERGIES_AGREE or not min(by_powers, by_lines) < accumulated_mJ < max(by_powers, by_lines)
-    return mismatch if told else nan
+    certain = mismatch <= ENERGIES_AGREE or not min(by_powers, by_lines) < accumulated_mJ < max(by_powers, by_lines)
+    return mismatch if certain else nan
 
 
 def bends(before: Energies, now: Energies) -> bool:
-    """Whether the energy that has worn between two cycles is not what loops measured there would tell."""
+    """Whether the energy that has worn between two cycles is not what loops measured there would show."""
     (start, per_cycle, worn), (end, later, total) = before, now
-    told = enclosed_energy((start, end), (per_cycle, later))
-    return abs(told - (total - worn)) > _BENT * total
+    expected = enclosed_energy((start, end), (per_cycle, later))
+    return abs(expected - (total - worn)) > _BENT * total

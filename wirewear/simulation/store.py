@@ -24,7 +24,7 @@ from wirewear.base.locks import clear_abandoned, last_noted, occupied
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_result
 
-Report = Callable[[str], None]  #: Told what is being prepared.
+Report = Callable[[str], None]  #: Called with what is being prepared.
 
 CHECKPOINT_FILE_NAME = "checkpoint.h5"
 _FORMAT = 5
@@ -175,7 +175,7 @@ class RunStore:
 
 @dataclass(frozen=True)
 class Found:
-    """What a run that is to be resumed has left: its result if it is complete; and what its user should be told."""
+    """What a run that is to be resumed has left: its result if it is complete; and what its user should know."""
 
     complete: RunResult | None = None
     note: str = ""

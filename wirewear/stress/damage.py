@@ -63,7 +63,7 @@ class Sum:
 
 
 @dataclass(frozen=True)
-class Begun:
+class Initiation:
     """A sum that has reached what was asked for first: after how many cycles, in which column, at which level."""
 
     cycles: float
@@ -127,9 +127,9 @@ class Damage:
         *_, last = self.course(cycle)
         return last
 
-    def begun(self, sums: Sequence[float]) -> list[Begun | None]:
+    def initiations(self, sums: Sequence[float]) -> list[Initiation | None]:
         """Where each of these sums is reached first by a point that is still there; None where it never is."""
-        found: list[Begun | None] = [None] * len(sums)
+        found: list[Initiation | None] = [None] * len(sums)
         cycle, largest = 0.0, 0.0
         for now in self._followed():
             there = self.of_present(now)
@@ -138,7 +138,7 @@ class Damage:
                 if found[k] is None and there[place] >= asked:
                     part = (asked - largest) / (there[place] - largest)
                     begins = float(cycle + part * (now.cycle - cycle))
-                    found[k] = Begun(begins, int(place[0]), int(place[1]), beyond=begins > self.end)
+                    found[k] = Initiation(begins, int(place[0]), int(place[1]), beyond=begins > self.end)
             cycle, largest = now.cycle, float(there[place])
             if None not in found:
                 break
@@ -163,7 +163,7 @@ class Damage:
                     now = Sum(now.cycle + step, now.damage + step * rate, worn)
                     yield now
 
-    def _later(self, last: Sum, asked: float) -> Begun | None:
+    def _later(self, last: Sum, asked: float) -> Initiation | None:
         """Where a sum is reached first if cycles go on, each with its share of what follows the run."""
         turn = sum(block.cycles for block in self.ahead)
         share = np.log10(sum(block.cycles / turn * 10.0**block.rates.share for block in self.ahead))
@@ -171,11 +171,11 @@ class Damage:
         rates = self._rate(share, last.worn_mm)
         fine = np.linspace(0.0, self.depths_mm[-1], _FINE)
         passed = cumulative_trapezoid(self._rate_at(share, np.tile(fine, (len(share), 1))), fine, axis=1, initial=0.0)
-        there, first = self.of_present(last), Begun(np.inf, 0, 0, beyond=True)
+        there, first = self.of_present(last), Initiation(np.inf, 0, 0, beyond=True)
         for column, depths in enumerate(self.levels_mm - last.worn_mm[:, None]):
             lacking, rate = asked - there[column], rates[column]
             cycles = np.divide(lacking, rate, out=np.full_like(rate, np.inf), where=rate > 0.0)
-            # Where less is worn off meanwhile than can be told apart, damage goes on where it is.
+            # Where less is worn off meanwhile than can be distinguished, damage goes on where it is.
             moves = speed[column] * np.minimum(cycles, ENDURANCE_cycles) > fine[1]
             if moves.any():
                 # On its way to the surface a point gathers what lies between, over the speed of the surface.
@@ -186,7 +186,7 @@ class Damage:
                 cycles = np.where(moves, taken, cycles)
             level = int(cycles.argmin())
             if last.cycle + cycles[level] < first.cycles:
-                first = Begun(float(last.cycle + cycles[level]), column, level, beyond=True)
+                first = Initiation(float(last.cycle + cycles[level]), column, level, beyond=True)
         return first if np.isfinite(first.cycles) else None
 
     def _steps(self, first: float, last: float, span: Span) -> Array:

@@ -17,7 +17,7 @@ from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.stress.averaging import averaging, averaging_radius_mm, kernel_of, linear_weights, widened
 from wirewear.stress.criteria import CrosslandLife, FatemiSocie, LifeCriterion, LifeCurve, SmithWatsonTopper, StressLife
-from wirewear.stress.damage import FLOOR, Ahead, Begun, Damage, Rates, Span
+from wirewear.stress.damage import FLOOR, Ahead, Damage, Initiation, Rates, Span
 from wirewear.stress.state import InnerState
 from wirewear.stress.strength import stresses_of
 from wirewear.test.any_study import AnyStudy, life_data
@@ -123,9 +123,9 @@ class BodyLife:
     table: LifeTable  #: What was asked, with all data.
     states: tuple[LifeState, ...]  #: Wear states, in order.
     damage: Damage  #: Its sums in columns on the lines of the last of them.
-    begun: Begun | None  #: The crack.
-    low: Begun | None  #: 95 % of lives lie between this and the next by the scatter of data alone.
-    high: Begun | None
+    initiation: Initiation | None  #: The crack.
+    low: Initiation | None  #: 95 % of lives lie between this and the next by the scatter of data alone.
+    high: Initiation | None
     course: BlockCourse  #: The cycles of the run, and what would follow it.
     to_world: Array  #: From the body's axes to those of the test.
     plane: bool
@@ -184,15 +184,15 @@ class BodyLife:
         return float(np.degrees(np.arccos(np.clip(abs(self.normal[2]) / size, 0.0, 1.0)))) if size else None
 
     @property
-    def _crack(self) -> Begun:
-        if self.begun is None:
+    def _crack(self) -> Initiation:
+        if self.initiation is None:
             raise ResultError(f"no crack begins in the {self.called}")
-        return self.begun
+        return self.initiation
 
     @property
     def cycles(self) -> float:
         """Cycles until a crack begins, endless where none does."""
-        return np.inf if self.begun is None else self.begun.cycles
+        return np.inf if self.initiation is None else self.initiation.cycles
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -215,11 +215,11 @@ def life_of(
     schedule: Schedule[Any],
     *,
     wear_states: int = WEAR_STATES,
-    tell: Callable[[int], None] = lambda _: None,
+    watch: Callable[[int], None] = lambda _: None,
 ) -> BodyLife:
     """The life of a body from the recorded cycles of its run under a schedule, as many of them as it needs.
 
-    wear_states: of each block at most.  tell: hears of every cycle that is looked at.
+    wear_states: of each block at most.  watch: is called with every cycle that is looked at.
     Raises ResultError if the run has recorded no contact forces of the body in one of its blocks; StudyError if data
     are lacking; GeometryError if wear distorts a mesh too much.
     """
@@ -239,13 +239,13 @@ def life_of(
     def upcoming() -> Iterator[int]:
         """With the recorded ones on either side of the life."""
         yield from until_ended()
-        if found is not None and found.begun is not None and not found.begun.beyond:
+        if found is not None and found.initiation is not None and not found.initiation.beyond:
             place = int(np.searchsorted(recorded, found.cycles))
             yield from [cycle for cycle in recorded[max(place - 1, 0) : place + 1] if cycle not in known]
         yield from until_ended()
 
     for cycle in upcoming():
-        tell(cycle)
+        watch(cycle)
         states = states_at(cycle)
         if criterion is None or first is None:
             first, criterion = states[0], criterion_of(table, states[0].body.material)
@@ -256,9 +256,9 @@ def life_of(
             continue
         ordered = tuple(known[one] for one in sorted(known))
         damage = _damage(result, body, ordered, depths, course, last=max(known) == recorded[-1])
-        begun, low, high = damage.begun(thresholds.tolist())
+        initiation, low, high = damage.initiations(thresholds.tolist())
         plane = first.body.mesh.points.shape[1] == 2
-        found = BodyLife(body, table, ordered, damage, begun, low, high, course, first.to_world, plane)
+        found = BodyLife(body, table, ordered, damage, initiation, low, high, course, first.to_world, plane)
     if found is None:
         raise ResultError(f"{result.label}: no cycle of the {called(body)} is looked at")
     return found

@@ -10,7 +10,7 @@ import numpy as np
 from wirewear.sweeps.sweep import Design, SweepRow
 from wirewear.sweeps.tables import LATIN_HYPERCUBE, SOBOL
 
-FEWEST_RUNS = {LATIN_HYPERCUBE: 40, SOBOL: 8}  #: Fewer complete runs (of Sobol's design: blocks) tell nothing.
+FEWEST_RUNS = {LATIN_HYPERCUBE: 40, SOBOL: 8}  #: Fewer complete runs (of Sobol's design: blocks) show nothing.
 CONSTANT = 1e-9  #: Figures that vary by less than this share of their mean are constant.
 
 

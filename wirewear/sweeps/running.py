@@ -1,4 +1,4 @@
-"""Running a sweep: the rows that are missing, by an engine; what it will take, foreseen from its first runs."""
+"""Running a sweep: the rows that are missing, by an engine; what it will take, predicted from its first runs."""
 
 import json
 import os
@@ -20,10 +20,10 @@ from wirewear.base.writing import prepared_folder, write_text, writing
 from wirewear.simulation import needed_memory
 from wirewear.sweeps.sweep import Sweep, SweepRow, run_case
 
-#: CPU time grows by this power of the unknowns where the first runs do not tell; measured, docs/accuracy.md.
+#: CPU time grows by this power of the unknowns where the first runs do not show it; measured, docs/accuracy.md.
 POWER = 1.3
 
-POWERS = (0.0, 2.5)  #: Powers beyond these come from runs that are too alike in size to tell.
+POWERS = (0.0, 2.5)  #: Powers beyond these come from runs that are too alike in size to show it.
 MOST_PLANNED = 200  #: Runs that are planned to know the sizes of all.
 
 #: Bytes of a row in journal and tables, and of a kept result for each unknown; measured.
@@ -71,7 +71,7 @@ def sizes_of(sweep: Sweep) -> np.ndarray:
 
 
 def pilots(sizes: np.ndarray) -> list[int]:
-    """Places of the runs that tell most of all the others: the smallest, a middle one, the largest."""
+    """Places of the runs that show most of all the others: the smallest, a middle one, the largest."""
     order = np.argsort(sizes, kind="stable")
     return list(dict.fromkeys(int(order[place]) for place in (order.size // 2, order.size - 1, 0)))
 
@@ -183,7 +183,7 @@ class SweepObserver:
     def note(self, sentence: str) -> None:
         """What the user should know."""
 
-    def foreseen(self, forecast: Forecast) -> None:
+    def expected(self, forecast: Forecast) -> None:
         """What all runs will take, once the first ones are done."""
 
     def done(self, row: SweepRow, rows: int, of: int) -> None:
@@ -263,15 +263,15 @@ def _make_missing(
         # One run that has figures is enough: what others take follows from their sizes.
         for place in first:
             if not any(row.cpu_s > 0.0 for row in rows.values()):
-                observer.note(f"run {place + 1} tells what all take")
+                observer.note(f"run {place + 1} shows what all take")
                 make([place])
     else:
         if first:
-            observer.note(f"{len(first)} runs come first: they tell what all take")
+            observer.note(f"{len(first)} runs come first: they show what all take")
         make(first)
     if foreseeable and any(row.cpu_s > 0.0 for row in rows.values()):
         expected = forecast(sweep, sizes, list(rows.values()), engine.workers)
-        observer.foreseen(expected)
+        observer.expected(expected)
         _require_room(expected, output)
     if not only_pilots:
         make(place for place in missing if place not in first)

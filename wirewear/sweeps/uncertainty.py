@@ -163,7 +163,7 @@ def _input(study: Study, name: str, size: float) -> Input:
 
 
 def sweep_of(study: Study, fidelity: str, runs: int = RUNS) -> tuple[Sweep, Array]:
-    """The runs that tell, the one in the middle first, and where they lie in standard deviations (runs + 1, d)."""
+    """The runs that count, the one in the middle first, and where they lie in standard deviations (runs + 1, d)."""
     inputs = inputs_of(study)
     drawn = qmc.LatinHypercube(len(inputs), rng=np.random.default_rng(SEED)).random(runs)
     inside = norm.cdf(-FARTHEST) + drawn * (norm.cdf(FARTHEST) - norm.cdf(-FARTHEST))
@@ -189,7 +189,7 @@ def run_uncertain(study: Study, output: Path, engine: Engine, observer: SweepObs
         raise StudyError(f"the run of the study {study.name!r} as it is failed: {rows[1].failure}.")
     complete = [number for number in sorted(rows) if not rows[number].failed]
     if len(complete) < 2 * (deviations.shape[1] + 1):
-        raise StudyError(f"only {len(complete)} of {len(rows)} runs came to an end, which tells no interval.")
+        raise StudyError(f"only {len(complete)} of {len(rows)} runs came to an end, which gives no interval.")
     at = deviations[[number - 1 for number in complete]]
     drawn = np.clip(np.random.default_rng(SEED).standard_normal((DRAWS, at.shape[1])), -FARTHEST, FARTHEST)
     results = [output / RESULTS / f"{number:06d}" / RESULT_FILE_NAME for number in complete]

@@ -44,7 +44,7 @@ def verify(
 ) -> tuple[Row, ...]:
     """Rows of the families, all of them by default.
 
-    `started` is told a family's title, how many are done and how many there are.
+    `started` is called with a family's title, how many are done and how many there are.
     Raises SolverError if a problem could not be solved at all.
     """
     chosen = FAMILIES if families is None else families

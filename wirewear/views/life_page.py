@@ -33,7 +33,7 @@ NOT_AVERAGED = (
 def sentence(life: BodyLife) -> str:
     """When and where a crack begins in a body, or why none does."""
     end = life.damage.end
-    if life.begun is None:
+    if life.initiation is None:
         peak = float(life.growth[1].max())
         why = f"no stress of it would make one within {_cycles(life.table.endurance_cycles)[0]} cycles"
         # Less than the damage of one such cycle is what interpolation leaves of none.
@@ -47,11 +47,11 @@ def sentence(life: BodyLife) -> str:
     deep = f"{life.depth_um:.1f} µm deep" if life.depth_um > 1e-2 else "at the surface"
     worn = f" under {life.worn_um:.1f} µm worn off" if life.worn_um > 1e-2 else ""
     angle = "" if life.plane_angle_deg is None else f", on a plane at {life.plane_angle_deg:.0f}° to the surface"
-    told = f"after {median} cycles (95 % of lives by the scatter of data: {between})"
-    how = f"a crack begins {told}"
-    if life.begun.beyond:
+    when = f"after {median} cycles (95 % of lives by the scatter of data: {between})"
+    how = f"a crack begins {when}"
+    if life.initiation.beyond:
         on = "as at its end" if len(life.course.ahead) == 1 else "with its blocks in turn"
-        how = f"no crack begins within {counted(round(end))} cycles; if it went on {on}, one would {told}"
+        how = f"no crack begins within {counted(round(end))} cycles; if it went on {on}, one would {when}"
     return f"{life.called}: {how}, at {where}, {deep}{worn}{angle}."
 
 
@@ -63,7 +63,7 @@ def _cycles(*lives: float) -> list[str]:
 def notes(life: BodyLife) -> list[str]:
     """What a reader must know of a life before using it."""
     found = [] if life.averaged else [NOT_AVERAGED]
-    if life.course.not_reached and any(one is None or one.beyond for one in (life.begun, life.high)):
+    if life.course.not_reached and any(one is None or one.beyond for one in (life.initiation, life.high)):
         names = " and ".join(life.course.not_reached)
         found.append(f"The run ended before {names} of its programme: what is said of cycles beyond leaves that out.")
     if life.table.material is not None:
@@ -79,7 +79,7 @@ def life_json(lives: Sequence[BodyLife]) -> str:
 
 def _plain(life: BodyLife) -> dict[str, Any]:
     low, high = life.interval
-    begun = life.begun
+    initiation = life.initiation
     found: dict[str, Any] = {
         "body": life.body,
         "sentence": sentence(life),
@@ -87,14 +87,14 @@ def _plain(life: BodyLife) -> dict[str, Any]:
         "cycles_to_initiation": frame.number(life.cycles),
         "cycles_low": frame.number(low),
         "cycles_high": frame.number(high),
-        "beyond_the_run": None if begun is None else begun.beyond,
+        "beyond_the_run": None if initiation is None else initiation.beyond,
         "run_cycles": life.damage.end,
         "wear_states": [state.cycle for state in life.states],
         "averaged": life.averaged,
         "data": life.table.model_dump(exclude_none=True),
         "notes": notes(life),
     }
-    if begun is not None:
+    if initiation is not None:
         x, y = life.place_um
         found |= {
             "x_um": x,
@@ -199,7 +199,7 @@ def _draw_above(axes: Axes, life: BodyLife, largest: Array, limits: tuple[float,
     axes.tricontourf(
         x, y, np.maximum(largest, 1e-2 * limits[0]), levels=levels, norm=LogNorm(*limits), cmap=STRESS_COLOURS
     )
-    if life.begun is not None:
+    if life.initiation is not None:
         axes.plot(*life.place_um, marker="x", color=VARIANT_COLOURS[0])
     axes.set(aspect="equal", title="largest beneath", xlabel="x, along the motion [µm]", ylabel="y [µm]")
     axes.grid(visible=False)

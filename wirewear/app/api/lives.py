@@ -22,8 +22,8 @@ def lives(
 ) -> tuple[BodyLife, ...]:
     """The lives of bodies of a run, both by default, with what its study states in [life] and these values of keys.
 
-    bodies: by their names, or lower and upper.  wear_states: of each block of cycles at most.  tell: hears of each body
-    and cycle that is looked at.
+    bodies: by their names, or lower and upper.  wear_states: of each block of cycles at most.  tell: is called with
+    each body and cycle that is looked at.
     Raises StudyError if a value cannot be, or data are lacking; ResultError if the run has recorded no contact forces;
     GeometryError if wear distorts a mesh too much.
     """
@@ -43,7 +43,7 @@ def lives(
         length_um = 2e3 * averaging_radius_mm(table, plane=False)
         first = min(recorded_cycles(result, body), default=1)
         assessable(result, body, first, StrengthAsked(averaging_length_um=length_um), inside)
-        states_at, told = partial(inside.states, result, body), partial(tell, body)
+        states_at, watch = partial(inside.states, result, body), partial(tell, body)
         most = wear_states or WEAR_STATES
-        found.append(life_of(result, body, table, states_at, study.schedule, wear_states=most, tell=told))
+        found.append(life_of(result, body, table, states_at, study.schedule, wear_states=most, watch=watch))
     return tuple(found)

@@ -76,8 +76,8 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
     asked = load_sweep(sweep_path)
     tests = [test for path in test_paths for test in fretting_tests(path)]
     folder = output or Path("runs") / sweep_path.resolve().stem
-    with _told_of(len(asked)) as told:
-        result = run_sweep(asked, folder, engine_of(jobs, scheduler), told, only_pilots=estimate)
+    with _observer_of(len(asked)) as observer:
+        result = run_sweep(asked, folder, engine_of(jobs, scheduler), observer, only_pilots=estimate)
     if estimate and not result.whole:
         if result.failures:
             count, first = len(result.failures), result.failures[0]
@@ -100,8 +100,8 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
     from wirewear.views.uncertainty_page import sentence, table, write_uncertainty
 
     study = alone(study) if variant is None else study.variant(variant)
-    with _told_of(RUNS + 1) as told:
-        found = run_uncertain(study, folder, engine_of(jobs), observer=told)
+    with _observer_of(RUNS + 1) as observer:
+        found = run_uncertain(study, folder, engine_of(jobs), observer=observer)
     wide_console(110).print(table(found))
     click.echo(sentence(found))
     for path in write_uncertainty(folder, found):
@@ -109,8 +109,8 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
 
 
 @contextmanager
-def _told_of(runs: int) -> Iterator[SweepObserver]:
-    """A bar on standard error over so many runs, and what moves it and tells the rest."""
+def _observer_of(runs: int) -> Iterator[SweepObserver]:
+    """A bar on standard error over so many runs, and what moves it and prints the rest."""
     from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
 
     from wirewear.app.cli.study_script import progress_bar
@@ -120,13 +120,13 @@ def _told_of(runs: int) -> Iterator[SweepObserver]:
     with progress_bar(*columns) as bar:
         task = bar.add_task("runs", total=runs)
 
-        class Told(SweepObserver):
+        class Shown(SweepObserver):
             said_s = -inf
 
             def note(self, sentence: str) -> None:
                 click.echo(f"wirewear: {sentence}", err=True)
 
-            def foreseen(self, forecast: Forecast) -> None:
+            def expected(self, forecast: Forecast) -> None:
                 click.echo(forecast.sentence, err=True)
 
             def done(self, _row: SweepRow, rows: int, of: int) -> None:
@@ -135,7 +135,7 @@ def _told_of(runs: int) -> Iterator[SweepObserver]:
                     self.said_s = monotonic()
                     self.note(f"run {counted(rows)} of {counted(of)} is done")
 
-        yield Told()
+        yield Shown()
 
 
 @group.cli.command()
@@ -173,7 +173,7 @@ def converge(
         "jobs": jobs or os.cpu_count() or 1,
         "engine": engine,
     }
-    # A scheduler that does not answer is to be told before bodies are condensed.
+    # A scheduler that does not answer is to be reported before bodies are condensed.
     with nullcontext() if engine is None else engine.held():
         rows = refine(study, kind_of(study).refined, **asked)
     written = write_convergence(folder, rows)
