@@ -11,7 +11,7 @@ import wirewear as ww
 from tests.commands import wirewear
 from tests.studies import MINIMAL
 from tests.synthetic_results import result
-from wirewear.app.api.run import told_apart
+from wirewear.app.api.run import distinguished
 from wirewear.results import EVOLUTION_COLUMNS, write_result
 
 pytestmark = pytest.mark.seconds
@@ -165,8 +165,8 @@ def test_runs_of_one_variant_beside_one_another_are_labelled_by_what_differs(run
         dataclasses.replace(run, study=study | {"conditions": study["conditions"] | {"normal_load_N": at}})
         for at in (2, 4)
     ]
-    assert [one.label for one in told_apart(loads)] == ["compliant, normal load 2 N", "compliant, normal load 4 N"]
-    assert [one.label for one in told_apart([run, run])] == ["compliant", "compliant (2)"]
+    assert [one.label for one in distinguished(loads)] == ["compliant, normal load 2 N", "compliant, normal load 4 N"]
+    assert [one.label for one in distinguished([run, run])] == ["compliant", "compliant (2)"]
     labels = loads[0].plot(beside=loads[1:]).legends[0].get_texts()
     assert {text.get_text() for text in labels} > {"compliant, normal load 2 N: slip δ0"}
 

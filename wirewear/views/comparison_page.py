@@ -33,7 +33,7 @@ HERE = Path(__file__).parent
 #: Said where no repeats show how far tests scatter.
 ONE_REPEAT = (
     "With one repeat, how far tests scatter is unknown: differences are given in per cent of the measured value, and "
-    "none of them can be judged. Two more repeats would tell which matter."
+    "none of them can be judged. Two more repeats would show which matter."
 )
 
 #: Friction measures of a loop, by the attribute of its figures.

@@ -84,7 +84,7 @@ def page(diagnosed: Diagnosed) -> str:
     """The page of a diagnosis, to be opened in any browser."""
     diagnosis, found = diagnosed.diagnosis, diagnosed.search
     drawn = loops(diagnosed)
-    filters = {"plain": plain, "told": told, "parameters": parameters_told, "share": share, "with_unit": _with_unit}
+    filters = {"plain": plain, "named": told, "parameters": parameters_told, "share": share, "with_unit": _with_unit}
     values = {
         "d": diagnosis,
         "diagnosed": diagnosed,

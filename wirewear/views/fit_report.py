@@ -47,7 +47,7 @@ FIGURE_NAMES = {
 #: What begins a line of experiment.toml that holds a checksum.
 CHECKSUM = "# sha256 "
 
-STIFF = 0.9  #: A rig of this share of what is rigid is shown as one whose stiffness the loops do not tell.
+STIFF = 0.9  #: A rig of this share of what is rigid is shown as one whose stiffness the loops leave open.
 
 _UNITS = {"slip_amplitude_um": " µm", "dissipated_energy_mJ": " mJ"}
 _HEAD = "Fitted to the record "  #: How the remark above a fitted study begins.
@@ -68,7 +68,7 @@ def fit_table(fitted: FittedTest) -> Table:
 
 
 def _shown(found: FittedParameter, stiff_N_per_mm: float) -> tuple[str, str]:
-    """A value and its interval; beyond a stiffness that the loops tell, one ends as rigid."""
+    """A value and its interval; beyond a stiffness that the loops determine, one ends as rigid."""
     low, high = found.interval95
     unit = UNIT_SYMBOLS[found.unit]
     stiff = stiff_N_per_mm if found.unit == "N_per_mm" else np.inf

@@ -88,8 +88,8 @@ def _analysed(loop: SampledLoop) -> AnalysedLoop:
         return AnalysedLoop(loop, None, str(refusal))
     ratio = figures.friction_max
     if ratio is not None and not DRY[0] <= ratio.value <= DRY[1]:
-        told = f"{NO_FRICTION.format(ratio.value)}: check the units of both"
-        loop = replace(loop, notes=(*loop.notes, told[:1].lower() + told[1:]))
+        warning = f"{NO_FRICTION.format(ratio.value)}: check the units of both"
+        loop = replace(loop, notes=(*loop.notes, warning[:1].lower() + warning[1:]))
     return AnalysedLoop(loop, figures)
 
 
@@ -153,10 +153,10 @@ def loops_table(analysed: Sequence[AnalysedLoop]) -> Table:
 def real_loops_table(analysed: Sequence[AnalysedLoop]) -> Table | None:
     """Free play, friction by direction, static peaks and stick-slip; None where no loop shows any of the three."""
 
-    def tells(figures: LoopFigures | None) -> bool:
+    def shows_any(figures: LoopFigures | None) -> bool:
         return figures is not None and any((figures.free_play_um, figures.static_overshoot, figures.stick_slip))
 
-    if not any(tells(item.figures) for item in analysed):
+    if not any(shows_any(item.figures) for item in analysed):
         return None
 
     def cells(figures: LoopFigures) -> list[str]:
@@ -169,7 +169,7 @@ def real_loops_table(analysed: Sequence[AnalysedLoop]) -> Table | None:
 
 
 def partial_slip_table(analysed: Sequence[AnalysedLoop]) -> Table | None:
-    """What loops without a plateau tell of friction and regime; None where every loop has one."""
+    """What loops without a plateau show of friction and regime; None where every loop has one."""
     if not any(item.figures is not None and item.figures.sticking is not None for item in analysed):
         return None
 

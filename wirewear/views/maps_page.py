@@ -115,10 +115,10 @@ def sentences(tests: Sequence[MappedTest]) -> list[str]:
         said.append(f"Wear: V = {_interval(through)} · ΣE_d over {counted(through.tests)} worn specimen pairs.")
     if threshold is not None:
         low, high = threshold.threshold_interval95
-        told = "no threshold can be told from zero" if low <= 0.0 <= high else "a threshold is told from zero"
+        what = "no threshold differs from zero" if low <= 0.0 <= high else "the threshold differs from zero"
         unit = "J/mm" if tests[0].per_mm else "J"
         energy = f"E_th {figure(threshold.threshold_J)} {unit} ({figure(low)} to {figure(high)})"
-        said.append(f"With a threshold, V = {_interval(threshold)} · (ΣE_d − E_th), {energy}: {told}.")
+        said.append(f"With a threshold, V = {_interval(threshold)} · (ΣE_d − E_th), {energy}: {what}.")
     return said
 
 

@@ -52,7 +52,7 @@ LOOP_POINTS, SECTION_POINTS, LINES, MOST_SCARS = 160, 161, 72, 8
 
 MARGIN = 1.25  #: Surfaces are shown to this many times the worn half-length.
 BEYOND = 4.0  #: The map of the material's response reaches beyond the test's displacement by this factor.
-DASHES = ("", "7 3", "2 2", "8 2 2 2", "4 2", "10 3")  #: What dashes tell runs apart in SVG.
+DASHES = ("", "7 3", "2 2", "8 2 2 2", "4 2", "10 3")  #: Dashes that distinguish runs in SVG.
 
 PAGE_NAME = "report.html"
 HERE = Path(__file__).parent
@@ -92,8 +92,8 @@ def friction_log(loops: Iterable[Loop]) -> list[tuple[int, LoopFigures]]:
 
 def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
     """Slope of the least-squares line through the origin; NaN where no number of normal size is dissipated."""
-    told = np.max(energy_J, initial=0.0) > np.finfo(np.float64).tiny
-    return line_through_origin(energy_J, volume_mm3).slope_mm3_per_J if told else float("nan")
+    dissipated = np.max(energy_J, initial=0.0) > np.finfo(np.float64).tiny
+    return line_through_origin(energy_J, volume_mm3).slope_mm3_per_J if dissipated else float("nan")
 
 
 def _data_of_run(result: RunResult, index: int) -> dict[str, Any]:

@@ -32,10 +32,10 @@ def sentence(found: Uncertainty) -> str:
     """What a reader in a hurry needs to know."""
     inputs = ", ".join(f"{one.key} ± {frame.figure(one.deviation)}" for one in found.inputs)
     wanted = (SLIP, depth_among(one.figure for one in found.intervals))
-    told = [one for one in found.intervals if one.figure in wanted]
+    shown = [one for one in found.intervals if one.figure in wanted]
     said = "; ".join(
         f"{words_of(one.figure)} {frame.figure(one.low)} to {frame.figure(one.high)} {unit_of(one.figure)}"
-        for one in told
+        for one in shown
     )
     lost = f" {found.failed} of {found.runs} runs failed." if found.failed else ""
     return f"With {inputs} (standard deviations), 95 % of tests have: {said}.{lost}"

@@ -43,7 +43,7 @@ class Run(RunResult):
         from wirewear.pictures.gallery import overview
         from wirewear.pictures.style import styled
 
-        results = told_apart([self, *beside])
+        results = distinguished([self, *beside])
         known = dict(kind_of(self).drawings(results))
         # The profiles of a line contact are its overview.
         known["overview"] = next(iter(known.values())) if self.length_mm else lambda: overview(results)
@@ -135,7 +135,7 @@ class Run(RunResult):
         return max(self.scar_cycles(), default=1)
 
 
-def told_apart(results: Sequence[RunResult]) -> list[RunResult]:
+def distinguished(results: Sequence[RunResult]) -> list[RunResult]:
     """The same results; those of one label with what differs between their studies added to it, or a number."""
     labels = [result.label for result in results]
     if len(set(labels)) == len(labels):

@@ -74,9 +74,9 @@ class Record(ExperimentRecord[Any, Any]):
     ) -> FittedTest:
         """Friction, rig stiffness, play and wear of the test, each with its interval, and a study that has them.
 
-        Loops do not tell the worn volume: where no scars were measured, give the wear coefficient of both bodies
+        Loops do not determine the worn volume: where no scars were measured, give the wear coefficient of both bodies
         together, or the volume that both lost in a test.
-        Raises RecordError if the record is unsound, none of its loops slides as a whole, or none tells its energy;
+        Raises RecordError if the record is unsound, none of its loops slides as a whole, or none gives its energy;
         StudyError or SolverError if the nominal run of the fast model fails.
         """
         from wirewear.diagnosis.fit import GivenWear, fit_record
@@ -114,7 +114,7 @@ class Record(ExperimentRecord[Any, Any]):
 
 
 def read_record(folder: str | Path) -> Record:
-    """Read and check a record of any kind of contact. What can be coped with is kept and told in `notes`.
+    """Read and check a record of any kind of contact. What can be coped with is kept and reported in `notes`.
     Raises RecordError, in one sentence with file, line and column, if the record cannot be read.
     """
     return Record.of(read_plain(folder))
@@ -232,7 +232,7 @@ def run(
             return Run.of(simulate(study, fidelity=fidelity, observer=observer))
     with watched(label, shown=progress) as observer:
         results = run_study(
-            study, fidelity=fidelity, output=Path(output), resume=resume, observer_of=lambda _: _lent(observer)
+            study, fidelity=fidelity, output=Path(output), resume=resume, observer_of=lambda _: _left_open(observer)
         )
     return Run.of(results[0])
 
@@ -255,6 +255,6 @@ def run_variants(
 
 
 @contextmanager
-def _lent(observer: Observer) -> Iterator[Observer]:
+def _left_open(observer: Observer) -> Iterator[Observer]:
     """For a run that closes what it is given; its owner closes it."""
     yield observer

@@ -1,5 +1,5 @@
 "use strict";
-// The page of `wirewear open`: files are put, steps begun, and what they say shown until they end.
+// The page of `wirewear open`: files are put, steps started, and what they say shown until they end.
 const find = id => document.getElementById(id);
 const made = (kind, values = {}, ...inside) => {
   const one = Object.assign(document.createElement(kind), values);
@@ -90,7 +90,7 @@ function section(step) {
 }
 
 // Of a run, decades of its cycles that are done; of other work the bar shows only that it goes on.
-function tell(parts, step, running) {
+function showProgress(parts, step, running) {
   const now = running ? step.lines.findLast(line => line.startsWith("wirewear: ")) ?? "" : "";
   const [, done, all] = (/cycle (\d+(?:\s\d{3})*) of (\d+(?:\s\d{3})*)/.exec(now) ?? []).map(one => Number(one.replace(/\s/g, "")));
   if (all > 1) parts.bar.value = Math.log(done) / Math.log(all); else parts.bar.removeAttribute("value");
@@ -114,7 +114,7 @@ function show(state) {
     const parts = shown.get(step.name), running = step.state === "running";
     parts.begin.disabled = !fitKind(parts) || !step.ready || state.steps.some(one => one.state === "running");
     parts.end.hidden = !running;
-    tell(parts, step, running);
+    showProgress(parts, step, running);
     parts.text.hidden = !step.lines.length;
     parts.text.classList.toggle("said", step.state === "failed");
     const text = forPage(step.lines.join("\n"));

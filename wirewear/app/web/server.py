@@ -38,7 +38,7 @@ _HERE = Path(__file__).parent
 
 
 class WorkspaceServer(ThreadingHTTPServer):
-    """Serves one workspace on the loopback interface, below a path that only its owner was told."""
+    """Serves one workspace on the loopback interface, below a path that only its owner knows."""
 
     daemon_threads = True
     request_queue_size = 128
@@ -142,7 +142,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Nothing: the terminal shows the address alone."""
 
     def _answered(self, answer: Callable[[list[str]], None]) -> None:
-        """Answer whoever knows the address; a fault in what is asked is told in one sentence."""
+        """Answer whoever knows the address; a fault in what is asked is answered by one sentence."""
         try:
             asked = self._asked()
             self._clock.cancel()

@@ -211,7 +211,7 @@ class Workspace:
             "files": [path.name for path in self._files()],
             "opened": {what: str(path) for what, path in self.places.items()},
             "mapping": mapping.read_text(encoding="utf-8", errors="replace") if mapping.is_file() else None,
-            "steps": [self._told(step) for step in STEPS if RESULT not in step.needs or RESULT in self.places],
+            "steps": [self._described(step) for step in STEPS if RESULT not in step.needs or RESULT in self.places],
         }
 
     def served(self, name: str) -> Path | None:
@@ -237,7 +237,7 @@ class Workspace:
             job.lines.append(as_sentence(f"its pictures stay in {self.folder}: {problem}"))
         job.ended = time.monotonic()
 
-    def _told(self, step: Step) -> dict[str, Any]:
+    def _described(self, step: Step) -> dict[str, Any]:
         job = self._jobs.get(step.name)
         left = [] if not step.leaves else [str(path.relative_to(self.folder)) for path in self._left(step)]
         return {
