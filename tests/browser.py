@@ -51,11 +51,11 @@ class Page:
             self._write, json.dumps(asked | ({"sessionId": self._session} if self._session else {})).encode() + b"\0"
         )
         while True:
-            told = self._next()
-            if told.get("id") == self._number:
-                assert "error" not in told, told["error"]
-                return dict(told["result"])
-            self._take(told)
+            reply = self._next()
+            if reply.get("id") == self._number:
+                assert "error" not in reply, reply["error"]
+                return dict(reply["result"])
+            self._take(reply)
 
     def attach(self) -> None:
         """Open a page and listen to it."""
@@ -74,9 +74,9 @@ class Page:
 
     def value(self, expression: str) -> Any:
         """What an expression comes to in the page."""
-        told = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
-        assert "exceptionDetails" not in told, told
-        return told["result"].get("value")
+        reply = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
+        assert "exceptionDetails" not in reply, reply
+        return reply["result"].get("value")
 
     def drag(self, selector: str, by: tuple[float, float]) -> None:
         """Press the mouse on the middle of an element, move it and let go."""
@@ -94,13 +94,13 @@ class Page:
 
     def picture(self, path: Path, *, whole: bool = False) -> Path:
         """A screenshot of what is seen, or of the whole page."""
-        told = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
-        path.write_bytes(base64.b64decode(told["data"]))
+        reply = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
+        path.write_bytes(base64.b64decode(reply["data"]))
         return path
 
-    def _take(self, told: dict[str, Any]) -> None:
-        values = told.get("params", {})
-        match told.get("method"):
+    def _take(self, reply: dict[str, Any]) -> None:
+        values = reply.get("params", {})
+        match reply.get("method"):
             case "Runtime.exceptionThrown":
                 self.problems.append(str(values["exceptionDetails"].get("exception", {}).get("description", values)))
             case "Runtime.consoleAPICalled" if values["type"] in ("error", "warning", "assert"):
@@ -117,8 +117,8 @@ class Page:
             read = os.read(self._read, 1 << 20)
             assert read, "Chromium has ended"
             self._left += read
-        told, self._left = self._left.split(b"\0", 1)
-        return dict(json.loads(told))
+        reply, self._left = self._left.split(b"\0", 1)
+        return dict(json.loads(reply))
 
 
 @contextlib.contextmanager

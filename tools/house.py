@@ -105,7 +105,7 @@ def rooms_among(modules: Mapping[str, Path]) -> Graph:
     return rooms
 
 
-#: Names of kinds, and classes and questions that tell one kind of contact from another.
+#: Names of kinds, and classes and questions that distinguish one kind of contact from another.
 _NAMES = {"crossed-wires", "line-contact"}
 _KINDS = {
     "ExperimentRecord", "LineRecord", "LineStates", "LineStudy", "Study",

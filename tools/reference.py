@@ -115,13 +115,13 @@ def _tables(model: type[BaseModel], place: str) -> Iterator[str]:
     if rows:
         yield from ("", f"### `[{place}]`" if place else "### At the head", "")
         yield from ("| key | unit | range | default | meaning |", "|---|---|---|---|---|", *rows)
-    told: dict[type[BaseModel], str] = {}
+    described: dict[type[BaseModel], str] = {}
     for name, held in inner:
         own = f"{place}.{name}" if place else name
-        if held in told:
-            yield from ("", f"### `[{own}]`", "", f"The same keys as `[{told[held]}]`.")
+        if held in described:
+            yield from ("", f"### `[{own}]`", "", f"The same keys as `[{described[held]}]`.")
         else:
-            told[held] = own
+            described[held] = own
             yield from _tables(held, own)
 
 

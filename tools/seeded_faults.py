@@ -217,7 +217,7 @@ if __name__ == "__main__":
     parser.add_argument("folder", type=lambda text: Path(text).resolve())
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("tests", nargs="*", help="what pytest is told besides, after --")
+    parser.add_argument("tests", nargs="*", help="what pytest is given besides, after --")
     asked = parser.parse_args()
     if asked.what == "seed":
         seed(asked.folder, asked.count, asked.seed)

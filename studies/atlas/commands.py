@@ -120,8 +120,8 @@ def new(doi: str, name: str, kind: str, table: Path | None, into: Path) -> None:
     if folder.exists():
         raise StudyError(f"{folder} is there already: choose another --name.")
     folder.mkdir(parents=True)
-    begun = files("studies.atlas").joinpath("begun.toml").read_text(encoding="utf-8")
-    write_text(folder / "entry.toml", begun.replace("DOI", doi))
+    template = files("studies.atlas").joinpath("begun.toml").read_text(encoding="utf-8")
+    write_text(folder / "entry.toml", template.replace("DOI", doi))
     write_text(folder / "study.toml", study_text(name, template=found.template))
     if table is None:
         write_text(folder / "tests.csv", "test,use,stroke_um,dissipated_energy_J\n1,fit,50,\n2,predict,60,\n")

@@ -191,9 +191,9 @@ class Entry:
             found = taken([self._sql(text).alias(name) for name, text in expressions.items()])
             return found.with_columns(selectors.decimal().cast(pl.Float64))
         except PolarsError as error:
-            names, told = next(iter(expressions)), str(error).splitlines()[0]
+            names, reason = next(iter(expressions)), str(error).splitlines()[0]
             raise StudyError(
-                as_sentence(f"{names} in {self.folder / 'entry.toml'} cannot be computed: {told}")
+                as_sentence(f"{names} in {self.folder / 'entry.toml'} cannot be computed: {reason}")
             ) from None
 
 

@@ -27,12 +27,12 @@ def write_page(entries: Sequence[Entry], rows: Sequence[Row], fidelity: str, pat
         "fidelity": fidelity,
         "worst": compared(rows)[:WORST],
         "picture": inline_svg(image.getvalue(), "errors"),
-        "entries": [(entry, _told(rows, entry)) for entry in entries],
+        "entries": [(entry, _rows_of(rows, entry)) for entry in entries],
     }
     return write_text(path, rendered(Path(__file__).parent / "page.html", values))
 
 
-def _told(rows: Sequence[Row], entry: Entry) -> list[Row]:
+def _rows_of(rows: Sequence[Row], entry: Entry) -> list[Row]:
     """Figures of an entry that something was measured or predicted of."""
     return [row for row in rows if row.entry == entry.name and (row.measured is not None or row.predicted is not None)]
 

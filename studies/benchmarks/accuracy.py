@@ -61,8 +61,8 @@ def rows(runs: Mapping[str, RunResult]) -> list[str]:
     """Lines of the table in the docs."""
     found = [errors_of(run) for run in runs.values()]
     return [
-        f"| {name} | {told} | " + " | ".join(f"{100.0 * one[name]:+.1f} %".replace("-", "−") for one in found) + " |"
-        for name, told, *_ in LIMITS
+        f"| {name} | {words} | " + " | ".join(f"{100.0 * one[name]:+.1f} %".replace("-", "−") for one in found) + " |"
+        for name, words, *_ in LIMITS
     ]
 
 

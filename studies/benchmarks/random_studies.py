@@ -36,7 +36,7 @@ class OutOfTimeError(Exception):
 
 def run_one(drawn: str, seed: int, index: int, folder: Path, cpu_limit_s: float) -> dict[str, object]:
     """Run one study and say how it ended."""
-    begun = time.process_time()
+    started = time.process_time()
     row: dict[str, object] = {"seed": seed, "index": index}
     home = folder / f"{seed}-{index}"
     shutil.rmtree(home, ignore_errors=True)
@@ -59,7 +59,7 @@ def run_one(drawn: str, seed: int, index: int, folder: Path, cpu_limit_s: float)
     finally:
         if limited:
             signal.setitimer(signal.ITIMER_PROF, 0.0)
-    row["cpu_s"] = round(time.process_time() - begun, 1)
+    row["cpu_s"] = round(time.process_time() - started, 1)
     row["peak_MiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
     return row
 
@@ -109,7 +109,7 @@ def main(
     table = prepared_folder(output) / "results.jsonl"
     rows = {int(str(row["index"])): row for row in done_before(table) if row["seed"] == seed}
     wanted = only or [index for index in range(count) if index not in rows]
-    # A process for each study tells what that one takes of memory.
+    # A process for each study shows what that one takes of memory.
     engine = engine_of(scheduler=scheduler) if scheduler else LocalProcesses(processes, 1)
     folder = output.resolve()
     for one in engine.done(

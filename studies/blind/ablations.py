@@ -129,7 +129,7 @@ def _remembered(owner: object, name: str) -> Iterator[None]:
 
 
 def _names(given: object) -> object:
-    """What tells the arguments of one record's judgements apart."""
+    """What distinguishes the arguments of one record's judgements."""
     if isinstance(given, Fit):
         return given.names
     if isinstance(given, Candidate):
@@ -142,8 +142,8 @@ def _names(given: object) -> object:
 def _judged_without(part: Part, whole: Diagnosed) -> dict[str, Any]:
     with part.without():
         again = judging.judged(whole.record, whole.study, whole.states, whole.observed, part.changed(whole.search))
-    told = again.diagnosis.to_json()
-    return {key: told[key] for key in ("format", "verdict", "causes", "equivalent", "undetectable", "gap")}
+    judged = again.diagnosis.to_json()
+    return {key: judged[key] for key in ("format", "verdict", "causes", "equivalent", "undetectable", "gap")}
 
 
 def kept_answers(folder: Path, batch: Path) -> list[tuple[Truth, Mapping[str, Any]]]:

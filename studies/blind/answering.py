@@ -1,4 +1,4 @@
-"""Answers to one record of a blind batch: the diagnosis, that of an oracle told the truth, and simple baselines."""
+"""Answers to one record of a blind batch: the diagnosis, that of an oracle given the truth, and simple baselines."""
 
 import json
 import time
@@ -36,8 +36,8 @@ def answer(record: Path, left_out: Sequence[str], diagnoses: Path) -> None:
     try:
         diagnosed = _diagnosed(record, left_out)
     except Exception as problem:  # noqa: BLE001 - whatever it is, it counts
-        told = "" if isinstance(problem, WirewearError) else f"broke down by {type(problem).__name__}: "
-        write_text(folder / FAILURE, f"{told}{problem}\n")
+        how = "" if isinstance(problem, WirewearError) else f"broke down by {type(problem).__name__}: "
+        write_text(folder / FAILURE, f"{how}{problem}\n")
         return
     spent = {"cpu_s": time.process_time() - started[0], "wall_s": time.perf_counter() - started[1]}
     for baseline, verdict in baseline_answers(diagnosed).items():
@@ -46,7 +46,7 @@ def answer(record: Path, left_out: Sequence[str], diagnoses: Path) -> None:
     write_json(folder / DIAGNOSIS, diagnosed.diagnosis.to_json())
 
 
-def answer_told(record: Path, effects: Sequence[str], others: Sequence[str], oracle: Path) -> None:
+def answer_of_oracle(record: Path, effects: Sequence[str], others: Sequence[str], oracle: Path) -> None:
     """Diagnose a record with the true effects alone in the library."""
     folder = oracle / record.name
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""A blind batch from end to end, one record after the other: made, diagnosed, told to an oracle, scored.
+"""A blind batch from end to end, one record after the other: made, diagnosed, given to an oracle, scored.
 
     python -m studies.blind.batch OUTPUT --tier T2 --law dahl --cases 24 --seed 1001 [--jobs 2] [--most-hours 8]
 
@@ -25,7 +25,7 @@ from wirewear.base.cache import code_hash
 from wirewear.base.engine import Engine, engine_of
 from wirewear.base.writing import prepared_folder
 
-from .answering import answer, answer_told, answered
+from .answering import answer, answer_of_oracle, answered
 
 Task = Callable[[], None]
 
@@ -58,7 +58,7 @@ def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
     """Records of single effects and pairs that no oracle has seen yet; to be run when all diagnoses are made."""
     oracle = diagnoses / "oracle"
     return [
-        partial(answer_told, batch / truth.case, truth.effects, blind.LIBRARY_EFFECTS, oracle)
+        partial(answer_of_oracle, batch / truth.case, truth.effects, blind.LIBRARY_EFFECTS, oracle)
         for truth in blind.verified(batch, key).truths
         if truth.kind in ("single", "pair") and not answered(oracle / truth.case)
     ]
@@ -77,7 +77,7 @@ def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
 @stated_scatter_option
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask cluster whose workers see OUTPUT, instead of --jobs.")
-@click.option("--oracle/--no-oracle", default=True, show_default=True, help="Diagnose again, told the true effects.")
+@click.option("--oracle/--no-oracle", default=True, show_default=True, help="Diagnose again, given the true effects.")
 @click.option("--most-hours", type=click.FloatRange(min=0.0), default=24.0, show_default=True, help="Then stop.")
 def main(
     output: Path,
@@ -112,7 +112,7 @@ def main(
     diagnoses = output / f"diagnoses-{code_hash()[:12]}"
     whole = run_tasks(diagnosing_tasks(batch, diagnoses), engine, "records diagnosed", until)
     if whole and oracle:
-        whole = run_tasks(oracle_tasks(batch, key, diagnoses), engine, "records told to the oracle", until)
+        whole = run_tasks(oracle_tasks(batch, key, diagnoses), engine, "records given to the oracle", until)
     if not whole:
         raise RunError("the time is up; the same command continues where it stopped.")
     score = blind.score_batch(batch, diagnoses, key_path=key)

@@ -55,7 +55,7 @@ def make_batch(
     """Make the records of a batch, or go on with one that was interrupted; returns the manifest's path.
 
     `tests` is the number of different nominal tests among the cases, the article's being the first. A case that no draw
-    of specimens and sizes can make has no record; the key names it, and the score tells how many there are.
+    of specimens and sizes can make has no record; the key names it, and the score shows how many there are.
     Records are made by `engine`, whose workers must see the folder, or else in up to `jobs` processes.
     Raises BlindError if the folder holds another batch, a file cannot be read or written, or no case can be made.
     """
@@ -65,8 +65,8 @@ def make_batch(
     if folder.exists() and not folder.is_dir():
         raise BlindError(f"{folder} is a file: name a new folder for the records.")
     workshop = folder / WORKSHOP
-    begun, finished = workshop.is_dir(), (folder / MANIFEST).exists()
-    if not begun and not finished and folder.exists() and any(folder.iterdir()):
+    prepared, finished = workshop.is_dir(), (folder / MANIFEST).exists()
+    if not prepared and not finished and folder.exists() and any(folder.iterdir()):
         raise BlindError(f"{folder} is not empty and holds no batch: name a new folder.")
     _require_room(folder, cases)
     arguments = {"cases": cases, "seed": seed, "tests": tests, "tier": generator.tier, "model": generator.description}
@@ -77,7 +77,7 @@ def make_batch(
         shutil.rmtree(workshop, ignore_errors=True)
         return folder / MANIFEST
     with occupied(workshop, "blind make"):
-        key = _key_of_begun(workshop / "batch.enc", key_path, arguments, folder)
+        key = _key_of_prepared(workshop / "batch.enc", key_path, arguments, folder)
         planned = planned_cases(
             cases,
             seed,
@@ -103,17 +103,17 @@ def _require_room(folder: Path, cases: int) -> None:
         )
 
 
-def _key_of_begun(batch: Path, key_path: Path, arguments: dict[str, Any], folder: Path) -> bytes:
+def _key_of_prepared(batch: Path, key_path: Path, arguments: dict[str, Any], folder: Path) -> bytes:
     """The key of a batch that starts now, or was started before by the same code."""
-    begun_by = {**arguments, "code": code_hash(CODE)}
+    prepared_by = {**arguments, "code": code_hash(CODE)}
     if not batch.exists():
         key = new_key_file(key_path)
-        _write(batch, sealed(begun_by, key))
+        _write(batch, sealed(prepared_by, key))
         return key
     key = read_key_file(key_path)
     known = opened(batch.read_bytes(), key, str(batch))
     _check_same(known, arguments, folder)
-    if known.get("code") != begun_by["code"]:
+    if known.get("code") != prepared_by["code"]:
         raise BlindError(f"{folder} was started by another version of the program: name a new folder.")
     return key
 

@@ -1,7 +1,7 @@
 """Sealing the key of a batch: encrypted beside the records, its hash published, the means to open it kept apart.
 
 The hash is taken of the key together with a random salt inside it, so that it binds whoever made the batch and yet
-tells nothing, not even to somebody who guesses seeds.
+reveals nothing, not even to somebody who guesses seeds.
 """
 
 import hashlib

@@ -1,4 +1,4 @@
-"""Does the full simulation with the named effects shrink the gap as the diagnosis foresees?
+"""Does the full simulation with the named effects shrink the gap as the diagnosis predicts?
 
     python -m studies.diagnosis.confirmed_shrinks OUTPUT RECORD... [--most 30]
 
@@ -20,18 +20,18 @@ from wirewear.base.files import read_json
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.diagnosis import confirmed, diagnose
 
-WITHIN = 0.05  #: A shrink foreseen within so much of the one achieved counts as foreseen.
+WITHIN = 0.05  #: A shrink predicted within so much of the one achieved counts as predicted.
 
 
 def answered(kept: Path, record: Path) -> dict[str, Any]:
-    """What was foreseen of a record and what was achieved, by figure; without both where nothing is to be confirmed."""
+    """What was predicted of a record and what was achieved, by figure; neither where nothing is to be confirmed."""
     if kept.exists():
         known: dict[str, Any] = read_json(kept, ResultError, "file of shrinks")
         return known
     found = diagnose(read_record(record))
-    told, shrink = found.diagnosis, found.diagnosis.shrink
-    answer: dict[str, Any] = {"verdict": told.verdict, "effects": list(found.search.best.names)}
-    if told.verdict in ("explained", "ambiguous") and shrink.shows_gap:
+    diagnosis, shrink = found.diagnosis, found.diagnosis.shrink
+    answer: dict[str, Any] = {"verdict": diagnosis.verdict, "effects": list(found.search.best.names)}
+    if diagnosis.verdict in ("explained", "ambiguous") and shrink.shows_gap:
         achieved = confirmed(found).diagnosis.confirmed
         if achieved is not None:
             answer |= {"before": shrink.before, "floor": shrink.floor, "foreseen": shrink.predicted}
@@ -46,8 +46,8 @@ def answered(kept: Path, record: Path) -> dict[str, Any]:
 @click.argument("records", nargs=-1, required=True, type=click.Path(exists=True, file_okay=False, path_type=Path))
 @click.option("--most", type=click.IntRange(1), default=30, show_default=True, help="Then stop.")
 def main(output: Path, records: tuple[Path, ...], most: int) -> None:
-    """Confirm what RECORDS are named for, and print foreseen and achieved shrinks."""
-    table = Table("record", "named", "gap before → after (floor)", "foreseen", "achieved", box=box.SIMPLE_HEAD)
+    """Confirm what RECORDS are named for, and print predicted and achieved shrinks."""
+    table = Table("record", "named", "gap before → after (floor)", "predicted", "achieved", box=box.SIMPLE_HEAD)
     off: list[float] = []
     for record in records:
         kept = prepared_folder(output) / f"{record.parent.parent.name}_{record.name}.json"
@@ -63,7 +63,7 @@ def main(output: Path, records: tuple[Path, ...], most: int) -> None:
             gap = f"{one['before']:.2f} → {one['after']:.2f} ({one['floor']:.2f})"
             shrinks = f"{one['foreseen']:.2f}", f"{one['achieved']:.2f}"
             table.add_row(record.name, " + ".join(one["effects"]), gap, *shrinks)
-        click.echo(f"{record.name}: foreseen {one['foreseen']:.2f}, achieved {one['achieved']:.2f}")
+        click.echo(f"{record.name}: predicted {one['foreseen']:.2f}, achieved {one['achieved']:.2f}")
         if len(off) == most:
             break
     if not off:

@@ -3,10 +3,10 @@
     python -m studies.diagnosis.gap_free PAIRS --tests 10 --effects [--reference T1]
     python -m studies.diagnosis.effect_errors PAIRS
 
-Every record of PAIRS holds an effect whose size stands beside it. The fast model is told that size; what it leaves over
-is a normal deviate whose covariance is that of solvers without a gap, of the freedom of form that the effect has, of
-its parameters, which a diagnosis fits, and of a smooth error that is a share of what the effect changes. The share that
-makes the pairs of an effect likeliest is printed beside the one in use (`model_error` of wirewear/effects).
+Every record of PAIRS holds an effect whose size stands beside it. The fast model is given that size; what it leaves
+over is a normal deviate whose covariance is that of solvers without a gap, of the freedom of form that the effect has,
+of its parameters, which a diagnosis fits, and of a smooth error that is a share of what the effect changes. The share
+that makes the pairs of an effect likeliest is printed beside the one in use (`model_error` of wirewear/effects).
 """
 
 from collections.abc import Iterator, Sequence
@@ -43,7 +43,7 @@ SHARES = (0.0, 0.02, 0.04, 0.06, 0.08, 0.1, 0.13, 0.16, 0.2, 0.25, 0.3, 0.4, 0.5
 
 @dataclass(frozen=True, eq=False)
 class EffectPair:
-    """One record with a known effect against the fast model that is told it.
+    """One record with a known effect against the fast model that is given it.
 
     Attributes:
         name, effect: of both.

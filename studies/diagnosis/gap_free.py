@@ -43,7 +43,7 @@ LOADS_N, AMPLITUDES_um, FRICTIONS = (1.0, 4.0), (30.0, 80.0), (0.45, 0.8)
 WEAR_mm3_per_J, STIFFNESSES_N_per_mm, SPRINGS_N_per_mm = (8e-6, 5e-5), (80.0, 600.0), (0.5, 5.0)
 CYCLES = (20_000, 50_000, 100_000, 200_000)
 
-RIGID = 0.3  #: Share of the holders that are believed rigid.
+RIGID = 0.3  #: Share of the holders that are assumed rigid.
 NOISE = 5e-4  #: What a record of a pair holds in noise, as shares of the amplitude and of the friction force.
 TRUTH = "truth.json"  #: File beside a record that holds the effect in it.
 
@@ -197,8 +197,8 @@ def main(
         for case in planned(drawn, reference, seed, effects, rigs)
     ]
     for one in engine_of(jobs, scheduler).done(tasks):
-        if told := one.value():
-            click.echo(told)
+        if row := one.value():
+            click.echo(row)
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ from wirewear.records import RecordTables
 
 Array = NDArray[np.float64]
 
-MOST_CYCLES = 5  #: Cycles of a pair that are used at most: a covariance of more numbers costs more than it tells.
+MOST_CYCLES = 5  #: Cycles of a pair that are used at most: a covariance of more numbers costs more than it shows.
 WITH = {"slip": "energy", "force": "energy"}  #: Components that share a factor with another one.
 
 

@@ -17,38 +17,38 @@ from rich.table import Table
 from wirewear import RecordError, WirewearError, read_record
 from wirewear.app.cli.study_script import StudyScript, wide_console
 from wirewear.diagnosis import prepared
-from wirewear.diagnosis.infer.covariance import Told, estimate, told_by_repeats
+from wirewear.diagnosis.infer.covariance import NoiseEvidence, estimate, noise_evidence
 
 
-def told_by(path: Path) -> dict[str, Told]:
-    """What the repeats of one record tell of each observable.
+def evidence_of(path: Path) -> dict[str, NoiseEvidence]:
+    """What the repeats of one record show of each observable.
     Raises WirewearError if the record cannot be read or its nominal model not be run.
     """
     read = prepared(read_record(path))[0].reduced()
-    return told_by_repeats(read.observed, estimate(read.states, read.setup, read.observed).between)
+    return noise_evidence(read.observed, estimate(read.states, read.setup, read.observed).between)
 
 
 @click.command(cls=StudyScript)
 @click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
 def main(folders: tuple[Path, ...]) -> None:
     """Factors on the noise of each observable by the repeats of the records in FOLDERS."""
-    found: dict[str, list[Told]] = defaultdict(list)
+    found: dict[str, list[NoiseEvidence]] = defaultdict(list)
     for path in sorted(path.parent for folder in folders for path in folder.glob("*/experiment.toml")):
         try:
-            for name, told in told_by(path).items():
-                found[name].append(told)
+            for name, evidence in evidence_of(path).items():
+                found[name].append(evidence)
         except WirewearError as problem:
             click.echo(f"{path.name}: {problem}")
-    if not any(told.weight for own in found.values() for told in own):
+    if not any(evidence.weight for own in found.values() for evidence in own):
         raise RecordError("these folders hold no record with several repeats that can be read.")
     table = Table("observable", "records", "numbers each", "factor", "spread", "by chance", box=box.SIMPLE_HEAD)
     for name, own in found.items():
-        seen = [told for told in own if told.weight > 0.0]
+        seen = [evidence for evidence in own if evidence.weight > 0.0]
         if not seen:
             continue
-        weights = np.array([told.weight for told in seen])
-        factor = float(1.0 + sum(told.more for told in seen) / weights.sum())
-        spread = float(np.std([1.0 + told.more / told.weight for told in seen]))
+        weights = np.array([evidence.weight for evidence in seen])
+        factor = float(1.0 + sum(evidence.more for evidence in seen) / weights.sum())
+        spread = float(np.std([1.0 + evidence.more / evidence.weight for evidence in seen]))
         chance = float(np.sqrt(np.mean(2.0 * factor**2 / weights)))
         table.add_row(name, *(f"{v:.2f}" if i else f"{v:.0f}" for i, v in enumerate((len(seen), np.mean(weights)))),
                       *(f"{v:.2f}" for v in (factor, spread, chance)))  # fmt: skip

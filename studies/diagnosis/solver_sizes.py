@@ -95,7 +95,7 @@ class Sizes:
 def likelihood(sizes: Sizes, pairs: Sequence[Pair]) -> tuple[float, Array]:
     """Log-likelihood of pairs with the expectation of the sizes, and its gradient.
 
-    Pairs of one solver on one test count as one: more of them tell no more of how solvers differ.
+    Pairs of one solver on one test count as one: more of them show no more of how solvers differ.
     """
     values = np.concatenate([sizes.log_factors, sizes.shifts])
     log_factors = sizes.log_factors

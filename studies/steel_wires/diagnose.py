@@ -82,7 +82,7 @@ def findings(chapter: Chapter) -> list[Finding]:
             diagnosis.verdict == "explained" and EFFECT in members,
         ),
         Finding(
-            "The record does not tell a spring from a rotation",
+            "The record does not distinguish a spring from a rotation",
             f"rotational_compliance {'is' if 'rotational_compliance' in members else 'is not'} in its class",
             "rotational_compliance" in members,
         ),

@@ -58,7 +58,7 @@ VARIED: tuple[tuple[str, Bodies], ...] = (
 
 
 def label(row: Tribometer, separator: str = ", ") -> str:
-    """What tells rows of one source apart."""
+    """What distinguishes rows of one source."""
     cycles = "" if row.cycles is None else f", {cycle_name(round(row.cycles))} cycles"
     return f"{row.source}{separator}{row.normal_load_N:g} N{cycles}"
 

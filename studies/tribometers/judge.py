@@ -41,7 +41,7 @@ _COLUMNS = (
     ("unexplained", "unexplained_um", ".2g"),
 )
 
-Progress = Callable[[int, int], None]  #: Told how many rows are done and how many there are.
+Progress = Callable[[int, int], None]  #: Called with how many rows are done and how many there are.
 
 
 @dataclass(frozen=True)

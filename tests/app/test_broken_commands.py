@@ -35,7 +35,7 @@ for begin in (lambda: run_side_by_side([killed], [Silent()], engine), lambda: re
 """
 
 
-def told(ended: Result) -> str:
+def sentence_of(ended: Result) -> str:
     assert ended.exit_code == 2, ended.output
     assert "Traceback" not in ended.output
     (sentence,) = ended.stderr.strip().splitlines()[-1:]

@@ -64,7 +64,7 @@ def test_run_takes_standard_fidelity_and_a_folder_named_as_the_study(study_file:
     ("status", "words"), [("complete", "a complete result, and"), ("running", "an unfinished result, and")]
 )
 @pytest.mark.parametrize("place", ["out", "out/rigid"])
-def test_run_takes_the_place_of_no_result_unless_it_is_told_to(
+def test_run_takes_the_place_of_no_result_unless_it_is_asked_to(
     study_file: Path, tmp_path: Path, asked: dict[str, Any], status: str, words: str, place: str
 ) -> None:
     (tmp_path / place).mkdir(parents=True)
@@ -91,9 +91,9 @@ def test_what_is_interrupted_within_a_compiled_function_is_interrupted(study_fil
     fault = SystemError("CPUDispatcher returned a result with an exception set")
     fault.__cause__ = KeyboardInterrupt()
     asked["raises"] = fault
-    told = wirewear("run", study_file, code=130)
-    assert (told.exit_code, told.stderr.count("\n")) == (130, 1)
-    assert "interrupted; --resume" in told.stderr
+    stopped = wirewear("run", study_file, code=130)
+    assert (stopped.exit_code, stopped.stderr.count("\n")) == (130, 1)
+    assert "interrupted; --resume" in stopped.stderr
 
 
 @pytest.mark.seconds

@@ -40,14 +40,14 @@ def test_values_are_replaced_and_checked_as_a_file_is() -> None:
     assert (study.conditions.normal_load_N, changed.conditions.normal_load_N) == (2.0, 4.0)
     assert changed.wear is not None
     assert changed.with_values({"wear": None}) == study.with_values({"conditions.normal_load_N": 4})
-    for values, told in (
+    for values, expected in (
         ({"conditions.normal_load": 4}, "given as normal_load_N"),
         ({"conditions.normal_load_N": "much"}, "must be a number"),
         ({"conditions.normal_load_N.now": 1}, "no table but a value"),
         ({"mesh.scar": 1}, "unknown key 'scar' in \\[mesh\\]"),
         ({"holder.rotational_stiffness_N_mm_per_rad": 1e4}, "pivot_height_mm"),
     ):
-        with pytest.raises(ww.StudyError, match=told):
+        with pytest.raises(ww.StudyError, match=expected):
             study.with_values(values)
 
 
@@ -134,8 +134,8 @@ def test_a_record_of_a_line_contact_answers_as_one_of_wires_does(monkeypatch: py
     assert record.name in record._repr_html_()
     asked: list[object] = []
 
-    def remembered(told: object, **options: Any) -> object:
-        asked.append(told)
+    def remembered(given: object, **options: Any) -> object:
+        asked.append(given)
         return options
 
     monkeypatch.setattr("wirewear.diagnosis.fit.fit_record", remembered)

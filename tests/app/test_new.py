@@ -95,7 +95,7 @@ def test_cycles_of_a_log_with_gaps_are_numbered_where_its_pieces_give_the_freque
     guessed = tomllib.loads((tmp_path / "mapping.toml").read_text(encoding="utf-8"))["conditions"]
     if len(recorded) == 2:
         assert guessed["frequency_Hz"] == guessed["cycles"] == "?"
-        assert "some 3.1 a second, do not tell how many lie between them" in made.stdout
+        assert "some 3.1 a second, do not show how many lie between them" in made.stdout
         return
     assert guessed["frequency_Hz"] == pytest.approx(3.1, rel=1e-5)
     assert guessed["cycles"] == recorded[-1]
@@ -213,7 +213,7 @@ def test_five_commands_lead_from_own_files_to_an_answer(tmp_path: Path, monkeypa
     commands = (
         ["fit", "record", "--output", "fitted"],
         ["compare", "fitted/run", "record", "--output", "compared"],
-        ["diagnose", "record", "--output", "believed"],
+        ["diagnose", "record", "--output", "diagnosed"],
         ["diagnose", "record", "--model", "fitted/study.toml", "--output", "diagnosis"],
     )
     for command in commands:
@@ -225,8 +225,8 @@ def test_five_commands_lead_from_own_files_to_an_answer(tmp_path: Path, monkeypa
     assert "tangential_stiffness_N_per_mm = 1" in fitted
     assert "loop_cycles = [100, 1000, 10000, 100000]" in fitted
     assert (tmp_path / "compared" / "comparison.html").is_file()
-    believed = json.loads((tmp_path / "believed" / "diagnosis.json").read_text(encoding="utf-8"))
-    assert "tangential_compliance" in [cause["effect"] for cause in believed["causes"]]
+    diagnosed = json.loads((tmp_path / "diagnosed" / "diagnosis.json").read_text(encoding="utf-8"))
+    assert "tangential_compliance" in [cause["effect"] for cause in diagnosed["causes"]]
     diagnosis = json.loads((tmp_path / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
     # The owner's rig was rigid in mind only: with the fitted one, little is left to explain.
     assert diagnosis["verdict"] in ("no_gap", "explained", "ambiguous")

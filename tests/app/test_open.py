@@ -135,9 +135,9 @@ def test_a_record_that_was_opened_is_checked_where_it_lies(server: WorkspaceServ
     status, answer = asked(f"{server.url}steps/check", "PUT", json.dumps({"--no-such": "1"}).encode())
     assert status == 200
     assert json.loads(answer)["opened"] == {"record": str(RECORD)}
-    told = ended(server.workspace, "check")
-    assert told["state"] == "done"
-    assert any("Nothing odd was found" in line for line in told["lines"])
+    state = ended(server.workspace, "check")
+    assert state["state"] == "done"
+    assert any("Nothing odd was found" in line for line in state["lines"])
 
 
 @pytest.mark.seconds
@@ -145,12 +145,12 @@ def test_a_record_that_was_opened_is_checked_where_it_lies(server: WorkspaceServ
 def test_a_bar_shows_how_far_a_step_is(server: WorkspaceServer, page: Page) -> None:
     """Of a run the decades of its cycles, of other work that it goes on: then it has no value, and is at -1."""
     page.open(server.url, 390, 800, phone=True)
-    page.value("const told = JSON.parse(find('data').textContent), one = told.steps.find(s => s.name === 'diagnose')")
+    page.value("const given = JSON.parse(find('data').textContent), one = given.steps.find(s => s.name === 'diagnose')")
     places = []
     for line in ("steel: cycle 100 of 100\u2009000  0.02 J", "searching for causes"):
         # In one go: the page asks every second for what there is.
         place, said = page.value(
-            f"one.state = 'running'; one.lines.push('wirewear: {line}'); show(told);"
+            f"one.state = 'running'; one.lines.push('wirewear: {line}'); show(given);"
             "[find('step-diagnose').querySelector('progress').position,"
             " find('step-diagnose').querySelector('.note').textContent]"
         )
@@ -171,7 +171,7 @@ def test_files_that_are_dropped_become_a_record_in_the_browser(server: Workspace
     for flag, value in (("diameter", "0.45"), ("normal-load", "2"), ("cycles", "100")):
         page.value(f"document.querySelector('#step-guess [data-flag=\"--{flag}\"]').value = '{value}'")
     for name in ("guess", "look", "import", "check", "loops"):
-        begun(page, workspace, name)
+        start(page, workspace, name)
     assert step(workspace, "loops")["left"] == ["loops.png"]
     wait_for(page, "document.querySelector('#step-loops img')?.naturalWidth > 100")
     assert "diameter_mm = 0.45" in page.value("document.querySelector('textarea').value")
@@ -235,14 +235,14 @@ def test_what_was_refused_stays_on_the_page_and_an_edit_that_was_not_saved_in_it
     page.problems.clear()
 
 
-def begun(page: Page, workspace: Workspace, name: str) -> None:
+def start(page: Page, workspace: Workspace, name: str) -> None:
     wait_for(page, f"!document.querySelector('#step-{name} button').disabled")
     page.value(f"document.querySelector('#step-{name} button').click()")
     began = monotonic()
     while step(workspace, name)["state"] == "idle" and monotonic() - began < 20.0:
         sleep(0.1)
-    told = ended(workspace, name)
-    assert told["state"] == "done", told["lines"]
+    state = ended(workspace, name)
+    assert state["state"] == "done", state["lines"]
     wait_for(page, f"document.querySelector('#step-{name} .note').textContent.startsWith('done')")
 
 

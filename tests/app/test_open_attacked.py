@@ -181,9 +181,9 @@ def test_a_step_that_is_stopped_while_it_starts_says_so(workspace: Workspace, mo
     while not step(workspace, "guess")["lines"]:
         sleep(0.02)
     workspace.stop()
-    told = ended(workspace, "guess", 10.0)
-    assert told["lines"] == ["loading", "wirewear: interrupted; nothing was written."]
-    assert told["state"] == "failed"
+    state = ended(workspace, "guess", 10.0)
+    assert state["lines"] == ["loading", "wirewear: interrupted; nothing was written."]
+    assert state["state"] == "failed"
 
 
 def test_names_that_are_no_text_and_such_a_mapping_leave_the_page_as_it_is(server: WorkspaceServer) -> None:

@@ -1,4 +1,4 @@
-"""Wrong files, folders and options over all commands: one sentence, exit code 2, nothing computed before it is told."""
+"""Wrong files, folders and options over all commands: one sentence, exit code 2, nothing computed before it."""
 
 import shutil
 from collections.abc import Sequence

@@ -60,8 +60,8 @@ def test_no_flipped_bit_of_a_checkpoint_goes_unseen(tmp_path: Path) -> None:
 def test_the_file_of_a_run_that_goes_on_holds_what_one_written_at_once_does(tmp_path: Path) -> None:
     image, whole = GrowingImage(), synthetic_results.result(status="running")
     first = len(whole.scars) // len(whole.loops)
-    begun = replace(whole, loops=whole.loops[:1], scars=whole.scars[:first], quality={}, message="begun")
-    for run in (begun, whole):
+    partial_run = replace(whole, loops=whole.loops[:1], scars=whole.scars[:first], quality={}, message="started")
+    for run in (partial_run, whole):
         write_result(tmp_path / "growing.h5", run, image)
         write_result(tmp_path / "at_once.h5", run)
         growing, at_once = (files_of(tmp_path / f"{name}.h5") for name in ("growing", "at_once"))

@@ -93,8 +93,8 @@ def test_a_full_standard_output_is_one_sentence(asked: str) -> None:
 
 
 def test_json_knows_no_number_that_is_not_finite() -> None:
-    told = json_text({"a": [1.0, float("inf"), (float("nan"), "µ")], "b": {"c": -float("inf")}})
-    assert json.loads(told, parse_constant=pytest.fail) == {"a": [1.0, None, [None, "µ"]], "b": {"c": None}}
+    written = json_text({"a": [1.0, float("inf"), (float("nan"), "µ")], "b": {"c": -float("inf")}})
+    assert json.loads(written, parse_constant=pytest.fail) == {"a": [1.0, None, [None, "µ"]], "b": {"c": None}}
 
 
 @pytest.mark.parametrize("text", ["=1+1", "+1", "-x", "@sum", "\t=1", "\r=1"])
@@ -253,7 +253,7 @@ from wirewear.base.writing import in_one_step
 
 with in_one_step(Path(sys.argv[1])) as partial:
     partial.write_text("half of it")
-    print("begun", flush=True)
+    print("started", flush=True)
     sys.stdin.read()
 """
 
@@ -264,7 +264,7 @@ def slow_writer(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
     command = [sys.executable, "-c", WRITER, str(tmp_path / "result.txt")]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
-        assert process.stdout.readline() == "begun\n"
+        assert process.stdout.readline() == "started\n"
         yield process
         process.kill()
 

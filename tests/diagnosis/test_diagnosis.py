@@ -98,7 +98,7 @@ def test_a_compliance_is_named_as_a_class_that_holds_rotation() -> None:
     (members,) = (members for members in diagnosis.equivalent if "tangential_compliance" in members)
     assert "rotational_compliance" in members
     assert "rotational compliance" in diagnosis.sentence
-    assert "cannot tell apart" in diagnosis.sentence
+    assert "cannot distinguish" in diagnosis.sentence
     assert probability(diagnosis, "rotational_compliance") > 0.1
 
 
@@ -251,9 +251,9 @@ def test_wires_at_the_stated_angle_have_the_skew_of_their_run_and_at_another_its
 @pytest.mark.slow
 def test_a_record_that_states_no_friction_and_wear_is_diagnosed_by_its_own_data() -> None:
     """The answer is that of the record which states both as they are."""
-    told = read_record(EXAMPLES / "rigid_stated_compliant_rig")
-    silent = told.tables.stated.model_copy(update={"friction": None, "energy_wear_coefficient_mm3_per_J": None})
-    answer = diagnose(replace(told, tables=told.tables.model_copy(update={"stated": silent}))).diagnosis
+    stating = read_record(EXAMPLES / "rigid_stated_compliant_rig")
+    silent = stating.tables.stated.model_copy(update={"friction": None, "energy_wear_coefficient_mm3_per_J": None})
+    answer = diagnose(replace(stating, tables=stating.tables.model_copy(update={"stated": silent}))).diagnosis
     assert any(note.startswith("[stated] gives no friction and wear") for note in answer.notes)
     spring = next(cause for cause in answer.causes if cause.effect == "tangential_compliance")
     assert spring.parameters["stiffness_N_per_mm"].value == pytest.approx(167.0, rel=0.08)

@@ -107,7 +107,7 @@ def test_the_order_in_which_numbers_are_listed_changes_nothing(random: Random) -
 
 @pytest.mark.seconds
 def test_a_stroke_that_wanders_alike_in_every_test_is_no_gap() -> None:
-    """Repeats agree on what their drive does: they tell nothing of it."""
+    """Repeats agree on what their drive does: they show nothing of it."""
     observed = reduce(record(repeats=3))
     strokes = observed.layout.of_kind(channels.Amplitude)
     total = covariance_of(observed).total[np.ix_(strokes, strokes)]
@@ -147,15 +147,15 @@ def test_means_of_few_samples_scatter_as_drawn_noise_does(correlation: float, co
 def test_a_noise_estimated_by_cubics_through_neighbours_is_that_of_a_sample(correlation: float) -> None:
     noise = autoregression(41_000, correlation, seed=5)
     time = np.arange(noise.size, dtype=float)
-    told = sample_noise(noise + np.sin(1e-3 * time), time)
-    assert told * noise_of_neighbours(correlation) == pytest.approx(1.0, rel=0.04)
+    estimated = sample_noise(noise + np.sin(1e-3 * time), time)
+    assert estimated * noise_of_neighbours(correlation) == pytest.approx(1.0, rel=0.04)
 
 
 @pytest.mark.parametrize("correlation", [0.3, 0.6, 0.8])
 def test_neighbours_nearer_than_a_samples_noise_show_how_they_correlate(correlation: float) -> None:
     noise = autoregression(41_000, correlation, seed=6)
-    told = sample_noise(noise, np.arange(noise.size, dtype=float))
-    assert correlation_of_neighbours(1.0 / told, most=0.95) == pytest.approx(correlation, abs=0.04)
+    estimated = sample_noise(noise, np.arange(noise.size, dtype=float))
+    assert correlation_of_neighbours(1.0 / estimated, most=0.95) == pytest.approx(correlation, abs=0.04)
     assert correlation_of(stretch_of(correlation)) == pytest.approx(correlation)
 
 
@@ -257,8 +257,8 @@ def test_a_record_whose_repeats_agree_worse_than_they_are_read_is_known_less_wel
     random = np.random.default_rng(3)
     shaken[:, plateaus] += 3.0 * observed.noise[:, plateaus] * random.standard_normal(shaken[:, plateaus].shape)
     # Of one number, given all others: scatter, which moves all plateaus alike, counts for nothing there.
-    believed, doubted = (
+    assumed, doubted = (
         1.0 / np.diag(np.linalg.inv(estimate(states(), nominal("sensor"), one).total))[plateaus]
         for one in (observed, replace(observed, values=shaken))
     )
-    assert np.median(doubted / believed) > 1.5
+    assert np.median(doubted / assumed) > 1.5

@@ -63,8 +63,8 @@ def test_errors_of_neighbouring_places_hang_together_as_many_noisy_branches_say(
     for i, one in enumerate(lines):
         for j, other in enumerate(lines):
             # Lines that reach far have an error of their own beside that of the samples.
-            foreseen = one.correlation(other, 0.0) / (one.sampled * other.sampled)
-            assert seen[i, j] == pytest.approx(foreseen, abs=0.08)
+            predicted = one.correlation(other, 0.0) / (one.sampled * other.sampled)
+            assert seen[i, j] == pytest.approx(predicted, abs=0.08)
 
 
 @settings(max_examples=20, deadline=None)

@@ -81,8 +81,8 @@ def triangle(phase: Array) -> Array:
     return np.asarray(2.0 / np.pi * np.arcsin(np.sin(phase)))
 
 
-def told(shape: Array, noise: float, loops: int = 24) -> FastMotion:
-    """The motion told from loops of one cycle each, which begin anywhere."""
+def found_motion(shape: Array, noise: float, loops: int = 24) -> FastMotion:
+    """The motion found from loops of one cycle each, which begin anywhere."""
     random, samples = np.random.default_rng(4), shape.size
     time = np.arange(samples) / samples
     found = []
@@ -114,7 +114,7 @@ def test_a_triangles_lag_is_found_from_what_the_late_sensor_reads() -> None:
     """In closed form: x less v τ (1 − 2 exp(−t/τ)) at times t after a reversal; its stroke shrinks by v τ ln 2."""
     spectrum = np.fft.rfft(triangle(phases(4096)))
     late = np.fft.irfft(spectrum / (1.0 + 1j * LAG * np.arange(spectrum.size)), 4096)
-    motion = told(np.interp(phases(), phases(4096), late), 0.002)
+    motion = found_motion(np.interp(phases(), phases(4096), late), 0.002)
     before = motion.before(LAG)
     after = before.behind(LAG)
     place, speed = branches(), 2.0 / np.pi

@@ -131,7 +131,7 @@ def independent(*, leaning: bool) -> Loop:
 
 
 @cache
-def foreseen(*, leaning: bool) -> Loop:
+def predicted(*, leaning: bool) -> Loop:
     setup = nominal("stroke")
     course = simulate(states(), with_effect(setup, "misalignment", LEANING) if leaning else setup, np.array([100.0]))
     channels = course.displacement_um, course.tangential_force_N, course.normal_force_N
@@ -157,9 +157,9 @@ def bend_um(loop: Loop) -> float:
 
 @pytest.mark.slow
 def test_a_wire_that_climbs_presses_the_spring_and_the_holder_yields_to_force_along_the_motion() -> None:
-    model, rig = (ripple_N_per_um(of(leaning=False), of(leaning=True)) for of in (foreseen, independent))
+    model, rig = (ripple_N_per_um(of(leaning=False), of(leaning=True)) for of in (predicted, independent))
     assert rig > 3e-5
     assert model == pytest.approx(rig, rel=0.1)
     # Without it, branches of a misaligned contact look as if the reading leant with the square of the force.
-    model, rig = (bend_um(of(leaning=True)) - bend_um(of(leaning=False)) for of in (foreseen, independent))
+    model, rig = (bend_um(of(leaning=True)) - bend_um(of(leaning=False)) for of in (predicted, independent))
     assert model == pytest.approx(rig, abs=0.1)

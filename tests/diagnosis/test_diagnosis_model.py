@@ -36,7 +36,7 @@ from wirewear.effects.contact import RoughnessCompliance, ThirdBodyLayer
 from wirewear.records import ExperimentRecord, RecordTables
 from wirewear.views.diagnosis_page import ten_lines
 
-FORCE_N = 1.24  #: µP of the first loops, before the scar lends them slopes.
+FORCE_N = 1.24  #: µP of the first loops, before the scar gives them slopes.
 FIRST = np.array([2.0])
 
 
@@ -303,8 +303,8 @@ def test_a_check_that_shows_no_gap_claims_no_shrink() -> None:
     answers = [
         Diagnosis("a", "b", "explained", "", one, {}, None, (), (cause,), (), (), None, ()) for one in (seen, unseen)
     ]
-    told, silent = (next(line for line in ten_lines(one).splitlines() if "check on" in line) for one in answers)
-    assert "falls from 4.40 to 0.57 scatters, chance alone leaves 0.98; shrink 100 % (100 % to 100 %)" in told
+    checked, silent = (next(line for line in ten_lines(one).splitlines() if "check on" in line) for one in answers)
+    assert "falls from 4.40 to 0.57 scatters, chance alone leaves 0.98; shrink 100 % (100 % to 100 %)" in checked
     assert "shrink" not in silent
     assert "no gap by which to judge" in silent
 

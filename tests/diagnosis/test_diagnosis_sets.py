@@ -50,7 +50,7 @@ def left_over(noise: Array) -> Remainder:
     return remainder_of(replace(problem, mean=problem.predicted(nothing.setup) + noise), nothing)
 
 
-def believed_noise(count: int) -> Array:
+def assumed_noise(count: int) -> Array:
     """Draws (count, n) from the covariance that the diagnosis assumes."""
     problem, _ = explained()
     covariance = np.linalg.inv(problem.whitening.T @ problem.whitening)
@@ -73,10 +73,10 @@ def test_the_surprise_is_the_largest_bayes_factor_of_any_falling_density_of_p(p_
 @pytest.mark.slow
 def test_noise_of_the_stated_covariance_surprises_as_often_as_its_p_value_says() -> None:
     """Of 200 records of noise a tenth or fewer surprise like one in ten, where the observables' variances are as
-    uncertain as believed.
+    uncertain as assumed.
     """
     draws = np.random.default_rng(4)
-    uncertain = believed_noise(200)
+    uncertain = assumed_noise(200)
     for noise in uncertain:
         for part in explained()[0].layout:
             noise[part.rows] *= np.exp(0.5 * SCALE * draws.normal())

@@ -1,4 +1,4 @@
-"""What a fit says stays within physical bounds, and a play is told from the rig's stiffness, whatever the record."""
+"""What a fit says stays within physical bounds, and play is distinguished from the rig's stiffness in any record."""
 
 import json
 import math
@@ -113,24 +113,24 @@ def test_an_effects_parameters_are_finite_and_intervals_of_its_form_reach_1_96_d
     assert 0.0 < found.interval95[0] < found.value < found.interval95[1] < math.inf
     assert math.isfinite(limit_um(1.0, 30.0).value(1e6))
     candidate = next(one for one in library(nominal()) if one.forms)
-    told = forms(candidate, np.zeros(len(candidate.unknowns)), np.full(len(candidate.unknowns), 0.3), 4.0)
+    estimated = forms(candidate, np.zeros(len(candidate.unknowns)), np.full(len(candidate.unknowns), 0.3), 4.0)
     for name, form in candidate.forms.items():
-        assert sorted(told[name].interval95) == pytest.approx(sorted(form.value(z) for z in (-1.176, 1.176)))
+        assert sorted(estimated[name].interval95) == pytest.approx(sorted(form.value(z) for z in (-1.176, 1.176)))
 
 
-@pytest.mark.parametrize(("times", "told"), [(2.9, False), (3.1, True)])
-def test_a_misfit_is_that_of_each_degree_of_freedom(times: float, *, told: bool) -> None:
+@pytest.mark.parametrize(("times", "noted"), [(2.9, False), (3.1, True)])
+def test_a_misfit_is_that_of_each_degree_of_freedom(times: float, *, noted: bool) -> None:
     none = np.zeros(4)
-    assert bool(_misfit(FastFit(none, none, none, none, none, misfit=6.0 * times**2, points=10))) is told
+    assert bool(_misfit(FastFit(none, none, none, none, none, misfit=6.0 * times**2, points=10))) is noted
 
 
 @pytest.mark.seconds
 def test_off_a_terminal_each_stage_of_a_fit_is_a_line(tmp_path: Path) -> None:
     folder = write_record(tmp_path / "record", record(cycles=CYCLES[:1], repeats=1, evolution=False))
     asked = ["fit", str(folder), "--output", str(tmp_path / "fitted"), "--check", "none"]
-    told = wirewear(*asked)
+    ended = wirewear(*asked)
     for stage in ("reading the record", "measuring the loops", "fitting all cycles"):
-        assert f"wirewear: {stage}\n" in told.stderr
+        assert f"wirewear: {stage}\n" in ended.stderr
 
 
 def test_running_in_and_compliance_are_found_as_surely_as_their_covariance_says() -> None:

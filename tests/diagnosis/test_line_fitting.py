@@ -213,9 +213,9 @@ def mapped(folder: Path, text: str = MAPPING) -> Path:
 )
 def test_a_wrong_mapping_is_one_sentence(tmp_path: Path, old: str, new: str, complaint: str) -> None:
     assert old in MAPPING
-    with pytest.raises(RecordError, match=complaint) as told:
+    with pytest.raises(RecordError, match=complaint) as message:
         import_record(mapped(tmp_path, MAPPING.replace(old, new)))
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(message.value)
 
 
 def effect(name: str, **values: float) -> Effect[Any]:
@@ -305,7 +305,7 @@ def test_titanium_at_2_hz_is_explained_by_debris_and_a_lack_of_oxygen(with_oxyge
 
 
 @pytest.mark.slow
-def test_the_fast_model_foresees_what_the_full_one_makes_of_debris_and_oxygen(titanium: LineRecord) -> None:
+def test_the_fast_model_predicts_what_the_full_one_makes_of_debris_and_oxygen(titanium: LineRecord) -> None:
     """README of the study: 81.5 µm with debris, 66.5 µm and 45.1 µm in the middle with both, at standard fidelity."""
     states, nominal, _ = prepared(titanium)[0].nominal()
     bed = nominal.with_effect(effect("third_body", retained_fraction=0.913, modulus_MPa=17350.0))

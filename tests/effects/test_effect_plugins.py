@@ -20,7 +20,7 @@ from wirewear import ExperimentRecord, Sensor, SensorNoise, StudyError, record_o
 from wirewear.base.course import Course
 from wirewear.diagnosis.answer import Diagnosis
 from wirewear.diagnosis.record_diagnosis import diagnose
-from wirewear.diagnosis.surrogate.candidates import library, unforeseen
+from wirewear.diagnosis.surrogate.candidates import library, unsupported
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Effect, Seam, all_effects, applied, effect_named
 from wirewear.effects import registry as registry_module
 from wirewear.records.importing import import_record
@@ -31,7 +31,7 @@ from wirewear.sweeps.signature import signature_study
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "studies" / "effects" / "plugin_example"
 LOGGED = (1, 10, 100, 300, 1000, 3000)
-UNFORESEEN = '''
+UNSUPPORTED = '''
 from dataclasses import dataclass, replace
 
 from solvers import RoughLayer
@@ -153,9 +153,9 @@ def test_the_docs_effect_is_named_on_a_record_of_a_full_simulation_with_it(clamp
     assert "loosening clamp" in found.sentence.lower()
 
 
-def test_an_effect_that_the_fast_model_cannot_foresee_is_no_candidate_and_is_named(installed: Any) -> None:
-    installed("paint = paint:Paint", paint=UNFORESEEN)
-    assert unforeseen(nominal()) == ("paint",)
+def test_an_effect_that_the_fast_model_cannot_cover_is_no_candidate_and_is_named(installed: Any) -> None:
+    installed("paint = paint:Paint", paint=UNSUPPORTED)
+    assert unsupported(nominal()) == ("paint",)
     assert "paint" not in {candidate.name for candidate in library(nominal())}
 
 

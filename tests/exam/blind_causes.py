@@ -11,13 +11,13 @@ from studies.blind.generators.finite_element.changes import instruments_of, outs
 from studies.blind.generators.independent.effects import changed
 from studies.blind.generators.independent.sensing import Reading, read
 from studies.blind.generators.independent.wear_test import Snapshot, snapshots
-from studies.blind.generators.independent.worlds import believed_world
+from studies.blind.generators.independent.worlds import nominal_world
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.signals import Signals, read_by
 from studies.blind.generators.sizes import drawn_parameters
 
 Named = dict[str, float]
-STEEL = believed_world(Nominal(), "dahl", held_on_sensor=False)
+STEEL = nominal_world(Nominal(), "dahl", held_on_sensor=False)
 TURN = np.asarray(2.0 * np.pi * np.arange(1440) / 1440, dtype=np.float64)
 #: A sine of 60 µm at 3 Hz, and a force that is odd over half a cycle.
 LOOP = Signals(
@@ -87,7 +87,7 @@ NOTHING: dict[str, Named] = {
 #: Those that are read of a loop and leave it as it is, and those of the two later sets at the seams of a run.
 READ = [effect for effect, nothing in NOTHING.items() if instruments_of([TrueEffect(effect, nothing)], Nominal())]
 AT_SEAMS = [effect for name in ("withheld", "reserved") for effect in outside_of(name) if effect not in READ]
-#: What tells the ends of a stroke or the directions apart, in the force or in the displacement, or keeps no time.
+#: What distinguishes the ends of a stroke or the directions, in the force or in the displacement, or keeps no time.
 ONE_WAY_IN_FORCE = {
     "sticking_lever", "overloaded_cell", "loose_plug", "hard_spot", "debris_ridge", "halting_logger", "spreading_glaze",
     "telescoping_slide", "hunting_servo", "touching_stop",

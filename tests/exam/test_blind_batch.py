@@ -177,11 +177,11 @@ def test_a_plan_holds_every_kind_in_its_share_and_every_effect_about_as_often() 
 
 def test_cases_that_leave_their_effect_out_hide_among_others_that_leave_out_one_that_is_not_there() -> None:
     cases = planned_cases(400, 1, LIBRARY_EFFECTS, OUTSIDE_KINDS)
-    told = [case for case in cases if case.left_out]
-    true = [case for case in told if case.kind == "left_out"]
+    without_one = [case for case in cases if case.left_out]
+    true = [case for case in without_one if case.kind == "left_out"]
     assert all(set(case.left_out) == exact_class(case.effects[0].effect) for case in true)
-    assert 0.2 < len(true) / len(told) < 0.5
-    for case in told:
+    assert 0.2 < len(true) / len(without_one) < 0.5
+    for case in without_one:
         if case.kind != "left_out":
             assert not {effect.effect for effect in case.effects} & set(case.left_out)
 

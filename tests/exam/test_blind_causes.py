@@ -11,7 +11,7 @@ from studies.blind.causes import SETS, all_causes, causes_of, seam_of
 from studies.blind.generators.cases import Case, TrueEffect, planned_cases
 from studies.blind.generators.files import write_traceless
 from studies.blind.generators.finite_element.changes import changes_of, outside_of
-from studies.blind.generators.finite_element.model import NUMERICS, believed_study
+from studies.blind.generators.finite_element.model import NUMERICS, nominal_study
 from studies.blind.generators.finite_element.readings import read_test
 from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.effects import changed
@@ -142,7 +142,7 @@ def test_both_tiers_have_the_same_holder_friction_load_and_wear_at_every_cycle(e
     parameters = blind_causes.drawn(effect, 2)
     world = changed(blind_causes.STEEL, effect, parameters)
     changes = changes_of([TrueEffect(effect, parameters)], QUIET)
-    believed_study(Nominal(), plain_nuisances(), NUMERICS["T1"]).with_effects(*changes)
+    nominal_study(Nominal(), plain_nuisances(), NUMERICS["T1"]).with_effects(*changes)
     for cycle in (0.0, 10.0, 1000.0, 3e4, 1e5):
         age = Age(cycle, 0.0)
         holder = applied(changes, Seam.HOLDER, Holder(2.0, 1.0 / 167.0), age)

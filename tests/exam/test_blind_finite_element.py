@@ -12,7 +12,7 @@ from studies.blind.generators.cases import Case, TrueEffect, planned_cases
 from studies.blind.generators.files import record_hash, record_tables, write_traceless
 from studies.blind.generators.finite_element import model
 from studies.blind.generators.finite_element.changes import changes_of
-from studies.blind.generators.finite_element.model import FIDELITY, NUMERICS, believed_study
+from studies.blind.generators.finite_element.model import FIDELITY, NUMERICS, nominal_study
 from studies.blind.generators.finite_element.readings import moments, read_test
 from studies.blind.generators.generator import POINT_TIERS, Generator
 from studies.blind.generators.independent.fair_size import fair_size
@@ -66,7 +66,7 @@ def test_scatter_multiplies_what_the_effects_have_made_of_friction_load_and_angl
 
 
 def test_the_two_tiers_differ_in_mesh_increments_and_contact_formulation() -> None:
-    control, other = (believed_study(Nominal(), plain_nuisances(), NUMERICS[tier]) for tier in ("T0", "T1"))
+    control, other = (nominal_study(Nominal(), plain_nuisances(), NUMERICS[tier]) for tier in ("T0", "T1"))
     assert control.contact.formulation != other.contact.formulation
     assert control.contact.primary_wire != other.contact.primary_wire
     plans = [discretise(study, FIDELITY) for study in (control, other)]
@@ -78,7 +78,7 @@ def test_the_two_tiers_differ_in_mesh_increments_and_contact_formulation() -> No
 def test_records_of_other_contacts_state_the_bodies_of_their_runs(tier: str) -> None:
     generator = generator_of(tier)
     *_, case = planned_cases(6, 5, generator.library, generator.outside, 3, generator.nominals)
-    study, tables = believed_study(case.nominal, case.nuisances, NUMERICS["T1"]), record_tables(case)
+    study, tables = nominal_study(case.nominal, case.nuisances, NUMERICS["T1"]), record_tables(case)
     assert tables.contact_kind == study.contact_kind
     assert tables.bodies_of_test == study.bodies
     turned = {

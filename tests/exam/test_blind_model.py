@@ -15,15 +15,15 @@ from studies.blind.generators.independent.loop import TrueLoop, chebyshev_step, 
 from studies.blind.generators.independent.sensing import Reading, read
 from studies.blind.generators.independent.wear_test import Snapshot, snapshots
 from studies.blind.generators.independent.world import World
-from studies.blind.generators.independent.worlds import believed_world
+from studies.blind.generators.independent.worlds import nominal_world
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.sampling import loop_figures
 from studies.blind.scoring.answers import OUTSIDE as UNKNOWN
 from studies.blind.scoring.judging import Truth, judged
 from tests.exam.blind_batches import answer
 
-STEEL = believed_world(Nominal(), "dahl", held_on_sensor=True)
-RIGID = believed_world(Nominal(stiffness_N_per_mm=None), "dahl", held_on_sensor=True)
+STEEL = nominal_world(Nominal(), "dahl", held_on_sensor=True)
+RIGID = nominal_world(Nominal(stiffness_N_per_mm=None), "dahl", held_on_sensor=True)
 
 
 def at(world: World, *cycles: int, points: int = 24) -> list[Snapshot]:
@@ -220,7 +220,7 @@ def test_roughness_softens_the_early_loop_and_wears_in() -> None:
     assert abs(late) < 0.05
 
 
-FREE_STROKE = believed_world(Nominal(), "dahl", held_on_sensor=False)
+FREE_STROKE = nominal_world(Nominal(), "dahl", held_on_sensor=False)
 PHASE = 2.0 * np.pi * np.arange(1440) / 1440
 #: A loop in closed form: a sine of 60 µm, forces of ±1.2 N that turn within some degrees of each reversal.
 LOOP = TrueLoop(0.06 * np.sin(PHASE), 1.2 * np.tanh(8.0 * np.cos(PHASE - 0.3)), np.full(1440, 2.0), (-0.055, 0.055))

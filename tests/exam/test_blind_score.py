@@ -130,9 +130,9 @@ def test_an_effect_that_was_left_out_is_right_unexplained() -> None:
 @pytest.mark.parametrize(("seam", "right"), [("loading", True), ("sensor", False), ("", False)])
 def test_an_unexplained_gap_is_placed_at_its_seam_or_not(seam: str, right: bool) -> None:
     truth = a_truth("outside", "bent_guide")
-    told = replace(answer("unexplained", {"outside_library": 1.0}), seam=seam)
-    assert judged(truth, told).right_seam is right
-    found = batch_figures([judged(truth, told)], {})["open_set"]["right_seam_large"]
+    named = replace(answer("unexplained", {"outside_library": 1.0}), seam=seam)
+    assert judged(truth, named).right_seam is right
+    found = batch_figures([judged(truth, named)], {})["open_set"]["right_seam_large"]
     assert (found["hits"], found["of"]) == (int(right), 1)
 
 

@@ -187,8 +187,8 @@ def test_any_room_can_be_entered_first() -> None:
         "    for name in getattr(package, '__all__', ()):\n"
         "        getattr(package, name)\n"
     )
-    told = subprocess.run([sys.executable, "-c", entered], cwd=ROOT, capture_output=True, text=True, check=False)
-    assert told.returncode == 0, told.stderr
+    required = subprocess.run([sys.executable, "-c", entered], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert required.returncode == 0, required.stderr
 
 
 def test_a_simulation_is_asked_for_at_its_door() -> None:
@@ -313,8 +313,8 @@ def is_installed(pin: str) -> bool:
 
 
 def test_every_pinned_package_takes_the_oldest_python_promised() -> None:
-    told = {pin: metadata(pin.partition("=")[0]) for pin in pins() if is_installed(pin)}
-    needs = {pin: one["Requires-Python"] for pin, one in told.items() if "Requires-Python" in one}
+    required = {pin: metadata(pin.partition("=")[0]) for pin in pins() if is_installed(pin)}
+    needs = {pin: one["Requires-Python"] for pin, one in required.items() if "Requires-Python" in one}
     assert len(needs) > 60
     assert {pin: need for pin, need in needs.items() if OLDEST_PYTHON not in SpecifierSet(need)} == {}
 

@@ -74,12 +74,14 @@ def test_the_sentence_on_a_missing_library_names_packages_that_make_installs(mon
 
 def test_one_version_stands_everywhere() -> None:
     own = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    told = {
+    expected_texts = {
         "CITATION.cff": f"\nversion: {own['version']}\n",
         "codemeta.json": f'"version": "{own["version"]}"',
         "tools/conda/meta.yaml": f'version: "{own["version"]}"',
     }
-    assert [name for name, text in told.items() if text not in (ROOT / name).read_text(encoding="utf-8")] == []
+    assert [
+        name for name, text in expected_texts.items() if text not in (ROOT / name).read_text(encoding="utf-8")
+    ] == []
 
 
 def test_the_recipe_asks_for_every_package_that_the_program_needs() -> None:

@@ -71,7 +71,7 @@ def test_a_drive_read_in_coarse_steps_is_not_called_clipped_and_one_that_is_cut_
 
 @pytest.mark.seconds
 def test_noise_and_outliers_leave_slip_and_energy_within_one_percent_and_stiffness_within_five() -> None:
-    # The noise is 1 % of the stroke and of the sliding force: the slope of less micro-slip cannot be told to 5 %.
+    # The noise is 1 % of the stroke and of the sliding force: the slope of less micro-slip cannot be measured to 5 %.
     for recipe, phase, seed in drawn(60, 0.1, seed=1):
         loop, figures = analysed_with_noise(recipe, phase, seed)
         assert figures.regime == "gross slip", recipe

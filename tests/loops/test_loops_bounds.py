@@ -246,7 +246,7 @@ def figures_of(count: int) -> Iterator[tuple[str, float, str]]:
 def test_figures_of_disturbed_loops_hold_the_truth_or_are_noted(count: int) -> None:
     """Nineteen in twenty within the interval, and next to none out of twice of it.
 
-    What is left: plays of which a handful of samples tell one flank, and rounds of ringing that few samples resolve.
+    What is left: plays of which a handful of samples show one flank, and rounds of ringing that few samples resolve.
     """
     seen = list(figures_of(count))
     assert sum(far <= 1.0 for _, far, _ in seen) > 0.95 * len(seen)

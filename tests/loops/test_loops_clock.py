@@ -76,7 +76,7 @@ def test_a_coarse_clock_gives_frequency_and_cycles_also_across_gaps(
 ) -> None:
     found = guess(written(tmp_path, *logged(starts, 9, tick)[:3]))
     assert found.tables["conditions"]["frequency_Hz"] == pytest.approx(FREQUENCY_Hz, rel=1e-4)
-    assert any("times were set evenly" in told for told in found.remarks)
+    assert any("times were set evenly" in remark for remark in found.remarks)
     (tmp_path / "mapping.toml").write_text(guessing.mapping_text(found))
     record = import_record(tmp_path / "mapping.toml")
     assert record.cycles == tuple(start + 1 + cycle for start in starts for cycle in range(9))
@@ -96,7 +96,7 @@ def test_a_short_log_whose_clock_is_useless_is_read_without_it(tmp_path: Path) -
     found = guess(written(tmp_path, *logged([0], 4, 1.0)[:3]))
     assert "time_s" not in found.tables["loops"]["columns"]
     assert (found.tables["conditions"]["frequency_Hz"], found.tables["conditions"]["cycles"]) == ("?", 4)
-    assert any("too coarse to tell how fast" in told for told in found.remarks)
+    assert any("too coarse to tell how fast" in remark for remark in found.remarks)
 
 
 def test_rows_that_were_written_twice_are_no_coarse_clock() -> None:

@@ -1,4 +1,4 @@
-"""Cycles of a drive, told by where it turns: ripples are none, blocks of smaller strokes are."""
+"""Cycles of a drive, found by where it turns: ripples are none, blocks of smaller strokes are."""
 
 from collections.abc import Sequence
 

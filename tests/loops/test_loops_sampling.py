@@ -213,7 +213,7 @@ def test_rounding_hides_no_correlation_of_the_noise_below_it() -> None:
 @pytest.mark.parametrize("noise", [0.0, 0.005])
 @pytest.mark.parametrize(("lag", "note"), [(3, "samples late"), (5, "samples late"), (-3, "before the reversals")])
 def test_a_late_channel_is_noted_and_intervals_hold_the_truth(samples: int, noise: float, lag: int, note: str) -> None:
-    """A late force is read as much earlier; few or noiseless samples tell a late displacement."""
+    """A late force is read as much earlier; few or noiseless samples show a late displacement."""
     if lag < 0 and noise and samples > 128:
         return
     time, displacement, force = LOOP.sampled(samples, 0.3)

@@ -75,10 +75,10 @@ def test_the_command_prints_the_interval_or_the_bound_and_null_for_what_is_not_k
         rows = (f"{x},{q}" for x, q in zip(displacement, force, strict=True))
         path.write_text("\n".join(["displacement_um,tangential_force_N", *rows]))
         found[share] = json.loads(wirewear("loops", path, "--normal-load", str(LOAD_N), "--json").stdout)
-    bounded, told = (one["loops"][0] for one in found.values())
+    bounded, measured = (one["loops"][0] for one in found.values())
     assert bounded["friction_partial_slip"]["value"] is bounded["friction_partial_slip"]["interval95"][1] is None
     assert bounded["possible_regimes"] == ["stick", "partial slip"]
-    assert told["friction_partial_slip"]["interval95"][0] < 0.6 < told["friction_partial_slip"]["interval95"][1]
+    assert measured["friction_partial_slip"]["interval95"][0] < 0.6 < measured["friction_partial_slip"]["interval95"][1]
     assert found[0.9]["regime"] == "partial slip"
     text = wirewear("loops", path, "--normal-load", str(LOAD_N), "--output", tmp_path / "loops.png").stdout
     assert "Without a plateau" in text

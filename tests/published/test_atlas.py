@@ -72,7 +72,7 @@ def test_an_expression_of_all_rows_is_one_figure(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("entry", "table", "told"),
+    ("entry", "table", "message"),
     [
         (ENTRY.replace("2 * slope", "2 * slop"), TABLE, "energy in .*entry.toml cannot be computed: .*slop"),
         (ENTRY.replace("load_N * factor", "load_N *"), TABLE, "is no SQL"),
@@ -80,8 +80,8 @@ def test_an_expression_of_all_rows_is_one_figure(tmp_path: Path) -> None:
         (ENTRY, TABLE.replace("b,fit", "a,fit"), "every name once"),
     ],
 )
-def test_mistakes_are_stated_in_a_sentence(tmp_path: Path, entry: str, table: str, told: str) -> None:
-    with pytest.raises(StudyError, match=told):
+def test_mistakes_are_stated_in_a_sentence(tmp_path: Path, entry: str, table: str, message: str) -> None:
+    with pytest.raises(StudyError, match=message):
         made(tmp_path, entry, table).rows(simulated)
 
 
@@ -89,16 +89,16 @@ def test_a_prediction_that_is_written_is_kept(tmp_path: Path, monkeypatch: pytes
     made(tmp_path, ENTRY.replace(" + extra", ""))
     (tmp_path / "made" / "predictions.csv").write_text("test,figure,predicted\nc,energy,8.0\n", encoding="utf-8")
     monkeypatch.setattr(commands, "read_entries", lambda names: read_entries(names, tmp_path))
-    told = CliRunner().invoke(commands.atlas, ["predict", "made", "--output", str(tmp_path / "runs")])
-    assert "2 predictions" in told.output
+    message = CliRunner().invoke(commands.atlas, ["predict", "made", "--output", str(tmp_path / "runs")])
+    assert "2 predictions" in message.output
     assert read_entries(["made"], tmp_path)[0].predictions == {("c", "energy"): 8.0, ("d", "energy"): 10.4}
 
 
 def test_an_unfinished_entry_is_run_once_its_table_has_a_key_of_the_study(tmp_path: Path) -> None:
-    begun = CliRunner().invoke(
+    prepared = CliRunner().invoke(
         commands.atlas, ["new", "10.1/x", "--name", "mine", "--kind", "crossed-wires", "--into", str(tmp_path)]
     )
-    assert begun.exit_code == 0, begun.output
+    assert prepared.exit_code == 0, prepared.output
     entry = Entry.read(tmp_path / "mine")
     assert "10.1/x" in entry.table.citation
     assert entry.tests["conditions.displacement_amplitude_um"].to_list() == [50.0, 60.0]

@@ -54,8 +54,8 @@ def readme_quick() -> dict[str, list[str]]:
 def test_the_table_of_the_readme_is_what_a_fresh_run_comes_to(runs: dict[str, RunResult]) -> None:
     run, steel = runs["compliant"], reference.Elastic(210000.0, 0.3)
     first, last = run.evolution.at(1), run.evolution.at(100_000)
-    told, settings, quality = readme_quick(), run.settings, run.quality
-    assert len(told) == 8
+    stated, settings, quality = readme_quick(), run.settings, run.quality
+    assert len(stated) == 8
     hertz = reference.hertz_point(2.0, 0.225, reference.contact_modulus(steel, steel))
     contact = reference.partial_slip_point(
         2.0, 0.62, hertz.contact_radius_mm, reference.tangential_contact_modulus(steel, steel)
@@ -76,9 +76,9 @@ def test_the_table_of_the_readme_is_what_a_fresh_run_comes_to(runs: dict[str, Ru
         "δ0, largest tangential force": [last["slip_amplitude_um"], last["max_tangential_force_N"]],
     }
     # The approach is of bodies pressed alone, as `wirewear verify` has it.
-    assert told.keys() - expected.keys() == {"approach before wear"}
+    assert stated.keys() - expected.keys() == {"approach before wear"}
     for row, values in expected.items():
-        shown = told[row]
+        shown = stated[row]
         decimals = [len(text.partition(".")[2]) for text in shown]
         assert [f"{value:.{n}f}" for value, n in zip(values, decimals, strict=True)] == shown, row
 

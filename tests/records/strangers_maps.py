@@ -56,8 +56,8 @@ def gwyddion(own: Language) -> Written:
     )
     _, _, heights = surface()
     sizes = (f"{STEP_um * COLUMNS:.2f} µm", f"{STEP_um * ROWS:.2f} µm")
-    told = ("Topography", *(size.replace(".", own.decimal) for size in sizes), "m")
-    head = "".join(f"# {word}: {what}\n" for word, what in zip(words, told, strict=True))
+    values = ("Topography", *(size.replace(".", own.decimal) for size in sizes), "m")
+    head = "".join(f"# {word}: {what}\n" for word, what in zip(words, values, strict=True))
     rows = ("\t".join(f"{1e-6 * z:.6e}".replace(".", own.decimal) for z in row) for row in heights.T)
     return with_scar("scar_fixed.txt", head + "\n".join(rows) + "\n", own)
 
@@ -126,7 +126,7 @@ def wyko(in_nm: bool) -> Callable[[Language], Written]:
 
 
 def places_beside(corner: str) -> Callable[[Language], Written]:
-    """Places of rows and columns beside the heights, in a unit that is not told."""
+    """Places of rows and columns beside the heights, in a unit that is not stated."""
 
     def written(own: Language) -> Written:
         x, y, heights = surface()

@@ -39,11 +39,11 @@ def dektak(lateral: str, profile: str, unit: str, factor: float, end: str) -> Ca
     """Settings in two columns, names with their units, rows that may end in a delimiter."""
 
     def written(own: Language) -> Line:
-        told = line(own, "Meta Data") + line(own, "Scan Length", "2000") + line(own, "Stylus Force", "3") + "\n"
+        head = line(own, "Meta Data") + line(own, "Scan Length", "2000") + line(own, "Stylus Force", "3") + "\n"
         if own is not ENGLISH:
-            told = line(own, "Metadaten") + line(own, "Scanlänge", "2000") + "\n"
+            head = line(own, "Metadaten") + line(own, "Scanlänge", "2000") + "\n"
         names = line(own, f"{lateral}(mm)", f"{profile}({unit}){end and own.delimiter}")
-        return columns(told + names, 1e-3 * PLACE, factor * HEIGHT, own, end and own.delimiter)
+        return columns(head + names, 1e-3 * PLACE, factor * HEIGHT, own, end and own.delimiter)
 
     return written
 

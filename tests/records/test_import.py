@@ -285,8 +285,8 @@ def test_a_map_that_states_no_scale_is_read_by_what_the_mapping_states(tmp_path:
         import_record(mapped(tmp_path, GERMAN + source))
     with pytest.raises(RecordError, match=r"does not state its scale: the mapping must give height_unit\."):
         import_record(mapped(tmp_path, GERMAN + source + "step_um = 4.0\n"))
-    told = 'step_um = 4.0\nstep_y_um = 6.0\nheight_unit = "nm"\n'
-    (scar,) = import_record(mapped(tmp_path, GERMAN + source + told)).scars
+    scale = 'step_um = 4.0\nstep_y_um = 6.0\nheight_unit = "nm"\n'
+    (scar,) = import_record(mapped(tmp_path, GERMAN + source + scale)).scars
     assert scar.volume_mm3 == pytest.approx(1e-9 * 0.5 * np.pi * 120.0 * 60.0 * 12.0, rel=0.01)
 
 

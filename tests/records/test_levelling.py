@@ -1,4 +1,4 @@
-"""Heights of worn bodies: the unworn surface is found however much is worn, or it is said that it cannot be told."""
+"""Heights of worn bodies: the unworn surface is found however much is worn, or it is said that it cannot be found."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -81,8 +81,8 @@ def imported(path: Path) -> tuple[AnyRecord, float, list[str]]:
     """The record, its worn volume or area, and what was said of the map."""
     record = import_record(path)
     (surface,) = record.scars
-    told = [note for note in record.notes if "map" in note]
-    return record, surface.area_um2 if hasattr(surface, "area_um2") else surface.volume_mm3, told
+    notes = [note for note in record.notes if "map" in note]
+    return record, surface.area_um2 if hasattr(surface, "area_um2") else surface.volume_mm3, notes
 
 
 BALL = Worn("ball-on-flat", "ball", 900.0, 0.62, "cap")
@@ -114,17 +114,17 @@ def test_the_unworn_surface_is_found_under_a_scar_over_most_of_a_map_with_spikes
 
 def test_it_is_said_where_hardly_any_of_a_map_is_unworn(tmp_path: Path) -> None:
     path, volume = Worn("ball-on-flat", "flat", 800.0, 1.2, steep=20.0).written(tmp_path)
-    _, found, told = imported(path)
+    _, found, notes = imported(path)
     assert abs(found / volume - 1.0) > 0.03
-    assert any("map that reaches farther" in note for note in told)
+    assert any("map that reaches farther" in note for note in notes)
 
 
 @pytest.mark.parametrize("worn", [Worn("ball-on-flat", "ball", 900.0, 0.2, form=1.005), WIRE], ids=["ball", "wire"])
 def test_form_that_is_left_is_taken_off_and_its_radius_offered(tmp_path: Path, worn: Worn) -> None:
     path, volume = Worn(worn.kind, worn.body, worn.width_um, worn.share, worn.scar, form=1.005).written(tmp_path)
-    _, found, told = imported(path)
+    _, found, notes = imported(path)
     assert found == pytest.approx(volume, rel=0.03)
-    (note,) = told
+    (note,) = notes
     assert "not of 3 mm as stated (diameter_mm = 6.0" in note
     offered = float(note.partition("diameter_mm = ")[2].partition(")")[0])
     assert offered == pytest.approx(6.03, rel=1e-3)
@@ -158,7 +158,7 @@ def test_a_scar_has_one_volume_and_length_in_import_check_and_diagnosis(tmp_path
     path, volume = Worn("ball-on-flat", "ball", 900.0, 0.2, form=1.005).written(tmp_path, spikes=3, missing=0.1)
     record, _, _ = imported(path)
     (scar,) = record.scars
-    moved = type(scar)(1, "ball", scar.x_um, scar.y_um, scar.depth_um + off_um, told=scar.told)
+    moved = type(scar)(1, "ball", scar.x_um, scar.y_um, scar.depth_um + off_um, levelling_notes=scar.levelling_notes)
     reading: Any = SimpleNamespace(scars=[moved], body_names=("flat", "ball"), last_cycle=1)
     sites = Sites.of(figures := ScarFigures().sites(reading))
     values, _ = ScarFigures().measure(reading, 1, sites)
@@ -208,8 +208,8 @@ def test_outermost_lines_that_are_off_are_named_by_import_and_check(tmp_path: Pa
     for step, what in ((0.0, ""), (-8.0, "% of what is worn lies"), (6.0, "% of what is worn is piled up")):
         record, _, _ = imported(heights_of(tmp_path, np.where(np.arange(81) > 78, height + step, height), 10.0))
         checked = [remark.text for remark in check_record(record).remarks]
-        for told in (record.notes, checked):
-            assert any("along the border" in one and what in one for one in told) == bool(what)
+        for notes in (record.notes, checked):
+            assert any("along the border" in one and what in one for one in notes) == bool(what)
 
 
 def test_a_ball_whose_map_is_a_paraboloid_is_offered_the_radius_that_comes_nearest(tmp_path: Path) -> None:

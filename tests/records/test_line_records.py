@@ -19,7 +19,7 @@ from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.pictures.lines import line_variants
 from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
 from wirewear.records.remarks import Remark
-from wirewear.records.values import believed_study
+from wirewear.records.values import stated_study
 from wirewear.results import RunResult, read_result, write_result
 from wirewear.simulation import simulate
 from wirewear.views.comparison_page import write_comparison
@@ -101,9 +101,9 @@ def test_an_export_states_the_rig_of_the_whole_contact_as_its_model_has_it_per_m
     study["holder"] |= {"tangential_stiffness_N_per_mm": 250.0}
     record = record_of_result(replace(result, study=study), 8.0)
     assert record.tables.stated.tangential_stiffness_N_per_mm == pytest.approx(8.0 * 250.0)
-    believed = believed_study(record.tables)
-    assert believed.of_length(1.0).holder.tangential_stiffness_N_per_mm == pytest.approx(250.0)
-    assert believed.wear.model_dump() == line_study().wear.model_dump()
+    study = stated_study(record.tables)
+    assert study.of_length(1.0).holder.tangential_stiffness_N_per_mm == pytest.approx(250.0)
+    assert study.wear.model_dump() == line_study().wear.model_dump()
 
 
 def test_a_sensor_of_a_millimetre_reads_of_the_whole_contact_the_same(result: RunResult) -> None:
@@ -161,14 +161,14 @@ def test_profiles_of_exchanged_bodies_show_as_the_flats_scar_is_longer_by_the_st
     pad, flat = (np.maximum(1.0 - (x / wide) ** 2, 0.0) for wide in (half, half + reach))
     random = np.random.default_rng(1)
 
-    def told(**depths: Array) -> tuple[Remark, ...]:
+    def remarks_on(**depths: Array) -> tuple[Remark, ...]:
         profiles = (
             MeasuredProfile(1, body, x, d + 0.01 * random.standard_normal(x.size)) for body, d in depths.items()
         )
         return check_record(replace(record, scars=tuple(profiles))).problems
 
-    assert not [one for one in told(pad=pad, specimen=flat) if "shorter" in one.text]
-    assert [one for one in told(pad=flat, specimen=pad) if "shorter than the pad's that wore it" in one.text]
+    assert not [one for one in remarks_on(pad=pad, specimen=flat) if "shorter" in one.text]
+    assert [one for one in remarks_on(pad=flat, specimen=pad) if "shorter than the pad's that wore it" in one.text]
 
 
 @pytest.mark.parametrize(

@@ -84,7 +84,7 @@ def test_an_exported_run_comes_back_as_its_own_record_without_problems(tmp_path:
     record = read_record(write_record(tmp_path / "record", record_of_result(run, depth_noise_um=NOISE_um)))
     assert record.contact_kind == kind
     assert [problem.text for problem in check_record(record).problems] == []
-    assert study_from_tables(believed(record), "s").bodies == study_from_tables(run.study, "s").bodies
+    assert study_from_tables(tables_of_study(record), "s").bodies == study_from_tables(run.study, "s").bodies
     for body in run.bodies:
         assert record.worn_volumes_mm3[body][1] == pytest.approx(run.scar(100_000, body).volume_mm3, rel=0.01)
 
@@ -97,10 +97,10 @@ def test_a_run_of_which_no_record_would_be_read_is_not_exported() -> None:
         record_of_result(dataclasses.replace(run, study={**run.study, "bodies": bodies}))
 
 
-def believed(record: ExperimentRecord[Any, Any]) -> dict[str, Any]:
-    from wirewear.records.values import believed_tables
+def tables_of_study(record: ExperimentRecord[Any, Any]) -> dict[str, Any]:
+    from wirewear.records.values import stated_tables
 
-    return believed_tables(record.tables, 0.62)
+    return stated_tables(record.tables, 0.62)
 
 
 def test_a_ball_is_as_stiff_as_hertz_and_mindlin_make_it_and_as_crossed_cylinders() -> None:
@@ -126,8 +126,8 @@ def test_a_ball_is_as_stiff_as_hertz_and_mindlin_make_it_and_as_crossed_cylinder
 def test_scars_of_a_ball_that_cannot_be_are_stated(spoil: Any, says: str) -> None:
     record = record_of_result(run_of("ball-on-flat"))
     flat, ball = record.scars
-    told = check_record(dataclasses.replace(record, scars=(spoil(flat), ball))).problems
-    assert any(says.lower() in problem.text.lower() for problem in told), told
+    problems = check_record(dataclasses.replace(record, scars=(spoil(flat), ball))).problems
+    assert any(says.lower() in problem.text.lower() for problem in problems), problems
 
 
 def test_lists_of_an_export_that_are_repeated_add_up(tmp_path: Path) -> None:
@@ -154,8 +154,8 @@ def test_heights_of_any_bodies_come_back_as_their_scars(tmp_path: Path, kind: st
         table.with_columns(tilted, table["x_um"] + 40.0).write_csv(path)
     if kind == "ball-on-flat":
         files = [str(path) for path in sorted(tmp_path.glob("*.csv"))]
-        told = ["--kind", kind, "--diameter", str(2 * RADIUS_mm), "--frequency", "3"]
-        wirewear("new", "--mapping", *files, *told)
+        options = ["--kind", kind, "--diameter", str(2 * RADIUS_mm), "--frequency", "3"]
+        wirewear("new", "--mapping", *files, *options)
     else:
         (tmp_path / "mapping.toml").write_text(MAPPING, encoding="utf-8")
     record = import_record(tmp_path / "mapping.toml")
@@ -173,9 +173,9 @@ def test_a_run_of_another_ball_is_not_of_the_records_test() -> None:
     other = deepcopy(run.study)
     other["bodies"]["ball"]["diameter_mm"] = 6.0
     assert compare(run, record).unlike is None
-    told = compare(dataclasses.replace(run, study=other), record).unlike
-    assert told is not None
-    assert "diameter_mm of the ball is 6 in the run and 3 in the record" in told
+    message = compare(dataclasses.replace(run, study=other), record).unlike
+    assert message is not None
+    assert "diameter_mm of the ball is 6 in the run and 3 in the record" in message
 
 
 MAPPING = f"""

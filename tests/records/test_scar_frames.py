@@ -173,7 +173,7 @@ def test_noise_around_a_scar_adds_nothing_to_its_volume_which_is_the_same_wherev
         assert np.mean(pair.simulated_volumes_mm3) == pytest.approx(np.mean(pair.measured_volumes_mm3), rel=0.005)
 
 
-def believed(mapping: Path, stated: str) -> Path:
+def stating(mapping: Path, stated: str) -> Path:
     """The mapping once the owner has stated his rig."""
     text = mapping.read_text(encoding="utf-8")
     mapping.write_text(re.sub(r"(\[stated\].*\n)", rf"\1{stated}\n", text), encoding="utf-8")
@@ -191,7 +191,7 @@ def test_a_line_contacts_heights_come_back_as_the_run_that_they_were_exported_fr
     files = laid_askew(tmp_path)
     call = ["new", "--mapping", *files, "--length", "8", "--radius", "6", "--cycles", "20000", "--frequency", "1"]
     wirewear(*call)
-    mapping = believed(
+    mapping = stating(
         tmp_path / "mapping.toml",
         """friction = 0.6
 pad_energy_wear_coefficient_mm3_per_J = 4e-5

@@ -11,7 +11,7 @@ import pytest
 from geometry.arrays import Array
 from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar, checking
-from wirewear.records.checking import problems_told
+from wirewear.records.checking import problems_of
 from wirewear.records.importing.loop_sources import read_loops
 
 pytestmark = pytest.mark.seconds
@@ -230,10 +230,10 @@ def test_check_names_a_fault_and_nothing_is_concluded_without_a_word(sound: Expe
     assert any(words in text for text in texts), texts
     assert not any("nan" in text.split() or "inf" in text.split() for text in texts)
     if concludes:
-        assert any(words in text for text in problems_told(record))
+        assert any(words in text for text in problems_of(record))
     else:
         with pytest.raises(RecordError, match="nothing can be concluded"):
-            problems_told(record)
+            problems_of(record)
 
 
 @pytest.mark.parametrize("exchange", [((1, 50), (2, 50)), ((3, 40), (3, 50))], ids=["repeats", "cycles"])
@@ -254,8 +254,8 @@ def test_without_an_evolution_the_other_repeats_reveal_loops_that_are_exchanged(
         for cycle in range(10, 90, 10)
     ]
     bare = replace(sound, loops=tuple(made), evolution=())
-    told = [[problem.text for problem in check_record(one).problems] for one in (bare, loops_of_two(*exchange)(bare))]
-    assert [sum("have each other's energy" in text for text in own) for own in told] == [0, 1]
+    texts = [[problem.text for problem in check_record(one).problems] for one in (bare, loops_of_two(*exchange)(bare))]
+    assert [sum("have each other's energy" in text for text in own) for own in texts] == [0, 1]
 
 
 @pytest.mark.parametrize(("looked_at", "words"), [(12, "1 of 12 logged loops."), (2, "1 of 2 logged loops looked at.")])
@@ -303,6 +303,6 @@ def test_scars_that_worn_cylinders_leave_are_no_problem_at_any_angle(sound: Expe
     assert not [problem.text for problem in check_record(record).problems if "mirrored" in problem.text]
     for place in (0, 1):
         seen = replace(record, scars=tuple(mirrored(own) if n == place else own for n, own in enumerate(made)))
-        told = [problem.text for problem in check_record(seen).problems if "mirrored" in problem.text]
+        texts = [problem.text for problem in check_record(seen).problems if "mirrored" in problem.text]
         # At 90° a scar is its own mirror image.
-        assert len(told) == (angle_deg < 90.0)
+        assert len(texts) == (angle_deg < 90.0)

@@ -195,17 +195,17 @@ def test_one_file_that_cannot_be_read_does_not_keep_the_others_from_being_guesse
     (tmp_path / "old.xls").write_bytes(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600))
     (tmp_path / "cut.sur").write_bytes(b"DIGITAL SURF" + bytes(30))
     others = [tmp_path / name for name in ("notes.txt", "old.xls", "cut.sur")]
-    told = " ".join(guessed([*files, *others], {"diameter_mm": 0.45}).remarks)
-    assert re.search(r"notes.txt was left out: .*no table of numbers", told)
-    assert "old.xls was left out" in told
-    assert "cut.sur was left out" in told
-    assert "save it as .xlsx or as CSV" in told
+    remarks = " ".join(guessed([*files, *others], {"diameter_mm": 0.45}).remarks)
+    assert re.search(r"notes.txt was left out: .*no table of numbers", remarks)
+    assert "old.xls was left out" in remarks
+    assert "cut.sur was left out" in remarks
+    assert "save it as .xlsx or as CSV" in remarks
 
 
 def test_what_is_assumed_of_the_wires_is_said(tmp_path: Path) -> None:
     files = write(KINDS["units in brackets"](ENGLISH), tmp_path)
-    told = " ".join(guessed(files, {"diameter_mm": 0.45}).remarks)
-    assert "the wires are taken to cross at 90°" in told
+    remarks = " ".join(guessed(files, {"diameter_mm": 0.45}).remarks)
+    assert "the wires are taken to cross at 90°" in remarks
     crossed = guessed(files, {"diameter_mm": 0.45, "crossing_angle_deg": 60.0})
     assert crossed.tables["wires"]["crossing_angle_deg"] == 60.0
     assert "90°" not in " ".join(crossed.remarks)

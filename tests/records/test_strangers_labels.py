@@ -71,10 +71,10 @@ def require_right(path: Path, repeats: Sequence[int] = (1, 1, 1, 1), cycles: Seq
     """See that both commands read all loops under their numbers."""
     found = read_loops(path, normal_load="2")
     assert [(loop.repeat, loop.cycle) for loop in found] == list(zip(repeats, cycles, strict=True))
-    told = guess(path)
-    assert told.tables["conditions"]["cycles"] == max(cycles)
+    message = guess(path)
+    assert message.tables["conditions"]["cycles"] == max(cycles)
     mapping = path.with_name("mapping.toml")
-    mapping.write_text(guessing.mapping_text(told), encoding="utf-8")
+    mapping.write_text(guessing.mapping_text(message), encoding="utf-8")
     record = import_record(mapping)
     assert [(loop.repeat, loop.cycle) for loop in record.loops] == list(zip(repeats, cycles, strict=True))
     for loop, limit in zip(record.loops, FORCES_N, strict=True):
@@ -142,8 +142,8 @@ def test_sheets_of_a_workbook_are_read_as_their_cycles(tmp_path: Path, titles: s
     sheets: list[Titled] = [(titles.format(n), names, own) for n, own in zip(CYCLES, LOOPS, strict=True)]
     path = workbook(tmp_path / "log.xlsx", [*sheets, ("Summary", [["cycle", "energy"]], LOOPS[0])])
     require_right(path)
-    assert any("4 sheets are read, as cycles 1, 100, 1000, 5000" in told for told in guess(path).remarks)
-    assert any("'Summary' is not read" in told for told in guess(path).remarks)
+    assert any("4 sheets are read, as cycles 1, 100, 1000, 5000" in message for message in guess(path).remarks)
+    assert any("'Summary' is not read" in message for message in guess(path).remarks)
 
 
 def test_sheets_are_numbered_by_what_stands_above_their_names_and_by_tests(tmp_path: Path) -> None:
@@ -160,10 +160,10 @@ def test_sheets_are_numbered_by_what_stands_above_their_names_and_by_tests(tmp_p
 def test_sheets_that_nothing_numbers_are_named_as_not_read(tmp_path: Path) -> None:
     names = [["Displacement (um)", "Force (N)"]]
     path = workbook(tmp_path / "log.xlsx", [(f"Sheet{n}", names, own) for n, own in enumerate(LOOPS)])
-    told = "log.xlsx: of its sheets, 'Sheet1', 'Sheet2', 'Sheet3' are not read"
-    assert told in guess(path).remarks
+    message = "log.xlsx: of its sheets, 'Sheet1', 'Sheet2', 'Sheet3' are not read"
+    assert message in guess(path).remarks
     (loop,) = read_loops(path)
-    assert told in loop.notes
+    assert message in loop.notes
 
 
 @pytest.mark.parametrize(("further", "left"), [("", "'Cycle 100', 'Summary' are"), (BLOCKS, "'Summary' is")])
@@ -183,7 +183,7 @@ def test_a_mapping_written_by_hand_names_the_sheets_that_its_import_does_not_rea
 
 
 @pytest.mark.parametrize(
-    ("labels", "told"),
+    ("labels", "message"),
     [
         (
             ("running-in", "steady", "steady", "end"),
@@ -193,13 +193,13 @@ def test_a_mapping_written_by_hand_names_the_sheets_that_its_import_does_not_rea
     ],
 )
 def test_a_column_that_parts_the_samples_and_is_not_read_is_named(
-    tmp_path: Path, labels: tuple[str, ...], told: str
+    tmp_path: Path, labels: tuple[str, ...], message: str
 ) -> None:
     path = tmp_path / "log.csv"
     parts = (rows(own, label) for label, own in zip(labels, LOOPS, strict=True))
     path.write_text("Phase,Displacement um,Force N\n" + "".join(parts), encoding="utf-8")
-    assert any(f"{told}, and is not read" in note for note in guess(path).remarks)
-    assert any(f"{told}, and is not read" in note for note in read_loops(path)[0].notes)
+    assert any(f"{message}, and is not read" in note for note in guess(path).remarks)
+    assert any(f"{message}, and is not read" in note for note in read_loops(path)[0].notes)
 
 
 def test_a_formula_without_a_value_is_named_with_its_place(tmp_path: Path) -> None:
@@ -229,7 +229,7 @@ FAR = b"".join(b'<row r="%d"><c r="XFD%d"><v>1</v></c></row>' % (n, n) for n in 
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "message"),
     [
         ({b'<row r="50"': b'<row r="99999999999"'}, "a row of number 99 999 999 999, where a sheet has at most 1 048"),
         ({b'r="B50"': b'r="XFE50"'}, "a column of number 16 385, where a sheet has at most 16 384"),
@@ -237,8 +237,8 @@ FAR = b"".join(b'<row r="%d"><c r="XFD%d"><v>1</v></c></row>' % (n, n) for n in 
     ],
     ids=["row 10^11", "beyond XFD", "30 000 in XFD"],
 )  # fmt: skip
-def test_workbooks_are_weighed_before_they_are_read(tmp_path: Path, changes: dict[bytes, bytes], told: str) -> None:
+def test_workbooks_are_weighed_before_they_are_read(tmp_path: Path, changes: dict[bytes, bytes], message: str) -> None:
     path = workbook(tmp_path / "log.xlsx", [("Data", [["Displacement (um)", "Force (N)"]], LOOPS[0])])
     repacked(path, changes)
-    with pytest.raises(RecordError, match=told.replace(" ", r"\s")):
+    with pytest.raises(RecordError, match=message.replace(" ", r"\s")):
         read_loops(path)

@@ -74,8 +74,8 @@ def test_unknown_names_in_an_encoding_that_was_guessed_are_listed_with_the_optio
     path = written(tmp_path, "ABC;кол;дол", TIME, X, FORCE, encoding="cp1251")
     with pytest.raises(RecordError, match=r"--displacement COLUMN:UNIT, or another --encoding than cp1252, which is a"):
         read_loops(path)
-    told = " ".join(guessing.guessed_mapping([path], {}, guessing.crossed_wires({}, {})).remarks)
-    assert "the encoding cp1252 is a guess" in told
+    message = " ".join(guessing.guessed_mapping([path], {}, guessing.crossed_wires({}, {})).remarks)
+    assert "the encoding cp1252 is a guess" in message
 
 
 MISSING = (
@@ -131,18 +131,18 @@ def test_a_channel_whose_zero_was_set_is_taken_for_the_other_with_a_word(tmp_pat
     path = written(tmp_path, "Time (s),Displacement (um),Force (N),Force tared (N)", TIME, X, FORCE + 5.0, FORCE)
     loops = read_loops(path)
     assert energies_mJ(loops) == pytest.approx([energy_mJ()] * 4, rel=0.01)
-    told = "log.csv: 'Force tared (N)' is taken for the force, and not 'Force (N)'"
-    assert told in loops[0].notes
-    assert told in looked_into(path).remarks
+    message = "log.csv: 'Force tared (N)' is taken for the force, and not 'Force (N)'"
+    assert message in loops[0].notes
+    assert message in looked_into(path).remarks
     chosen = read_loops(path, force="Force (N):N")
     assert float(np.mean(chosen[0].tangential_force_N)) == pytest.approx(5.0, abs=0.1)
-    assert told not in chosen[0].notes
+    assert message not in chosen[0].notes
 
 
 def test_a_load_in_another_unit_than_its_name_says_is_found_from_loops_alone(tmp_path: Path) -> None:
     path = written(tmp_path, "Displacement (um),Force (N),Load (N)", X, FORCE, 2000.0 + 0.0 * X)
-    told = remarks(analyse_loops(read_loops(path)))
-    assert any("times the normal load, which no dry friction gives" in one for one in told)
+    message = remarks(analyse_loops(read_loops(path)))
+    assert any("times the normal load, which no dry friction gives" in one for one in message)
     assert not any("dry friction" in one for one in remarks(analyse_loops(read_loops(path, normal_load="2"))))
 
 
@@ -161,7 +161,7 @@ def test_a_factor_in_a_name_is_neither_passed_over_nor_read_as_one(tmp_path: Pat
     chosen = read_loops(path, force=f"{name}:N")
     assert chosen[0].time_s is not None
     assert energies_mJ(chosen) == pytest.approx([10.0 * energy_mJ()] * 4, rel=0.01)
-    assert any("states a factor" in told for told in looked_into(path).remarks)
+    assert any("states a factor" in message for message in looked_into(path).remarks)
 
 
 @pytest.mark.parametrize("sign", [",", ";", "\t"])

@@ -1,4 +1,4 @@
-"""What `check` knows, `diagnose`, `compare` and `export` know: nothing is concluded from what cannot be, or it is told.
+"""What `check` knows, `diagnose`, `compare` and `export` know: nothing is concluded from what cannot be, or it is said.
 
 On version 8318817 each of these records was "no gap" without a word.
 """
@@ -20,7 +20,7 @@ from wirewear import RecordError, RunResult, check_record, load_study, read_reco
 from wirewear.comparison.comparison import compare
 from wirewear.diagnosis import diagnose
 from wirewear.records import ExperimentRecord, MeasuredLoop
-from wirewear.records.checking import problems_told
+from wirewear.records.checking import problems_of
 
 STEEL_WIRES = Path(__file__).parents[2] / "studies" / "steel_wires"
 EXAMPLE = STEEL_WIRES / "example_records" / "no_gap"
@@ -70,7 +70,7 @@ REFUSED = [
 @pytest.mark.parametrize(("change", "words"), REFUSED)
 def test_a_record_that_cannot_be_is_refused_with_a_cause(sound: ExperimentRecord, change: Change, words: str) -> None:
     assert json.loads(json.dumps(check_record(change(sound)).to_json()))["remarks"]
-    for conclude in (problems_told, diagnose, lambda record: compare(run(), record)):
+    for conclude in (problems_of, diagnose, lambda record: compare(run(), record)):
         with pytest.raises(
             RecordError, match=r"nothing can be concluded from the record 'no_gap \(simulated\)': "
         ) as refused:
@@ -117,8 +117,8 @@ NAMED = [
 
 @pytest.mark.parametrize(("change", "words"), NAMED)
 def test_check_names_what_the_channels_of_its_loops_do(sound: ExperimentRecord, change: Change, words: str) -> None:
-    told = [remark.text for remark in check_record(change(sound)).remarks]
-    assert any(re.search(words, text) for text in told), told
+    texts = [remark.text for remark in check_record(change(sound)).remarks]
+    assert any(re.search(words, text) for text in texts), texts
     assert not any(text.startswith("In ") for text in (remark.text for remark in check_record(sound).remarks))
 
 
@@ -158,9 +158,9 @@ def test_noise_that_is_as_stated_draws_no_remark(
     record = replace(sound, tables=tables, loops=tuple(_driven(samples, dense_at_turns, stated)))
     assert [remark.text for remark in check_record(record).remarks if remark.topic == "noise"] == []
     louder = replace(record, loops=tuple(_driven(samples, dense_at_turns, 3.0 * stated + 0.3)))
-    told = [remark.text for remark in check_record(louder).remarks if remark.topic == "noise"]
-    assert len(told) == 2
-    assert all("but stated as" in text for text in told)
+    texts = [remark.text for remark in check_record(louder).remarks if remark.topic == "noise"]
+    assert len(texts) == 2
+    assert all("but stated as" in text for text in texts)
 
 
 def stepped(step_N: float) -> Change:

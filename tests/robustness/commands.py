@@ -128,7 +128,7 @@ repeat = "repeat"
 TEXTS = {"study.toml": STUDY, "variants.toml": STUDY + VARIANTS, "flat.toml": FLAT, "mapping.toml": MAPPING}
 
 BEFORE = "before.txt"  #: A file that lies in an output folder before a command writes there.
-_TIMES = ("timings_s",)  #: Arrays of a result that tell how long it took.
+_TIMES = ("timings_s",)  #: Arrays of a result that show how long it took.
 
 Outcome = Callable[[Path], dict[str, str]]
 
@@ -157,7 +157,7 @@ def digest(data: bytes) -> str:
 
 def all_results(folder: Path) -> dict[str, str]:
     """Digests of all that runs have left in out/: every array of every result, and other files."""
-    # The page of a run tells how long it took.
+    # The page of a run shows how long it took.
     found = files_of("out", "result.h5", "report.html", BEFORE)(folder)
 
     def add(place: str, name: str, item: object) -> None:

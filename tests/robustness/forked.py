@@ -30,8 +30,8 @@ class Ended:
     @property
     def sentence(self) -> bool:
         """Whether it ended by itself in a sentence, and not in a traceback or by a signal."""
-        told = [line for line in self.errors.splitlines() if line.startswith("wirewear: ")]
-        return self.status == 2 and bool(told) and "Traceback" not in self.errors
+        messages = [line for line in self.errors.splitlines() if line.startswith("wirewear: ")]
+        return self.status == 2 and bool(messages) and "Traceback" not in self.errors
 
     @property
     def last_words(self) -> str:

@@ -41,8 +41,8 @@ def _outcome(reader: Reader, folder: Path) -> tuple[str, str | None]:
             reader.read(folder)
     except BaseException as error:  # noqa: BLE001 - any end but a refusal is what is looked for
         if isinstance(error, WirewearError) or type(error).__name__ in REFUSALS:
-            told = str(error)
-            return "refused", f"no sentence: {told[:200]!r}" if "\n" in told or not told else None
+            message = str(error)
+            return "refused", f"no sentence: {message[:200]!r}" if "\n" in message or not message else None
         return "traceback", f"{type(error).__name__}: {str(error)[:200]} ({_where(error)})"
     return "read", None
 

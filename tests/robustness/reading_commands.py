@@ -52,9 +52,9 @@ def command(*arguments: str, of: click.Command = cli) -> Callable[[Path], object
         if ended.exception is not None and not isinstance(ended.exception, SystemExit):
             raise ended.exception
         if ended.exit_code == 2:
-            told = [line for line in ended.stderr.splitlines() if line.startswith("wirewear: ")]
-            if not told or _BEGINS not in told[-1]:
-                raise WirewearError(told[-1] if told else "")
+            messages = [line for line in ended.stderr.splitlines() if line.startswith("wirewear: ")]
+            if not messages or _BEGINS not in messages[-1]:
+                raise WirewearError(messages[-1] if messages else "")
         return ended.output
 
     return give
@@ -67,7 +67,7 @@ def commands(made: Made) -> dict[str, Reader]:
     }
 
 
-def _begun(files: dict[str, bytes], mutated: tuple[str, ...], *arguments: str, **more: Any) -> Reader:
+def _running(files: dict[str, bytes], mutated: tuple[str, ...], *arguments: str, **more: Any) -> Reader:
     """A command that is stopped where it begins to simulate."""
     options = {"writes": ("out",), "share": DEAR, "stand_ins": BEGINNING, **more}
     return Reader(files, mutated, command(*arguments), **options)
@@ -90,19 +90,19 @@ def _on_studies(made: Made) -> dict[str, Reader]:
     record = made.folder("runs/record", "record")
     logged = {**wires, **record}
     return {
-        "run": _begun(wires, own, *run, share=0.3),
-        "run, variants": _begun(variants, own, *run, share=0.3),
-        "run, line contact": _begun(flat, own, *run),
-        "run --uncertain": _begun(scattered, own, *run, "--uncertain"),
-        "run --cycles-of": _begun(logged, (*own, *record), *run, "--cycles-of", "{}/record"),
-        "run --resume": _begun(resumed, (*own, *stopped), *run, "--resume"),
-        "run --resume, sealed": _begun(resumed, ("out/checkpoint.h5", "out/result.h5"), *run, "--resume",
+        "run": _running(wires, own, *run, share=0.3),
+        "run, variants": _running(variants, own, *run, share=0.3),
+        "run, line contact": _running(flat, own, *run),
+        "run --uncertain": _running(scattered, own, *run, "--uncertain"),
+        "run --cycles-of": _running(logged, (*own, *record), *run, "--cycles-of", "{}/record"),
+        "run --resume": _running(resumed, (*own, *stopped), *run, "--resume"),
+        "run --resume, sealed": _running(resumed, ("out/checkpoint.h5", "out/result.h5"), *run, "--resume",
                                        finish=sealed),
-        "converge": _begun(wires, own, "converge", *refine),
-        "sweep": _begun(sweep, ("sweep.toml", "sweep.toml", "study.toml"), *swept),
-        "sweep, gone on with": _begun({**sweep, **journal}, tuple(journal), *swept),
+        "converge": _running(wires, own, "converge", *refine),
+        "sweep": _running(sweep, ("sweep.toml", "sweep.toml", "study.toml"), *swept),
+        "sweep, gone on with": _running({**sweep, **journal}, tuple(journal), *swept),
         "mesh": Reader(wires, own, command("mesh", *refine[:-2]), ("out",), DEAREST),
-        "calibrate": _begun(wires, own, "calibrate", "{}/study.toml", "--fidelity", "quick"),
+        "calibrate": _running(wires, own, "calibrate", "{}/study.toml", "--fidelity", "quick"),
         "new": Reader(record, tuple(record), command("new", "x", "--from", "{}/record", "--output", "{}/out/x.toml"),
                       ("out",), 0.3),
     }  # fmt: skip

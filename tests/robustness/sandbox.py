@@ -102,22 +102,22 @@ def ended_in_child(work: Callable[[], tuple[str, str | None]], folder: Path, wri
         os.close(reading)
         _be_child(work, folder, writes, writing)
     os.close(writing)
-    told = _heard(reading, time.monotonic() + MOST_WAIT_s)
-    if told is None:
+    report = _heard(reading, time.monotonic() + MOST_WAIT_s)
+    if report is None:
         os.kill(child, signal.SIGKILL)
     _, status, used = os.wait4(child, 0)
     os.close(reading)
     cpu, peak = used.ru_utime + used.ru_stime, 1024 * used.ru_maxrss
-    if told is None:
+    if report is None:
         return Ending("hang", f"no end after {MOST_WAIT_s:g} s, {cpu:.1f} s of them at work", cpu, peak)
     if os.WIFSIGNALED(status):
         number = os.WTERMSIG(status)
         if number in (signal.SIGXCPU, signal.SIGKILL) and cpu > 0.9 * LONGEST_s:
             return Ending("hang", f"{cpu:.1f} s on the processor", cpu, peak)
         return Ending("crash", f"ended by {signal.Signals(number).name}", cpu, peak)
-    if not told:
+    if not report:
         return Ending("crash", f"ended with {os.waitstatus_to_exitcode(status)}", cpu, peak)
-    how, wrong, deeds = json.loads(told)
+    how, wrong, deeds = json.loads(report)
     if peak > MOST_BYTES:
         wrong = wrong or f"{1e-9 * peak:.1f} GB of memory"
     return Ending(how, wrong, cpu, peak, tuple(deeds))
@@ -125,18 +125,18 @@ def ended_in_child(work: Callable[[], tuple[str, str | None]], folder: Path, wri
 
 def _heard(pipe: int, until: float) -> bytes | None:
     """All that a child writes to a pipe before it closes it; None if it has not by then."""
-    told = b""
+    report = b""
     while (left := until - time.monotonic()) > 0.0:
         if select.select([pipe], [], [], left)[0]:
             part = os.read(pipe, 65_536)
             if not part:
-                return told
-            told += part
+                return report
+            report += part
     return None
 
 
 def _be_child(work: Callable[[], tuple[str, str | None]], folder: Path, writes: Sequence[Path], writing: int) -> None:
-    """Work, tell how it ended, and end."""
+    """Work, report how it ended, and end."""
     try:
         os.chdir(folder)
         seconds = math.ceil(LONGEST_s)

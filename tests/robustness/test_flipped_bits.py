@@ -1,6 +1,6 @@
 """One bit flipped in each kind of file that wirewear reads back: the answer is never another one without a word.
 
-A file with a flipped bit is refused in one sentence, left out, told, or gives what it gave before.
+A file with a flipped bit is refused in one sentence, left out, noted, or gives what it gave before.
 """
 
 import json
@@ -37,11 +37,11 @@ from wirewear.sweeps.sweep import SweepRow
 
 @dataclass(frozen=True)
 class Kind:
-    """A file in a folder, what reads it there, and what tells of a change (empty: nothing does)."""
+    """A file in a folder, what reads it there, and what speaks of a change (empty: nothing does)."""
 
     file: str
     read: Callable[[Path], object]
-    told: Callable[[Any], object] = lambda _: ()
+    notices: Callable[[Any], object] = lambda _: ()
 
 
 def spelled(value: object) -> str:
@@ -114,8 +114,8 @@ def _kinds(base: Path) -> dict[str, Kind]:
     shutil.copy(wire, base / wire.name)
     with suppress(ZeroDivisionError), occupied(base / "held", "a run", asked="this"):
         raise ZeroDivisionError
-    noted = {"read": lambda at: read_record(at / "record"), "told": lambda record: record.notes}
-    line = {"read": lambda at: read_record(at / "line_record"), "told": lambda record: record.notes}
+    noted = {"read": lambda at: read_record(at / "record"), "notices": lambda record: record.notes}
+    line = {"read": lambda at: read_record(at / "line_record"), "notices": lambda record: record.notes}
     tables, line_tables = (
         sorted(path.relative_to(base).as_posix() for path in (base / name).iterdir() if path.is_file())
         for name in ("record", "line_record")
@@ -160,8 +160,8 @@ def how_it_ended(kind: Kind, whole: str, folder: Path, data: bytes) -> str:
         return f"TRACEBACK {type(problem).__name__}"
     if found is None:
         return "left out"
-    if kind.told(found):
-        return "told"
+    if kind.notices(found):
+        return "noted"
     return "the same" if spelled(found) == whole else "ANOTHER ANSWER"
 
 
@@ -177,7 +177,7 @@ def flip(kind: Kind, base: Path) -> None:
         for path, content in keeps.items():
             path.write_bytes(content)
         changed = data[: bit // 8] + bytes([data[bit // 8] ^ (1 << bit % 8)]) + data[bit // 8 + 1 :]
-        assert how_it_ended(kind, before, base, changed) in ("refused", "left out", "told", "the same")
+        assert how_it_ended(kind, before, base, changed) in ("refused", "left out", "noted", "the same")
 
     try:
         flipped()

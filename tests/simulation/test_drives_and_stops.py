@@ -27,7 +27,7 @@ from wirewear.effects.sensors import DisplacementGain
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import ExperimentRecord, read_record, record_of_result, write_record
 from wirewear.records.course_checks import accumulated_energy_J
-from wirewear.records.values import believed_study
+from wirewear.records.values import stated_study
 from wirewear.reference import first_loading_force, partial_slip_point, sliding_threshold
 from wirewear.simulation import simulate
 from wirewear.simulation.control import HeldFigure, amplitude_from
@@ -169,15 +169,15 @@ def test_a_drive_is_suspected_to_hold_its_displacement_only_where_it_is_stated_t
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "told"),
+    ("key", "value", "message"),
     [
         ("wear.law", {"name": "energy-threshold", "threshold_mJ_per_mm2": 50.0}, 'has the wear law "energy-threshold"'),
-        ("wires.fixed.layers", [{"thickness_um": 1.0}], "has layers, which the fast model does not foresee"),
+        ("wires.fixed.layers", [{"thickness_um": 1.0}], "has layers, which the fast model does not cover"),
     ],
 )
-def test_a_model_that_wears_as_the_fast_model_does_not_foresee_is_refused(key: str, value: Any, told: str) -> None:
+def test_a_model_that_wears_as_the_fast_model_does_not_cover_is_refused(key: str, value: Any, message: str) -> None:
     measured = record(repeats=1)
-    with pytest.raises(RecordError, match=told):
+    with pytest.raises(RecordError, match=message):
         PointModel(nominal_study(measured).with_values({key: value})).of_record(measured)
 
 
@@ -277,7 +277,7 @@ def test_line_contacts_go_through_blocks_too() -> None:
 
 
 @pytest.mark.parametrize(
-    ("programme", "told"),
+    ("programme", "message"),
     [
         (block(100, "conditions.cycles = 3"), r"conditions in \[\[programme\]\] number 1 .*same for the whole test"),
         (block(100, "contact = 3"), r"contact in \[\[programme\]\] number 1 .*must be a table"),
@@ -286,8 +286,8 @@ def test_line_contacts_go_through_blocks_too() -> None:
         ("[programme]\ncycles = 3\n", "programme .*must be a list of tables"),
     ],
 )
-def test_a_programme_that_cannot_be_is_stated_with_its_block(programme: str, told: str) -> None:
-    with pytest.raises(StudyError, match=told):
+def test_a_programme_that_cannot_be_is_stated_with_its_block(programme: str, message: str) -> None:
+    with pytest.raises(StudyError, match=message):
         coarse(LONG + programme)
 
 
@@ -307,12 +307,12 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> ExperimentRecord:
 
 @pytest.mark.seconds
 def test_a_record_states_the_programme_that_its_simulation_had(measured: ExperimentRecord) -> None:
-    believed = believed_study(measured.tables)
-    assert [(own.end, own.block) for own in believed.schedule.stretches] == [
+    stated = stated_study(measured.tables)
+    assert [(own.end, own.block) for own in stated.schedule.stretches] == [
         (100, 1), (150, 2), (210, 3), (310, 1), (360, 2), (400, 3),
     ]  # fmt: skip
-    assert [own.study.contact.friction for own in believed.schedule.stretches[:3]] == [0.62, 0.62, 0.5]
-    assert [own.study.conditions.normal_load_N for own in believed.schedule.stretches[:3]] == [2.0, 1.5, 2.0]
+    assert [own.study.contact.friction for own in stated.schedule.stretches[:3]] == [0.62, 0.62, 0.5]
+    assert [own.study.conditions.normal_load_N for own in stated.schedule.stretches[:3]] == [2.0, 1.5, 2.0]
 
 
 def test_a_block_of_a_record_is_a_test_of_its_conditions_in_which_all_wear(measured: ExperimentRecord) -> None:
@@ -324,8 +324,8 @@ def test_a_block_of_a_record_is_a_test_of_its_conditions_in_which_all_wear(measu
     whole = accumulated_energy_J(measured.of_block(1), 1)
     assert whole == pytest.approx(accumulated_energy_J(third, 1), rel=0.02)
     assert third.of_block() is third
-    believed = believed_study(third.tables)
-    assert [own.study.contact.friction for own in believed.schedule.stretches[:3]] == [0.62, 0.62, 0.5]
+    stated = stated_study(third.tables)
+    assert [own.study.contact.friction for own in stated.schedule.stretches[:3]] == [0.62, 0.62, 0.5]
 
 
 def test_by_default_the_block_with_the_longest_stroke_and_most_loops_is_looked_at(measured: ExperimentRecord) -> None:
@@ -342,11 +342,11 @@ def test_a_record_states_a_load_that_varies_and_what_the_drive_holds_which_is_no
     held = LONG.replace("cycles = 400", "cycles = 3\nheld_energy_mJ = 0.05\nload_cycle = { amplitude_share = 0.2 }")
     record = record_of_result(simulate(coarse(held), fidelity="quick"))
     write_record(tmp_path, record)
-    believed = believed_study(read_record(tmp_path).tables)
-    assert believed.conditions.held_energy_mJ == 0.05
-    assert believed.conditions.load_cycle.amplitude == 0.2
+    stated = stated_study(read_record(tmp_path).tables)
+    assert stated.conditions.held_energy_mJ == 0.05
+    assert stated.conditions.load_cycle.amplitude == 0.2
     with pytest.raises(
-        RecordError, match="has a load that varies within the cycle, which the fast model does not foresee"
+        RecordError, match="has a load that varies within the cycle, which the fast model does not cover"
     ):
         fit_record(record)
     steady = record.tables.conditions.model_copy(update={"load_cycle": None})

@@ -124,8 +124,8 @@ def test_a_rig_that_takes_the_whole_stroke_is_the_first_thing_that_a_run_says(as
     study, folder = tmp_path / "study.toml", tmp_path / "out"
     study.write_text(wires(2, rig="20.0"), encoding="utf-8")
     options = ["--fidelity", "quick", "--output", str(folder), *(["--json"] if as_json else [])]
-    told = wirewear("run", study, *options)
-    said = json.loads(told.stdout)[0]["sentence"] if as_json else told.stdout.splitlines()[0]
+    ended = wirewear("run", study, *options)
+    said = json.loads(ended.stdout)[0]["sentence"] if as_json else ended.stdout.splitlines()[0]
     sentence = "the rig takes the whole stroke, so the contact sticks at least in its middle: µP/K = 62 µm"
     assert said.startswith(f"few cycles: {sentence}")
     assert "δa = 40 µm" in said

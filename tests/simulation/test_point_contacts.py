@@ -99,12 +99,12 @@ def test_crossed_wires_are_the_short_form_of_a_point_contact_at_any_angle(moving
     """Stated as both wires with what one has different, by their bodies, or as shapes of a point contact."""
     stated = {**UNLIKE[0], "fixed": UNLIKE[1], "crossing_angle_deg": (fixed_deg - moving_deg) % 180.0}
     asked = TEST["conditions"] | {"normal_load_N": 2.0, "cycles": 1000}
-    told = [
+    as_points = [
         study({"kind": "crossed-wires", "wires": stated}, conditions=asked | {"motion_angle_deg": -moving_deg}),
         study(wires(moving_deg, fixed_deg), conditions=asked),
     ]
     own = [{"shape": "wire"} | one for one in wires(moving_deg, fixed_deg)["bodies"].values()]
-    point, *both = (discretise(each, "quick") for each in (study(bodies(*own), conditions=asked), *told))
+    point, *both = (discretise(each, "quick") for each in (study(bodies(*own), conditions=asked), *as_points))
     for one in both:
         assert one.hertz.peak_pressure_MPa == pytest.approx(point.hertz.peak_pressure_MPa)
         for own_mesh, mesh in ((one.moving, point.moving), (one.fixed, point.fixed)):
@@ -173,9 +173,9 @@ def test_a_crossing_angle_counts_where_both_wires_state_all_else_and_so_does_wha
     ],
 )
 def test_what_is_no_contact_at_a_point_is_refused(contact: dict[str, Any], tables: dict[str, Any], says: str) -> None:
-    told = refusal(contact, **tables)
-    assert says in told
-    assert "\n" not in told
+    message = refusal(contact, **tables)
+    assert says in message
+    assert "\n" not in message
 
 
 def test_what_the_fixed_wire_takes_over_from_the_moving_one_is_said() -> None:

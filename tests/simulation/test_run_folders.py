@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 
 
 class Notes(Recorder):
-    """Keeps what the user is told."""
+    """Keeps what the user reads."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -51,7 +51,7 @@ def simulated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def run(output: Path, study: Study | None = None, *, resume: bool = True) -> list[str]:
-    """Run a study in a folder; returns what its user was told."""
+    """Run a study in a folder; returns what its user read."""
     notes = Notes()
     run_study(
         study or coarse(), fidelity="quick", output=output, resume=resume, observer_of=lambda _: nullcontext(notes)

@@ -201,8 +201,8 @@ def test_a_pressure_that_no_such_body_bears_is_said_by_run_and_page(
     said = f"{1e-3 * borne_MPa:.3g} GPa that they bear"
     impossible = largest > borne_MPa
     assert (said in sentence(run)) == (said in run_page([run])) == impossible
-    (told,) = json.loads(runs_json([run]))
-    assert (said in told["sentence"]) == (not told["quality"]["pressure_against_strength"]["sound"]) == impossible
+    (summary,) = json.loads(runs_json([run]))
+    assert (said in summary["sentence"]) == (not summary["quality"]["pressure_against_strength"]["sound"]) == impossible
 
 
 def test_both_bodies_maps_show_one_pressure(problem: ContactProblem) -> None:

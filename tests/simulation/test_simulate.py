@@ -35,7 +35,7 @@ jump_tolerance = 0.3
 
 
 class Recorder(Observer):
-    """Counts what it is told, and interrupts the run after a number of logged jumps."""
+    """Counts what it is called with, and interrupts the run after a number of logged jumps."""
 
     def __init__(self, stop_after: int | None = None) -> None:
         self.moments: list[Moment] = []

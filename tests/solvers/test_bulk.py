@@ -17,7 +17,7 @@ from tests.studies import coarse, line_study, minimal
 from wirewear import StudyError
 from wirewear.diagnosis.surrogate.nominal import limits_of, require_supported
 from wirewear.records import read_record, record_of_result, write_record
-from wirewear.records.values import believed_study
+from wirewear.records.values import stated_study
 from wirewear.results import read_result
 from wirewear.results.hdf5 import write_result
 from wirewear.simulation import simulate
@@ -165,15 +165,15 @@ def test_bulk_stresses_change_from_block_to_block_of_any_contact() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         (TENSION.replace("400", '"much"'), r"axial_stress_MPa in \[wires.fixed.bulk\] .*must be a number"),
         (block(9, "bulk.third.phase_deg = 3"), r"unknown key 'third' in \[wires\] of block 1"),
         (block(9, "bulk.fixed = 3"), r"bulk in \[wires.fixed\] of block 1 .*must be a table"),
     ],
 )
-def test_a_bulk_stress_that_cannot_be_is_stated_with_its_place(text: str, told: str) -> None:
-    with pytest.raises(StudyError, match=told):
+def test_a_bulk_stress_that_cannot_be_is_stated_with_its_place(text: str, message: str) -> None:
+    with pytest.raises(StudyError, match=message):
         coarse(LONG + text)
 
 
@@ -209,8 +209,8 @@ def test_a_record_states_the_bulk_stress_of_its_test_without_which_loops_are_pre
     result = simulate(coarse(text), fidelity="quick")
     record = record_of_result(result)
     write_record(tmp_path, record)
-    believed = believed_study(read_record(tmp_path).tables)
-    assert [own.study.drive.bulk[1].phase_rad for own in believed.schedule.stretches] == [0.5 * np.pi, 0.0]
+    stated = stated_study(read_record(tmp_path).tables)
+    assert [own.study.drive.bulk[1].phase_rad for own in stated.schedule.stretches] == [0.5 * np.pi, 0.0]
     require_supported(record)
-    (told,) = limits_of(result, believed)
-    assert told.startswith("loops are foreseen without the bulk stresses")
+    (message,) = limits_of(result, stated)
+    assert message.startswith("loops are predicted without the bulk stresses")

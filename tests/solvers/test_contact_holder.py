@@ -51,7 +51,7 @@ def test_sliding_takes_the_force_of_a_body_on_an_inclined_plane(straight: Contac
     level, _, _ = run(straight)
     out, back = 0.3 * AMPLITUDE_mm == WAY, -0.6 * AMPLITUDE_mm == WAY
     rising, falling = float(force[out][-1]), float(force[back][0])
-    # Curvature takes a little off the level force, too; the inclined plane tells how much the slope adds.
+    # Curvature takes a little off the level force, too; the inclined plane shows how much the slope adds.
     phi = atan(float(level[out][-1]) / LOAD_N)
     assert rising == pytest.approx(LOAD_N * tan(phi + ANGLE), rel=2e-3)
     assert falling == pytest.approx(-LOAD_N * tan(phi - ANGLE), rel=2e-3)

@@ -1,4 +1,4 @@
-"""Layers between the surfaces and on them: rough ones, debris, films; how long one lasts, how it rubs, what is told."""
+"""Layers between the surfaces and on them: rough ones, debris, films; how long one lasts, how it rubs, what is said."""
 
 from dataclasses import replace
 from math import sqrt

@@ -99,7 +99,7 @@ def test_commands_on_a_run_whose_wires_part_leave_out_what_is_unknown(run: RunRe
         words = [str(tmp_path / word) if word in ("run", "record", "maps", "loops.png") and at else word
                  for at, word in enumerate(command)]  # fmt: skip
         ended = CliRunner().invoke(cli, words, catch_exceptions=False)
-        # A record of such loops has problems to be told.
+        # A record of such loops has problems to be reported.
         assert ended.exit_code == (1 if command[0] == "check" else 0), ended.output
 
 

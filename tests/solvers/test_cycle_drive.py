@@ -221,9 +221,9 @@ def test_a_mistake_in_a_drive_is_stated_in_one_sentence(key: str, value: object,
 )
 def test_a_study_states_its_drive_as_it_was_given(key: str, value: object) -> None:
     study = coarse().with_values({f"conditions.{key}": value})
-    told = study.resolved()["conditions"][key]
-    assert told == value
-    assert coarse().with_values({f"conditions.{key}": told}).conditions.drive == study.conditions.drive
+    returned = study.resolved()["conditions"][key]
+    assert returned == value
+    assert coarse().with_values({f"conditions.{key}": returned}).conditions.drive == study.conditions.drive
 
 
 @pytest.mark.slow

@@ -78,7 +78,7 @@ def test_jumps_that_are_rejected_without_end_are_an_error() -> None:
 
 
 def test_friction_work_that_jumps_do_not_predict_keeps_the_energy_within_the_tolerance() -> None:
-    # Work per cycle grows as 1 + N / 100, jumps foresee that it stays.
+    # Work per cycle grows as 1 + N / 100, jumps predict that it stays.
     for tolerance in (0.1, 0.02):
         controller, energy, done, jump = solvers.JumpController(tolerance), 1.0, 1.0, 9.0
         steps = 0
@@ -119,19 +119,19 @@ def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = Fals
         Tally(),
     )
 
-    def begun() -> WearStepper:
+    def started() -> WearStepper:
         return whole_cycles(
             Cycler(motion, tally, lambda *_: None), solvers.JumpController(0.1, largest_share=largest_share)
         )
 
-    jumps = begun()
+    jumps = started()
     state = at_the_end(rough(bare, Age(0.0, 0.0)), STROKE_mm)
     sticking, done, wanted = state.core.sum(), 1.0, jumps.first_jump
     with threadpool_limits(1, user_api="blas"):
         while done < cycles:
             step = jumps.step(bare, state, done, wanted, POWERS_OF_TEN, cycles)
             state, wanted, done = step.state, step.next_jump, done + step.jump
-            jumps = begun() if resumed else jumps
+            jumps = started() if resumed else jumps
     return state.wear.energy_mJ, tally.counters.simulated_cycles, float(state.core.sum() / sticking)
 
 

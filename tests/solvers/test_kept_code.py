@@ -52,14 +52,14 @@ def _answer(folder: Path, values: Mapping[str, float], kept: Path | None = None)
         (package / f"{name}.py").write_text(text, encoding="utf-8")
     here = os.pathsep.join([str(folder), *sys.path])
     script = "from things.last import answer; print(answer(1.0), sum(answer.stats.cache_hits.values()))"
-    told = subprocess.run(
+    ran = subprocess.run(
         [sys.executable, "-B", "-c", script],
         env={**os.environ, "PYTHONPATH": here, "NUMBA_CACHE_DIR": str(kept or folder / "kept")},
         capture_output=True,
         text=True,
         check=True,
     )
-    value, loaded = told.stdout.split()
+    value, loaded = ran.stdout.split()
     return float(value), int(loaded)
 
 

@@ -245,9 +245,9 @@ def test_a_peak_counts_as_it_is_between_nodes_that_touch_and_as_its_elements_mea
         assert largest_within(pressure) == (9.0 if inside else 3.0 if shape[1] > 1 else 5.0)
 
 
-@pytest.mark.parametrize(("slip_mm", "told"), [(1e-6, 0.1), (1e-17, 0.0)])
+@pytest.mark.parametrize(("slip_mm", "expected"), [(1e-6, 0.1), (1e-17, 0.0)])
 def test_slip_that_is_round_off_has_no_direction_that_friction_could_miss(
-    monkeypatch: pytest.MonkeyPatch, slip_mm: float, told: float
+    monkeypatch: pytest.MonkeyPatch, slip_mm: float, expected: float
 ) -> None:
     """One node under pressure whose friction lies 0.1 rad off the slip; the bodies close by a micrometre."""
     monkeypatch.setattr(iteration, "unbalanced_force", lambda *_: 0.0)
@@ -260,7 +260,7 @@ def test_slip_that_is_round_off_has_no_direction_that_friction_could_miss(
         near_stick=no, follows=yes, verge=no, direction=np.array([[-1.0, 0.0]]), augmentation=zero, limit=zero,
     )  # fmt: skip
     found = iteration.converged_outcome(cast("Any", conditions), state, state, 3)
-    assert found.slip_direction_error == pytest.approx(told, abs=1e-9)
+    assert found.slip_direction_error == pytest.approx(expected, abs=1e-9)
     assert found.slip_length[0] == pytest.approx(slip_mm)
 
 

@@ -1,4 +1,4 @@
-"""Slip that follows the strain as friction fades or grows: what a jump foresees against a cycle traced after it."""
+"""Slip that follows the strain as friction fades or grows: what a jump predicts against a cycle traced after it."""
 
 from dataclasses import replace
 
@@ -56,7 +56,7 @@ def test_where_all_of_a_contact_slides_a_little_it_slides_farther_as_its_load_fa
     jump = jumped(problem, at_the_end(problem, stroke_mm), 400.0, stroke_mm=stroke_mm)
     assert jump.uncertain
     assert not jump.state.core.any()
-    # Without what the strain gives back the jump foresees 7 and 37 % less work than the cycle after it does.
+    # Without what the strain gives back the jump predicts 7 and 37 % less work than the cycle after it does.
     assert jump.friction_work == pytest.approx(work(problem, jump.state, stroke_mm), rel=0.02)
 
 

@@ -186,7 +186,7 @@ class Asked:
         return Rates(1, np.log10(self.rate) - DEPTHS_mm[None] / self.decay_mm / np.log(10.0))
 
 
-def begun_in_blocks(blocks: list[Asked], ran: int, sums: list[float]) -> list[float]:
+def cycles_to_cracks_in_blocks(blocks: list[Asked], ran: int, sums: list[float]) -> list[float]:
     """Cycles until sums are reached when a run of so many cycles of a programme goes on with it."""
     schedule: Schedule[Any] = Schedule(
         tuple(CycleBlock(cycles=block.cycles, contact={"friction": 0.1 * k}) for k, block in enumerate(blocks, 1)),
@@ -250,7 +250,7 @@ WORN_HIGH, WORN_LOW = Asked(400, 2e-5, 1e-6), Asked(400, 1e-6, 4e-6)
 def test_blocks_start_again_beyond_the_end_of_a_run(blocks: list[Asked], ran: int) -> None:
     """Miner's repetition of the blocks, cycle by cycle, and a bound beyond the run of a life within it."""
     sums = [0.02, 0.05, 0.15, 0.19, 1.0]
-    for asked, found in zip(sums, begun_in_blocks(blocks, ran, sums), strict=True):
+    for asked, found in zip(sums, cycles_to_cracks_in_blocks(blocks, ran, sums), strict=True):
         expected = miner(blocks, asked, 200_000)
         assert found == pytest.approx(expected, rel=0.01) or min(found, expected) > 190_000
 
@@ -373,13 +373,13 @@ def test_the_page_of_a_run_says_where_a_pulled_flat_cracks(tmp_path: Path, monke
     (endless,) = json.loads(wirewear(*again, "--set", "endurance_cycles=9").stdout)["lives"]
     assert endless["cycles_to_initiation"] is None
     assert "no crack begins, for no stress of it would make one within 9 cycles" in endless["sentence"]
-    for mistake, told in (
+    for mistake, message in (
         (["--set", "strength=3"], "unknown key 'strength'"),
         (["--set", "averaging"], "KEY=VALUE"),
         (["--material", "brass"], "in no table of materials"),
     ):
         refused = wirewear(*again, *mistake, code=2)
-        assert told in refused.output
+        assert message in refused.output
         assert "Traceback" not in refused.output
 
 

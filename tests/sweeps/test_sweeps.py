@@ -41,7 +41,7 @@ class InPlace(Engine):
         return 2
 
     def __init__(self, most: float = inf, backwards: bool = False) -> None:
-        self.most, self.backwards, self.begun = most, backwards, 0
+        self.most, self.backwards, self.started = most, backwards, 0
 
     def done(
         self,
@@ -49,9 +49,9 @@ class InPlace(Engine):
         until: float = inf,  # noqa: ARG002
     ) -> Iterator[Done[Result]]:
         for place in reversed(range(len(tasks))) if self.backwards else range(len(tasks)):
-            if self.begun >= self.most:
+            if self.started >= self.most:
                 raise KeyboardInterrupt
-            self.begun += 1
+            self.started += 1
             yield Done(place, tasks[place]())
 
 
@@ -90,10 +90,10 @@ def test_what_a_run_takes_leaves_out_compiling_which_later_runs_are_spared(monke
         raise RunError("nothing but compiled")
 
     monkeypatch.setattr("wirewear.sweeps.sweep.simulate", compiling)
-    begun = time.process_time()
+    started = time.process_time()
     row = run_case(line_study(), {}, "quick", 1, None)
     assert row.failure == "nothing but compiled"
-    assert 0.0 < row.cpu_s < 0.3 * (time.process_time() - begun)
+    assert 0.0 < row.cpu_s < 0.3 * (time.process_time() - started)
 
 
 def files(folder: Path, sweep: Sweep, engine: Engine) -> dict[str, bytes]:
@@ -164,7 +164,7 @@ def test_an_interrupted_sweep_goes_on_to_the_same_files_and_makes_no_run_twice(a
         run_sweep(asked, tmp_path / "broken", InPlace(most=5))
     again = InPlace(backwards=True)
     broken = files(tmp_path / "broken", asked, again)
-    assert again.begun == len(asked) - 5
+    assert again.started == len(asked) - 5
     assert broken == files(tmp_path / "unbroken", asked, InPlace())
 
 
@@ -177,7 +177,7 @@ def test_a_row_that_is_damaged_or_cut_off_is_made_again(asked: Sweep, tmp_path: 
     )
     again = InPlace()
     assert files(tmp_path / "out", asked, again) == whole
-    assert again.begun == 2
+    assert again.started == 2
 
 
 def test_a_failed_run_is_kept_apart_with_its_sentence(asked: Sweep, tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from wirewear.diagnosis.surrogate.nominal import nominal_study
 from wirewear.kinds import any_study, load_any_study
 from wirewear.loops import Sensor, SensorNoise, analyse_loop
 from wirewear.records import LineRecord, check_record
-from wirewear.records.values import believed_study
+from wirewear.records.values import stated_study
 from wirewear.results import BODIES, RunResult
 from wirewear.results.flat import profiles_table, scars_table
 from wirewear.simulation import run_study, simulate
@@ -173,19 +173,19 @@ def test_heights_of_a_ball_are_levelled_to_the_depths_of_its_scar(tmp_path: Path
     if form == "table":
         columns = {"x_um": np.repeat(x, x.size), "y_um": np.tile(x, x.size), "height_um": heights.ravel()}
         pl.DataFrame(columns).write_csv(tmp_path / "ball.csv")
-        told: dict[str, Any] = {"file": str(tmp_path / "ball.csv")}
+        surface_table: dict[str, Any] = {"file": str(tmp_path / "ball.csv")}
         middle = 0.0, 0.0
     else:
         np.save(tmp_path / "ball.npy", 1e3 * heights)
-        told = {"file": str(tmp_path / "ball.npy"), "step_um": 5.0, "height_unit": "nm", "centred_on": "map"}
+        surface_table = {"file": str(tmp_path / "ball.npy"), "step_um": 5.0, "height_unit": "nm", "centred_on": "map"}
         middle = 60.0, -40.0
     tables = study(BALL).resolved()
-    tables["bodies"]["ball"]["surface"] = told
+    tables["bodies"]["ball"]["surface"] = surface_table
     read = any_study(tables, "s.toml")
     assert isinstance(read, Study)
     surface = read.bodies[1].surface
     assert surface is not None
-    Path(told["file"]).unlink()
+    Path(surface_table["file"]).unlink()
     assert study_from_tables(read.resolved(), "again").resolved() == read.resolved()
     at_x, at_y, depth = surface.map
     at_x, at_y = at_x - middle[0], at_y - middle[1]
@@ -228,8 +228,8 @@ def test_a_surface_that_cannot_be_taken_is_stated_in_one_sentence(
     if rows is not None:
         file.write_text(rows, encoding="utf-8")
     tables = study(BALL).resolved()
-    told = {key: value for key, value in ({"file": str(file)} | surface).items() if value is not None}
-    tables["bodies"]["ball"]["surface"] = told
+    surface_table = {key: value for key, value in ({"file": str(file)} | surface).items() if value is not None}
+    tables["bodies"]["ball"]["surface"] = surface_table
     with pytest.raises(StudyError, match=complaint) as found:
         any_study(tables, "s.toml")
     assert "\n" not in str(found.value)
@@ -273,7 +273,7 @@ def stating(record: LineRecord, **stated: object) -> LineRecord:
 
 def test_a_runs_record_carries_its_bodies_into_the_model_that_is_made_of_it(record: LineRecord, tmp_path: Path) -> None:
     read = read_record(write_record(tmp_path, record))
-    study = believed_study(read.tables)
+    study = stated_study(read.tables)
     assert (study.pad.height_mm, study.pad.half_width_mm, study.specimen.height_mm) == (5.0, 4.0, 4.0)
     assert not [remark for remark in check_record(read).remarks if remark.topic == "bodies"]
 
@@ -335,20 +335,20 @@ def test_the_bodies_stiffness_is_that_of_the_loop_on_a_rigid_rig(low: RunResult,
     channels = loop.displacement_um, loop.tangential_force_N, loop.normal_force_N
     measured = analyse_loop(*channels, time_s=loop.time_s).measured_stiffness_N_per_um
     assert measured is not None
-    bodies = bodies_stiffness_N_per_mm2(believed_study(record.tables))
+    bodies = bodies_stiffness_N_per_mm2(stated_study(record.tables))
     assert bodies == pytest.approx(1e3 * measured.value, rel=0.03)
 
 
 def test_a_stiffness_that_includes_the_bodies_leaves_the_rig_what_remains(record: LineRecord) -> None:
-    bodies = LENGTH_mm * bodies_stiffness_N_per_mm2(believed_study(record.tables))
-    alone = believed_study(stating(record, tangential_stiffness_N_per_mm=0.25 * bodies).tables)
+    bodies = LENGTH_mm * bodies_stiffness_N_per_mm2(stated_study(record.tables))
+    alone = stated_study(stating(record, tangential_stiffness_N_per_mm=0.25 * bodies).tables)
     assert alone.holder.tangential_stiffness_N_per_mm == pytest.approx(0.25 * bodies)
     both = stating(record, tangential_stiffness_N_per_mm=0.25 * bodies, stiffness_includes="bodies")
     # In series: 1/0.25 = 1/(1/3) + 1.
-    rig = believed_study(both.tables).holder.tangential_stiffness_N_per_mm
+    rig = stated_study(both.tables).holder.tangential_stiffness_N_per_mm
     assert rig == pytest.approx(bodies / 3.0, rel=0.01)
     with pytest.raises(RecordError, match=r"that includes the bodies, but these alone have"):
-        believed_study(stating(both, tangential_stiffness_N_per_mm=1.5 * bodies).tables)
+        stated_study(stating(both, tangential_stiffness_N_per_mm=1.5 * bodies).tables)
 
 
 @pytest.mark.seconds
@@ -359,6 +359,6 @@ def test_a_record_of_wires_carries_how_they_are_gripped(tmp_path: Path) -> None:
         record = record_of_result(replace(made_up("", 167.0), study=study.resolved()))
         read = read_record(write_record(tmp_path / str(len(values)), record))
         assert len(read.tables.wires.model_fields_set & {key.removeprefix("wires.") for key in grips}) == len(values)
-        believed = nominal_study(read).wires
+        nominal = nominal_study(read).wires
         for key in grips:
-            assert getattr(believed, key.removeprefix("wires.")) == getattr(study.wires, key.removeprefix("wires."))
+            assert getattr(nominal, key.removeprefix("wires.")) == getattr(study.wires, key.removeprefix("wires."))

@@ -154,9 +154,9 @@ def test_a_face_that_cannot_be_is_stated_in_words(tmp_path: Path, rows: str | No
     named = "" if "cut off" in complaint else 'profile_file = "pad.csv"\n'
     path = tmp_path / "study.toml"
     path.write_text(LINE.format(pad=named + pad), encoding="utf-8")
-    with pytest.raises(StudyError, match=complaint.replace("$", r"\W*$")) as told:
+    with pytest.raises(StudyError, match=complaint.replace("$", r"\W*$")) as message:
         study_from_tables(read_study(path), str(path))
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(message.value)
 
 
 BALL_RADIUS_mm = 6.35
@@ -233,7 +233,7 @@ def test_a_pressed_pin_with_rounded_edges_has_sneddons_radius_approach_and_middl
 @pytest.mark.parametrize(
     ("contact", "complaint"),
     [
-        (pad(), r"shape in \[bodies.upper\] of s.toml is \"pad\", whose face is not told: give radius_mm, or"),
+        (pad(), r"shape in \[bodies.upper\] of s.toml is \"pad\", whose face is not stated: give radius_mm, or"),
         (pad(radius_mm=3.0, diameter_mm=2.0), "diameter_mm in .* is given, but a pad has no diameter"),
         (pad(profile_points_mm=[[-1, 1], [0, 0], [1, 1]]), "a turned face has points from x = 0 on"),
     ],

@@ -320,9 +320,9 @@ def test_a_key_that_acts_in_no_run_is_refused_and_one_that_acts_in_some_is_not(
     path.write_text(acts)
     assert load_any_study(path)
     path.write_text(idle)
-    with pytest.raises(StudyError, match=re.escape(key)) as told:
+    with pytest.raises(StudyError, match=re.escape(key)) as message:
         load_any_study(path)
-    assert str(told.value).count(". ") == 0
+    assert str(message.value).count(". ") == 0
     assert load_any_study(path, varied=True)
 
 

@@ -1,4 +1,4 @@
-"""The page and pictures of a comparison: nothing cut off on a phone, piles seen, and what one repeat cannot tell."""
+"""The page and pictures of a comparison: nothing cut off on a phone, piles seen, and what one repeat cannot show."""
 
 import dataclasses
 import html

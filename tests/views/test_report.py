@@ -214,7 +214,7 @@ def test_with_noise_a_simulation_differs_from_itself_as_students_t_has_it(run: R
     """The mean of 4 repeats over their scatter, times √4, follows Student's t with 3 degrees of freedom.
 
     Of slip amplitudes and stiffnesses, which noise does not bias; half of the ratios lie within the quartiles of t, and
-    one in twenty beyond its 95 % limit, as far as counting can tell. A scatter wrong by a factor of two would show.
+    one in twenty beyond its 95 % limit, as far as counting can show. A scatter wrong by a factor of two would show.
     """
     ratios = []
     for seed in range(10):

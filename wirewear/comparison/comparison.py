@@ -14,7 +14,7 @@ from wirewear.comparison.differences import (
 )
 from wirewear.comparison.registration import ScarPair, scar_pairs
 from wirewear.records import AnyRecord
-from wirewear.records.checking import problems_told
+from wirewear.records.checking import problems_of
 from wirewear.records.remarks import unlike_conditions
 from wirewear.records.tables import curved, each_wire
 from wirewear.results import RunResult
@@ -68,7 +68,7 @@ def compare(result: RunResult, record: AnyRecord) -> RecordComparison:
     Raises RecordError if they have no cycle in common, and no scars where a record may be without loops, or if nothing
     can be concluded from the record.
     """
-    problems = problems_told(record)
+    problems = problems_of(record)
     if result.status != "complete":
         problems = (f"The run {result.label!r} is not complete ({result.message}).", *problems)
     if record.tables.length_mm:

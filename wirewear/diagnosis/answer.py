@@ -104,7 +104,7 @@ class Partial:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The answer: verdict, where, causes, what cannot be told apart, and how far the gap shrinks.
+    """The answer: verdict, where, causes, what cannot be distinguished, and how far the gap shrinks.
 
     `physical` pairs measurement less model before and after; `notes` are sentences about what limits the answer;
     `resembles` says what a gap of unknown cause behaves like, `checked` what `wirewear check` finds in the record;

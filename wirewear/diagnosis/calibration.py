@@ -25,7 +25,7 @@ FILE_NAME = "calibration.toml"
 #: Where the file stands, for commands that learn constants.
 FILE = Path(__file__).with_name(FILE_NAME)
 
-#: Sources of what is not tuned: steps and ranges, where observables are read, least data, statistics, what is told.
+#: Sources of what is not tuned: steps and ranges, where observables are read, least data, statistics, what is reported.
 UNTUNED = {"resolution", "definition", "least_data", "convention", "as_likely_as_not", "told"}
 
 #: Units of numbers that cannot exceed one.
@@ -108,16 +108,16 @@ def sources() -> Mapping[str, Mapping[str, str]]:
 
 
 def digest() -> str:
-    """SHA-256 of all numbers that decide an answer: the file, and what is believed of each effect before looking.
+    """SHA-256 of all numbers that decide an answer: the file, and what is assumed of each effect before looking.
 
     Effects of installed packages count as those of the library; their code counts, too.
 
     Raises StudyError if an effect of an installed package cannot be loaded.
     """
     effects = all_effects()
-    believed = {name: effect.expected() for name, effect in effects.items()}
+    expected = {name: effect.expected() for name, effect in effects.items()}
     added = added_code(effects.values())
-    spelled = json.dumps({"effects": believed, "added": added}, sort_keys=True)
+    spelled = json.dumps({"effects": expected, "added": added}, sort_keys=True)
     return sha256(_content() + spelled.encode()).hexdigest()
 
 

@@ -65,7 +65,7 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
 
 
 def _course(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], PredictedLoops]:
-    """Loops that a run of the study with the leading effects leaves, and profiles where these are foreseen."""
+    """Loops that a run of the study with the leading effects leaves, and profiles where these are predicted."""
     from wirewear.simulation import Observer, run_study
 
     nominal = nominal_model(diagnosed.study)

@@ -17,12 +17,12 @@ from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, nominal_stud
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.records import AnyRecord, Remark
-from wirewear.records.checking import remarks_told
+from wirewear.records.checking import remarks_of
 from wirewear.test import AnyStudy
 
 _NOT_STATED = (
-    "[stated] gives no {}: what the record tells stands in for it, or the wear of steel on steel, so that no gap is "
-    "seen there; state what you believed before the test to have it judged."
+    "[stated] gives no {}: what the record shows stands in for it, or the wear of steel on steel, so that no gap is "
+    "seen there; state what you expected before the test to have it judged."
 )
 
 
@@ -61,8 +61,9 @@ class PreparedRecord:
         states, limits = model.states(tables, observer_of)
         if self.is_stated and tables.doubts_bodies:
             states = replace(states, described=False)
-            told = f"Where pad or specimen are held is not stated: {states.doubts['compliance']:.2g} µm/N of compliance"
-            limits = (f"{told} are in doubt, which height_mm of [pad] and [specimen] would settle.",)
+            doubt = f"{states.doubts['compliance']:.2g} µm/N of compliance are in doubt"
+            settled = "which height_mm of [pad] and [specimen] would settle"
+            limits = (f"Where pad or specimen are held is not stated: {doubt}, {settled}.",)
         if self.unknown:
             states = replace(states, unknown=self.unknown)
             limits = (self.assumed, *limits)
@@ -74,7 +75,7 @@ class PreparedRecord:
         SolverError if the study cannot be run.
         """
         with stage("checking the record"):
-            checked = remarks_told(self.record)
+            checked = remarks_of(self.record)
         with stage("reducing the loops"):
             record, notes = repaired(self.record)
             observed = reduce(record)

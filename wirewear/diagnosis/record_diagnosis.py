@@ -37,7 +37,7 @@ from wirewear.test import AnyStudy
 
 _KNOWN = constants("diagnose")
 
-#: An explanation that fails, but takes this share of χ², is told as a part of one.
+#: An explanation that fails, but takes this share of χ², is named as a part of one.
 LEAST_REMOVED = _KNOWN.number("least_removed")
 
 #: Evidence counts for more where less is left than is expected, down to this share of it.
@@ -91,8 +91,8 @@ def diagnose_prepared(
             found = updated(found, other.states, other.setup, other.observed)
         read = [other.record for other in others]
         diagnosed = judged(first.record, first.study, first.states, first.observed, found, read)
-    told = tuple(remark.text for remark in first.checked if remark.level == "problem")
-    answer = replace(diagnosed.diagnosis, notes=(*told, *diagnosed.diagnosis.notes), checked=first.checked)
+    problems = tuple(remark.text for remark in first.checked if remark.level == "problem")
+    answer = replace(diagnosed.diagnosis, notes=(*problems, *diagnosed.diagnosis.notes), checked=first.checked)
     return replace(diagnosed, diagnosis=answer)
 
 

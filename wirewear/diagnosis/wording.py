@@ -18,7 +18,7 @@ from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import ForceZero, Weighed
 from wirewear.diagnosis.infer.where import GapFinding, Relevance, Resemblance
 from wirewear.diagnosis.observe.reduction import Observations
-from wirewear.diagnosis.surrogate.candidates import unforeseen
+from wirewear.diagnosis.surrogate.candidates import unsupported
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import all_effects, all_measurements, effect_named
@@ -59,7 +59,8 @@ class Diagnosed:
 
     def _repr_html_(self) -> str:
         rows = {
-            f"{told(cause)}, {cause.probability:.0%}": parameters_told(cause) for cause in self.diagnosis.causes[:5]
+            f"{in_words(cause)}, {cause.probability:.0%}": parameters_in_words(cause)
+            for cause in self.diagnosis.causes[:5]
         }
         note = " ".join(f"{remark[0].upper()}{remark[1:]}." for remark in self.diagnosis.notes)
         return notebook_table(f"{self.record.name}: {self.diagnosis.sentence}", rows, note=note)
@@ -72,13 +73,13 @@ def plain(name: str) -> str:
     return f"{words} ({chosen})" if chosen else words
 
 
-def told(cause: Cause) -> str:
+def in_words(cause: Cause) -> str:
     """A cause for people: sensor lag (force)."""
     chosen = ", ".join(cause.chosen.values())
     return f"{plain(cause.effect)} ({chosen})" if chosen else plain(cause.effect)
 
 
-def parameters_told(cause: Cause) -> str:
+def parameters_in_words(cause: Cause) -> str:
     """For example: stiffness 165 N/mm (158 to 173)."""
     return ", ".join(_with_unit(name, estimate) for name, estimate in cause.parameters.items())
 
@@ -95,7 +96,7 @@ def _with_unit(name: str, estimate: Estimate) -> str:
 
 @dataclass(frozen=True)
 class Explanation:
-    """Causes that act alone or together, the likeliest of those that cannot be told from them; their probability."""
+    """Causes that act alone or together, the likeliest of those not distinguished from them; their probability."""
 
     words: str
     causes: tuple[Cause, ...]
@@ -104,17 +105,19 @@ class Explanation:
 
 
 def explanations(causes: Sequence[Cause], equivalent: Sequence[Sequence[str]]) -> list[Explanation]:
-    """What may account for a gap, the likeliest first: effects that a record cannot tell apart count as one."""
+    """What may account for a gap, the likeliest first: effects that a record cannot distinguish count as one."""
 
     def members(cause: Cause) -> tuple[str, ...]:
-        return next((tuple(group) for group in equivalent if cause.effect in group), (told(cause),))
+        return next((tuple(group) for group in equivalent if cause.effect in group), (in_words(cause),))
 
     joint = [cause for cause in causes if cause.joint]
     found: dict[tuple[tuple[str, ...], ...], Explanation] = {}
     # Both halves of a pair stand side by side.
     for own in (*((cause,) for cause in causes if not cause.joint), *zip(joint[::2], joint[1::2], strict=True)):
         key = tuple(sorted(map(members, own)))
-        words = " together with ".join(f"{told(one)}{' or its like' if len(members(one)) > 1 else ''}" for one in own)
+        words = " together with ".join(
+            f"{in_words(one)}{' or its like' if len(members(one)) > 1 else ''}" for one in own
+        )
         known = found.get(key, Explanation(words, own, 0.0, own[0].effect not in ("none", "outside_library")))
         found[key] = replace(known, probability=known.probability + sum(cause.probability for cause in own))
     return sorted(found.values(), key=lambda one: -round(one.probability, 9))
@@ -168,13 +171,13 @@ def next_measurement(diagnosis: Diagnosis, least: float = 0.02) -> tuple[str, li
     ):
         return None
     chosen = next(one for one in all_measurements() if one.what == asked["what"])
-    tells = []
+    answers = []
     for name in sorted(asked["splits"], key=lambda name: -known.get(name, 0.0)):
         text = chosen.without_gap if name == "none" else effect_named(name).answer_to(chosen)
-        tells.append((name, known.get(name, 0.0), text or "nothing of its own"))
+        answers.append((name, known.get(name, 0.0), text or "nothing of its own"))
     days = chosen.cost_days
     cost = {0.5: "half a day", 1.0: "a day"}.get(days, f"{8.0 * days:.2g} hours" if days < 1.0 else f"{days:.2g} days")
-    return f"{chosen.what}; {chosen.why} ({cost})", tells
+    return f"{chosen.what}; {chosen.why} ({cost})", answers
 
 
 def sentence_of(
@@ -242,12 +245,12 @@ def _partly(partial: Partial, equivalent: Sequence[Sequence[str]]) -> str:
 
 
 def _one(cause: Cause, equivalent: Sequence[Sequence[str]]) -> str:
-    values = parameters_told(cause)
+    values = parameters_in_words(cause)
     members = next((list(group) for group in equivalent if cause.effect in group), [])
     if members:
         names = ", ".join(plain(name) for name in members[:-1]) + " or " + plain(members[-1])
-        return f"one of {names}, which this record cannot tell apart (as {told(cause)}: {values})"
-    return f"{told(cause)}, {values}"
+        return f"one of {names}, which this record cannot distinguish (as {in_words(cause)}: {values})"
+    return f"{in_words(cause)}, {values}"
 
 
 def of_zero(zero: ForceZero) -> tuple[str, ...]:
@@ -255,7 +258,8 @@ def of_zero(zero: ForceZero) -> tuple[str, ...]:
     if not zero.stands_out:
         return ()
     size = f"{zero.value_N:+.2g} N, {abs(zero.deviations):.0f} times what is expected".replace("-", "−")
-    return (f"the zero of the force lies at {size}: an unloaded stroke would tell it from what leans on the wires",)
+    distinguished = "an unloaded stroke would distinguish it from what leans on the wires"
+    return (f"the zero of the force lies at {size}: {distinguished}",)
 
 
 def of_scatter(contradicted: Sequence[str]) -> tuple[str, ...]:
@@ -274,12 +278,12 @@ def of_the_record(
     if wrong is not None and placebo is not None and placebo > AS_MUCH * shrink.shrink > 0.0:
         notes.append(
             f"on the cycles left out of the fit, {plain(wrong.names[0])} shrinks the gap as much: the shrink does not "
-            "support the named cause, only the fit of all loops tells them apart"
+            "support the named cause, only the fit of all loops distinguishes them"
         )
-    unknown = unforeseen(setup)
+    unknown = unsupported(setup)
     if unknown:
         notes.append(
-            "effects of installed packages are not among the causes considered, as the fast model cannot foresee them: "
+            "effects of installed packages are not among the causes considered, as the fast model cannot cover them: "
             f"{', '.join(unknown)}"
         )
     if len(observed.repeats) == 1:
@@ -288,7 +292,7 @@ def of_the_record(
         )
     elif len(observed.repeats) < 5:
         notes.append(
-            f"{len(observed.repeats)} repeats tell the scatter between tests badly; it is pooled with an expected one"
+            f"{len(observed.repeats)} repeats show the scatter between tests badly; it is pooled with an expected one"
         )
     if not record.loops:
         notes.append("there are no loops: what only these show cannot be seen")

@@ -70,7 +70,7 @@ def _of_body(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
     else:
         found = height_map(file, source.scale)
     scar = scar_of(of, *found, form=False)
-    _require_certain(scar.told)
+    _require_certain(scar.levelling_notes)
     return scar.x_um, scar.y_um, scar.depth_um
 
 
@@ -84,7 +84,7 @@ def _of_line(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
         height = np.nanmean(heights, axis=1)
     face = study.pad.profile if name == "pad" else Flat()
     found = levelled(file, 1, name, face, (x, height), subtract=True, form=False)
-    _require_certain(found.told)
+    _require_certain(found.levelling_notes)
     return found.x_um, np.zeros(1), found.depth_um[:, None]
 
 

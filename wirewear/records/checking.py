@@ -46,7 +46,7 @@ _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     loop_checks.sensors,
     loop_checks.resolution,
     loop_checks.play_and_stick_slip,
-    loop_checks.told_by_analysis,
+    loop_checks.notes_of_analysis,
     loop_checks.closure,
     course_checks.drift,
     course_checks.evolution,
@@ -71,7 +71,7 @@ def support(checked: CheckedRecord, spoilt: bool) -> Iterator[Verdict]:
             False,
             (
                 "Telling a wrong or drifting normal load from a change of friction: the normal force was not "
-                "measured. A load cell under the body at rest tells it."
+                "measured. A load cell under the body at rest measures it."
             ),
         )
     yield from _wear(record)
@@ -133,8 +133,8 @@ def _partial_slip(figures: Sequence[LoopFigures]) -> Iterator[Verdict]:
     bounded = [one for one in intervals if np.isfinite(one[1])]
     if bounded:
         low, high = min(bounded, key=lambda one: one[1] / max(one[0], 1e-300))
-        told = f"energy, stiffness and shape of one loop leave {low:.2g} to {high:.2g}, those of the others more"
-        yield True, f"The coefficient of friction in partial slip, within bounds: {told}."
+        between = f"energy, stiffness and shape of one loop leave {low:.2g} to {high:.2g}, those of the others more"
+        yield True, f"The coefficient of friction in partial slip, within bounds: {between}."
     else:
         yield (
             False,
@@ -226,14 +226,14 @@ def looked_at(record: AnyRecord) -> CheckedRecord:
     return CheckedRecord(record, loop_statistics(record.loops), figures, refused)
 
 
-def problems_told(record: AnyRecord) -> tuple[str, ...]:
+def problems_of(record: AnyRecord) -> tuple[str, ...]:
     """The problems of a record from which something is to be concluded all the same, as sentences.
     Raises RecordError if one of them forbids any conclusion.
     """
-    return tuple(remark.text for remark in remarks_told(record) if remark.level == "problem")
+    return tuple(remark.text for remark in remarks_of(record) if remark.level == "problem")
 
 
-def remarks_told(record: AnyRecord) -> tuple[Remark, ...]:
+def remarks_of(record: AnyRecord) -> tuple[Remark, ...]:
     """All that is odd in a record from which something is to be concluded all the same.
     Raises RecordError if something forbids any conclusion.
     """
@@ -242,7 +242,7 @@ def remarks_told(record: AnyRecord) -> tuple[Remark, ...]:
         if problem.refuses:
             text = problem.text[:1].lower() + problem.text[1:].rstrip(".")
             raise RecordError(
-                f"nothing can be concluded from the record {report.name!r}: {text}; `wirewear check` tells all that is "
+                f"nothing can be concluded from the record {report.name!r}: {text}; `wirewear check` shows all that is "
                 "odd in it."
             )
     return report.remarks

@@ -54,7 +54,7 @@ def other_definitions(
 ) -> tuple[OtherDefinition, ...]:
     """The columns that contradict the loops, each with the (repeat, cycle) of these.
 
-    The largest force may be max |Q| or half the range of Q; an offset of the force tells them apart.
+    The largest force may be max |Q| or half the range of Q; an offset of the force distinguishes them.
     """
     shares: dict[str, list[float]] = {}
     for part in evolution:

@@ -177,7 +177,9 @@ def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
 def _tables(result: RunResult, sensor: Sensor) -> AnyTables:
     study, model = result.study, TABLES[result.contact_kind]
     stated = model.stated_by(study)
-    conditions, believed = (cast("type[Table]", model.model_fields[key].annotation) for key in ("conditions", "stated"))
+    conditions, stated_rig = (
+        cast("type[Table]", model.model_fields[key].annotation) for key in ("conditions", "stated")
+    )
     data = {
         "format": 1,
         "name": result.full_name,
@@ -186,7 +188,7 @@ def _tables(result: RunResult, sensor: Sensor) -> AnyTables:
         # The simulation imposes the true motion, whatever its sensors read.
         "conditions": {**known_of(conditions, stated), "drive": "stroke"},
         # What is ideal is not stated.
-        "stated": {k: v for k, v in known_of(believed, stated).items() if v != believed.model_fields[k].default},
+        "stated": {k: v for k, v in known_of(stated_rig, stated).items() if v != stated_rig.model_fields[k].default},
         # Nothing asks whether a noise of the normal force is none or not known.
         "noise": {
             name: own for name in Noise.model_fields if (own := getattr(sensor.noise, name)) or name != "normal_force_N"

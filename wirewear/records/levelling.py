@@ -45,7 +45,7 @@ REWEIGHED = 4  #: Times that a fit weighs its points by what they leave.
 
 LEFT = 0.4  #: Of the points that lie within the noise so many are left beside what is close to a scar.
 
-#: Form that instruments leave; a form as large as this share of a scar's depth is not told from it.
+#: Form that instruments leave; a form as large as this share of a scar's depth is not distinguished from it.
 FLATNESS_um, HIDDEN = 0.05, 0.5
 
 #: A form is one that is so many of its deviations, and larger than what is left beside it.
@@ -61,7 +61,7 @@ class Unworn:
     share, border: shares of the map and of its border that lie on it.  above, border_above: that stand above it.
     doubt_um3: standard deviation of the volume below it over the whole map.
     form_um: how far its form differs from the stated one across the map; 0 where that is not to be seen.
-    unclear: parameters with those of a form that cannot be told from a scar, so that it is not taken off.
+    unclear: parameters with those of a form that cannot be distinguished from a scar, so that it is not taken off.
     """
 
     parameters: Array
@@ -101,7 +101,7 @@ class Unworn:
         volume = float(np.abs(np.nansum(depth))) * _cell(places)
         if body and self.doubt_um3 * CERTAIN > WELL_KNOWN * volume > 0.0:
             share = min(CERTAIN * self.doubt_um3 / volume, 9.99)
-            said.append(f"what is unworn tells the worn volume within {share:.1%} only; {HELPS}")
+            said.append(f"what is unworn shows the worn volume within {share:.1%} only; {HELPS}")
         if self.form_um and body:
             whose = self.parameters if self.unclear is None else self.unclear
             what = "that is taken off" if self.unclear is None else f"that may be the scar, and is left; {HELPS}"
@@ -247,7 +247,7 @@ class _Candidates:
     def weights(self, changes: Array) -> Array:
         """Logarithms of likelihoods (n, scales) of surfaces changed by (n, k), at each scale.
 
-        As a logarithm of a likelihood: a place within a scale tells by how much it is narrower than the range.
+        As a logarithm of a likelihood: a place within a scale shows by how much it is narrower than the range.
         """
         off = self.rest - changes @ self.slopes.T
         found = np.empty((len(changes), self.scales.size))
@@ -311,7 +311,7 @@ def _fitted(surface: Surface, places: Array, height: Array, found: Array, unworn
 def bare(rest: Array, scale: float, least: float) -> BoolArray:
     """Points (n_x, n_y) that are neither worn nor piled up, nor close to such, by heights above the unworn surface.
 
-    Told by means of neighbours, as an edge is shallower than the noise; of fewer where that leaves too little of them.
+    Judged by means of neighbours: an edge is shallower than the noise; of fewer where that leaves too little of them.
     Nothing is off by less than `least`.
     """
     known = np.isfinite(rest)
@@ -370,8 +370,8 @@ def _form(surface: Surface, places: Array, height: Array, found: Array, unworn: 
     change, covariance, deviation = means.fitted(whole)
     own = slice(surface.placing, whole)
     certain = change[own] @ np.linalg.pinv(covariance[own, own]) @ change[own] / surface.forms
-    told = means.slopes @ change - means.slopes[:, : surface.placing] @ means.fitted(surface.placing)[0]
-    if certain < FORM**2 or float(np.sqrt(np.mean(told**2))) < BESIDE * deviation:
+    of_form = means.slopes @ change - means.slopes[:, : surface.placing] @ means.fitted(surface.placing)[0]
+    if certain < FORM**2 or float(np.sqrt(np.mean(of_form**2))) < BESIDE * deviation:
         return None
     return np.asarray(np.append(found, np.zeros(whole - found.size)) + change)
 

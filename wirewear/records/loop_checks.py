@@ -230,10 +230,10 @@ def closure(checked: CheckedRecord) -> Iterator[Remark]:
         yield Remark("problem", "loops", text)
 
 
-def told_by_analysis(checked: CheckedRecord) -> Iterator[Remark]:
+def notes_of_analysis(checked: CheckedRecord) -> Iterator[Remark]:
     """Remarks of the analysis of single loops on their channels, each with the first loop that it concerns."""
-    for told in NOTED:
-        begin = told.partition("{")[0]
+    for noted in NOTED:
+        begin = noted.partition("{")[0]
         found = {
             name: note for name, figures in checked.figures.items() for note in figures.notes if note.startswith(begin)
         }

@@ -20,8 +20,8 @@ CLEAR, FEWEST_ACROSS = 0.1, 8
 class MeasuredProfile:
     """Worn depth of one repeat's body along the sliding direction at the end, arrays (n,); negative: piled up.
 
-    It was made of the heights and the fitted face, None where depths were given. `spikes_um` (n,) and `told` are as of
-    a scar.
+    It was made of the heights and the fitted face, None where depths were given. `spikes_um` (n,) and
+    `levelling_notes` are as of a scar.
     """
 
     repeat: int
@@ -31,7 +31,7 @@ class MeasuredProfile:
     height_um: Array | None = None
     face_um: Array | None = None
     spikes_um: Array | None = None
-    told: tuple[str, ...] = ()
+    levelling_notes: tuple[str, ...] = ()
 
     @classmethod
     def from_points(cls, repeat: int, body: str, x_um: Array, depth_um: Array) -> "MeasuredProfile":
@@ -66,12 +66,12 @@ class MeasuredProfile:
         return {"x_um": self.x_um, "depth_um": as_measured(self.depth_um, self.spikes_um)}
 
     @property
-    def spikes_told(self) -> str:
+    def spikes_note(self) -> str:
         """How many single points stand out, a sentence; empty where none does."""
         return spikes_text(self.spikes_um, self.depth_um, f"the {self.body}'s profile of repeat {self.repeat}")
 
     @property
-    def border_told(self) -> str:
+    def border_note(self) -> str:
         """A sentence where the profile ends within the scar; else empty."""
         (left, right), x = self.edges_um, self.x_um
         width = BORDER * float(np.ptp(x))

@@ -71,7 +71,7 @@ def tables_of_file(path: Path) -> type[AnyTables]:
     try:
         found = read_toml(table, RecordError) if table.is_file() else {}
     except RecordError:
-        found = {}  # to be told by whoever reads it
+        found = {}  # to be reported by whoever reads it
     # A study has such tables, too, and says of which kind it is.
     if "kind" in found or not {"contact", "bodies"} & found.keys():
         return RecordTables

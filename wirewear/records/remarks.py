@@ -21,7 +21,7 @@ OUTLIER_NOISES = 8.0  #: An outlier is this many standard deviations of noise ou
 
 #: Noise, as a share of the amplitude, that a loop's own course between so many samples resembles at most: its
 #: curvature and, in exported simulations, the corners of straight lines. Of such, 24 to 64 samples of a noiseless loop
-#: scattered by up to 3.5e-3, 92 to 128 by up to 6e-4, 200 and more by up to 2e-5; fewer samples tell no noise.
+#: scattered by up to 3.5e-3, 92 to 128 by up to 6e-4, 200 and more by up to 2e-5; fewer samples show no noise.
 COURSE = ((200, 1e-4), (90, 1e-3), (24, 5e-3), (0, np.inf))
 
 ONE_SIGN = 0.1  #: A force that keeps its sign falls below zero by noise alone, a share of its largest.
@@ -158,10 +158,10 @@ def _in_time(noise: Array, values: Array, time: Array) -> Array:
 
     There the curvature of a loop would pass for noise, as would a sine's between the positions of a simulation.
     """
-    told = noise.copy()
+    noise_in_time = noise.copy()
     for place in np.flatnonzero(uneven(time)):
-        told[place] = sample_noise(values[place], time[place])
-    return told
+        noise_in_time[place] = sample_noise(values[place], time[place])
+    return noise_in_time
 
 
 def _outliers(values: Array) -> tuple[BoolArray, Array]:

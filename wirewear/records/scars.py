@@ -12,9 +12,9 @@ from wirewear.records.spikes import BORDER, as_measured, border_text, noise_um, 
 from wirewear.records.unworn_bodies import LevelSurface
 from wirewear.results.scar import SCAR_FIGURES, Scar, called, scar_figures
 
-WIDEST = 3  #: Widest gap along a line that is bridged, in points: reflexes and dirt; what is wider, `check` tells.
+WIDEST = 3  #: Widest gap along a line that is bridged, in points: reflexes and dirt; what is wider, `check` shows.
 SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0  #: Distance of a scar map's points, and unworn margin around the scar.
-FEWEST_LEVELLED, OFF_ZERO = 100, 0.1  #: Fewer points tell no zero, nor is it known better than a share of the noise.
+FEWEST_LEVELLED, OFF_ZERO = 100, 0.1  #: Fewer points show no zero, nor is it known better than a share of the noise.
 LEAST_FILLED = 0.25  #: A map of which fewer points are given than this share of its grid is no grid.
 
 
@@ -23,8 +23,8 @@ class MeasuredScar:
     """Worn depth of one repeat's body at the end: `depth_um` (n_x, n_y) over `x_um` (n_x,) and `y_um` (n_y,).
 
     x is the sliding direction. NaN stands where the map has no point. `spikes_um` (n_x, n_y) are the depths that single
-    points which stand out were measured with, NaN at all others; None where none does. `told` are sentences about how
-    it was levelled.
+    points which stand out were measured with, NaN at all others; None where none does. `levelling_notes` are sentences
+    about how it was levelled.
     """
 
     repeat: int
@@ -33,7 +33,7 @@ class MeasuredScar:
     y_um: Array
     depth_um: Array
     spikes_um: Array | None = None
-    told: tuple[str, ...] = ()
+    levelling_notes: tuple[str, ...] = ()
 
     @property
     def points(self) -> dict[str, Array]:
@@ -104,12 +104,12 @@ class MeasuredScar:
         return replace(self, x_um=x, y_um=y, depth_um=depth, spikes_um=spikes)
 
     @property
-    def spikes_told(self) -> str:
+    def spikes_note(self) -> str:
         """How many single points stand out, a sentence; empty where none does."""
         return spikes_text(self.spikes_um, self.depth_um, f"the {called(self.body)}'s scar of repeat {self.repeat}")
 
     @property
-    def border_told(self) -> str:
+    def border_note(self) -> str:
         """A sentence where heights along the map's border count as worn; else empty."""
         known = np.isfinite(self.depth_um)
         border = np.zeros_like(known)
@@ -128,11 +128,11 @@ class MeasuredScar:
         if not fill.any():
             return self, ""
         depth.setflags(write=False)
-        told = (
+        note = (
             f"{np.mean(fill):.1%} of the points of the {called(self.body)}'s map, repeat {self.repeat}, were not "
             f"measured: gaps of up to {WIDEST} points are interpolated"
         )
-        return replace(self, depth_um=depth), told
+        return replace(self, depth_um=depth), note
 
     def _filled(self, widest: int) -> Array:
         """Depths (n_x, n_y) with gaps of up to so many points interpolated along lines both ways."""

@@ -100,7 +100,7 @@ def _beyond_lines(levels: Array, least: float) -> BoolArray:
         out = np.isfinite(levels)
         for axis in (axis for axis in (0, 1) if levels.shape[axis] > 1):
             for way in (1, -1):
-                # What is missing tells nothing.
+                # What is missing shows nothing.
                 near = [~(side * (levels - _beside(wide, axis, way * step)) <= least) for step in (NEAR, NEAR + 1)]
                 out &= near[0] | near[1]
         found |= out

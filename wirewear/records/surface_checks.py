@@ -191,8 +191,8 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
         return
     if scar.gaps > GAPS:
         yield Remark("note", "scars", f"{100.0 * scar.gaps:.2g} % of the points are missing in {name}.")
-    if scar.spikes_told:
-        yield Remark("note", "scars", f"{scar.spikes_told}.")
+    if scar.spikes_note:
+        yield Remark("note", "scars", f"{scar.spikes_note}.")
     lowest, deepest = float(np.nanpercentile(depth, 0.5)), scar.figures["depth"]
     if (most := float(np.nanmax(depth))) > diameter_um:
         text = f"Depths reach {most:.3g} µm in {name}, more than the smallest diameter of {diameter_um:.3g} µm."
@@ -211,8 +211,8 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
     if edge > CUT_OFF * deepest:
         text = f"The map seems to cut off {name}: at its edge the depth is still {edge:.3g} µm of {deepest:.3g} µm."
         yield Remark("problem", "scars", text)
-    elif scar.border_told:
-        yield Remark("note", "scars", f"{scar.border_told}.")
+    elif scar.border_note:
+        yield Remark("note", "scars", f"{scar.border_note}.")
 
 
 def profile_remarks(checked: CheckedRecord) -> Iterator[Remark]:
@@ -252,14 +252,14 @@ def _bodies_remarks(record: LineRecord) -> list[Remark]:
 def _profile_remarks(record: LineRecord, profile: MeasuredProfile) -> list[Remark]:
     who = f"the {profile.body}'s profile of repeat {profile.repeat}"
     deepest = float(profile.smooth_um.max())
-    found = [Remark("note", "profiles", f"{profile.spikes_told}.")] if profile.spikes_told else []
+    found = [Remark("note", "profiles", f"{profile.spikes_note}.")] if profile.spikes_note else []
     if deepest <= 0.0:
         return [*found, Remark("note", "profiles", f"{who} shows no wear.")]
     ends = max(profile.smooth_um[0], profile.smooth_um[-1])
     if ends > _AT_END * deepest:
         found.append(Remark("problem", "profiles", f"{who} ends inside the scar, {ends:.3g} µm deep."))
-    elif profile.border_told:
-        found.append(Remark("note", "profiles", f"{profile.border_told}."))
+    elif profile.border_note:
+        found.append(Remark("note", "profiles", f"{profile.border_note}."))
     expected = _expected_area(record, profile.body)
     if expected is not None and not 1.0 / _AREA < profile.area_um2 / expected < _AREA:
         text = f"{who} has lost {profile.area_um2:.3g} µm², expected {expected:.3g}: check its units."

@@ -17,7 +17,7 @@ class WornSurfaces:
     noun: str  #: What one is called among what an import holds.
     columns: tuple[Column, ...]  #: Of such a file.
     surface: type[MeasuredScar] | type[MeasuredProfile]  #: What each is.
-    support: str  #: What surfaces tell.
+    support: str  #: What surfaces support.
     fewest: int  #: Of so many bodies.
     lacking: str  #: What is not known without those of some, and how they are had.
 

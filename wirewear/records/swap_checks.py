@@ -31,7 +31,7 @@ _ENERGY, _AS_NUMBERED = "dissipated_energy_mJ", "at 1 times the cycle"
 #: or are off by a third of that only.
 OFF, FITS = 6.0, 3.0
 
-#: Loops of which fewer tell no deviation, and the least that figures of noisy loops have: that of energies in records
+#: Loops of which fewer show no deviation, and the least that figures of noisy loops have: that of energies in records
 #: of tests of 256 samples a cycle.
 FEWEST, FINEST = 6, 1e-3
 
@@ -83,7 +83,7 @@ def exchanged_evolutions(checked: CheckedRecord) -> Iterator[Remark]:
             owners[repeat] = best
     if owners and owners.keys() == set(owners.values()):
         pairs = ", ".join(f"{repeat} that of {other}" for repeat, other in owners.items())
-        text = f"Repeats have the evolution of each other, as the energies of their loops tell: {pairs}."
+        text = f"Repeats have the evolution of each other, as the energies of their loops show: {pairs}."
         yield Remark("problem", "evolution", text)
 
 

@@ -176,8 +176,8 @@ ALL_BODIES = frozenset(key.removeprefix(f"{SCARS.name}_") for key in Frames.mode
 
 def curved(bodies: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
     """Diameters and angles in the tables of bodies, by keys that name these."""
-    told = ("diameter_mm", "diameter_along_mm", "axis_angle_deg")
-    return {f"{key} of the {called(name)}": own[key] for name, own in bodies.items() for key in told if key in own}
+    keys = ("diameter_mm", "diameter_along_mm", "axis_angle_deg")
+    return {f"{key} of the {called(name)}": own[key] for name, own in bodies.items() for key in keys if key in own}
 
 
 def each_wire(wires: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
@@ -324,5 +324,5 @@ class RecordTables(PointRecordTables, WiresTest):
     @property
     def assumed(self) -> str:
         """How wires are held where that is not stated."""
-        told = {*self.wires.model_fields_set, *self.wires.moving.model_fields_set, *self.wires.fixed.model_fields_set}
-        return "" if "grip_angle_deg" in told else "; wires are held rigidly over 90° of their backs, all along"
+        given = {*self.wires.model_fields_set, *self.wires.moving.model_fields_set, *self.wires.fixed.model_fields_set}
+        return "" if "grip_angle_deg" in given else "; wires are held rigidly over 90° of their backs, all along"

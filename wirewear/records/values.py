@@ -29,11 +29,11 @@ _OF_THE_CONTACT = ("friction", *_EVOLUTIONS)
 # little slip leaves of the friction force, a cycle that began so does not close.
 _AT_REST, _ENDS_APART, _FEWEST_SAMPLES = 0.15, 0.3, 16
 
-#: Where a record has what a block of a programme states in its tables, but for bulk stresses, which no loop tells.
+#: Where a record has what a block of a programme states in its tables, but for bulk stresses, which no loop shows.
 _IN_TABLE = {"conditions": "conditions", "contact": "stated", "wear": "stated"}
 
 
-def believed_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
+def stated_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
     """The record's test as its owner states it, a study of its kind of contact.
 
     more: further tables of the study, such as log and mesh.
@@ -46,7 +46,7 @@ def believed_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
             f"[stated] of the record {tables.name!r} does not give {lacking}, without which there is no model to "
             "diagnose: add it, or fit the record (`wirewear fit`) and give the fitted study by --model."
         )
-    data = believed_tables(tables, friction or 0.0) | dict(more or {})
+    data = stated_tables(tables, friction or 0.0) | dict(more or {})
     return study_from_tables(data, f"the nominal model of the record {tables.name!r}")
 
 
@@ -64,7 +64,7 @@ def stated_friction(tables: Any) -> float | None:
     return stated.final_friction
 
 
-def believed_tables(tables: Any, friction: float) -> dict[str, Any]:
+def stated_tables(tables: Any, friction: float) -> dict[str, Any]:
     """The tables of that study with a friction; bodies whose wear is not stated do not wear."""
     stated = tables.stated.model_dump(mode="json", exclude_unset=True, exclude_none=True)
     rig = {key: stated[key] for key in StatedRig.model_fields if key in stated and key not in _OF_THE_CONTACT}
@@ -80,13 +80,13 @@ def believed_tables(tables: Any, friction: float) -> dict[str, Any]:
         "holder": rig or {"tangential_stiffness_N_per_mm": "rigid"},
         **({"wear": wear} if wears else {}),
         **({"effects": effects} if effects else {}),
-        **({"programme": [_believed_block(block) for block in tables.programme]} if tables.programme else {}),
+        **({"programme": [_stated_block(block) for block in tables.programme]} if tables.programme else {}),
     }
     whole: dict[str, Any] = tables.with_bodies(data)
     return whole
 
 
-def _believed_block(block: CycleBlock) -> dict[str, Any]:
+def _stated_block(block: CycleBlock) -> dict[str, Any]:
     """A block of a record's programme as that of a study."""
     return {"cycles": block.cycles, **block.values, **({"name": block.name} if block.name else {})}
 
@@ -241,7 +241,7 @@ class ExperimentRecord(Generic[Tables, Surface]):
     Loops are ordered by repeat and cycle. `scars` are the worn surfaces at the end: maps of wires, profiles of a line
     contact, whose forces and energies are those of the whole contact. `path` is the folder that it was read from, or
     None. `block` is the number of the block of its programme that is looked at, None for the whole test, and `worked`
-    tells how many of its cycles spend as much energy as all so far; `within_longer_strokes` whether other blocks have
+    shows how many of its cycles spend as much energy as all so far; `within_longer_strokes` whether other blocks have
     longer strokes.
     """
 
@@ -278,16 +278,16 @@ class ExperimentRecord(Generic[Tables, Surface]):
         own: Any = next(one.study for one in schedule.stretches if one.block == chosen)
         spent = _energies_mJ(self.evolution, schedule)
         worked = worked_course(schedule.stretches, lambda one: spent[one.block] / spent[chosen])
-        told = f"of the programme, block {chosen} is looked at; the others enter by what they wear"
+        note = f"of the programme, block {chosen} is looked at; the others enter by what they wear"
         shapes = strokes[chosen] == max(strokes.values())
-        told += "" if shapes else ", and scars of their longer strokes are left out"
+        note += "" if shapes else ", and scars of their longer strokes are left out"
         return replace(
             self,
             tables=own,
             loops=tuple(loop for loop, block in zip(self.loops, belongs, strict=True) if block == chosen),
             evolution=tuple(_rows(one, schedule, chosen) for one in self.evolution),
             scars=self.scars if shapes else (),
-            notes=(*self.notes, told),
+            notes=(*self.notes, note),
             block=chosen,
             worked=worked,
             within_longer_strokes=not shapes,

@@ -102,8 +102,8 @@ def _wear(tables: ContactTables) -> Inconsistency | None:
 
 def _layers(tables: CommonTables) -> Inconsistency | None:
     stated = [layer for layers in tables.layers.values() for layer in layers]
-    told = unfit_layers(stated, tables.contact.friction)
-    return None if told is None else Inconsistency(("layers",), told)
+    problem = unfit_layers(stated, tables.contact.friction)
+    return None if problem is None else Inconsistency(("layers",), problem)
 
 
 def _bulk(tables: ContactTables) -> Inconsistency | None:
@@ -112,8 +112,8 @@ def _bulk(tables: ContactTables) -> Inconsistency | None:
             continue
         if min(body.curvatures_per_mm) > 0.0 and not body.has_axis:
             return Inconsistency(("bodies", body.name, "bulk"), "is given, but a ball is no bar that is pulled or bent")
-        if told := body.bulk.unfit(is_round=isinstance(body, Wire)):
-            return Inconsistency(("bodies", body.name, "bulk"), told)
+        if problem := body.bulk.unfit(is_round=isinstance(body, Wire)):
+            return Inconsistency(("bodies", body.name, "bulk"), problem)
     return None
 
 
@@ -164,8 +164,8 @@ def _explicit(tables: ContactTables) -> Inconsistency | None:
 
 
 def _programme(tables: CommonTables) -> Inconsistency | None:
-    told = too_many(tables.programme, tables.conditions.cycles)
-    return None if told is None else Inconsistency(("programme",), told)
+    problem = too_many(tables.programme, tables.conditions.cycles)
+    return None if problem is None else Inconsistency(("programme",), problem)
 
 
 def _held(tables: CommonTables) -> Inconsistency | None:
@@ -223,14 +223,14 @@ def _taken_over(tables: CommonTables) -> Iterator[Inconsistency]:
     holder, mesh, life = tables.holder, tables.mesh, tables.life or LifeTable()
     stiffness = next(key for key in type(holder).model_fields if key.startswith("rotational_stiffness"))
     length = life.averaging_length_um
-    told = "is given, but averaging_length_um takes its place: give one of the two"
+    averaged = "is given, but averaging_length_um takes its place: give one of the two"
     pivots = holder.pivot_height_mm is not None and getattr(holder, stiffness) == "rigid"
     moves = getattr(mesh, "move_nodes_at_stages", False) and mesh.move_nodes_every_um is not None
     for acts_not, keys, problem in (
         (pivots, ("holder", "pivot_height_mm"), f"is given, but without {stiffness} nothing turns about that pivot"),
         (moves, ("mesh", "move_nodes_at_stages"), "is true, but move_nodes_every_um says when nodes are moved"),
-        (length and life.critical_distance_um is not None, ("life", "critical_distance_um"), told),
-        (length and life.averaging != "volume", ("life", "averaging"), told),
+        (length and life.critical_distance_um is not None, ("life", "critical_distance_um"), averaged),
+        (length and life.averaging != "volume", ("life", "averaging"), averaged),
     ):
         if acts_not:
             yield Inconsistency(keys, problem)

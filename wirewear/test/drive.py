@@ -94,7 +94,7 @@ def _load_cycle(value: object) -> LoadCycle:
     return _made(value, lambda: LoadCycle(float(amplitude), radians(float(lag)), int(ratio)))
 
 
-def _told(load: LoadCycle) -> dict[str, Any]:
+def _described_load(load: LoadCycle) -> dict[str, Any]:
     if load.points:
         return {_POINTS: load.points}
     values = (load.amplitude, round(degrees(load.lag_rad), 9), load.ratio)
@@ -104,7 +104,7 @@ def _told(load: LoadCycle) -> dict[str, Any]:
 #: A key that takes a waveform of the displacement.
 MotionKey = Annotated[Waveform, PlainValidator(_waveform), PlainSerializer(_described)]
 #: A key that takes the normal load in the course of a cycle.
-LoadCycleKey = Annotated[LoadCycle, PlainValidator(_load_cycle), PlainSerializer(_told)]
+LoadCycleKey = Annotated[LoadCycle, PlainValidator(_load_cycle), PlainSerializer(_described_load)]
 
 
 def drive_of(amplitude_um: float, motion: Waveform, load: LoadCycle | None) -> Drive:

@@ -88,7 +88,7 @@ def with_constants_of_material(table: Any) -> Any:
     try:
         elastic = material_named(table["material"]).elastic
     except ValueError:
-        return table  # to be told at its key
+        return table  # to be refused at its key
     constants = {"youngs_modulus_MPa": elastic.youngs_modulus_MPa, "poissons_ratio": elastic.poissons_ratio}
     for key, own in constants.items():
         if table.get(key, own) != own:

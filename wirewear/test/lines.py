@@ -262,8 +262,8 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
         if (wanted := self.pad.missing_face(round_alone=self.kind == kinds.CYLINDER_ON_FLAT)) is not None:
             return Inconsistency(("pad",), f"does not say which face it has: {wanted}")
         for name in ("pad", "specimen"):
-            if (bulk := getattr(self, name).bulk) is not None and (told := bulk.unfit(is_round=False)):
-                return Inconsistency((name, "bulk"), told)
+            if (bulk := getattr(self, name).bulk) is not None and (problem := bulk.unfit(is_round=False)):
+                return Inconsistency((name, "bulk"), problem)
         if any(effect.seam is Seam.SPECIMENS for effect in self.effects):
             return Inconsistency(
                 ("effects",), "hold one that changes how crossed wires are mounted, which a pad is not"

@@ -29,7 +29,7 @@ class Material:
     fatigue_verified: bool = True
 
     @property
-    def fatigue_told(self) -> str:
+    def fatigue_note(self) -> str:
         """Whence its data of fatigue come, after what is to be said against them."""
         measured = "fatigue_strength_coefficient_MPa" in dict(self.fatigue)
         doubt = "the tests behind them were not read: " if measured else "estimates from the tensile strength: "

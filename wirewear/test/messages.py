@@ -15,7 +15,7 @@ from wirewear.test.tables import StudyTables
 
 Model = TypeVar("Model", bound=BaseModel)
 Keys = Sequence[int | str]
-Spelling = Callable[[Keys], str]  #: Tells which table, as it is spelled in the file, holds a key.
+Spelling = Callable[[Keys], str]  #: Says which table, as it is spelled in the file, holds a key.
 
 
 def table_above(keys: Keys) -> str:
@@ -41,8 +41,8 @@ def first_problem(
     """The most telling of the problems pydantic found in tables of that model, as one sentence; every unknown key."""
     problems = error.errors(include_url=False)
     unknown = [problem for problem in problems if problem["type"] == "extra_forbidden"]
-    told = [_sentence(problem, where, model, spelled) for problem in unknown or problems[:1]]
-    return " ".join([told[0], *(f"{one[0].upper()}{one[1:]}" for one in told[1:])])
+    sentences = [_sentence(problem, where, model, spelled) for problem in unknown or problems[:1]]
+    return " ".join([sentences[0], *(f"{one[0].upper()}{one[1:]}" for one in sentences[1:])])
 
 
 def _sentence(problem: ErrorDetails, where: str, model: type[BaseModel], spelled: Spelling) -> str:
@@ -81,9 +81,9 @@ def _unknown_key(table: Keys, key: str, where: str, spelled: Spelling, model: ty
         quantity = quantity_of(field)
         if quantity is not None and same_but_for_unit(key, name, quantity.unit):
             return f"{start}: the {field.description} is given as {name}, in {UNIT_NAMES[quantity.unit]}."
-    # A key without the words that tell it apart from others is meant as the one that must be given.
-    told = set(words_of(key).split())
-    whole = [name for name in known if told and told <= set(words_of(name).split())]
+    # A key without the words that distinguish it from others is meant as the one that must be given.
+    given = set(words_of(key).split())
+    whole = [name for name in known if given and given <= set(words_of(name).split())]
     whole.sort(key=lambda name: not known[name].is_required())
     close = whole or get_close_matches(key, known, n=1)
     if close:

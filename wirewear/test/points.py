@@ -158,7 +158,7 @@ class ShapedBody(GrippedBody, PadFaceOrFile, _Shape):
             foreign = [key for key in FACE_KEYS if getattr(self, key) is not None]
             return Inconsistency((foreign[0],), f"is of a pad, but a {self.shape} has diameters") if foreign else None
         if (wanted := self.missing_face()) is not None:
-            return Inconsistency(("shape",), f'is "pad", whose face is not told: {wanted}')
+            return Inconsistency(("shape",), f'is "pad", whose face is not stated: {wanted}')
         if isinstance(self.profile, TabledProfile) and not self.profile.is_even:
             return Inconsistency(("profile_points_mm",), "begins below 0, but a turned face has points from x = 0 on")
         return None

@@ -453,5 +453,5 @@ class StudyTables(ContactTables, _OfWires):
     def contradiction(self) -> keys.Inconsistency | None:
         """Wires that are none, two directions of motion, or a stroke longer than a wire is thick."""
         twice = self.wires.motion_angle_deg is not None
-        told = keys.Inconsistency(("conditions", "motion_angle_deg"), "is given, and the wires give it as well")
-        return self.wires.contradiction() or (told if twice else None) or self.too_far()
+        second = keys.Inconsistency(("conditions", "motion_angle_deg"), "is given, and the wires give it as well")
+        return self.wires.contradiction() or (second if twice else None) or self.too_far()

@@ -48,7 +48,7 @@ def _angles(both: Mapping[str, Any], moving: dict[str, Any], fixed: dict[str, An
     if given == [None, None]:
         return {}
     if twice := [key for key in _ANGLES if key in both]:
-        raise ValueError(f"give {twice[0]} beside an axis_angle_deg, which tells it as well: give one of the two")
+        raise ValueError(f"give {twice[0]} beside an axis_angle_deg, which states it as well: give one of the two")
     try:
         first, second = (
             float(keys.AXIS(default if own is None else own)) for own, default in zip(given, (0.0, 90.0), strict=True)
@@ -59,9 +59,9 @@ def _angles(both: Mapping[str, Any], moving: dict[str, Any], fixed: dict[str, An
 
 
 def with_motion_of_wires(tables: Any) -> Any:
-    """A study's unchecked tables with the direction of motion in the conditions, also where the wires tell it.
+    """A study's unchecked tables with the direction of motion in the conditions, also where the wires state it.
 
-    They stay as they are where both tell it, were it an angle of 0, and where the wires cannot be read.
+    They stay as they are where both state it, were it an angle of 0, and where the wires cannot be read.
     """
     key = next((own for own in _BOTH.choices if isinstance(tables, Mapping) and own in tables), "")
     wires, conditions = (tables[key], tables.get("conditions")) if key else (None, None)
@@ -71,9 +71,9 @@ def with_motion_of_wires(tables: Any) -> Any:
     try:
         both = _wires_of_bodies(wires) if turned else wires
     except ValueError:
-        # To be told at its key.
+        # To be refused at its key.
         return tables
-    # Results of earlier versions hold a default of 0 beside what the wires tell.
+    # Results of earlier versions hold a default of 0 beside what the wires state.
     twice = conditions.get(_MOTION) is not None if turned else bool(conditions.get(_MOTION))
     if both.get(_MOTION) is None or twice:
         return tables
@@ -128,7 +128,7 @@ class Wires(keys.OfMaterial):
     fixed: WireOverride = Field(WireOverride(), description="what the fixed wire has different")
 
     def of_test(self, motion_angle_deg: float = 0.0) -> tuple[Wire, Wire]:
-        """The moving and the fixed wire, with such a motion where they do not tell of one."""
+        """The moving and the fixed wire, with such a motion where they state none."""
         motion = self.motion_angle_deg or motion_angle_deg
         return self._wire("moving", -motion), self._wire("fixed", self.crossing_angle_deg - motion)
 

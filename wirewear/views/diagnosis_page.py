@@ -24,13 +24,13 @@ from wirewear.diagnosis.surrogate.candidates import effect_of
 from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
 from wirewear.diagnosis.surrogate.sensing import still_to_come
 from wirewear.diagnosis.wording import (
+    in_words,
     next_measurement,
     of_pairs,
-    parameters_told,
+    parameters_in_words,
     plain,
     share,
     steps,
-    told,
     worth_telling,
 )
 from wirewear.pictures.style import VARIANT_COLOURS
@@ -84,7 +84,13 @@ def page(diagnosed: Diagnosed) -> str:
     """The page of a diagnosis, to be opened in any browser."""
     diagnosis, found = diagnosed.diagnosis, diagnosed.search
     drawn = loops(diagnosed)
-    filters = {"plain": plain, "named": told, "parameters": parameters_told, "share": share, "with_unit": _with_unit}
+    filters = {
+        "plain": plain,
+        "named": in_words,
+        "parameters": parameters_in_words,
+        "share": share,
+        "with_unit": _with_unit,
+    }
     values = {
         "d": diagnosis,
         "diagnosed": diagnosed,
@@ -116,7 +122,7 @@ def ten_lines(diagnosis: Diagnosis) -> str:
     """The answer for a terminal: the sentence of the page, and what stands under it there."""
     lines = [f"{diagnosis.record}: {diagnosis.sentence}"]
     for one in worth_telling(diagnosis)[:3]:
-        values = "; ".join(filter(None, map(parameters_told, one.causes)))
+        values = "; ".join(filter(None, map(parameters_in_words, one.causes)))
         lines.append(f"  {share(one.probability)}: {one.words}{f': {values}' if values else ''}")
     if diagnosis.verdict != "no_gap":
         places = [f"  where: {one.text} ({share(one.share)} of the gap)" for one in diagnosis.where[:2]]

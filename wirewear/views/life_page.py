@@ -68,7 +68,7 @@ def notes(life: BodyLife) -> list[str]:
         found.append(f"The run ended before {names} of its programme: what is said of cycles beyond leaves that out.")
     if life.table.material is not None:
         item = material_named(life.table.material)
-        found.append(f"Data of {item.name}: {item.fatigue_told}.")
+        found.append(f"Data of {item.name}: {item.fatigue_note}.")
     return found
 
 

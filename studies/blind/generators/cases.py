@@ -9,13 +9,13 @@ from studies.blind.generators.nominal import Nominal, drawn_nominals
 from studies.blind.generators.nuisances import Nuisances, drawn_nuisances
 from studies.blind.generators.sizes import drawn_parameters
 
-#: Share of the cases of each kind; "left_out" are singles whose effect the diagnosis is told to do without.
+#: Share of the cases of each kind; "left_out" are singles whose effect the diagnosis has to do without.
 KINDS = {"none": 0.2, "single": 0.47, "pair": 0.1, "outside": 0.13, "left_out": 0.1}
 #: Of simulators by others.
 KINDS_OF_OTHERS = {"none": 0.2, "single": 0.45, "pair": 0.15, "outside": 0.15, "left_out": 0.05}
 #: Of the other cases, this share leaves out an effect that is not there, so that leaving out says nothing.
 DECOYS = 0.25
-#: Effects that no record of wires tells apart, as one class.
+#: Effects that no record of wires distinguishes, as one class.
 EXACT_CLASSES = (frozenset({"tangential_compliance", "rotational_compliance"}),)
 #: Nominal tests in a batch unless asked otherwise, and the least share of the article's among the cases.
 NOMINALS, REFERENCE_SHARE = 10, 0.1
@@ -47,7 +47,7 @@ class Case:
 
 
 def exact_class(effect: str) -> frozenset[str]:
-    """The effects that cannot be told from this one, itself among them."""
+    """The effects that cannot be distinguished from this one, itself among them."""
     return next((members for members in EXACT_CLASSES if effect in members), frozenset({effect}))
 
 

@@ -53,7 +53,7 @@ class Generator(Protocol):
 
     @property
     def description(self) -> str:
-        """What the manifest says about the model; nothing that tells one case from another."""
+        """What the manifest says about the model; nothing that distinguishes one case from another."""
         ...
 
     @property

@@ -18,7 +18,7 @@ _SOFTNESS = 8.0
 
 @dataclass(frozen=True)
 class LineNominal:
-    """Bodies, conditions and statements of a record; `stiffness_N_per_mm` None is a holder believed rigid."""
+    """Bodies, conditions and statements of a record; `stiffness_N_per_mm` None is a holder assumed rigid."""
 
     radius_mm: float = 6.0
     length_mm: float = 10.0

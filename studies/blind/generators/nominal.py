@@ -13,7 +13,7 @@ MATERIALS_MPa = ((210000.0, 0.3), (193000.0, 0.29), (116000.0, 0.32))
 
 @dataclass(frozen=True)
 class Nominal:
-    """Wires, conditions and statements of a record; `stiffness_N_per_mm` None is a holder believed rigid.
+    """Wires, conditions and statements of a record; `stiffness_N_per_mm` None is a holder assumed rigid.
 
     bodies: names of the driven and the held one.
     """

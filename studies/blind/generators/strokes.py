@@ -45,6 +45,6 @@ def through_holder(signals: Signals, give: Give) -> Signals:
 def _rows_of_stroke(displacement: Array, direction: int) -> NDArray[np.intp]:
     """Rows of a periodic channel from one reversal to the next, both included."""
     low, top = displacement.argmin(), displacement.argmax()
-    begun, ended = (low, top) if direction > 0 else (top, low)
+    first, ended = (low, top) if direction > 0 else (top, low)
     count = displacement.size
-    return np.asarray((begun + np.arange((ended - begun) % count + 1)) % count)
+    return np.asarray((first + np.arange((ended - first) % count + 1)) % count)

@@ -158,11 +158,11 @@ def _shrink(judgements: Sequence[Judgement], oracle: Mapping[str, Answer | None]
     rows: list[dict[str, Any]] = []
     losses: list[float] = []
     for judgement in judgements:
-        answer, told = judgement.answer, oracle.get(judgement.truth.case)
+        answer, of_oracle = judgement.answer, oracle.get(judgement.truth.case)
         if judgement.truth.kind not in ("single", "pair"):
             continue
-        if told is not None:
-            losses.append(max(_shrunk(told), 0.0) - _shrunk(answer))
+        if of_oracle is not None:
+            losses.append(max(_shrunk(of_oracle), 0.0) - _shrunk(answer))
         if answer is None or not answer.gap_seen:
             continue
         rows.append(
@@ -171,7 +171,7 @@ def _shrink(judgements: Sequence[Judgement], oracle: Mapping[str, Answer | None]
                 "predicted": answer.predicted_shrink,
                 "achieved": answer.achieved_shrink,
                 "confirmed": answer.confirmed_shrink is not None,
-                "oracle": None if told is None else told.achieved_shrink,
+                "oracle": None if of_oracle is None else of_oracle.achieved_shrink,
             }
         )
     both = [(r["predicted"], r["achieved"]) for r in rows if r["predicted"] is not None and r["achieved"] is not None]

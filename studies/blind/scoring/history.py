@@ -28,7 +28,7 @@ def answers_hash(folder: Path) -> str:
 def logged_run(batch: Path, diagnoses: Path, headline: Mapping[str, Any], key_path: Path) -> dict[str, Any]:
     """Append this run to the batch's log and to its copy beside the key; returns its line with the run's number.
 
-    Every line holds the SHA-256 of the one before it, and the copy tells when the log was shortened or deleted.
+    Every line holds the SHA-256 of the one before it, and the copy shows when the log was shortened or deleted.
     Raises BlindError if the log was altered, or cannot be read or written.
     """
     path, copy = batch / LOG, key_path.with_name(f"{key_path.name}.scored")

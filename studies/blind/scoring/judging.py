@@ -90,7 +90,7 @@ class Judgement:
 
     @property
     def right_seam(self) -> bool | None:
-        """Whether a cause of no library was told to enter where it does; None if it was not left unexplained."""
+        """Whether a cause of no library is said to enter where it does; None if it was not left unexplained."""
         if self.answer is None or not self.rejected or self.truth.kind != "outside":
             return None
         seam = seam_of(self.truth.effects[0])

@@ -109,7 +109,7 @@ def _shrink_panel(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
     for name, label, style in (
         ("achieved", "achieved", {"color": BLUE}),
         ("predicted", "predicted", {"color": INK, "linestyle": ":"}),
-        ("oracle", "by a diagnosis told the truth", {"color": ORANGE, "linestyle": "--"}),
+        ("oracle", "by a diagnosis given the truth", {"color": ORANGE, "linestyle": "--"}),
     ):
         values = np.sort(np.clip([row[name] for row in rows if row[name] is not None], -0.2, 1.0))
         if not values.size:
@@ -119,7 +119,7 @@ def _shrink_panel(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
         places = np.concatenate([[-0.2], values, [1.0]])
         axes.step(places, shares, where="pre", label=f"{label}, mean {values.mean():.2f}", **style)  # type: ignore[arg-type]
     if rows and all(row["oracle"] is None for row in rows):
-        axes.plot([], [], " ", label="no diagnosis was told the truth")
+        axes.plot([], [], " ", label="no diagnosis was given the truth")
     axes.set(xlabel="shrink", ylabel="share of records that shrink so far", ylim=(-0.02, 1.04))
     axes.set_xlim(lowest - 0.04, 1.04)
     if axes.get_legend_handles_labels()[0]:

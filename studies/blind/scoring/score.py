@@ -85,7 +85,7 @@ def score_batch(folder: str | Path, diagnoses: str | Path, *, key_path: Path, ou
     """Verify a batch, score the diagnoses of its records, log the run and write score.json and score.html.
 
     `diagnoses` holds a folder with diagnosis.json for each record. Beside them, oracle/ may hold those of a diagnosis
-    that was told the truth, and baselines/NAME/ those of simpler methods.
+    that was given the truth, and baselines/NAME/ those of simpler methods.
     Raises BlindError if key, manifest or records do not belong together, or a diagnosis cannot be understood. Raises
     RunError if the report could not be written; the run is not logged then.
     """

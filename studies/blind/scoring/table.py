@@ -74,7 +74,7 @@ def aim_rows(report: Mapping[str, Any]) -> list[AimRow]:
         _share("pairs: at least one named", report["pairs"]["at_least_one"]),
         _number("shrink predicted, mean", shrink["predicted"]),
         _number("shrink achieved, mean", shrink["achieved"]),
-        _number("shrink of an oracle told the truth, mean", shrink["oracle"]),
+        _number("shrink of an oracle given the truth, mean", shrink["oracle"]),
         _number("shrink lost against the oracle, gaps found", shrink["regret"], "≤ 0.05", high=0.05),
         _number("shrink lost against the oracle, all gaps", shrink["regret_of_all"], "≤ 0.05", high=0.05),
     ]

@@ -42,7 +42,7 @@ def materials_command() -> None:
         table.add_row(item.name, ", ".join(item.also), f"{1e-3 * modulus:.4g}", f"{ratio:g}", source)
         if item.fatigue:
             data = ", ".join(f"{key} = {value:g}" for key, value in item.fatigue)
-            table.add_row("", "fatigue", "", "", f"{data}; {item.fatigue_told}")
+            table.add_row("", "fatigue", "", "", f"{data}; {item.fatigue_note}")
     wide_console(130).print(table)
 
 

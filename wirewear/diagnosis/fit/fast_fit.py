@@ -71,7 +71,7 @@ class LoopsOfTests:
 def loops_of_tests(record: AnyRecord, *, sliding: bool = True) -> LoopsOfTests:
     """Figures of at most MOST_CYCLES cycles, evenly chosen in their logarithm; of loops in partial slip, too, where
     not only of sliding ones.
-    Raises RecordError if none of the sliding ones that are asked for tells friction: none can be analysed, or slides
+    Raises RecordError if none of the sliding ones that are asked for shows friction: none can be analysed, or slides
     as a whole, or is sampled densely enough.
     """
     cycles = _chosen(record.cycles)
@@ -87,7 +87,7 @@ def loops_of_tests(record: AnyRecord, *, sliding: bool = True) -> LoopsOfTests:
             slide += found.regime == "gross slip"
             if (play := found.free_play_um) is not None:
                 plays[i, j] = play.value, play.deviation
-            for k, measured in _told(found, sliding=sliding).items():
+            for k, measured in _usable(found, sliding=sliding).items():
                 figures[i, j, k], deviations[i, j, k] = measured.value, measured.deviation
     if sliding:
         _require_friction(record, figures[:, :, 0], slide)
@@ -99,7 +99,7 @@ def loops_of_tests(record: AnyRecord, *, sliding: bool = True) -> LoopsOfTests:
 
 
 def _require_friction(record: AnyRecord, frictions: Array, slide: int) -> None:
-    """See that some loops of a record, of which so many slide as a whole, tell a friction that can be fitted."""
+    """See that some loops of a record, of which so many slide as a whole, show a friction that can be fitted."""
     if not np.isfinite(frictions).any():
         raise RecordError(f"{_why_not(record, slide)}, so that neither friction nor wear can be fitted.")
     friction = float(np.nanmean(frictions))
@@ -116,7 +116,7 @@ def _has_play(plays: Array, figures: Array) -> bool:
 
 
 def _why_not(record: AnyRecord, sliding: int) -> str:
-    """Why no loop of a record tells friction, of which so many slide as a whole."""
+    """Why no loop of a record shows friction, of which so many slide as a whole."""
     if sliding:
         return (
             f"the loops of the record {record.name!r} have fewer than five samples a direction in the middle of "
@@ -148,8 +148,8 @@ def _figures(record: AnyRecord, repeat: int, cycle: int) -> LoopFigures | None:
         return None
 
 
-def _told(found: LoopFigures, *, sliding: bool) -> dict[int, Measured]:
-    """Those of FITTED, by their place, that a loop tells which resists the motion both ways, and slides if asked to."""
+def _usable(found: LoopFigures, *, sliding: bool) -> dict[int, Measured]:
+    """Those of FITTED, by their place, that a loop shows which resists the motion both ways, and slides if asked to."""
     keeps_sign = found.asymmetry is not None and abs(found.asymmetry.value) >= 1.0
     if (sliding and found.regime != "gross slip") or keeps_sign:
         return {}

@@ -22,9 +22,9 @@ from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.kinds import kind_of
 from wirewear.loops import LoopError
 from wirewear.records import AnyRecord
-from wirewear.records.checking import remarks_told
+from wirewear.records.checking import remarks_of
 from wirewear.records.exporting import true_loop
-from wirewear.records.values import believed_tables, stated_friction
+from wirewear.records.values import stated_friction, stated_tables
 from wirewear.results import RunResult, read_loops
 from wirewear.simulation import Observer, run_study
 from wirewear.test import study_from_tables
@@ -106,7 +106,7 @@ def fit_record(
     energy of the whole test, or what is given of them in place of scars. Where no loop slides as a whole, friction and
     rig are what energy, stiffness and shape of single loops leave.
     Raises RecordError if the record is unsound, none of its loops bounds friction above, or a worn volume is given and
-    neither loops nor evolution tell the energy; StudyError or SolverError if a nominal run of the fast model fails.
+    neither loops nor evolution show the energy; StudyError or SolverError if a nominal run of the fast model fails.
     """
     record = record.of_block()
     kind, tables = kind_of(record), record.tables
@@ -115,7 +115,7 @@ def fit_record(
         return _of_sticking(record, sticking, given)
     require_supported(record)
     with stage("checking the record"):
-        told = tuple(remark.text for remark in remarks_told(record))
+        odd = tuple(remark.text for remark in remarks_of(record))
     with stage("measuring the loops"):
         tests = loops_of_tests(record)
         worn, found, notes = wear.fitted_wear(record)
@@ -134,19 +134,19 @@ def fit_record(
         fitted = fast_fit(states, setup, tests)
     parameters = _of_fit(fitted, len(tests.repeats), record, contact.N_per_um) | spring | _play(tests) | worn
     study = fitted_study(record, parameters, record.cycles)
-    notes = [*told, *limits, *left_out(record), *_misfit(fitted), *notes, *_missing(record, parameters, tests)]
+    notes = [*odd, *limits, *left_out(record), *_misfit(fitted), *notes, *_missing(record, parameters, tests)]
     return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=kind.rigid_N_per_mm)
 
 
 def _of_sticking(record: AnyRecord, sticking: StickingFit, given: wear.GivenWear | None) -> FittedTest:
-    """The fit of a test in partial slip, which the fast model does not foresee."""
+    """The fit of a test in partial slip, which the fast model does not cover."""
     worn, found, notes = wear.fitted_wear(record)
     if given is not None:
         worn, notes = wear.wear_given(given, record.tables, worn, found)
     parameters = sticking.parameters | worn
     study = fitted_study(record, parameters, record.cycles)
-    told = (remark.text for remark in remarks_told(record))
-    notes = [*told, sticking.note, *notes, *_missing_wear(record, parameters), *_single(record)]
+    odd = (remark.text for remark in remarks_of(record))
+    notes = [*odd, sticking.note, *notes, *_missing_wear(record, parameters), *_single(record)]
     rigid = kind_of(record).rigid_N_per_mm
     return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=rigid)
 
@@ -156,13 +156,13 @@ def tables_of_record(record: AnyRecord) -> dict[str, Any]:
     Raises RecordError if friction is not stated, and no loop slides as a whole.
     """
     friction = stated_friction(record.tables)
-    friction = _friction_told(record) if friction is None else friction
+    friction = _friction_of_loops(record) if friction is None else friction
     last = record.tables.conditions.cycles
     cycles = [cycle for cycle in record.cycles if 1 <= cycle <= last]
-    return believed_tables(record.tables, friction) | {"log": {"loop_cycles": cycles}}
+    return stated_tables(record.tables, friction) | {"log": {"loop_cycles": cycles}}
 
 
-def _friction_told(record: AnyRecord) -> float:
+def _friction_of_loops(record: AnyRecord) -> float:
     """That of the loops of a record that states none."""
     try:
         sticking = fitted_sticking(record, kind_of(record).rigid_N_per_mm)
@@ -173,15 +173,15 @@ def _friction_told(record: AnyRecord) -> float:
 
 
 def completed(record: AnyRecord) -> tuple[AnyRecord, dict[str, float]]:
-    """The record with friction and wear as its loops and scars tell them where its owner states none, and how little is
+    """The record with friction and wear as its loops and scars show them where its owner states none, and how little is
     then known of them: relative standard deviations by the fast model's names.
 
-    Where nothing tells the wear, bodies wear like steel on steel.
+    Where nothing shows the wear, bodies wear like steel on steel.
     Raises RecordError if friction is not stated, and no loop slides as a whole.
     """
     tables, stated, unknown = record.tables, dict[str, float](), dict[str, float]()
     if stated_friction(tables) is None:
-        stated["friction"] = _friction_told(record)
+        stated["friction"] = _friction_of_loops(record)
         unknown["friction"] = 1.0
     if len(tables.missing) > len(unknown):
         worn, _, _ = wear.fitted_wear(record)
@@ -205,7 +205,7 @@ def fitted_study(record: AnyRecord, parameters: dict[str, FittedParameter], cycl
 
 
 def stated_by(parameters: dict[str, FittedParameter], rigid_N_per_mm: float) -> dict[str, Any]:
-    """The keys of `[stated]` that parameters give, to four digits: more than their intervals tell."""
+    """The keys of `[stated]` that parameters give, to four digits: more than their intervals show."""
     parameters = {name: replace(found, value=float(f"{found.value:.4g}")) for name, found in parameters.items()}
     stated: dict[str, Any] = {}
     if "friction_initial" in parameters:
@@ -347,7 +347,7 @@ def _missing_wear(record: AnyRecord, parameters: dict[str, FittedParameter]) -> 
         return []
     stated = wear.stated_wear(record.tables)
     wears = f"takes the stated {stated}" if stated is not None else "does not wear"
-    said = f"no wear coefficient was fitted, and the study {wears}: loops tell the energy, not the volume"
+    said = f"no wear coefficient was fitted, and the study {wears}: loops show the energy, not the volume"
     return [f"{said}; {wear.where_volumes(record.tables)}, or give --worn-volume or --wear-coefficient"]
 
 

@@ -45,7 +45,7 @@ def fitted_sticking(record: AnyRecord, rigid_N_per_mm: float) -> StickingFit | N
         raise RecordError(
             f"no loop of the record {record.name!r} slides as a whole, and none bounds friction above"
             + ("" if least is None else f": it is at least {least:.3g}")
-            + ", so that neither friction nor wear can be fitted. One stroke that slides tells friction."
+            + ", so that neither friction nor wear can be fitted. One stroke that slides shows friction."
         )
     _, cycle = min(bounded, key=lambda key: _width(bounded[key]))
     keys = [key for key in bounded if key[1] == cycle]

@@ -172,7 +172,7 @@ def calibrate(
     normal_loads_N: positive; by default 0.5, 1 and 1.5 times the study's.
     near: where the near displacement is taken.  remote_compliance_um_per_N: stated by the rig's owner.
     fidelity: of the mesh, which only covers the contact itself.
-    progress: is told the share done and what is being done.
+    progress: is given the share done and what is being done.
     """
     study = alone(study)
     loads = sorted(normal_loads_N or [share * study.conditions.normal_load_N for share in USUAL_LOADS])

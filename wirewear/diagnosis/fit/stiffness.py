@@ -22,7 +22,7 @@ from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.loops.branches import remaining_force
 from wirewear.records import AnyRecord
 from wirewear.records.normal_force import median_load_N
-from wirewear.records.values import believed_tables
+from wirewear.records.values import stated_tables
 from wirewear.test import study_from_tables
 
 #: By how much worn depths miss the way that bodies come together, beyond the first 10 µm of the article's run: growing
@@ -32,7 +32,7 @@ DESCENT_DEVIATION = 0.03
 SPRING = "normal_spring_stiffness_N_per_mm"
 
 FULL_SLIP = 1.5  #: Displacement to full slip is this multiple of force over initial stiffness (Mindlin).
-_FIRST_CYCLES = 10  #: Cycles of the run on a rigid rig that tells the stiffness of the contact and its bodies.
+_FIRST_CYCLES = 10  #: Cycles of the run on a rigid rig that shows the stiffness of the contact and its bodies.
 
 
 def with_spring(
@@ -99,7 +99,7 @@ class ContactStiffness:
 
 
 def contact_stiffness(record: AnyRecord, friction: float, some_wear: Mapping[str, float]) -> ContactStiffness:
-    """By closed form, or, where none tells it, of loops of a run on a rigid rig; `some_wear` is for that run."""
+    """By closed form, or, where none shows it, of loops of a run on a rigid rig; `some_wear` is for that run."""
     tables = record.tables
     if tables.contact_stiffness_N_per_um is not None:
         return ContactStiffness(tables.contact_stiffness_N_per_um, slips=True)
@@ -120,7 +120,7 @@ def fitted_tables(
 ) -> dict[str, Any]:
     """Tables of the record's study with these keys of `[stated]` in place of its own, and further effects."""
     stated = record.tables.stated.with_fitted(fitted)
-    data = believed_tables(record.tables.model_copy(update={"stated": stated}), float(fitted["friction"]))
+    data = stated_tables(record.tables.model_copy(update={"stated": stated}), float(fitted["friction"]))
     all_effects = [*data.pop("effects", ()), *effects]
     return data | {"log": {"loop_cycles": cycles}} | ({"effects": all_effects} if all_effects else {})
 

@@ -56,11 +56,11 @@ class FittedTest:
 
     record: AnyRecord
     study: AnyStudy[Any]
-    #: What the study takes over, by name; those that the record does not tell are absent.
+    #: What the study takes over, by name; those that the record does not show are absent.
     parameters: dict[str, FittedParameter]
     found: dict[str, FittedParameter]  #: Further figures by name: energies, volumes, stiffnesses of loop and contact.
     notes: tuple[str, ...] = field(default=())  #: What is missing or assumed, and where to get it.
-    rigid_N_per_mm: float = 1e6  #: A rig as stiff as this is one whose stiffness the loops do not tell.
+    rigid_N_per_mm: float = 1e6  #: A rig as stiff as this is one whose stiffness the loops do not show.
 
     def __repr__(self) -> str:
         found = ", ".join(f"{name} = {one.value:.4g}" for name, one in self.parameters.items())

@@ -15,7 +15,7 @@ from wirewear.records import AnyRecord
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results.scar import called
 
-#: Wear coefficient of both bodies with which wear states are made where the record does not tell it: steel on steel's.
+#: Wear coefficient of both bodies with which wear states are made where the record does not show it: steel on steel's.
 ANY_WEAR_mm3_per_J = 3e-5
 
 _UNITS = {"mm3_per_J": "mm³/J", "mm3_per_N_m": "mm³/(N·m)"}
@@ -117,7 +117,7 @@ def wear_given(
     given: GivenWear, tables: Any, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
 ) -> Worn:
     """Wear as given; what scars say of it no longer counts but for the bodies' shares.
-    Raises RecordError if a volume is given, and nothing tells the energy that wore it.
+    Raises RecordError if a volume is given, and nothing shows the energy that wore it.
     """
     energy = found.get("accumulated_energy_J")
     if given.coefficient_mm3_per_J is not None:
@@ -130,7 +130,7 @@ def wear_given(
         coefficient = FittedParameter(given.volume_mm3 / energy.value, (low, high), "mm3_per_J", energy.repeats)
         source = f"the wear coefficient is the given volume of {given.volume_mm3:g} mm³ over the tests' energy"
     else:
-        raise RecordError("a worn volume is given, but neither loops nor an evolution tell the energy that wore it.")
+        raise RecordError("a worn volume is given, but neither loops nor an evolution show the energy that wore it.")
     measured = total_of(tables, worn)
     beside = "" if measured is None else f"; the scars of the record say {measured:.3g} mm³/J"
     parts, notes = parted(tables, coefficient)

@@ -66,7 +66,7 @@ CONTRADICTED = _KNOWN.number("contradicted")
 #: A sensor's zero is the same unknown in all repeats; what its gain may be off by is tolerated.
 SHARED: Mapping[str, float] = {name: SCATTER[name] for name in ("displacement_offset_um", "force_offset")}
 
-#: Noise counts for so much more variance where the repeats' scatter is told from it.
+#: Noise counts for so much more variance where the repeats' scatter is distinguished from it.
 NOISE_INFLATION = _KNOWN.number("noise_inflation")
 
 
@@ -170,15 +170,15 @@ def alike(cycle: IntArray, reach: float) -> Array:
 
 
 @dataclass(frozen=True)
-class Told:
-    """What repeats tell of one observable's noise: its variance is off by 1 + `more` / `weight`, in so many numbers."""
+class NoiseEvidence:
+    """What repeats show of one observable's noise: its variance is off by 1 + `more` / `weight`, in so many numbers."""
 
     more: float = 0.0
     weight: float = 0.0
 
-    def __add__(self, other: Told) -> Told:
+    def __add__(self, other: NoiseEvidence) -> NoiseEvidence:
         """Both together."""
-        return Told(self.more + other.more, self.weight + other.weight)
+        return NoiseEvidence(self.more + other.more, self.weight + other.weight)
 
     @property
     def factor(self) -> float:
@@ -187,20 +187,20 @@ class Told:
 
 
 def noise_factors(observed: Observations, scattered: Array) -> Array:
-    """Factors (n,) on the variance of the noise, one for each observable, as repeats tell them."""
-    told = told_by_repeats(observed, scattered)
-    factors = [np.repeat(told[part.observable.name].factor, len(part.sites)) for part in observed.layout]
+    """Factors (n,) on the variance of the noise, one for each observable, as repeats show them."""
+    evidence = noise_evidence(observed, scattered)
+    factors = [np.repeat(evidence[part.observable.name].factor, len(part.sites)) for part in observed.layout]
     return np.concatenate([np.ones(0), *factors])
 
 
-def told_by_repeats(observed: Observations, scattered: Array) -> dict[str, Told]:
-    """What the repeats tell of each observable's noise, by its name; nothing where there is one repeat.
+def noise_evidence(observed: Observations, scattered: Array) -> dict[str, NoiseEvidence]:
+    """What the repeats show of each observable's noise, by its name; nothing where there is one repeat.
 
     `scattered` (n, n) is the covariance of one repeat's specimens and zeros. What a repeat differs by from the mean of
     those before it is normal, of scatter and noise; given all its other numbers, one of them has a variance of which
-    the share s is noise, and its squared deviate tells a factor of 1 + (square − 1)/s, with s² for a weight.
+    the share s is noise, and its squared deviate shows a factor of 1 + (square − 1)/s, with s² for a weight.
     """
-    told = {part.observable.name: Told() for part in observed.layout}
+    evidence = {part.observable.name: NoiseEvidence() for part in observed.layout}
     for seen, apart, noise in _contrasts(observed):
         inverse = np.linalg.inv(noise + scattered[np.ix_(seen, seen)])
         own = np.diag(inverse)
@@ -210,8 +210,8 @@ def told_by_repeats(observed: Observations, scattered: Array) -> dict[str, Told]
         for part in observed.layout:
             here = (seen >= part.rows.start) & (seen < part.rows.stop)
             more, weight = share[here] @ (squares[here] - 1.0), share[here] @ share[here]
-            told[part.observable.name] += Told(float(more), float(weight))
-    return told
+            evidence[part.observable.name] += NoiseEvidence(float(more), float(weight))
+    return evidence
 
 
 def _contrasts(observed: Observations) -> Iterator[tuple[NDArray[np.intp], Array, Array]]:

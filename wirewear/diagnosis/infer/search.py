@@ -3,7 +3,7 @@
 What a record leaves open of an explanation's parameters is what is expected of them when the next one is looked at
 (sequential Bayes, by Laplace's approximation), so that an explanation must hold on both with the same parameters.
 
-Left are the classes among which the cause is in nine records of ten, and the measurement that tells them apart best.
+Left are the classes among which the cause is in nine records of ten, and the measurement that distinguishes them best.
 Classes stand in the order of their probability, and go on until nine tenths of it are in the set. A cause of no library
 is always in it: one that does what a known effect does, or that is too small to be seen, no record rules out.
 """
@@ -287,7 +287,7 @@ def next_measurement(
 ) -> tuple[Measurement, tuple[str, ...]] | None:
     """The measurement that removes most expected confusion per cost, and the effects that it splits.
 
-    Confusion of a pair is the product of its probabilities; `unclear` are classes that cannot be told apart, whose
+    Confusion of a pair is the product of its probabilities; `unclear` are classes that cannot be distinguished, whose
     members count as equally probable. `available` is what the record already has.
     """
     pairs: dict[tuple[str, str], float] = {}
@@ -309,7 +309,7 @@ def next_measurement(
 
 
 def masses(causes: Iterable[tuple[str, float]], equivalent: Iterable[Sequence[str]]) -> dict[tuple[str, ...], float]:
-    """Probability of each class of effects that cannot be told apart, from that of each effect, at most 1."""
+    """Probability of each class of effects that cannot be distinguished, from that of each effect, at most 1."""
     groups = {name: tuple(members) for members in equivalent for name in members}
     found: dict[tuple[str, ...], float] = {}
     for name, probability in causes:

@@ -149,7 +149,7 @@ class Split:
 def splits(layout: Layout) -> Iterator[Split]:
     """Ways to leave something out, in order of preference: late loops, every second one, the scar of one body.
 
-    Scars are no part of what loops are scored by: only a fit that knows them can tell a rate of wear.
+    Scars are no part of what loops are scored by: only a fit that knows them can show a rate of wear.
     """
     loops = layout.of_kind(AlongBranch)
     scars = layout.marked(part for part in layout if part.observable.of_scars)
@@ -253,7 +253,7 @@ class _LeftOut:
 
     @classmethod
     def of(cls, problem: Problem, covariance: Covariance, observed: Observations) -> _LeftOut:
-        """The part that tells most."""
+        """The part that shows most."""
         base = problem.predicted(problem.setup)
         split, scores, squares = _telling_split(problem, covariance, observed, base)
         return cls(problem, problem.part(split.train, covariance), base, split, scores, squares)

@@ -1,4 +1,4 @@
-"""From fits to probabilities: classes that a record cannot tell apart, beliefs, and what an explanation leaves over."""
+"""From fits to probabilities: classes that a record cannot distinguish, beliefs, what an explanation leaves over."""
 
 from __future__ import annotations
 
@@ -61,10 +61,10 @@ _LEAST_P = 1e-300
 class Weighed:
     """Probabilities by explanation (a tuple of effects' names; () is none), and that of a cause outside the library.
 
-    A cause of no library that does just what a known effect does is not told from it, and has no share of its own: how
-    often such causes occur, no record tells.
+    A cause of no library that does just what a known effect does is not distinguished from it, and has no share of its
+    own: how often such causes occur, no record shows.
 
-    `classes` are the groups of effects that cannot be told apart, by name, each at least one.
+    `classes` are the groups of effects that cannot be distinguished, by name, each at least one.
     """
 
     probabilities: Mapping[tuple[str, ...], float]
@@ -87,11 +87,11 @@ class Weighed:
         return max((self.mass(names) for names in self.probabilities if names), default=0.0)
 
     def mass(self, names: tuple[str, ...]) -> float:
-        """Probability of an explanation and of all that cannot be told from it."""
+        """Probability of an explanation and of all that cannot be distinguished from it."""
         return self._masses[self._classes(names)]
 
     def refuted(self, names: tuple[str, ...]) -> Weighed:
-        """The probability of an explanation, and of all that cannot be told from it, given to a cause of no library."""
+        """The probability of an explanation and of all not distinguished from it, given to a cause of no library."""
         own = self._classes(names)
         kept = {one: 0.0 if self._classes(one) == own else p for one, p in self.probabilities.items()}
         return replace(self, probabilities=kept, outside=self.outside + self.mass(names))
@@ -198,7 +198,7 @@ def weigh(
     outside = -np.inf
     for names, added in (gains or {}).items():
         beside = np.log(PRIOR_OUTSIDE / (1.0 - PRIOR_OUTSIDE)) - np.log(len(added))
-        # What it adds it adds to its own explanation, and with the belief in that: beside none it need not be believed
+        # What it adds it adds to its own explanation, and with the belief in that: beside none it need not be accepted
         # together with whatever effect happens to lead.
         outside = np.logaddexp(
             outside, logs[names] + beside + np.logaddexp.reduce((np.array(added) - NOTICEABLE) / temperature)

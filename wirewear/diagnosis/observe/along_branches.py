@@ -232,7 +232,7 @@ def displacement_at(branch: ObservedBranch, level_N: float, window_N: float, loo
 
 
 def _sample_error(loop: ReducedLoop, slope_um_per_N: float) -> float:
-    """Error of a displacement that one sample tells, whose force is unsure, too [µm]."""
+    """Error of a displacement that one sample shows, whose force is unsure, too [µm]."""
     return float(np.hypot(loop.displacement_noise_um, slope_um_per_N * loop.sample_noise_N))
 
 

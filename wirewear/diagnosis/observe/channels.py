@@ -47,7 +47,7 @@ MOST_CYCLES, FAR = _OF_EVOLUTION.count("most_cycles"), _OF_EVOLUTION.number("far
 #: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
 PEAK_BIAS = _OF_EVOLUTION.number("peak_bias")
 
-#: A column tells its own noise by at least so many figures.
+#: A column shows its own noise by at least so many figures.
 FEWEST_FIGURES = _OF_EVOLUTION.count("fewest")
 
 #: By how much, relative, the program that read an evolution may define a figure otherwise.
@@ -205,7 +205,7 @@ class Amplitude(OfLoops):
 
 
 class EvolutionFigure(Observable):
-    """One column of an evolution, which tells its own noise."""
+    """One column of an evolution, which shows its own noise."""
 
     column: ClassVar[str]
 

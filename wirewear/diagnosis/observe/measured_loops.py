@@ -28,7 +28,7 @@ from wirewear.records.tables import Noise
 
 _OF_MOTION_OF_LOOPS = constants("observe.motion_of_loops")
 
-#: Harmonics of a loop's displacement that are told at most, and samples for each.
+#: Harmonics of a loop's displacement that are used at most, and samples for each.
 MOST_HARMONICS, SAMPLES_A_HARMONIC = (
     _OF_MOTION_OF_LOOPS.count("most_harmonics"),
     _OF_MOTION_OF_LOOPS.count("samples_a_harmonic"),
@@ -243,7 +243,7 @@ def _noise_of_samples(
     """Standard deviation of one sample's force [N], what correlation makes of means, and the normal force's deviation.
 
     `sliding` are displacements and forces of the branches past their knees, `normal_N` the normal forces there. Where
-    shape hides the noise of few samples, the normal force tells how neighbours correlate, or the displacement about a
+    shape hides the noise of few samples, the normal force shows how neighbours correlate, or the displacement about a
     smooth drive; or else how near they lie to each other, beside the noise that is stated. The last is None where the
     normal force was not asked. `rounding_N` is what steps of the force add to a sample's noise.
     """
@@ -270,7 +270,7 @@ def _force_noise(
 ) -> tuple[float, float] | None:
     """Standard deviation of a sliding branch's force about a smooth curve, and what correlation makes of means.
 
-    None where there are too few samples to tell noise from shape.
+    None where there are too few samples to distinguish noise from shape.
     """
     parts: list[tuple[Array, Array]] = []
     for x, q in sliding:
@@ -288,7 +288,7 @@ def _force_noise(
 def _noise_of_another(normal_N: Sequence[Array], clean: CleanLoop, stated: Noise) -> tuple[float, float] | None:
     """As of `_force_noise`, where shape hides it in few samples: that of the normal force, which hardly changes.
 
-    Without one the displacement tells how noise correlates, as far as a smooth drive explains it; None if none does.
+    Without one the displacement shows how noise correlates, as far as a smooth drive explains it; None if none does.
     """
     parts: list[tuple[Array, Array]] = []
     for values in normal_N:

@@ -196,7 +196,7 @@ def repaired(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
 def read_at_corners(record: AnyRecord) -> tuple[AnyRecord, str | None]:
     """The record with loops that are straight lines between few points at those points, and a note that says so.
 
-    A record whose loops are none, or cannot be told from smooth ones, is returned as it is.
+    A record whose loops are none, or cannot be distinguished from smooth ones, is returned as it is.
     """
     frequency = record.tables.conditions.frequency_Hz
     loops = [loop for loop in record.loops if loop.cycle > 0]

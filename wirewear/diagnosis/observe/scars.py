@@ -34,10 +34,10 @@ _PROFILES = constants("observe.profiles")
 #: Places to either side of the middle, in half-widths of the scar; width of the bins in which depths are averaged.
 PLACES, BIN = _PROFILES.numbers("places"), _PROFILES.number("bin")
 
-#: A profile's middle lies half-way between the places with this share of its depth; its half-width is told at that one.
+#: A profile's middle lies half-way between the places with this share of its depth; its half-width is read at that one.
 HALF_DEPTH, EDGE = _PROFILES.each("half_depth", "edge")
 
-#: Degree of the curve about which roughness is told.
+#: Degree of the curve about which roughness is measured.
 ROUGH_DEGREE = _PROFILES.count("rough_degree")
 
 #: Solver differences: by how much places differ, in half-widths.

@@ -28,7 +28,7 @@ EXPECTED: Mapping[str, Any] = constants("model.numerical.expected").all()
 class Candidate:
     """An effect of the library with the numbers that are to be found.
 
-    `held` parameters stay at their middle, as nothing in a record tells them from the others; `chosen` are its words,
+    `held` parameters stay at their middle, as no record distinguishes them from the others; `chosen` are its words,
     such as the channel that lags. `forms` are numbers of its law, which other laws of the same cause change: they are
     found like parameters, and stand behind them in coordinates.
     """
@@ -139,13 +139,13 @@ def nominal_inputs(study: Study, drive: Literal["sensor", "stroke"]) -> Surrogat
 
 
 def library(setup: SurrogateInputs) -> tuple[Candidate, ...]:
-    """All effects that there are, those of installed packages among them, as far as the fast model can foresee them."""
+    """All effects that there are, those of installed packages among them, as far as the fast model can predict them."""
     return tuple(
         Candidate.of(
             kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), setup.scales, setup.contact_kind
         )
         for kind in all_effects().values()
-        if kind.considered_for(setup.contact_kind, setup.held) and _foreseen(kind, setup)
+        if kind.considered_for(setup.contact_kind, setup.held) and _is_supported(kind, setup)
         for words in product(*kind.choices().values())
     )
 
@@ -155,16 +155,16 @@ def effect_of(name: str) -> str:
     return name.partition(":")[0]
 
 
-def unforeseen(setup: SurrogateInputs) -> tuple[str, ...]:
-    """Names of the effects that the fast model cannot foresee."""
+def unsupported(setup: SurrogateInputs) -> tuple[str, ...]:
+    """Names of the effects that the fast model cannot cover."""
     return tuple(
         name
         for name, kind in all_effects().items()
-        if kind.considered_for(setup.contact_kind, setup.held) and not _foreseen(kind, setup)
+        if kind.considered_for(setup.contact_kind, setup.held) and not _is_supported(kind, setup)
     )
 
 
-def _foreseen(kind: type[Effect[Any]], setup: SurrogateInputs) -> bool:
+def _is_supported(kind: type[Effect[Any]], setup: SurrogateInputs) -> bool:
     try:
         setup.with_effect(kind.sized("easy", setup.stated)).chain(1.0, 1.0, *np.ones((3, 1)))
     except StudyError:

@@ -1,4 +1,4 @@
-"""What the fast forward model is told: the nominal model, every effect's place in it, and its numerical freedoms."""
+"""What the fast forward model takes: the nominal model, every effect's place in it, and its numerical freedoms."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class AtWork(Protocol):
 
 @dataclass(frozen=True)
 class SurrogateInputs:
-    """One set of circumstances under which loops are computed: a test as it is believed to be, and what changes it.
+    """One set of circumstances under which loops are computed: a test as it is assumed to be, and what changes it.
 
     The last eight are numerical freedoms of the fast model.
     """

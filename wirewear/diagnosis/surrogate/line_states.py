@@ -3,7 +3,7 @@
 Its loops are those of a one-dimensional device as wires' are (`wear_states`). Two cylinders on flats of radius R, worn
 by a cross-section A under a slip amplitude δ, are similar to others of equal A R/δ³ if scars are large against the
 elastic approach. The stick branch is all but straight, for it is the bodies that give way. Profiles follow from the
-worn area; what a bed of debris and a lack of oxygen change of them is foreseen by `line_wear`.
+worn area; what a bed of debris and a lack of oxygen change of them is predicted by `line_wear`.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ _BEYOND = _KNOWN.number("beyond")
 MODEL_ERROR = _KNOWN.number("model_error")
 
 #: Effects of which that error is known.
-_FORESEEN = ("third_body", "contact_oxygenation")
+_MODELLED = ("third_body", "contact_oxygenation")
 
 BODIES = ("pad", "specimen")
 
@@ -143,8 +143,8 @@ class LineStates(WearStates):
         return {**self.unknown, **own}
 
     def model_error(self, kind: type[Effect[Any]]) -> float:
-        """Profiles under a bed and a lack of oxygen are foreseen better than what both do to wires."""
-        return MODEL_ERROR if kind.name in _FORESEEN else kind.model_error
+        """Profiles under a bed and a lack of oxygen are predicted better than what both do to wires."""
+        return MODEL_ERROR if kind.name in _MODELLED else kind.model_error
 
     def similar(self, worn_um3: Array, slip_um: Array) -> Array:
         """A R/δ³."""

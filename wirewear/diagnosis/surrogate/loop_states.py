@@ -29,7 +29,7 @@ LIFT_POWERS = (2, 4)
 #: Full slip comes at this multiple of Q/K_c (Mindlin): the elastic displacement of a sliding contact.
 FULL_SLIP = 1.5
 
-#: Weights that keep high powers small where the few increments of a loop do not tell them.
+#: Weights that keep high powers small where the few increments of a loop do not show them.
 _RIDGE = (*_KNOWN.numbers("odd_ridge"), *_KNOWN.numbers("even_ridge"))
 
 #: Travels of full slip that a loop has at least, and past which a branch slides for certain; shares of the rise between
@@ -275,7 +275,7 @@ def _beyond(harmonics: Harmonics) -> Harmonics:
     """Harmonics that follow the known ones (k,) where the motion has corners.
 
     A speed that jumps by J at φ has the harmonics −J exp(−ikφ)/(π k²), which fall off slower than those of any smooth
-    motion: the last ones that are known tell J and φ.
+    motion: the last ones that are known show J and φ.
     """
     if harmonics.size < _FEWEST:
         return np.zeros(0, dtype=np.complex128)

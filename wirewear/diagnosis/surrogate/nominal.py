@@ -16,7 +16,7 @@ from wirewear.base.errors import RecordError, ResultError, RunError, StudyError,
 from wirewear.base.writing import temporary_folder, write_bytes
 from wirewear.diagnosis.calibration import constants
 from wirewear.records import AnyRecord
-from wirewear.records.values import believed_study
+from wirewear.records.values import stated_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
 from wirewear.test import AnyStudy, LineStudy, Study
 from wirewear.test.bodies import Gap
@@ -25,11 +25,9 @@ from wirewear.test.tables import Wear
 
 Result = TypeVar("Result")
 
-_UNFORESEEN = (
-    ", which the fast model does not foresee: it can be checked and compared, but neither fitted nor diagnosed"
-)
+_UNSUPPORTED = ", which the fast model does not cover: it can be checked and compared, but neither fitted nor diagnosed"
 
-_WITHOUT_BULK = "loops are foreseen without the bulk stresses of the bodies, whose strain hardly changes sliding ones"
+_WITHOUT_BULK = "loops are predicted without the bulk stresses of the bodies, whose strain hardly changes sliding ones"
 
 _FOLDER = "wirewear-nominal-"
 
@@ -88,22 +86,22 @@ def kept_or_made(
 
 
 def require_supported(record: AnyRecord) -> None:
-    """See that the fast model foresees the loops that are looked at of a record.
+    """See that the fast model predicts the loops that are looked at of a record.
     Raises RecordError if its load varies within the cycle, its drive holds another figure than the stroke, or they are
     of a block whose stroke is shorter than another's.
     """
     asked, held = record.tables.conditions, held_by(record.tables.conditions)
     if asked.load_cycle is not None:
-        raise RecordError(f"the record {record.name!r} has a load that varies within the cycle{_UNFORESEEN}.")
+        raise RecordError(f"the record {record.name!r} has a load that varies within the cycle{_UNSUPPORTED}.")
     if held is not None and held.figure == "tangential":
         raise RecordError(
             f"the drive of {record.name!r} holds its tangential force, which says nothing of how far the bodies slide"
-            f"{_UNFORESEEN}."
+            f"{_UNSUPPORTED}."
         )
     if record.within_longer_strokes:
         raise RecordError(
             f"block {record.block} of the programme of {record.name!r} slides in scars of longer strokes, which the "
-            "fast model does not foresee: look at the block with the longest stroke, which is the default."
+            "fast model does not cover: look at the block with the longest stroke, which is the default."
         )
 
 
@@ -111,18 +109,18 @@ def nominal_study(record: AnyRecord) -> Any:
     """What the record's owner states, as a study of its kind of contact; what is not stated is ideal.
     Raises RecordError if friction or wear is not stated, or friction twice and differently.
     """
-    return believed_study(record.tables)
+    return stated_study(record.tables)
 
 
 def require_the_same(record: AnyRecord, study: AnyStudy[Any], pairs: Mapping[str, tuple[float, float]]) -> None:
-    """Refuse a model of another test, or one that wears as the fast model does not foresee.
+    """Refuse a model of another test, or one that wears as the fast model does not cover.
 
     pairs: numbers of model and record by their keys.
     """
     other = [f'the wear law "{law.name}"' for law in study.laws[1:] if not isinstance(law, EnergyLaw | Archard)]
     other += ["layers"] if any(study.layers.values()) else []
     if other:
-        raise RecordError(f"the model {study.name!r} has {other[0]}{_UNFORESEEN}.")
+        raise RecordError(f"the model {study.name!r} has {other[0]}{_UNSUPPORTED}.")
     for key, (own, recorded) in pairs.items():
         if abs(own - recorded) > SAME * max(abs(own), abs(recorded)):
             raise RecordError(
@@ -223,13 +221,13 @@ def limits_of(nominal: RunResult, study: AnyStudy[Any]) -> tuple[str, ...]:
     """What a study and its run say against wear states taken from it; nothing of one that came to its end without bulk
     stresses.
     """
-    told = (_WITHOUT_BULK,) if study.schedule.pulled else ()
+    notes = (_WITHOUT_BULK,) if study.schedule.pulled else ()
     if nominal.status == "complete":
-        return told
+        return notes
     reached = f"cycle {counted(nominal.loops[-1].cycle)} of {counted(nominal.study['conditions']['cycles'])}"
     reason = nominal.message.rstrip(".")
     ended = f"the simulation of the nominal model ended at {reached} ({reason}): later wear is led on from there"
-    return (*told, ended)
+    return (*notes, ended)
 
 
 def _run(nominal: NominalRun, folder: Path, observer_of: ObserverOf | None) -> RunResult:

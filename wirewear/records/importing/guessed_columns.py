@@ -50,7 +50,7 @@ class GuessedFile:
     references: tuple[str | int, ...]  #: Names or numbers by which a mapping names its columns.
     titles: tuple[str, ...]  #: Of them, as the file has them, as the next.
     units: tuple[str, ...]
-    #: Reference and unit ("" where none is told) by key of the record.
+    #: Reference and unit ("" where none is stated) by key of the record.
     columns: dict[str, tuple[str | int, str]] = field(default_factory=dict)
     sample_rate_Hz: float | None = None
     remarks: tuple[str, ...] = ()
@@ -64,7 +64,7 @@ class GuessedFile:
         return any(self.titles)
 
     def unit(self, place: int, channel: str) -> str:
-        """The unit of a column, by its title or as the file has it beside; empty where none is told."""
+        """The unit of a column, by its title or as the file has it beside; empty where none is stated."""
         return stem_and_unit(self.titles[place], units_of(channel))[1] or self.units[place]
 
     def read(self, columns: dict[str, dict[str, Any]], length_mm: float | None = None) -> dict[str, Array]:
@@ -77,7 +77,7 @@ class GuessedFile:
         """The file's columns in words, with the range of their numbers.
         Raises RecordError if none of them can be read.
         """
-        told, unread = [], []
+        ranges, unread = [], []
         for reference, title, unit in zip(self.references, self.titles, self.units, strict=True):
             try:
                 values = self.read({"any": {"column": reference}})["any"]
@@ -87,10 +87,10 @@ class GuessedFile:
             if np.isfinite(values).any():
                 name = " ".join(part for part in (str(reference), repr(title) if title else "", unit) if part)
                 name = repr(reference) if isinstance(reference, str) else name
-                told.append(f"{name} from {np.nanmin(values):.4g} to {np.nanmax(values):.4g}")
-        if unread and not told:
+                ranges.append(f"{name} from {np.nanmin(values):.4g} to {np.nanmax(values):.4g}")
+        if unread and not ranges:
             raise unread[0]
-        return ", ".join(told)
+        return ", ".join(ranges)
 
 
 def shut(column: dict[str, Any]) -> dict[str, Any]:
@@ -138,7 +138,7 @@ def rivals(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> d
     """Sentences on columns that were passed over for those taken, by the key: they have as good a name and another
     course.
     """
-    told = {}
+    sentences = {}
     taken = {file.references.index(reference) for reference, _ in columns.values() if reference in file.references}
     for key, channel in LOOP_KEYS.items():
         if key not in columns or channel not in UNIT_OF or channel == "time" or columns[key][0] not in file.references:
@@ -152,18 +152,20 @@ def rivals(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> d
         others = [left[n] for n in found if _changes(file, left[n]) and _differ(file, channel, place, left[n])]
         if others:
             names = " and ".join(repr(file.titles[n]) for n in others)
-            told[key] = f"{file.path.name}: {file.titles[place]!r} is taken for the {channel}, and not {names}"
-    return told
+            sentences[key] = f"{file.path.name}: {file.titles[place]!r} is taken for the {channel}, and not {names}"
+    return sentences
 
 
 def unread(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> list[str]:
     """Sentences on columns that state a factor, or part the samples by words or numbers, and are not taken."""
-    taken, told = {reference for reference, _ in columns.values()}, []
+    taken, sentences = {reference for reference, _ in columns.values()}, []
     for place, (reference, title) in enumerate(zip(file.references, file.titles, strict=True)):
         if reference in taken or not title or place >= MOST_LABELS:
             continue
         if states_factor(title):
-            told.append(f"{file.path.name}: the name of the column {title!r} states a factor: give it in a mapping")
+            sentences.append(
+                f"{file.path.name}: the name of the column {title!r} states a factor: give it in a mapping"
+            )
         if file.unit(place, ""):
             continue
         if place in file.words:
@@ -172,7 +174,7 @@ def unread(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> l
             different = list(dict.fromkeys(words))
             if 1 < len(different) <= LABELLED * len(words):
                 such = ", ".join(map(repr, different[:3]))
-                told.append(f"{file.path.name}: the column {title!r} holds words, such as {such}, and is not read")
+                sentences.append(f"{file.path.name}: the column {title!r} holds words, such as {such}, and is not read")
             continue
         values = values_of(file, place)
         values = values[np.isfinite(values)] if values.ndim == 1 else np.empty(0)
@@ -180,8 +182,8 @@ def unread(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> l
         counts = values.size and np.array_equal(values, np.floor(values)) and np.all(steps >= 0.0)
         if counts and 0 < np.count_nonzero(steps) <= LABELLED * values.size:
             about = f"counts from {values[0]:g} to {values[-1]:g}"
-            told.append(f"{file.path.name}: the column {title!r} {about}, and is not read")
-    return told
+            sentences.append(f"{file.path.name}: the column {title!r} {about}, and is not read")
+    return sentences
 
 
 def _differ(file: GuessedFile, channel: str, *places: int) -> bool:

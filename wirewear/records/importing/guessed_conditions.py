@@ -1,4 +1,4 @@
-"""What laboratories' files tell of a test: load, amplitude, frequency, cycles, signs of forces; and of its scars."""
+"""What laboratories' files show of a test: load, amplitude, frequency, cycles, signs of forces; and of its scars."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -35,10 +35,10 @@ MOST_READ = 25  #: Loops that are analysed for it, from first to last: a second 
 _RIGS_Hz = 0.1, 1000.0
 
 #: Gaps in a log that may be off a whole number of cycles by this share of one are not counted.
-UNTOLD = 0.25
+UNCOUNTED = 0.25
 
 
-#: Words in a file's name that tell whose scar it holds.
+#: Words in a file's name that show whose scar it holds.
 WORDS = {
     "moving": ("moving", "upper", "oben", "oberer", "beweg", "mobile"),
     "fixed": ("fixed", "lower", "unten", "unterer", "fest", "ruhend", "static"),
@@ -58,19 +58,19 @@ _SCALE = {
 def conditions_of(
     text: GuessedFile, source: dict[str, Any], known: dict[str, Any], length_mm: float | None = None
 ) -> tuple[dict[str, Any], dict[str, float], list[str]]:
-    """Conditions that the first file tells, left open where it does not; signs of forces by key; what was assumed.
-    Raises RecordError if the file holds too few samples, or its loops cannot be told apart.
+    """Conditions that the first file shows, left open where it does not; signs of forces by key; what was assumed.
+    Raises RecordError if the file holds too few samples, or its loops cannot be distinguished.
     """
     closed = {key: own for key, own in source["columns"].items() if own["column"] != OPEN}
     columns = text.read(closed, length_mm) if closed else {}
-    told = {"frequency_Hz": known.get("frequency_Hz", OPEN), "cycles": known.get("cycles", OPEN)}
+    timing = {"frequency_Hz": known.get("frequency_Hz", OPEN), "cycles": known.get("cycles", OPEN)}
     loops: list[MeasuredLoop] = []
     remarks, signs = [], dict[str, float]()
     if {"displacement_um", "tangential_force_N"} <= closed.keys():
         x = columns["displacement_um"]
         x = x[np.isfinite(x)]
         if x.size < FEWEST or np.ptp(x) <= 0.0:
-            raise RecordError(f"{text.path}: {x.size} complete samples of a displacement tell no loop.")
+            raise RecordError(f"{text.path}: {x.size} complete samples of a displacement show no loop.")
         columns, clock = _clocked(columns)
         remarks += [f"{text.path.name}: {clock.note}"] if clock.note else []
         if "time_s" not in columns and ("cycle" in columns or not clock.gaps):
@@ -82,10 +82,10 @@ def conditions_of(
             remarks.append(f"{found:g} cycles in a unit of the column of time are none a second: which unit is it?")
         asked = _open(source, "time_s")
         doubtful = bool(doubt) and "frequency_Hz" not in known
-        told["frequency_Hz"] = known.get("frequency_Hz") or (OPEN if asked or doubtful else found) or OPEN
-        cut_by = found if asked or doubtful else told["frequency_Hz"]
+        timing["frequency_Hz"] = known.get("frequency_Hz") or (OPEN if asked or doubtful else found) or OPEN
+        cut_by = found if asked or doubtful else timing["frequency_Hz"]
         loops = _loops(text, source | {"columns": closed}, cut_by or OPEN, length_mm)
-        told["cycles"] = known.get("cycles") or (OPEN if doubtful else _last_cycle(source, loops))
+        timing["cycles"] = known.get("cycles") or (OPEN if doubtful else _last_cycle(source, loops))
         if doubtful:
             remarks.append(doubt)
         if "time_s" not in columns and "sample_rate_Hz" in source:
@@ -99,12 +99,12 @@ def conditions_of(
         remarks.append("the normal force is negative when pressing as it is logged, so that factor = -1 turns it")
     load, remark = _load(source, normal, known)
     amplitude, other = _amplitude(source, loops, known)
-    conditions = {"normal_load_N": load, "displacement_amplitude_um": amplitude} | told
+    conditions = {"normal_load_N": load, "displacement_amplitude_um": amplitude} | timing
     return conditions, signs, [*(one for one in (remark, other) if one), *remarks]
 
 
 def _clocked(columns: dict[str, Array]) -> tuple[dict[str, Array], Clock]:
-    """Columns with the times behind their clock, or without any where it does not tell them; and the clock."""
+    """Columns with the times behind their clock, or without any where it does not show them; and the clock."""
     time, x = columns.get("time_s"), columns["displacement_um"]
     if time is None or time.shape != x.shape:
         return columns, Clock(time)
@@ -136,7 +136,7 @@ def _loops(
 
 
 def frequency_of(columns: dict[str, Array], source: dict[str, Any], doubt_s: float = 0.0) -> tuple[float | None, str]:
-    """Cycles a second: of a log of several cycles by their phase, of one by its length; None where no time is told.
+    """Cycles a second: of a log of several cycles by their phase, of one by its length; None where no time is stated.
 
     And what stands against numbering cycles by it, if anything.
 
@@ -189,10 +189,10 @@ def _across_gaps(pieces: Sequence[Array], times: Sequence[Array], doubt_s: float
         if len(starts) == 1:
             continue
         ahead = (starts[-1] - starts[-2]) / period
-        if max(unsure * ahead / max(numbers[-1], 1), abs(ahead - round(ahead)) + off) > UNTOLD:
+        if max(unsure * ahead / max(numbers[-1], 1), abs(ahead - round(ahead)) + off) > UNCOUNTED:
             about = _rounded(float(np.median(periods)), 3)
-            told = f"the cycles within the pieces of the log, some {about:g} a second, do not tell how many lie between"
-            return about, f"{told} them: --frequency does it, as exactly as it is known"
+            message = f"the cycles within the pieces of the log, some {about:g} a second, do not show how many lie"
+            return about, f"{message} between them: --frequency does it, as exactly as it is known"
         numbers.append(numbers[-1] + round(ahead))
         period = float(np.polyfit(numbers, starts, 1)[0])
     return _rounded(period, 7), ""
@@ -206,7 +206,7 @@ def _load(source: dict[str, Any], normal: Array, known: dict[str, Any]) -> tuple
     if "normal_load_N" in known:
         return known["normal_load_N"], ""
     if _open(source, "normal_force_N") or not np.isfinite(normal).any():
-        return OPEN, "the normal load, in newtons, is not told: --normal-load does it, too"
+        return OPEN, "the normal load, in newtons, is not stated: --normal-load does it, too"
     load = abs(float(f"{np.nanmedian(normal):.3g}"))
     return load, f"the normal load, {load:g} N, is the median of the measured one"
 
@@ -215,12 +215,12 @@ def _amplitude(source: dict[str, Any], loops: Sequence[MeasuredLoop], known: dic
     if "displacement_amplitude_um" in known:
         return known["displacement_amplitude_um"], ""
     if _open(source, "displacement_um") or not loops:
-        return OPEN, "the displacement amplitude, half the stroke in µm, is not told: --amplitude does it, too"
+        return OPEN, "the displacement amplitude, half the stroke in µm, is not stated: --amplitude does it, too"
     amplitudes = [_amplitude_of(loop) for loop in loops[:: -(-len(loops) // MOST_READ)]]
     amplitude = float(f"{np.median(amplitudes):.3g}")
     if min(amplitudes) < (1.0 - ONE_AMPLITUDE) * max(amplitudes):
-        told = f"amplitudes of the loops go from {min(amplitudes):.3g} to {max(amplitudes):.3g} µm"
-        return amplitude, f"the {told}; their median stands in the mapping"
+        message = f"amplitudes of the loops go from {min(amplitudes):.3g} to {max(amplitudes):.3g} µm"
+        return amplitude, f"the {message}; their median stands in the mapping"
     return amplitude, f"the displacement amplitude, {amplitude:g} µm, is that of the loops"
 
 
@@ -262,8 +262,8 @@ def scars_of(
             remarks.append(f"{text.path.name} was left out: neither loops nor a scar were recognised in it")
             continue
         body = body_of(text.path, touching.names, _next(scars, touching), remarks)
-        columns, told = mapped_columns(text)
-        remarks += told
+        columns, more = mapped_columns(text)
+        remarks += more
         if not text.named:
             units = ", ".join(unit.replace("um", "µm") for _, unit in text.columns.values())
             remarks.append(f"{text.path.name} names no columns: they are taken for x, y and height in {units}")
@@ -276,9 +276,9 @@ def scars_of(
         if "height_um" in columns:
             found = text.read(columns)
             surface = grid_of_points(text.path, (found["x_um"], found["y_um"], found["height_um"]))
-            scars[body] |= _told(_laid(text.path, body, touching, surface), remarks)
+            scars[body] |= _noted(_laid(text.path, body, touching, surface), remarks)
         else:
-            scars[body] |= _told(_along_motion(text.path, body, touching, depths=True), remarks)
+            scars[body] |= _noted(_along_motion(text.path, body, touching, depths=True), remarks)
     _add_maps(scars, maps, touching, remarks)
     return scars, remarks
 
@@ -294,9 +294,11 @@ def _add_maps(scars: dict[str, Any], maps: Sequence[Path], touching: Touching, r
             continue
         scars[body] = {"files": path.name, **keys}
         if surface.left_open:
-            scars[body] |= _told(_along_x(path, body, touching, "once its scale is told, the import sees it"), remarks)
+            scars[body] |= _noted(
+                _along_x(path, body, touching, "once its scale is stated, the import sees it"), remarks
+            )
         else:
-            scars[body] |= _told(_laid(path, body, touching, surface.scaled(path, MapScale())), remarks)
+            scars[body] |= _noted(_laid(path, body, touching, surface.scaled(path, MapScale())), remarks)
 
 
 def map_source(path: Path, remarks: list[str]) -> tuple[StatedMap, dict[str, Any]] | None:
@@ -316,7 +318,7 @@ def map_source(path: Path, remarks: list[str]) -> tuple[StatedMap, dict[str, Any
     return surface, {"kind": PROFILOMETER, **dict.fromkeys(left, OPEN)}
 
 
-def _told(found: tuple[dict[str, Any], str], remarks: list[str]) -> dict[str, Any]:
+def _noted(found: tuple[dict[str, Any], str], remarks: list[str]) -> dict[str, Any]:
     remarks.append(found[1])
     return found[0]
 
@@ -332,8 +334,8 @@ def body_of(path: Path, names: tuple[str, str], otherwise: str, remarks: list[st
     for body in names:
         if any(word in name for word in WORDS[body]):
             return body
-    told = "nothing in its name tells whose surface it holds"
-    remarks.append(f"{path.name}: {told}; it is taken for the {called(otherwise)}'s")
+    message = "nothing in its name shows whose surface it holds"
+    remarks.append(f"{path.name}: {message}; it is taken for the {called(otherwise)}'s")
     return otherwise
 
 
@@ -359,8 +361,8 @@ def _along_motion(path: Path, name: str, touching: Touching, *, depths: bool = F
 def _along_x(path: Path, name: str, touching: Touching, later: str) -> tuple[dict[str, Any], str]:
     if not _has_axis(name, touching):
         return _along_motion(path, name, touching)
-    told = f"the {called(name)} is taken to run along the map's x; {later}"
-    return {"frame": "wire", "axis": "x"}, f"{path.name}: {told}"
+    message = f"the {called(name)} is taken to run along the map's x; {later}"
+    return {"frame": "wire", "axis": "x"}, f"{path.name}: {message}"
 
 
 def _laid(path: Path, name: str, touching: Touching, surface: tuple[Array, Array, Array]) -> tuple[dict[str, Any], str]:
@@ -374,9 +376,12 @@ def _laid(path: Path, name: str, touching: Touching, surface: tuple[Array, Array
     offs = [abs((found - way[0] + 90.0) % 180.0 - 90.0) for way in ways]
     off, (_, axis, frame) = min(zip(offs, ways, strict=True), key=lambda one: one[0])
     keys = {"frame": frame} if frame == "test" else {"frame": frame, "axis": axis}
-    told = f"{path.name}: by its shape the {called(name)} lies at {found:.0f}° to the map's x"
+    message = f"{path.name}: by its shape the {called(name)} lies at {found:.0f}° to the map's x"
     if off > ASKEW_deg:
         crossing = touching.tables["wires"]["crossing_angle_deg"]
-        return keys, f"{told}: neither along x or y nor at the crossing angle, {crossing:g}°: give crossing_angle_deg"
+        return (
+            keys,
+            f"{message}: neither along x or y nor at the crossing angle, {crossing:g}°: give crossing_angle_deg",
+        )
     x_is = "the motion of the test" if frame == "test" else f"the wire, which is its {axis} here"
-    return keys, f'{told}: frame = "{frame}", x along {x_is}; `wirewear import --dry-run` draws it'
+    return keys, f'{message}: frame = "{frame}", x along {x_is}; `wirewear import --dry-run` draws it'

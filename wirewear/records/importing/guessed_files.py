@@ -29,14 +29,14 @@ from wirewear.records.importing.guessed_columns import (
 from wirewear.records.importing.loggers import kind_of, readers
 from wirewear.records.importing.text_reader import OPEN, TextReader
 
-FEWEST = 16  #: Fewer samples tell nothing.
+FEWEST = 16  #: Fewer samples show nothing.
 
 #: Scars are smaller than this in millimetres and larger in micrometres; they are larger in millimetres than in metres.
 SCAR_mm = 20.0
 
 EPOCH = 1e3  #: A test that began after so many of its own lengths was not timed from its start.
 
-#: Units of which one is asked for, where none is told.
+#: Units of which one is asked for, where none is stated.
 _SUCH = {"um": "um, mm or inch", "N": "N, mN or gf", "mJ": "mJ, J or uJ", "s": "s, ms, or s with factor = 86400"}
 
 _NEEDED = frozenset(("displacement_um", "tangential_force_N"))
@@ -81,7 +81,7 @@ def table_of(path: Path, layout: GuessedLayout | None = None) -> GuessedFile:
         blank = ("",) * guessed.width
         references: tuple[str | int, ...] = numbers
         if guessed.layout.names_line:
-            # Two columns of one name are told apart by their numbers.
+            # Two columns of one name are distinguished by their numbers.
             references = tuple(n if names.count(name) > 1 else name for n, name in zip(numbers, names, strict=True))
         if guessed.width > FEWEST:
             references, names, units = _in_groups(path, references, names or blank, units or blank)
@@ -144,12 +144,12 @@ def joined(channels: Sequence[GuessedFile]) -> tuple[GuessedFile, ...]:
             return ()
     columns = first.columns | {key: own for key, own in second.columns.items() if key not in shared}
     elsewhere = dict.fromkeys(columns.keys() - first.columns.keys(), second.path.name)
-    told = (f"{second.path.name} holds the force to the displacement in {first.path.name}",)
-    return (replace(first, holds="loops", columns=columns, elsewhere=elsewhere, remarks=told),)
+    remarks = (f"{second.path.name} holds the force to the displacement in {first.path.name}",)
+    return (replace(first, holds="loops", columns=columns, elsewhere=elsewhere, remarks=remarks),)
 
 
 def _that_moves(files: Sequence[GuessedFile], tables: Sequence[DelimitedLayout]) -> GuessedFile:
-    """Of a file's tables, such as the steps of a programme, that with the most motion; what is left out is told."""
+    """Of a file's tables, such as the steps of a programme, that with the most motion; what is left out is stated."""
     if not tables:
         return files[0]
 
@@ -160,11 +160,11 @@ def _that_moves(files: Sequence[GuessedFile], tables: Sequence[DelimitedLayout])
 
     best = max(range(len(files)), key=motion)
     first, rows = (getattr(tables[best], key) for key in ("lines_before_rows", "most_rows"))
-    told = f"{files[best].path.name}: lines {first + 1} to {first + rows} are read"
+    message = f"{files[best].path.name}: lines {first + 1} to {first + rows} are read"
     if len(tables) > 1:
         others = ", ".join(str(own.line_of_names) for own in tables)
-        told += f", the table with the most motion; {len(tables)} begin with the same names, in lines {others}"
-    return replace(files[best], remarks=(*files[best].remarks, told))
+        message += f", the table with the most motion; {len(tables)} begin with the same names, in lines {others}"
+    return replace(files[best], remarks=(*files[best].remarks, message))
 
 
 def spelling_of(layout: DelimitedLayout) -> dict[str, Any]:
@@ -193,7 +193,7 @@ def _counts_each_once(file: GuessedFile, columns: dict[str, tuple[str | int, str
 
 
 def _points_without_names(file: GuessedFile) -> GuessedFile:
-    """Three columns without names as x, y and height, where they lie on a grid; the scar's size tells their units."""
+    """Three columns without names as x, y and height, where they lie on a grid; the scar's size shows their units."""
     if len(file.references) != 3:
         return file
     points = file.read({key: {"column": place} for key, place in (("x", 1), ("y", 2), ("z", 3))})
@@ -229,7 +229,7 @@ def _on_grid(x: Array, y: Array) -> bool:
 
 
 def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict[str, Any], list[str]]:
-    """A mapping's columns of a file, open where a unit is not told, and what should be known of them.
+    """A mapping's columns of a file, open where a unit is not stated, and what should be known of them.
 
     per_length: whether forces and energies may be those of a millimetre of a line contact.
     """
@@ -252,8 +252,8 @@ def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict
             remarks.append(f"{text.path.name}: the column {name!r} has no unit of time; seconds are taken for it")
         else:
             columns[key]["unit"] = OPEN
-            told = f"is in {unit!r}, which is none of its units" if unit else "has no unit"
-            remarks.append(f"{text.path.name}: the column {name!r} {told}; which is it, such as {_SUCH[suffix]}?")
+            wrong = f"is in {unit!r}, which is none of its units" if unit else "has no unit"
+            remarks.append(f"{text.path.name}: the column {name!r} {wrong}; which is it, such as {_SUCH[suffix]}?")
     return columns, remarks
 
 

@@ -22,7 +22,7 @@ from wirewear.test.messages import validated
 from wirewear.test.points import BallAndFlat
 from wirewear.test.wires import Wires
 
-#: What only options tell where no file holds loops.
+#: What only options state where no file holds loops.
 _OPTIONS = {
     "normal_load_N": "--normal-load",
     "displacement_amplitude_um": "--amplitude",
@@ -36,16 +36,16 @@ _HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unk
 
 def line_contact(known: Mapping[str, Any], specimen: Mapping[str, Any], pad: Mapping[str, Any]) -> Touching:
     """A line contact of such constants, of a length and a face as the user says.
-    Raises RecordError, in one sentence, if the length or the face is not known, which no file tells.
+    Raises RecordError, in one sentence, if the length or the face is not known, which no file states.
     """
     length = known.get("length_mm")
     if length is None:
-        raise RecordError("no file tells the length of the line contact: give it by --length, in millimetres.")
+        raise RecordError("no file states the length of the line contact: give it by --length, in millimetres.")
     validated(RecordContact, {"kind": kinds.LINE_CONTACT, "length_mm": length}, "the options", RecordError)
     face = {key: known[key] for key in FACE_KEYS if known.get(key) is not None}
     if validated(PadFace, face, "the options", RecordError).missing_face() is not None:
         raise RecordError(
-            "no file tells the pad's face: give --radius, or --face-half-width and --edge-radius, in millimetres."
+            "no file states the pad's face: give --radius, or --face-half-width and --edge-radius, in millimetres."
         )
     kind = kinds.CYLINDER_ON_FLAT if face.keys() == {"radius_mm"} else kinds.LINE_CONTACT
     tables = {"contact": {"kind": kind, "length_mm": length}, "pad": face | dict(pad), "specimen": dict(specimen)}
@@ -53,10 +53,10 @@ def line_contact(known: Mapping[str, Any], specimen: Mapping[str, Any], pad: Map
 
 
 def asked_of(known: Mapping[str, Any]) -> dict[str, Any]:
-    """The conditions of a test of which no file holds loops. Raises RecordError if the options do not tell them all."""
+    """The conditions of a test of which no file holds loops. Raises RecordError if the options do not state all."""
     missing = [option for key, option in _OPTIONS.items() if known.get(key) is None]
     if missing:
-        raise RecordError(f"no file holds loops, so that only options can tell the test: give {', '.join(missing)}.")
+        raise RecordError(f"no file holds loops, so that only options can state the test: give {', '.join(missing)}.")
     return {key: known[key] for key in _OPTIONS}
 
 
@@ -76,8 +76,8 @@ def profiles_of(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dic
             continue
         body = body_of(text.path, LineTest.body_names, "specimen", remarks)
         if body not in found:
-            columns, told = mapped_columns(text)
-            remarks += told
+            columns, more = mapped_columns(text)
+            remarks += more
             found[body] = text.spelling | {"columns": columns}
             if alone:
                 found[body]["step_um"] = text.step_um or OPEN
@@ -143,7 +143,7 @@ class RecognisedFiles:
     loops: tuple[GuessedFile, ...]
     evolution: tuple[GuessedFile, ...]
     surfaces: tuple[GuessedFile, ...]
-    unknown: tuple[GuessedFile, ...]  #: Tables of numbers of which the usual names do not tell.
+    unknown: tuple[GuessedFile, ...]  #: Tables of numbers whose names are none of the usual ones.
     maps: tuple[Path, ...]
     unread: tuple[str, ...]  #: A sentence on each file that is left out.
 
@@ -169,19 +169,19 @@ def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
     channels = [own for own in tables if own.holds == "channel"]
     whole = joined(channels)
     if not whole:
-        told = "was left out: it has no columns for a displacement and a force"
-        unread |= {own.path: f"{own.path.name} {told}" for own in channels}
+        reason = "was left out: it has no columns for a displacement and a force"
+        unread |= {own.path: f"{own.path.name} {reason}" for own in channels}
     # Beside loops, a matrix without names is a map of heights, though it does not say so.
     matrices = [path for path in (*unread, *(own.path for own in held["unknown"])) if matrix_of(path)]
     others = tuple(own for own in held["unknown"] if own.path not in matrices)
     if held["loops"] + whole or others:
         held["unknown"], maps = others, [*maps, *matrices]
-        unread = {path: told for path, told in unread.items() if path not in matrices}
+        unread = {path: reason for path, reason in unread.items() if path not in matrices}
     return RecognisedFiles(**held | {"loops": held["loops"] + whole}, maps=tuple(maps), unread=tuple(unread.values()))
 
 
 def left_out(unknown: Sequence[GuessedFile]) -> list[str]:
-    """Sentences on tables of which the usual names do not tell what they hold."""
+    """Sentences on tables of which the usual names do not say what they hold."""
     return [f"{one.path.name} was left out: what its columns hold is not recognised" for one in unknown]
 
 
@@ -193,10 +193,10 @@ def name_of_folder(files: Sequence[Path]) -> str:
 def loop_source(
     loops: Sequence[GuessedFile], known: dict[str, Any], length_mm: float | None = None
 ) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
-    """The table `[loops]`, the conditions that the loops tell, and what was assumed.
+    """The table `[loops]`, the conditions that the loops show, and what was assumed.
 
     length_mm: of a line contact, whose forces may be given per millimetre.
-    Raises RecordError, in one sentence, if something is not known that no file tells.
+    Raises RecordError, in one sentence, if something is not known that no file states.
     """
     first = loops[0]
     columns, remarks = mapped_columns(first, per_length=length_mm is not None)
@@ -241,7 +241,7 @@ def crossed_wires(known: Mapping[str, Any], elastic: Mapping[str, float], _: Any
     """Wires of such constants, and what is assumed or left open of them."""
     remarks = []
     if "diameter_mm" not in known:
-        remarks.append("no file tells the wires' diameter, in millimetres: --diameter does it, too")
+        remarks.append("no file states the wires' diameter, in millimetres: --diameter does it, too")
     if "crossing_angle_deg" not in known:
         remarks.append("the wires are taken to cross at 90°; --crossing-angle says otherwise")
     angle = known.get("crossing_angle_deg", 90.0)
@@ -253,9 +253,9 @@ def crossed_wires(known: Mapping[str, Any], elastic: Mapping[str, float], _: Any
 def ball_on_flat(known: Mapping[str, Any], elastic: Mapping[str, float], of_ball: Mapping[str, float]) -> Touching:
     """A ball and a flat of such constants, and what is left open of them."""
     tables = {"ball": {"diameter_mm": known.get("diameter_mm", OPEN), **of_ball}, "flat": dict(elastic)}
-    told = "diameter_mm" in known
-    remarks = () if told else ("no file tells the ball's diameter, in millimetres: --diameter does it, too",)
-    bodies = BallAndFlat.model_validate(tables).of_test() if told else ()
+    is_known = "diameter_mm" in known
+    remarks = () if is_known else ("no file states the ball's diameter, in millimetres: --diameter does it, too",)
+    bodies = BallAndFlat.model_validate(tables).of_test() if is_known else ()
     touching = {"contact": {"kind": kinds.BALL_ON_FLAT}, "bodies": tables}
     return Touching(touching, BallTest.body_names, remarks, {body.name: body for body in bodies})
 

@@ -60,22 +60,22 @@ class StatedMap:
 
     heights: Array
     step_um: tuple[float, float] | None  #: From point to point along x and y.
-    unit_um: float | None  #: One unit of the heights.  None where the file does not tell.
-    remark: str = ""  #: What else it tells of its scale.
+    unit_um: float | None  #: One unit of the heights.  None where the file does not say.
+    remark: str = ""  #: What else it states of its scale.
 
     @property
     def left_open(self) -> list[str]:
         """Keys of a mapping that must say what the file does not."""
         return ["step_um"] * (self.step_um is None) + ["height_unit"] * (self.unit_um is None)
 
-    def scaled(self, file: Path, told: MapScale) -> Map:
-        """The map in µm about its middle; what a mapping tells goes before what the file states.
+    def scaled(self, file: Path, stated: MapScale) -> Map:
+        """The map in µm about its middle; what a mapping states goes before what the file states.
         Raises RecordError, in one sentence, if neither states the scale, or the size is not finite.
         """
-        step = self.step_um if told.step_um is None else (told.step_um, told.step_y_um or told.step_um)
-        unit = self.unit_um if told.height_unit is None else FIELD_UNITS["um"][told.height_unit]
+        step = self.step_um if stated.step_um is None else (stated.step_um, stated.step_y_um or stated.step_um)
+        unit = self.unit_um if stated.height_unit is None else FIELD_UNITS["um"][stated.height_unit]
         if step is None or unit is None:
-            missing = [key for key in self.left_open if getattr(told, key) is None]
+            missing = [key for key in self.left_open if getattr(stated, key) is None]
             raise RecordError(f"{file} does not state its scale: the mapping must give {' and '.join(missing)}.")
         x, y = ((np.arange(n) - 0.5 * (n - 1)) * own for n, own in zip(self.heights.shape, step, strict=True))
         if not 0.0 < float(np.ptp(x)) * float(np.ptp(y)) < np.inf:
@@ -121,8 +121,8 @@ class Matrix:
         step = self.step_um
         if step is None and self.sizes_um is not None:
             step = self.sizes_um[0] / heights.shape[0], self.sizes_um[1] / heights.shape[1]
-        told = f"; its first row and column count places, {places[0]:g} and {places[1]:g} apart" if places else ""
-        return StatedMap(heights, step, self.unit_um, told)
+        remark = f"; its first row and column count places, {places[0]:g} and {places[1]:g} apart" if places else ""
+        return StatedMap(heights, step, self.unit_um, remark)
 
 
 def matrix_of(file: Path) -> Matrix | None:
@@ -181,12 +181,12 @@ def _of_wyko(guessed: GuessedLayout, lines: Sequence[str]) -> Matrix:
     As Gwyddion and SurfaceTopography read it; the latter does not divide by a whole number of waves (``Mult 6``).
     """
     words = [line.split() for line in lines]
-    told = {own[0]: positive(own[-1]) for own in words if len(own) > 1}
-    pixel, aspect, wave = (told.get(key) for key in ("Pixel_size", "Aspect", "Wavelength"))
+    stated = {own[0]: positive(own[-1]) for own in words if len(own) > 1}
+    pixel, aspect, wave = (stated.get(key) for key in ("Pixel_size", "Aspect", "Wavelength"))
     in_nm = words[0][len(_WYKO.split()) + 1 :][1:2] == ["1"]
-    unit = 1e-3 if in_nm else None if wave is None else 1e-3 * wave / (told.get("Mult") or 1.0)
+    unit = 1e-3 if in_nm else None if wave is None else 1e-3 * wave / (stated.get("Mult") or 1.0)
     step = None if pixel is None else (1e3 * pixel * (aspect or 1.0), 1e3 * pixel)
-    if rows := told.get("X"):
+    if rows := stated.get("X"):
         # Intensities may stand below.
         guessed = replace(guessed, layout=replace(guessed.layout, most_rows=int(rows)), tables=())
     return Matrix(guessed, step_um=step, unit_um=unit)
@@ -226,11 +226,11 @@ def is_map(path: Path) -> bool:
     return matrix is not None and ((matrix.sizes_um or matrix.step_um) is not None and matrix.unit_um is not None)
 
 
-def height_map(file: Path, told: MapScale | None = None) -> Map:
+def height_map(file: Path, stated: MapScale | None = None) -> Map:
     """Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm; NaN where nothing was measured.
-    Raises RecordError if the file cannot be read, or neither it nor `told` states its size, which is finite, and unit.
+    Raises RecordError if the file cannot be read, or neither it nor `stated` gives its size, which is finite, and unit.
     """
-    return stated_map(file).scaled(file, told or MapScale())
+    return stated_map(file).scaled(file, stated or MapScale())
 
 
 def stated_map(file: Path) -> StatedMap:
@@ -300,7 +300,7 @@ def _by_surface_topography(file: Path) -> StatedMap:
             head = _require_room(file)
             if head is not None:
                 open_topography(io.BytesIO(head)).topography()
-            # A format without a mark of its own, which is taken for others: its name alone tells.
+            # A format without a mark of its own, which is taken for others: its name alone shows.
             known = "nms" if file.suffix.lower() == ".nms" else None
             reader = open_topography(str(file), format=known)
             channel = reader.default_channel
@@ -321,7 +321,7 @@ def _by_surface_topography(file: Path) -> StatedMap:
 
 
 def _own_reason(file: Path) -> Exception | None:
-    """Why the reader of the format that the file's name tells refuses it, where there is such a format."""
+    """Why the reader of the format that the file's name says refuses it, where there is such a format."""
     from SurfaceTopography.IO import readers
 
     for reader in readers:

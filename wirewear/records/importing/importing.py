@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +30,7 @@ WHOLE_CYCLE = 0.9
 #: A loop whose area against the motion is this share of the box around it has a force of the other sign.
 AGAINST_MOTION = 0.05
 
-#: In a loop so thin that its area tells no direction, a force that falls as the displacement rises, correlated so far,
+#: In a loop so thin that its area shows no direction, a force that falls as the displacement rises, correlated so far,
 #: has the other sign: a contact that sticks is a spring.
 FALLING = -0.5
 
@@ -60,8 +60,9 @@ def import_record(mapping_path: str | Path) -> AnyRecord:
     for body in mapping.body_names:
         if (source := getattr(mapping.surfaces, body)) is not None:
             found += surfaces_of(source, body, home, mapping)
-    scars, told = zip(*(one.bridged() for one in found), strict=True) if found else ((), ())
-    told = (*(sentence for one in found for sentence in (*one.told, one.border_told, one.spikes_told)), *told)
+    scars, bridged = zip(*(one.bridged() for one in found), strict=True) if found else ((), ())
+    of_each = ((*one.levelling_notes, one.border_note, one.spikes_note) for one in found)
+    surface_notes = (*chain.from_iterable(of_each), *bridged)
     if not loops and not evolution and not scars:
         raise RecordError(
             f"{path} maps nothing: give [loops], [evolution], [{mapping.worn.name}s.{mapping.body_names[0]}] or "
@@ -73,7 +74,7 @@ def import_record(mapping_path: str | Path) -> AnyRecord:
     read = dict.fromkeys((file, sources.layout_of(source)) for source, file in _files_of(mapping, home))
     texts = ((file, layout) for file, layout in read if kind_of(file) == TextReader.kind)
     unread = dict.fromkeys(note for one in texts for note in sheets_left_out(*one))
-    return ExperimentRecord(tables, loops, evolution, scars, (*notes, *unread, *filter(None, told), *turned))
+    return ExperimentRecord(tables, loops, evolution, scars, (*notes, *unread, *filter(None, surface_notes), *turned))
 
 
 def _mapping_of(path: Path) -> tuple[Any, tuple[str, ...]]:
@@ -109,23 +110,23 @@ def mapped_loops(
     Raises RecordError if a file cannot be read or lacks something, or a loop is there twice.
     """
     home = mapping_path.parent
-    loops, told = list[MeasuredLoop](), list[str]()
+    loops, loop_notes = list[MeasuredLoop](), list[str]()
     for file in sources.files_of(source, home):
         own, notes = loops_of(file, source, frequency_Hz, length_mm)
         loops += own
-        told += [note for note in notes if note not in told]
+        loop_notes += [note for note in notes if note not in loop_notes]
     loops.sort(key=lambda loop: (loop.repeat, loop.cycle))
     for one, other in pairwise(loops):
         if (one.repeat, one.cycle) == (other.repeat, other.cycle):
             raise RecordError(
                 f"{mapping_path}: {one.name} is found twice in the files of [loops]: name_pattern or a column must "
-                "tell them apart."
+                "distinguish them."
             )
     turned = 2 * sum(drives_motion(loop.complete) for loop in loops) > len(loops)
     if turned:
         loops = [replace(loop, tangential_force_N=-loop.tangential_force_N) for loop in loops]
     pressed, of_load = pressing(loops)
-    return pressed, (*told, *((TURNED,) if turned else ()), *of_load)
+    return pressed, (*loop_notes, *((TURNED,) if turned else ()), *of_load)
 
 
 def drives_motion(loop: MeasuredLoop) -> bool:
@@ -243,7 +244,7 @@ def _split(source: LoopSource, x: Array, force: Array) -> Array:
 def _cut(file: Path, source: LoopSource, time: Array, frequency_Hz: float) -> Array:
     if not np.isfinite(time).all():
         raise RecordError(
-            f"{file}: nothing tells the cycles apart: give a column cycle, a name_pattern with a group cycle, or a "
+            f"{file}: nothing distinguishes the cycles: give a column cycle, a name_pattern with a group cycle, or a "
             "column time_s or sample_rate_Hz to cut by the frequency."
         )
     # Half a sample of slack, so that round-off puts the first sample of a cycle into that cycle.

@@ -49,7 +49,7 @@ SPLIT = (
 class SampledLoop:
     """Samples of one cycle, arrays (n,); `normal_load_N` may be one number or unknown, `time_s` unknown.
 
-    `notes` say how the cycle was told.
+    `notes` say how the cycle was found.
     """
 
     repeat: int
@@ -69,7 +69,7 @@ class SampledLoop:
 
 @dataclass(frozen=True)
 class Spelling:
-    """How a text is laid out, as far as it is told; the rest is guessed from its first lines.
+    """How a text is laid out, as far as it is stated; the rest is guessed from its first lines.
 
     `delimiter` is a name of DELIMITERS.
     """
@@ -81,11 +81,11 @@ class Spelling:
     lines_after_names: int | None = None
 
     def layout(self, path: Path) -> GuessedLayout | None:
-        """The layout of a file; None where nothing is told.
+        """The layout of a file; None where nothing is stated.
         Raises RecordError if the file cannot be read, or no line names its columns.
         """
-        told = {key: value for key, value in vars(self).items() if value is not None}
-        if not told:
+        given = {key: value for key, value in vars(self).items() if value is not None}
+        if not given:
             return None
         try:
             guessed = guessed_layout(path)
@@ -93,8 +93,8 @@ class Spelling:
             guessed = GuessedLayout(CSV, (), ())
         layout = guessed.layout if guessed.names else replace(guessed.layout, names_line=True)
         if self.delimiter is not None:
-            told["delimiter"] = DELIMITERS[self.delimiter]
-        layout = replace(layout, **told)
+            given["delimiter"] = DELIMITERS[self.delimiter]
+        layout = replace(layout, **given)
         names = column_names(path, layout)
         units = guessed.units if guessed.names == names else ("",) * len(names)
         return replace(guessed, layout=layout, names=names, units=units, width=len(names), tables=())
@@ -108,7 +108,7 @@ def logged_loops(
     spelling: Spelling | None = None,
 ) -> tuple[SampledLoop, ...]:
     """Loops of a logger's file, split by its columns of repeat and cycle, or else where the drive turns round.
-    Raises RecordError if the file cannot be read, or a column or its unit cannot be told.
+    Raises RecordError if the file cannot be read, or a column or its unit cannot be identified.
 
     path: a text, or MATLAB's or LabVIEW's file.
     displacement, force: "COLUMN" or "COLUMN:UNIT", the column by its name or number; None to recognise it.
@@ -127,7 +127,7 @@ def logged_loops(
     chosen |= {"time_s": (free["time_s"][0], free["time_s"][1] or "s")} if "time_s" in free else {}
     columns: dict[str, Any] = {key: {"column": name, "unit": unit} for key, (name, unit) in chosen.items()}
     columns |= {key: {"column": free[key][0]} for key in ("repeat", "cycle") if key in free}
-    passed_over = (told for key, told in rivals(file, known).items() if key in chosen and asked.get(key) is None)
+    passed_over = (note for key, note in rivals(file, known).items() if key in chosen and asked.get(key) is None)
     remarks = (*file.remarks, *passed_over, *unread(file, known))
     return tuple(_loops(path, in_rows(path, file.read(columns)), constant, remarks))
 
@@ -247,7 +247,7 @@ def read_loops(
     is_result = not is_record and not is_binary and (path.is_dir() or h5py.is_hdf5(path))
     if spelled and (is_record or is_binary or is_result):
         raise RecordError(
-            f"--encoding, --delimiter, --decimal and the header's lines tell of a text, which {path} is not."
+            f"--encoding, --delimiter, --decimal and the header's lines describe a text, which {path} is not."
         )
     if (is_record or is_result) and any(option is not None for option in (displacement, force, normal_load)):
         raise RecordError(

@@ -149,7 +149,7 @@ class Source(Table):
         None, description="regular expression that finds cycle and repeat in a file's name"
     )
     repeat: Annotated[int, PlainValidator(Quantity("1", 0, 1e6, whole=True))] = Field(
-        1, description="number of the repeat where nothing else tells"
+        1, description="number of the repeat where nothing else states it"
     )
 
 

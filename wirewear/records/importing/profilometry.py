@@ -24,7 +24,7 @@ from wirewear.results.scar import called
 from wirewear.test.bodies import Body, Wire
 from wirewear.test.faces import Face
 
-FEWEST_POINTS = 100  #: Fewer points tell no cylinder.
+FEWEST_POINTS = 100  #: Fewer points show no cylinder.
 
 
 #: Share of a body's radius beyond which its flanks are too steep to be measured; beyond any map of a straight one.
@@ -35,7 +35,7 @@ DEEPEST_um = 1e4  #: What lies farther below or above a map's middle is a number
 #: A wire that lies farther off than this from where the mapping says is another one: half of the least crossing angle.
 ASKEW_deg = 15.0
 
-FEWEST_ON_LINE = 20  #: Fewer points tell no face.
+FEWEST_ON_LINE = 20  #: Fewer points show no face.
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class MapOfBody:
 
     @property
     def crown_unknown(self) -> bool:
-        """Whether the scar alone tells where a body was touched: a tilt moves the crown of all but thin ones far."""
+        """Whether the scar alone shows where a body was touched: a tilt moves the crown of all but thin ones far."""
         return not isinstance(self.body, Wire)
 
     def require_direction(self, x: Array, y: Array, height: Array) -> None:
@@ -103,9 +103,9 @@ def scar_of(of: MapOfBody, x: Array, y: Array, height: Array, *, form: bool = Tr
     Raises RecordError if the points are too few, or lie beyond the body or at another angle than the mapping says.
     """
     x, y = x - 0.5 * (x[0] + x[-1]), y - 0.5 * (y[0] + y[-1])
-    crown, axis_deg, told = None if of.crown_unknown else 0.0, of.axis_deg, tuple[str, ...]()
+    crown, axis_deg, notes = None if of.crown_unknown else 0.0, of.axis_deg, tuple[str, ...]()
     if of.source.subtract_wire:
-        height, crown, turn_deg, told = _levelled(of, x, y, height, form=form)
+        height, crown, turn_deg, notes = _levelled(of, x, y, height, form=form)
         if of.source.frame != "test":
             # A body's own frame is that of the body as it lies there.
             axis_deg += turn_deg
@@ -120,7 +120,7 @@ def scar_of(of: MapOfBody, x: Array, y: Array, height: Array, *, form: bool = Tr
     x, y = x - (along * cosine - across * sine), y - (along * sine + across * cosine)
     askew_deg = 0.0 if of.source.frame == "test" else of.body.axis_angle_deg - axis_deg
     left_out = np.where(spikes, -height, np.nan) if spikes.any() else None
-    return MeasuredScar(of.repeat, of.body.name, x, y, depth, left_out, told).turned(askew_deg)
+    return MeasuredScar(of.repeat, of.body.name, x, y, depth, left_out, notes).turned(askew_deg)
 
 
 def _along_and_across(x: Array, y: Array, axis_deg: float) -> Array:
@@ -162,9 +162,9 @@ def _levelled(
     steep = (np.abs(surface.beside(found.parameters, flat)) >= limit).any(axis=0).reshape(height.shape)
     unworn = surface.height(found.parameters, flat).reshape(height.shape)
     rest = np.where(steep, np.nan, height - unworn)
-    told = found.remarks(of.file.name, -rest, places, surface, of.body.name if form else "")
+    notes = found.remarks(of.file.name, -rest, places, surface, of.body.name if form else "")
     crown = None if of.crown_unknown else float(found.parameters[2] * surface.scales[2])
-    return rest, crown, surface.turned_deg(found.parameters), told
+    return rest, crown, surface.turned_deg(found.parameters), notes
 
 
 def surfaces_of(
@@ -181,7 +181,7 @@ def surfaces_of(
             if one.repeat in seen:
                 raise RecordError(
                     f"{file}: [{tables.worn.name}s.{body}] finds repeat {one.repeat} twice, first in "
-                    f"{seen[one.repeat].name}: name_pattern or a column must tell them apart."
+                    f"{seen[one.repeat].name}: name_pattern or a column must distinguish them."
                 )
             seen[one.repeat] = file
             for column in tables.worn.columns:
@@ -234,7 +234,7 @@ def levelled(
             f"{file}: a profile of heights needs {FEWEST_ON_LINE} points beside one another, not {x.size}."
         )
     middle = 0.5 * (float(x[0]) + float(x[-1]))
-    fitted, told = np.zeros_like(height), tuple[str, ...]()
+    fitted, notes = np.zeros_like(height), tuple[str, ...]()
     if subtract:
         surface = FaceSurface(face, 0.5 * float(np.ptp(x)), not isinstance(face, Cylinder | Flat))
         places = np.stack([(x - middle)[:, None], np.zeros((x.size, 1))])
@@ -242,14 +242,14 @@ def levelled(
         start[0] = np.percentile(height, 90)
         found = unworn_surface(surface, places, height[:, None], start, form=form)
         fitted = surface.height(found.parameters, places[..., 0])
-        told = found.remarks(file.name, (fitted - height)[:, None], places, surface, body if form else "")
+        notes = found.remarks(file.name, (fitted - height)[:, None], places, surface, body if form else "")
     measured = fitted - height
     clean, spikes = without_spikes(measured[:, None])
     depth = clean[:, 0]
     weight = np.maximum(depth, 0.0) ** 2
     scar = float(weight @ x) / float(weight.sum()) if weight.any() else middle
     left_out = np.where(spikes[:, 0], measured, np.nan) if spikes.any() else None
-    return MeasuredProfile(repeat, body, x - scar, depth, height, fitted, left_out, told)
+    return MeasuredProfile(repeat, body, x - scar, depth, height, fitted, left_out, notes)
 
 
 def _profiles_in(

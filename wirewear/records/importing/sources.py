@@ -59,7 +59,7 @@ def _natural(path: Path) -> list[tuple[int, str]]:
 
 
 def numbers_in_name(path: Path, source: Source) -> dict[str, int]:
-    """Cycle and repeat as the file's name tells them. Raises RecordError if the name does not fit the pattern."""
+    """Cycle and repeat as the file's name shows them. Raises RecordError if the name does not fit the pattern."""
     if source.name_pattern is None:
         return {}
     try:

@@ -17,7 +17,7 @@ from wirewear.base.delimited import DelimitedLayout, DelimitedText, read_delimit
 from wirewear.base.errors import RecordError, nearest, shown
 from wirewear.base.files import Held, read_text, require_no_other
 
-OPEN = "?"  #: What stands in a guessed mapping for what only the user can tell.
+OPEN = "?"  #: What stands in a guessed mapping for what only the user can say.
 
 _OPEN_LINE = re.compile(r"^\s*(\w+) *=[^#\n]*[\"']\?[\"']")
 
@@ -72,7 +72,7 @@ def reason_of(problem: Exception) -> str:
 
 @dataclass(frozen=True)
 class Channel:
-    """What a file offers as a column: its name in a mapping, and unit and samples per second where they are told."""
+    """What a file offers as a column: its name in a mapping, and unit and samples per second where they are stated."""
 
     name: str
     unit: str = ""
@@ -95,7 +95,7 @@ class Reader(ABC):
         """
 
     def reads(self, head: bytes) -> bool:  # noqa: ARG002
-        """Whether a file that begins with these 512 bytes is of this kind; False where only a mapping can tell."""
+        """Whether a file that begins with these 512 bytes is of this kind; False where only a mapping can say."""
         return False
 
     def channels(self, path: Path) -> tuple[Channel, ...]:  # noqa: ARG002

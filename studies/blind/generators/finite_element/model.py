@@ -67,7 +67,7 @@ class FiniteElementModel:
     """Contacts at a point of the program, as the tier resolves them.
 
     The drive imposes the true stroke without drift of its amplitude; a sample is taken at every increment. Most records
-    have one specimen: a run for another one costs as much as another record, which tells more. A share of them,
+    have one specimen: a run for another one costs as much as another record, which shows more. A share of them,
     `several`, keeps the specimens that were drawn, mostly three. How large a gap is in scatters of one test is taken
     from the independent model, so that it means the same in all tiers.
     """
@@ -120,7 +120,7 @@ class FiniteElementModel:
     def _repeat(self, case: Case, repeat: int, random: np.random.Generator) -> LoggedTest:
         draw = case.nuisances.specimen(random)
         changes = [one for one in changes_of(case.effects, draw) if one.name in self.library or one.name != ANGLE]
-        result = run(believed_study(case.nominal, case.nuisances, self.numerics).with_effects(*changes), case.name)
+        result = run(nominal_study(case.nominal, case.nuisances, self.numerics).with_effects(*changes), case.name)
         return logged(result, case, repeat, draw, random)
 
 
@@ -137,7 +137,7 @@ def _affordable(nuisances: Nuisances, numerics: Numerics, most: int) -> Nuisance
     )
 
 
-def believed_study(nominal: Nominal, nuisances: Nuisances, numerics: Numerics) -> Study:
+def nominal_study(nominal: Nominal, nuisances: Nuisances, numerics: Numerics) -> Study:
     """The test as its owner states it."""
     cycles = nominal.cycles
     logged_at = {cycle for cycle in (*BETWEEN, cycles) if cycle <= cycles}.union(*nuisances.loop_cycles)

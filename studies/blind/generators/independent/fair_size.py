@@ -26,7 +26,7 @@ from studies.blind.generators.independent.model import (
     figures_of,
     is_recorded,
 )
-from studies.blind.generators.independent.worlds import believed_world, with_specimens
+from studies.blind.generators.independent.worlds import nominal_world, with_specimens
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import DISPLACEMENT_ZERO, FORCE_ZERO, Scatter, SpecimenDraw
 from studies.blind.generators.sizes import drawn_parameters
@@ -86,15 +86,15 @@ def _unknown(
 ) -> list[Mapping[str, Array]]:
     """Figures of tests without a gap, each a deviation off in what neither specimens nor noise make unsure."""
     nuisances, held = case.nuisances, case.nuisances.drive == "sensor"
-    believed = believed_world(case.nominal, model.law, held_on_sensor=held)
+    stated = nominal_world(case.nominal, model.law, held_on_sensor=held)
     largest = max(float(values.max()) for name, values in expected.items() if name.startswith("loop_shape"))
     off = (
         SpecimenDraw(displacement_zero_um=DISPLACEMENT_ZERO * nuisances.displacement_noise_um),
         SpecimenDraw(force_zero_N=float(np.hypot(UNKNOWN_ZERO * largest, FORCE_ZERO * nuisances.force_noise_N))),
     )
-    worlds = [with_specimens(believed, draw) for draw in off]
+    worlds = [with_specimens(stated, draw) for draw in off]
     if nuisances.amplitude_drift:
-        worlds.append(replace(believed, drive=replace(believed.drive, amplitude_drift=nuisances.amplitude_drift)))
+        worlds.append(replace(stated, drive=replace(stated.drive, amplitude_drift=nuisances.amplitude_drift)))
     others = _by_other_laws(case.nominal, model, cycles, held)
     return [*(figures_of(world, cycles, model.points) for world in worlds), *others]
 
@@ -104,7 +104,7 @@ def _by_other_laws(
     nominal: Nominal, model: IndependentModel, cycles: tuple[int, ...], held: bool
 ) -> tuple[Mapping[str, Array], ...]:
     """Figures of the test without a gap, by each law of friction but the model's own."""
-    worlds = (believed_world(nominal, law, held_on_sensor=held) for law in LAWS if law != model.law)
+    worlds = (nominal_world(nominal, law, held_on_sensor=held) for law in LAWS if law != model.law)
     return tuple(figures_of(world, cycles, model.points) for world in worlds)
 
 
@@ -141,9 +141,9 @@ def _left(change: Array, scatter: Array, imitation: Array | None) -> float:
 
 def _alone(case: Case, model: IndependentModel, effect: str) -> list[Mapping[str, Array]]:
     """Figures with an effect as large as a case has it, but no other; none if the case does not have it."""
-    believed = believed_world(case.nominal, model.law, held_on_sensor=case.nuisances.drive == "sensor")
+    stated = nominal_world(case.nominal, model.law, held_on_sensor=case.nuisances.drive == "sensor")
     return [
-        figures_of(changed(believed, effect, one.parameters), _cycles(case.nominal), model.points)
+        figures_of(changed(stated, effect, one.parameters), _cycles(case.nominal), model.points)
         for one in case.effects
         if one.effect == effect
     ]
@@ -152,7 +152,7 @@ def _alone(case: Case, model: IndependentModel, effect: str) -> list[Mapping[str
 @lru_cache(maxsize=64)
 def _imitations(nominal: Nominal, model: IndependentModel, drive: str) -> dict[str, list[Mapping[str, Array]]]:
     """Figures with each effect of the library at a few sizes, in a test held so."""
-    believed = believed_world(nominal, model.law, held_on_sensor=drive == "sensor")
+    stated = nominal_world(nominal, model.law, held_on_sensor=drive == "sensor")
     random = np.random.default_rng(1)
     found: dict[str, list[Mapping[str, Array]]] = {}
     for effect in model.library:
@@ -160,7 +160,7 @@ def _imitations(nominal: Nominal, model: IndependentModel, drive: str) -> dict[s
         for ease in TRIED:
             parameters = drawn_parameters(effect, ease, nominal, random)
             try:
-                rows.append(figures_of(changed(believed, effect, parameters), _cycles(nominal), model.points))
+                rows.append(figures_of(changed(stated, effect, parameters), _cycles(nominal), model.points))
             except ArithmeticError:
                 # A size under which the contact does not slip imitates nothing.
                 continue

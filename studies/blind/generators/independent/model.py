@@ -17,7 +17,7 @@ from studies.blind.generators.independent.foundation import Grid
 from studies.blind.generators.independent.sensing import Reading, read
 from studies.blind.generators.independent.wear_test import POINTS, Snapshot, grid_of, snapshots
 from studies.blind.generators.independent.world import World
-from studies.blind.generators.independent.worlds import believed_world, with_drive, with_effects, with_specimens
+from studies.blind.generators.independent.worlds import nominal_world, with_drive, with_effects, with_specimens
 from studies.blind.generators.nominal import Nominal, drawn_nominals
 from studies.blind.generators.nuisances import FORCE_ZERO, SpecimenDraw
 from wirewear.base.errors import RunError
@@ -81,8 +81,8 @@ class IndependentModel:
 
     def true_world(self, case: Case) -> World:
         """The world with a case's effects in it."""
-        believed = believed_world(case.nominal, self.law, held_on_sensor=case.nuisances.drive == "sensor")
-        return with_effects(believed, case)
+        stated = nominal_world(case.nominal, self.law, held_on_sensor=case.nuisances.drive == "sensor")
+        return with_effects(stated, case)
 
 
 def _repeat(world: World, case: Case, repeat: int, points: int, random: np.random.Generator) -> sampling.LoggedTest:
@@ -121,7 +121,7 @@ def _on_lines(x_mm: Array, y_mm: Array, depth_mm: Array, lines_um: tuple[Array, 
 
 
 def _differences(case: Case, true: World, model: IndependentModel) -> dict[str, float]:
-    """Differences of figures between the true and the believed world, each over one test's scatter.
+    """Differences of figures between the true and the assumed world, each over one test's scatter.
 
     The shape of a loop counts as one figure: the root of the mean square over the phases. Figures that the record does
     not hold, of scars or of the normal force, do not count.
@@ -152,8 +152,8 @@ def is_recorded(figure: str, case: Case) -> bool:
 def expected_figures(
     nominal: Nominal, model: IndependentModel, cycles: tuple[int, ...], held_on_sensor: bool
 ) -> tuple[Mapping[str, Array], Mapping[str, Mapping[str, Array]]]:
-    """Figures of the believed world, and their derivatives by relative friction, load and wear."""
-    world = believed_world(nominal, model.law, held_on_sensor=held_on_sensor)
+    """Figures of the assumed world, and their derivatives by relative friction, load and wear."""
+    world = nominal_world(nominal, model.law, held_on_sensor=held_on_sensor)
     figures = figures_of(world, cycles, model.points)
     sensitivities = {}
     for source, step in STEPS.items():

@@ -84,11 +84,11 @@ def snapshots(world: World, cycles: Sequence[int], points: int = POINTS, growth:
     fresh = _fresh_radius(world)
     reference = _reference_approach(world, bodies, shapes, fresh)
     state, now, worn = _solve(world, bodies, shapes, 0.0, fresh, reference, None), 0.0, 0.0
-    begun = 0.0
+    start = 0.0
     for cycle in cycles:
         while now < cycle:
             due = next_cycle(world.incidents, now)
-            step = min(max((growth - 1.0) * (now - begun), 1.0), cycle - now, due - now)
+            step = min(max((growth - 1.0) * (now - start), 1.0), cycle - now, due - now)
             before = shapes
             shapes = _jump(world, bodies, shapes, now, step, state, reference)
             worn += _volume(grid, shapes) - _volume(grid, before)
@@ -96,7 +96,7 @@ def snapshots(world: World, cycles: Sequence[int], points: int = POINTS, growth:
             now = due if happens else now + step
             if happens:
                 # What is new wears fast again: steps grow again.
-                shapes, begun = befallen(world.incidents, due, grid, shapes), due
+                shapes, start = befallen(world.incidents, due, grid, shapes), due
             state = _solve(world, bodies, shapes, now, state.radius_mm, reference, state.contact.approach_mm)
         yield Snapshot(cycle, state.loop, shapes, worn)
 

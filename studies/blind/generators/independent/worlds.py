@@ -11,7 +11,7 @@ from studies.blind.generators.nuisances import Nuisances, SpecimenDraw
 from wirewear.base.course import Course
 
 
-def believed_world(nominal: Nominal, law: str, *, held_on_sensor: bool) -> World:
+def nominal_world(nominal: Nominal, law: str, *, held_on_sensor: bool) -> World:
     """The test as its owner states it, with the independent model's friction law."""
     stiffness = nominal.stiffness_N_per_mm
     return World(

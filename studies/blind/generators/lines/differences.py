@@ -17,7 +17,7 @@ PROFILE_NOISE_um = 0.03  #: Noise of a profile's points.
 COMPARED = (0.02, 0.2, 1.0)  #: Shares of the test at which gaps are sized.
 
 
-def differences(believed: RunResult, true: RunResult, changes: Sequence[Effect[Any]], case: Case) -> dict[str, float]:
+def differences(nominal: RunResult, true: RunResult, changes: Sequence[Effect[Any]], case: Case) -> dict[str, float]:
     """What the case's effects change of figures, over one test's scatter: noise of the figure and that of specimens."""
     if not case.effects:
         return {}
@@ -25,7 +25,7 @@ def differences(believed: RunResult, true: RunResult, changes: Sequence[Effect[A
     nothing = replace(case, effects=())
     same = SpecimenDraw()
     pairs = zip(
-        read_test(believed, (), nothing, same, cycles), read_test(true, changes, case, same, cycles), strict=True
+        read_test(nominal, (), nothing, same, cycles), read_test(true, changes, case, same, cycles), strict=True
     )
     rows = [(_figures(before), _figures(after)) for (_, before), (_, after) in pairs]
     scatter = _scatter(case)
@@ -35,7 +35,7 @@ def differences(believed: RunResult, true: RunResult, changes: Sequence[Effect[A
         if name != "normal_force_N" or case.nuisances.has_normal_force
     }
     if case.nuisances.has_scars:
-        found |= _profile_differences(believed, true, case)
+        found |= _profile_differences(nominal, true, case)
     return {name: round(value, 3) for name, value in found.items()}
 
 
@@ -77,12 +77,12 @@ def _scatter(case: Case) -> Any:
     return size
 
 
-def _profile_differences(believed: RunResult, true: RunResult, case: Case) -> dict[str, float]:
+def _profile_differences(nominal: RunResult, true: RunResult, case: Case) -> dict[str, float]:
     scatter = case.nuisances.scatter
     spread = float(np.sqrt(scatter.wear**2 + scatter.friction**2 + scatter.load**2))
     found = {}
     for body in BODIES:
-        x, before = profile_at(believed, body, float(case.nominal.cycles))
+        x, before = profile_at(nominal, body, float(case.nominal.cycles))
         after = np.interp(x, *profile_at(true, body, float(case.nominal.cycles)), left=0.0, right=0.0)
         size = np.hypot(spread * float(before.max()), PROFILE_NOISE_um)
         inside = before > 0.05 * before.max()

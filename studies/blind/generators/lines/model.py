@@ -24,7 +24,7 @@ from studies.blind.generators.sampling import logged_channels
 from wirewear.base.errors import RunError, WirewearError
 from wirewear.effects import Effect, Seam
 from wirewear.records import LineRecord, MeasuredEvolution, MeasuredLoop, MeasuredProfile
-from wirewear.records.values import believed_study
+from wirewear.records.values import stated_study
 from wirewear.results import BODIES, RunResult
 from wirewear.test import LineStudy
 
@@ -66,7 +66,7 @@ def _study(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> LineStudy:
     tables = tables.model_copy(update={"conditions": tables.conditions.model_copy(update={"cycles": _length(nominal)})})
     logged = {cycle for cycle in BETWEEN if cycle < nominal.cycles}
     logged |= {round(share * nominal.cycles) for share in LATE}
-    study: LineStudy = believed_study(tables, {"log": {"loop_cycles": sorted(logged)}})
+    study: LineStudy = stated_study(tables, {"log": {"loop_cycles": sorted(logged)}})
     study = study.changed({"effects": effects})
     quick = line_plan(study, "quick").pad.along
     mesh = {
@@ -107,10 +107,10 @@ class LineModel:
         """
         case = replace(case, nuisances=replace(case.nuisances, drive="stroke", amplitude_drift=0.0))
         random = np.random.default_rng(case.seed)
-        believed = run_of(nominal_of(case), ())
+        nominal = run_of(nominal_of(case), ())
         changes = at_seams(case.effects)
         inside = tuple(effect for effect in changes if effect.seam is not Seam.SENSOR)
-        true = run_of(nominal_of(case), inside) if inside else believed
+        true = run_of(nominal_of(case), inside) if inside else nominal
         repeats = [_repeat(true, changes, case, repeat, random) for repeat in range(1, case.nuisances.repeats + 1)]
         record = LineRecord(
             record_tables(case),
@@ -118,7 +118,7 @@ class LineModel:
             tuple(rows for _, evolution, _ in repeats for rows in evolution),
             tuple(profile for _, _, profiles in repeats for profile in profiles),
         )
-        return MadeRecord(record, case.nuisances, differences(believed, true, changes, case))
+        return MadeRecord(record, case.nuisances, differences(nominal, true, changes, case))
 
 
 def _repeat(
