@@ -134,8 +134,8 @@ def test_a_record_of_a_line_contact_answers_as_one_of_wires_does(monkeypatch: py
     assert record.name in record._repr_html_()
     asked: list[object] = []
 
-    def remembered(given: object, **options: Any) -> object:
-        asked.append(given)
+    def remembered(own: object, **options: Any) -> object:
+        asked.append(own)
         return options
 
     monkeypatch.setattr("wirewear.diagnosis.fit.fit_record", remembered)

@@ -96,6 +96,7 @@ def test_a_varying_normal_force_is_divided_out_sample_by_sample() -> None:
 
 @pytest.mark.seconds
 @example(330, 16, "spikes")
+@example(287, 16, "noise")  # one sample on a branch
 @given(st.integers(0, 10**6), st.integers(16, 90), st.sampled_from(["noise", "steps", "elastic", "spikes"]))
 @settings(deadline=None, max_examples=60)
 def test_any_finite_samples_are_measured_or_refused_in_our_own_words(seed: int, samples: int, kind: str) -> None:

@@ -231,7 +231,7 @@ def _stiffens(branch: Branch) -> bool:
     """Whether a branch is steeper at its end than in its middle: contacts in partial slip yield ever more (Masing)."""
     place = branch.travel_um / branch.length_um
     windows = (place > 0.4) & (place < 0.6), place > 0.8
-    if min(map(np.count_nonzero, windows)) < 3:
+    if min(np.unique(place[window]).size for window in windows) < 3:
         return False
     middle, end = (float(np.polyfit(place[window], branch.force_N[window], 1)[0]) for window in windows)
     return end > STIFFER * max(middle, 0.0)

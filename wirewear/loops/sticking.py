@@ -25,7 +25,7 @@ NONE_SEEN = 50.0  #: Where travels beyond this are not told from others, nothing
 SHARES = np.linspace(0.0, 1.0, 13)  #: Shares of the contact in them.
 CLOSER = 2  #: How often as many of both are tried again, about those that the last search leaves.
 
-FEWEST = 24  #: Samples.
+FEWEST, FEWEST_ON_BRANCH = 24, 6  #: Samples of a loop, and of either branch: fewer have no bend to be read.
 STEADY = 0.05  #: A load that changes by more within the cycle leaves other loops.
 
 MODEL = 5e-4  #: What contacts and sensors depart from any such course by, of the force's amplitude.
@@ -63,9 +63,10 @@ def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | N
     load = loop.normal_force_N
     if load is not None and float(np.ptp(load)) > STEADY * float(np.mean(load)):
         return None
-    readings = _readings(loop, courses)
-    if readings.travel_um.size < FEWEST:
+    samples = [branch.travel_um.size for branch, _ in courses]
+    if sum(samples) < FEWEST or min(samples) < FEWEST_ON_BRANCH:
         return None
+    readings = _readings(loop, courses)
     tried = _searched(readings, TRAVELS, SHARES)
     if not tried.size:
         return None
