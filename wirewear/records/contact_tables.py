@@ -14,8 +14,7 @@ from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, 
 from wirewear.records.test_tables import Metadata, OfRecord
 from wirewear.results.scar import BODIES
 from wirewear.test import keys, study_from_tables
-from wirewear.test.bodies import Body
-from wirewear.test.drive import BULK, BulkTable
+from wirewear.test.bodies import Body, MaterialKeys, StatedBody
 from wirewear.test.faces import FACE_KEYS, PadFace, half_width_of
 from wirewear.test.keys import Inconsistency, Table, one_of
 from wirewear.test.lengths import stated_length_mm, whole_test
@@ -32,18 +31,11 @@ class RecordContact(keys.Table):
     length_mm: Extent = Field(description="length of the line contact", examples=[10.0])
 
 
-class RecordBody(keys.OfMaterial):
+class RecordBody(MaterialKeys, StatedBody):
     """A body: its elastic constants, and how far from the contact it is held; None where the owner does not say."""
 
     height_mm: Extent | None = Field(None, description="height between the contact and where the body is held")
     half_width_mm: Extent | None = Field(None, description="half of the body's width along the motion")
-    bulk: BulkTable | None = Field(None, description=BULK)
-
-    material: keys.MaterialName | None = Field(
-        None, description="name of a material of the table, in place of its constants"
-    )
-    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[200000.0])
-    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
 
 
 class RecordPad(PadFace, RecordBody):

@@ -1,20 +1,22 @@
-"""Bodies of a contact at a point as a study states them: how they are curved, stand, and are meshed."""
+"""Bodies: the keys that files state of any of them, once; and those of a contact at a point, as they are meshed."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from math import cos, inf, radians, sin, sqrt
-from typing import Literal, Self, TypeVar
+from typing import Any, Literal, Self, TypeVar
 
 import numpy as np
+from pydantic import Field
 
 from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, RimGradedAxis, Turned, WireGeometry
 from geometry.arrays import Array
 from wirewear import reference
 from wirewear.base.errors import StudyError
-from wirewear.test.drive import BulkTable
+from wirewear.test import keys
+from wirewear.test.drive import BULK, BulkTable
 from wirewear.test.faces import Face, half_width_of
-from wirewear.test.surfaces import LayerTable, StatedSurface
+from wirewear.test.surfaces import LAYERS, LayerTable, StatedSurface
 
 _COARSE_PER_DIAMETER = 0.155
 _COARSE_PER_EXTENT = 0.2  #: Largest element of a block far from the contact, as a share of its smaller extent.
@@ -25,6 +27,50 @@ _STRAIGHT = 4.0  #: Half-width of a straight block over the other body's radius,
 _FLATTEST = 1e-3  #: Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
 
 Found = TypeVar("Found")
+
+
+class StatedBody(keys.Table):
+    """What any body may state, in studies, records and mappings of all kinds."""
+
+    bulk: BulkTable | None = Field(None, description=BULK)
+
+
+class MaterialKeys(keys.OfMaterial):
+    """An elastic material."""
+
+    material: keys.MaterialName | None = Field(
+        None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
+    )
+    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
+    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+
+    @property
+    def elastic(self) -> Elastic:
+        return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
+
+
+class SurfaceKeys(StatedBody):
+    """What any body may state besides where it is simulated."""
+
+    surface: StatedSurface | None = Field(None, description="its surface as measured before the test")
+    layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
+
+
+class GripKeys(keys.Table):
+    """How stiffly a body is held."""
+
+    grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
+        "rigid", description='stiffness per area of what holds the body, a number or "rigid"'
+    )
+
+
+class MountedBody(SurfaceKeys, GripKeys, MaterialKeys):
+    """A body of one material, held by its holder: what each states in a study of any kind."""
+
+    @property
+    def as_stated(self) -> dict[str, Any]:
+        """What a `Body` is by keys of the same names."""
+        return {own.name: getattr(self, own.name) for own in fields(Body) if own.name in type(self).model_fields}
 
 
 @dataclass(frozen=True)

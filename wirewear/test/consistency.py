@@ -12,12 +12,11 @@ from wirewear.test.keys import NO_PIVOT, Inconsistency, Table, merged
 from wirewear.test.life import LifeTable
 from wirewear.test.lines import LineTables
 from wirewear.test.messages import Keys, place, table_above, validated
-from wirewear.test.points import BallOnFlatTables, PointTables, ShapedBody
+from wirewear.test.points import BallOnFlatTables, PointTables
 from wirewear.test.programme import held_keys, logged_ends, placed, too_many
+from wirewear.test.shapes import ShapedBody
 from wirewear.test.surfaces import StatedSurface, unfit_layers
 from wirewear.test.tables import CommonTables, ContactTables, StudyTables
-
-_GRIP_deg = ShapedBody.model_fields["grip_angle_deg"].default
 
 
 def default_loop_cycles(cycles: int) -> tuple[int, ...]:
@@ -238,15 +237,7 @@ def _taken_over(tables: CommonTables) -> Iterator[Inconsistency]:
 
 def _shapes(tables: CommonTables) -> Iterator[Inconsistency]:
     for keys, body in _inner(tables, ShapedBody):
-        if body.shape in ("wire", "tube"):
-            if body.height_mm is not None:
-                yield Inconsistency((*keys, "height_mm"), f"is of blocks, but a {body.shape} is as high as it is thick")
-            if body.held_at == "ends" and body.grip_angle_deg != _GRIP_deg:
-                yield Inconsistency((*keys, "grip_angle_deg"), 'is of a back that is held, but held_at is "ends"')
-        elif body.grip_angle_deg != _GRIP_deg:
-            yield Inconsistency(
-                (*keys, "grip_angle_deg"), f"is of wires and tubes, but a {body.shape} is held at its back and sides"
-            )
+        yield from (Inconsistency((*keys, *idle.keys), idle.problem) for idle in body.idle())
 
 
 def _phases(tables: CommonTables) -> Iterator[Inconsistency]:

@@ -12,11 +12,12 @@ from wirewear.base import kinds
 from wirewear.base.errors import Quantity, StudyError
 from wirewear.effects import Seam
 from wirewear.test import keys
-from wirewear.test.drive import BULK, BulkTable, bulk_of
+from wirewear.test.bodies import MountedBody
+from wirewear.test.drive import bulk_of
 from wirewear.test.faces import PadFaceOrFile
 from wirewear.test.keys import Inconsistency
 from wirewear.test.lengths import GROWING, given_length_mm, key_of_whole, lengthened, whole_test
-from wirewear.test.surfaces import LAYERS, LayerTable, StatedSurface, layers_of
+from wirewear.test.surfaces import LayerTable, layers_of
 from wirewear.test.tables import CommonTables, DrivenConditions, FrictionTable, StatesItsKind
 from wirewear.test.template import Template
 
@@ -28,20 +29,6 @@ TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}  #: An alloy 
 AnyTable = TypeVar("AnyTable", bound=keys.Table)
 
 
-class MaterialTable(keys.OfMaterial):
-    """An elastic material."""
-
-    material: keys.MaterialName | None = Field(
-        None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
-    )
-    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[116000.0])
-    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
-
-    @property
-    def elastic(self) -> Elastic:
-        return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
-
-
 class ResolutionTable(keys.Table):
     """Resolution in space and time; what is left out follows from --fidelity."""
 
@@ -50,18 +37,12 @@ class ResolutionTable(keys.Table):
     increments_per_cycle: keys.IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
 
 
-class HeldTable(MaterialTable):
+class HeldTable(MountedBody):
     """A body whose back is held."""
 
     grip_width_mm: Extent | None = Field(
         None, description="width of the back that is held, about its middle; all by default"
     )
-    grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
-        "rigid", description='stiffness of the grip per area, a number or "rigid"'
-    )
-    surface: StatedSurface | None = Field(None, description="its surface as measured before the test")
-    layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
-    bulk: BulkTable | None = Field(None, description=BULK)
 
     def held(self, geometry: PlanarGeometry) -> PlanarGeometry:
         """A geometry with this body's grip."""

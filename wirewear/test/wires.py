@@ -9,9 +9,7 @@ from pydantic import AliasChoices, BeforeValidator, Field
 
 from wirewear.base.errors import AssumedWarning, shown
 from wirewear.test import keys
-from wirewear.test.bodies import Wire, touch_along_line
-from wirewear.test.drive import BULK, BulkTable
-from wirewear.test.surfaces import LAYERS, LayerTable, StatedSurface
+from wirewear.test.bodies import GripKeys, MaterialKeys, SurfaceKeys, Wire, touch_along_line
 
 #: What must be known of each wire, and counts for the fixed one as well where that does not state its own.
 _NEEDED = ("diameter_mm", "youngs_modulus_MPa", "poissons_ratio")
@@ -81,7 +79,7 @@ def with_motion_of_wires(tables: Any) -> Any:
     return {**tables, key: rest, "conditions": {**conditions, _MOTION: both[_MOTION]}}
 
 
-class WireOverride(keys.OfMaterial):
+class WireOverride(SurfaceKeys, keys.OfMaterial):
     """What one wire has different from `[wires]`."""
 
     diameter_mm: keys.Diameter | None = Field(None, description="diameter of this wire")
@@ -96,20 +94,17 @@ class WireOverride(keys.OfMaterial):
     grip_stiffness_N_per_mm3: keys.GripStiffness | None = Field(
         None, description="stiffness of this wire's grip per area"
     )
-    surface: StatedSurface | None = Field(None, description="this wire's surface as measured before the test")
-    layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
-    bulk: BulkTable | None = Field(None, description=BULK)
 
 
-class Wires(keys.OfMaterial):
-    """Both wires: the moving one slides along its own axis, the fixed one's holder carries the rig's compliance."""
+class _DiameterOfWires(keys.Table):
+    """What is stated first of wires."""
 
     diameter_mm: keys.Diameter = Field(description="diameter of the wires", examples=[0.45])
-    material: keys.MaterialName | None = Field(
-        None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
-    )
-    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
-    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+
+
+class Wires(GripKeys, MaterialKeys, _DiameterOfWires):
+    """Both wires: the moving one slides along its own axis, the fixed one's holder carries the rig's compliance."""
+
     crossing_angle_deg: keys.CrossingAngle = Field(
         90.0, description="angle of the fixed wire's axis to the moving one's, about the normal that points upwards"
     )
@@ -120,9 +115,6 @@ class Wires(keys.OfMaterial):
     grip_angle_deg: keys.GripAngle = Field(90.0, description="part of the circumference, about the back, that is held")
     grip_length_mm: keys.Length | None = Field(
         None, description="length over which a wire is held, about its middle; without it all of the modelled length"
-    )
-    grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
-        "rigid", description='stiffness of the grip per area, a number or "rigid"'
     )
     moving: WireOverride = Field(WireOverride(), description="what the moving wire has different")
     fixed: WireOverride = Field(WireOverride(), description="what the fixed wire has different")

@@ -1,0 +1,28 @@
+"""What files state of bodies: described once for all kinds, in studies and records alike."""
+
+import pytest
+
+from wirewear.records.contact_tables import RecordBody
+from wirewear.test.bodies import MountedBody, StatedBody
+from wirewear.test.lines import Pad, Specimen
+from wirewear.test.points import BallTable
+from wirewear.test.shapes import SHAPES, GrippedBody, ShapedBody
+from wirewear.test.wires import WireOverride
+
+
+@pytest.mark.parametrize("table", [Pad, Specimen, BallTable, GrippedBody, ShapedBody, WireOverride, RecordBody])
+def test_a_key_of_every_body_is_described_in_one_place(table: type[StatedBody]) -> None:
+    assert issubclass(table, StatedBody)
+    own = {
+        key
+        for one in table.__mro__
+        if one.__module__ != StatedBody.__module__
+        for key in vars(one).get("__annotations__", {})
+    }
+    assert own.isdisjoint({*MountedBody.model_fields} - {*WireOverride.__annotations__})
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_keys_of_a_shape_are_keys_of_a_body(name: str) -> None:
+    shape = SHAPES[name]
+    assert {*shape.needs, *shape.takes, *shape.idle} <= {*ShapedBody.model_fields}

@@ -1,0 +1,231 @@
+"""Shapes of bodies of a contact at a point: the keys that state them, and the body that each makes.
+
+A new shape is a class here, listed in `SHAPES`, beside its geometry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, PlainValidator
+
+from geometry import TabledProfile
+from wirewear.base.errors import Quantity
+from wirewear.test import keys
+from wirewear.test.bodies import BlockBody, Body, MountedBody, Wire
+from wirewear.test.faces import FACE_KEYS, Extent, Face, PadFaceOrFile, size_of
+from wirewear.test.keys import Inconsistency
+
+_THINNEST_WALL = 0.02  #: Thinnest wall of a tube, as a share of its diameter.
+
+Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A shape: which keys it takes of those that not all shapes have, and what it makes of them. By default a block."""
+
+    name: str
+    needs: tuple[str, ...] = ("diameter_mm",)
+    straight: tuple[bool, bool] = (False, False)  #: Along its axis and across.
+    note: str = ""  #: What its name does not say.
+
+    #: Keys that it may have besides.
+    takes: ClassVar[tuple[str, ...]] = ()
+    #: Keys that are read of all shapes and act on others alone, with the reason.
+    idle: ClassVar[dict[str, str]] = {"grip_angle_deg": "is of wires and tubes, but a {} is held at its back and sides"}
+
+    def curvatures_per_mm(self, stated: ShapedBody) -> tuple[float, float]:
+        """Curvatures along its axis and across, 1/mm."""
+        across, along = stated.diameter_mm, stated.diameter_along_mm or stated.diameter_mm
+        return (
+            0.0 if self.straight[0] or not along else 2.0 / along,
+            0.0 if self.straight[1] or not across else 2.0 / across,
+        )
+
+    def face(self, _stated: ShapedBody) -> Face | None:
+        """The face of a pad, None of a shape that its curvatures describe."""
+        return None
+
+    def unfit(self, _stated: ShapedBody) -> Inconsistency | None:
+        """The key that has no sensible value for it; None where all have."""
+        return None
+
+    def body(self, stated: ShapedBody, name: str, size_mm: float) -> Body:
+        """The body of a name; size_mm sets the extents that its table leaves to the program."""
+        return stated.block(name, self.curvatures_per_mm(stated), size_mm, self.face(stated))
+
+
+@dataclass(frozen=True)
+class _RoundBar(Shape):
+    """A wire, or with a bore a tube."""
+
+    straight: tuple[bool, bool] = (True, False)
+
+    takes: ClassVar[tuple[str, ...]] = ("held_at",)
+    idle: ClassVar[dict[str, str]] = {"height_mm": "is of blocks, but a {} is as high as it is thick"}
+
+    def unfit(self, stated: ShapedBody) -> Inconsistency | None:
+        """A bore that leaves no wall."""
+        widest = (1.0 - 2.0 * _THINNEST_WALL) * (stated.diameter_mm or 0.0)
+        if (stated.bore_mm or 0.0) <= widest:
+            return None
+        return Inconsistency(
+            ("bore_mm",),
+            f"is {stated.bore_mm:g}, but a tube of {stated.diameter_mm:g} mm is meshed with a bore of at most "
+            f"{widest:.4g} mm",
+        )
+
+    def body(self, stated: ShapedBody, name: str, size_mm: float) -> Wire:
+        """A bar as long as twice its half-width."""
+        del size_mm
+        return Wire(
+            **{**stated.as_stated, "name": name},
+            diameter_mm=stated.diameter_mm or 0.0,
+            length_mm=None if stated.half_width_mm is None else 2.0 * stated.half_width_mm,
+            grip_angle_deg=stated.grip_angle_deg,
+            grip_length_mm=None,
+            held_at=stated.held_at,
+            bore_mm=stated.bore_mm or 0.0,
+        )
+
+
+@dataclass(frozen=True)
+class _Pad(Shape):
+    """One that is turned about the normal, with a face as a line contact's pad has one along the motion."""
+
+    needs: tuple[str, ...] = ()
+    straight: tuple[bool, bool] = (True, True)
+
+    takes: ClassVar[tuple[str, ...]] = FACE_KEYS
+
+    def face(self, stated: ShapedBody) -> Face:
+        return stated.profile
+
+    def unfit(self, stated: ShapedBody) -> Inconsistency | None:
+        """A face that is none, or that is no face of a body of revolution."""
+        if (wanted := stated.missing_face()) is not None:
+            return Inconsistency(("shape",), f'is "{self.name}", whose face is not stated: {wanted}')
+        if isinstance(stated.profile, TabledProfile) and not stated.profile.is_even:
+            return Inconsistency(("profile_points_mm",), "begins below 0, but a turned face has points from x = 0 on")
+        return None
+
+
+PAD = _Pad("pad", note="with a face that is turned about the normal")
+SHAPES: dict[str, Shape] = {
+    shape.name: shape
+    for shape in (
+        Shape("ball"),
+        Shape("flat", (), (True, True)),
+        Shape("cylinder", straight=(True, False), note="a block with a cylindrical face"),
+        Shape("barrel", ("diameter_mm", "diameter_along_mm")),
+        _RoundBar("wire", note="a round bar"),
+        _RoundBar("tube", ("diameter_mm", "bore_mm")),
+        PAD,
+    )
+}
+
+#: Keys that some shapes have, with why others have none.
+_OF_SOME = {
+    "diameter_mm": "but a {} has no diameter",
+    **dict.fromkeys(FACE_KEYS, "is of a pad, but a {} has diameters"),
+    "diameter_along_mm": "belongs to a barrel and to no other shape",
+    "bore_mm": "belongs to a tube and to no other shape",
+    "held_at": 'is "ends", but a {} is held at its back and sides',
+}
+
+
+def _described() -> str:
+    named = [f"{shape.name} ({shape.note})" if shape.note else shape.name for shape in SHAPES.values()]
+    return f"{', '.join(named[:-1])} or {named[-1]}"
+
+
+class GrippedBody(MountedBody):
+    """A body of one material, meshed as a block."""
+
+    half_width_mm: Extent | None = Field(
+        None, description="of the block that is meshed, to each side; without it the program chooses"
+    )
+    height_mm: Extent | None = Field(None, description="of the block, from its contact to its held back")
+
+    def block(
+        self, name: str, curvatures: tuple[float, float], size_mm: float, of_pad: Face | None = None
+    ) -> BlockBody:
+        """The body of a name, of these curvatures."""
+        return BlockBody(
+            **{"axis_angle_deg": 0.0, **self.as_stated, "name": name},
+            curvatures=curvatures,
+            half_width_mm=self.half_width_mm,
+            height_mm=self.height_mm,
+            size_mm=size_mm,
+            of_pad=of_pad,
+        )
+
+
+class _ShapeFirst(keys.Table):
+    """What is stated first of a body of any shape."""
+
+    shape: Annotated[str, PlainValidator(keys.one_of(*SHAPES))] = Field(description=_described())
+    diameter_mm: Diameter | None = Field(
+        None, description="diameter, of a barrel across its axis; a flat and a pad have none"
+    )
+    diameter_along_mm: Diameter | None = Field(None, description="diameter of a barrel's profile along its axis")
+    bore_mm: Diameter | None = Field(None, description="inner diameter of a tube")
+    axis_angle_deg: keys.AxisAngle = Field(
+        0.0, description="angle of its axis to the motion, about the normal that points upwards"
+    )
+
+
+class ShapedBody(GrippedBody, PadFaceOrFile, _ShapeFirst):
+    """A body of any shape."""
+
+    grip_angle_deg: keys.GripAngle = Field(
+        90.0, description="part of a wire's or tube's circumference, about its back, that is held"
+    )
+    held_at: Annotated[Literal["back", "ends"], PlainValidator(keys.one_of("back", "ends"))] = Field(
+        "back", description="where a wire or tube is held"
+    )
+
+    @property
+    def of_shape(self) -> Shape:
+        return SHAPES[self.shape]
+
+    @property
+    def curvatures_per_mm(self) -> tuple[float, float]:
+        """Curvatures along its axis and across, 1/mm."""
+        return self.of_shape.curvatures_per_mm(self)
+
+    def missing(self) -> Inconsistency | None:
+        """The key that its shape lacks or does not have; None where all fit."""
+        shape = self.of_shape
+        for key, foreign in _OF_SOME.items():
+            given = getattr(self, key) != type(self).model_fields[key].default
+            if key in shape.needs and not given:
+                return Inconsistency((key,), self._lacking(key, foreign))
+            if given and key not in (*shape.needs, *shape.takes):
+                start = "is given, " if foreign.startswith("but") else ""
+                return Inconsistency((key,), start + foreign.format(self.shape))
+        return shape.unfit(self)
+
+    def _lacking(self, key: str, foreign: str) -> str:
+        return f"is missing, but a {self.shape} has one" if key == "diameter_mm" else foreign.format(self.shape)
+
+    def idle(self) -> Iterator[Inconsistency]:
+        """Keys that are given and do not act on its shape."""
+        for key, reason in self.of_shape.idle.items():
+            if getattr(self, key) != type(self).model_fields[key].default:
+                yield Inconsistency((key,), reason.format(self.shape))
+        if self.held_at == "ends" and self.grip_angle_deg != type(self).model_fields["grip_angle_deg"].default:
+            yield Inconsistency(("grip_angle_deg",), 'is of a back that is held, but held_at is "ends"')
+
+    def body(self, name: str, size_mm: float) -> Body:
+        """The body of a name; size_mm sets the extents that its table leaves to the program."""
+        return self.of_shape.body(self, name, size_mm)
+
+    @property
+    def size_mm(self) -> float:
+        """Length by which extents of a body without a curvature are chosen, 0 where it gives none."""
+        face = self.of_shape.face(self)
+        return 0.0 if face is None else size_of(face)
