@@ -20,7 +20,7 @@ from solvers.contact.problem import (
 from solvers.contact_conditions import LOST_CONTACT, ContactGuess, ContactOutcome, Linearisation
 from solvers.contact_state import ContactState, FirstGuess, IncrementReport
 from solvers.elasticity.compliance import displacement_at
-from solvers.errors import NotConvergedError, SolverError
+from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 
 # The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's
 # error is of second order in that distance.
@@ -76,7 +76,8 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
             # One node alone touches before its whole support, on average, does.
             approach *= 1.6
             continue
-        except IncrementFailedError:
+        except (IncrementFailedError, PatchLeftError):
+            # By a node's own compliance a fine mesh is soft: the first guess may press it beyond its patch.
             approach *= 0.5
             continue
         force = float(pressed.primary_force[:, 2].sum())

@@ -26,6 +26,7 @@ from solvers import (
     unloaded_state,
 )
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
+from tests.synthetic_results import result
 from wirewear import ExperimentRecord, read_record
 from wirewear.diagnosis.observe.observed_record import of_own_definitions
 from wirewear.records import check_record
@@ -37,6 +38,7 @@ from wirewear.simulation.contact_forces import (
     nodal_pressures,
     pressure_figures,
 )
+from wirewear.simulation.measures import unresolved_slip
 from wirewear.simulation.recorded import depth_spread, worn_bodies
 from wirewear.simulation.statistics import Counters, bends, energy_mismatch, judge
 from wirewear.test import study_from_tables
@@ -237,3 +239,38 @@ def test_the_error_of_depth_that_either_body_wears_to_is_estimated_as_of_a_parab
     # The mean over a hat of a parabola 1 - (x/b)² is less at its middle by h²/(3 b²), here in both directions.
     assert depth_spread(shown, replace(state, wear=worn)) == pytest.approx(2.0 / (3.0 * elements**2), rel=0.01)
     assert np.isnan(depth_spread(problem, state))
+
+
+@pytest.mark.parametrize("elements", [8, 16])
+def test_the_error_of_a_loops_energy_falls_with_the_square_of_the_rings_that_slip(elements: int) -> None:
+    lines = np.arange(-elements - 2.0, elements + 3.0) / elements
+    patch = ContactPatch(lines, lines, np.arange(lines.size**2).reshape(lines.size, -1), Flat())
+    radius = np.hypot(*patch.grid().T)
+    pressure = np.zeros((patch.size, 3))
+    pressure[:, 2] = radius <= 1.0
+
+    def error(core: float, force: float = 1.0) -> float:
+        slid = np.where((radius > core) & (radius <= 1.0), 1e-6, 0.0)
+        trace = SimpleNamespace(
+            start=SimpleNamespace(traction=pressure), slid=(slid, slid), tangential_force=np.array([-force, force])
+        )
+        return unresolved_slip(patch, cast("CycleTrace", trace))
+
+    assert error(1.0) == 1.0  # a finite force and nothing that slips
+    assert np.isnan(error(-1.0))  # nothing that sticks
+    assert np.isnan(error(1.0, force=0.0))
+    # The area of such an annulus is 0.42 times as many edges of one node as elements lead to the rim.
+    assert error(0.5) == pytest.approx(0.13 / (0.42 * elements) ** 2, rel=0.15)
+    assert error(0.8) > 3.0 * error(0.5)
+
+
+def test_a_loop_of_which_too_few_nodes_slip_says_so_in_run_page_and_json(problem: ContactProblem) -> None:
+    state = pressed(problem)[0]
+    drive = Drive(1e-5)
+    trace = closed_cycle(problem, first_quarter(problem, state, drive, 8), drive, 8)[1]
+    assert np.ptp(trace.tangential_force) > 0.0
+    error = unresolved_slip(problem.primary.patch, trace)
+    assert error > 0.9
+    (summary,) = json.loads(runs_json([replace(run := result(), quality={"slip_between_nodes": error})]))
+    assert not summary["quality"]["slip_between_nodes"]["sound"]
+    assert "number of nodes that slip" in run_page([replace(run, quality={"slip_between_nodes": error})])

@@ -9,12 +9,12 @@ import pytest
 from click.testing import CliRunner
 from scipy.optimize import brentq, nnls
 
-from geometry import GradedAxis, WireGeometry, build_body
+from geometry import Barrel, ContactPatch, Flat, GradedAxis, Profile, WireGeometry, build_body
 from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_conditions import ContactGuess, ContactOutcome, Linearisation
 from solvers.contact_state import Holder, IncrementReport
-from solvers.elasticity.condensation import condense
-from solvers.elasticity.placement import place
+from solvers.elasticity.condensation import CondensedBody, condense
+from solvers.elasticity.placement import PlacedBody, place
 from solvers.errors import SolverError
 from solvers.wear import WearRates
 from tests import bodies
@@ -240,3 +240,20 @@ def test_a_loop_without_a_plateau_whose_contact_opens_is_not_said_to_be_in_parti
     found = analyse_loop(50.0 * np.cos(phase), 0.5 * load * np.tanh(-20.0 * np.sin(phase)), load)
     steady = analyse_loop(50.0 * np.cos(phase), 0.5 * load * np.tanh(-20.0 * np.sin(phase)), 1.0)
     assert (found.regime, steady.regime) == ("contact opened", "partial slip")
+
+
+def test_bodies_are_pressed_on_a_patch_that_is_fine_and_holds_little_beside_the_contact() -> None:
+    """A first guess by a node's own compliance would press them beyond the patch."""
+    radius_mm, foundation_N_per_mm3, contact_mm = 10.0, 1e5, 0.1
+    lines = np.linspace(-1.4 * contact_mm, 1.4 * contact_mm, 23)
+
+    def on_springs(profile: Profile, *, upper: bool) -> PlacedBody:
+        patch = ContactPatch(lines, lines, np.arange(lines.size**2).reshape(lines.size, -1), profile)
+        springs = CondensedBody.whole(patch, np.diag(0.5 / (foundation_N_per_mm3 * np.repeat(patch.node_areas(), 3))))
+        return place(springs, upper=upper, axis_angle_rad=0.0)
+
+    load = foundation_N_per_mm3 * np.pi * contact_mm**4 / (4.0 * radius_mm)
+    upper, lower = on_springs(Barrel(1.0 / radius_mm, 1.0 / radius_mm), upper=True), on_springs(Flat(), upper=False)
+    problem = ContactProblem(upper, lower, Holder(load), friction=0.5, wear=WearRates(0.0, 0.0))
+    _, report = bodies.pressed(problem)
+    assert report.contact_area == pytest.approx(np.pi * contact_mm**2, rel=0.05)

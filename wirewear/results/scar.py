@@ -26,6 +26,7 @@ QUALITIES: Mapping[str, tuple[str, float]] = {
     "energy_against_loops": ("energy that wore against energy of the recorded loops, relative", ENERGIES_AGREE),
     "slip_against_loops": ("slip in the contact against the loop's width, over the contact's displacement", 2e-2),
     "depth_between_nodes": ("error of either body's largest depth by its elements, relative, estimated", 3e-2),
+    "slip_between_nodes": ("error of loops' energies by the number of nodes that slip, relative, estimated", 5e-2),
     "law_between_nodes": ("error of laws other than Coulomb's by the fresh contact's elements, estimated", 2e-2),
     "pressure_against_strength": (
         "largest pressure against what the softer body bears, of which more is impossible",

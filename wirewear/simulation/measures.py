@@ -5,11 +5,15 @@ from math import nan
 
 import numpy as np
 
+from geometry import ContactPatch
 from geometry.arrays import BoolArray
 from solvers import ContactState, CycleTrace
 from wirewear.loops.sensor import enclosed_area
 
 _PROBED = 1e-4  # Of the slip's range: how well the place of the mean force is sought.
+# Of a loop's energy where one ring of nodes slips, of which the edge consists of many or of few: the first on all
+# gradings alike, the second where the rims of nodes do not make up for each other, as of a line contact.
+_ONE_RING, _FEW_NODES = 0.12, 0.6
 
 #: The state after one increment from a state to a place of the drive in mm.
 Probe = Callable[[ContactState, float], ContactState]
@@ -45,6 +49,23 @@ def slip_mismatch(trace: CycleTrace) -> float:
     if trace.normal_force.min() <= 0.0 or not {-1.0, 1.0} <= {*ways[slides].tolist()}:
         return nan
     return abs(slip_amplitude_mm(trace) - slid_amplitude_mm(trace)) / (0.5 * float(np.ptp(apart)))
+
+
+def unresolved_slip(patch: ContactPatch, trace: CycleTrace) -> float:
+    """Estimate of the relative error of a closed loop's energy by how few nodes of a patch, the primary's, slip around
+    a middle that sticks; 1 where none does, NaN where none sticks or nothing moves.
+
+    Whole nodes slip, one after another, so the contact gives way in steps. What they enclose is small against what they
+    store, by the square of the width of the annulus that slips, which counts in rings of nodes.
+    """
+    pressed, slips = trace.start.traction[:, 2] > 0.0, trace.slid[0] > 0.0
+    if not (pressed & ~slips).any() or not np.ptp(trace.tangential_force) > 0.0:
+        return nan
+    touched = np.pad((pressed | slips).reshape(patch.shape), 1)
+    within = touched[2:, 1:-1] & touched[:-2, 1:-1] & (touched[1:-1, 2:] & touched[1:-1, :-2] | (patch.shape[1] == 1))
+    edge = int((touched[1:-1, 1:-1] & ~within).sum())
+    rings = int(slips.sum()) / edge
+    return min((_ONE_RING + _FEW_NODES / edge) / max(rings, _PROBED) ** 2, 1.0)
 
 
 def slip_amplitude_mm(trace: CycleTrace, probe: Probe | None = None) -> float:

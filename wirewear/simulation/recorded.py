@@ -40,7 +40,7 @@ from wirewear.results import (
 from wirewear.simulation.contact_forces import pressure_figures
 from wirewear.simulation.control import HeldFigure
 from wirewear.simulation.expected_contact import borne_settings, law_error
-from wirewear.simulation.measures import dissipated_energy_mJ, slip_amplitude_mm
+from wirewear.simulation.measures import dissipated_energy_mJ, slip_amplitude_mm, unresolved_slip
 from wirewear.simulation.problem import worn_depths
 from wirewear.simulation.statistics import Tally, judge, mirrored_mismatch
 from wirewear.simulation.store import MeshHistory
@@ -278,12 +278,21 @@ class Recorded(ABC):
         counters.worst("volume_against_energy", volume_mismatch(problem, state, scars))
         judge(counters, trace, self._rows, state.wear.energy_mJ)
         counters.depth_between_nodes = depth_spread(problem, state)
+        counters.worst("slip_between_nodes", self._energy_error(unresolved_slip(problem.primary.patch, trace)))
         if by_block:
             counters.energy_against_loops = nan  # loops of some blocks say nothing of the energy of others
         if self.logs(cycle, done):
             self._loops.append(loop)
             self._scars.extend(scars)
             self._forces.extend(self.forces(problem, trace, cycle))
+
+    def _energy_error(self, of_loop: float) -> float:
+        """A latest loop's relative error over the largest energy of its block: where all but the core has worn away,
+        little slips, and what it encloses is little.
+        """
+        now = self._rows[-1]
+        of_block = [row["dissipated_energy_mJ"] for row in self._rows if row.get("block") == now.get("block")]
+        return of_loop * now["dissipated_energy_mJ"] / max(of_block) if max(of_block) > 0.0 else of_loop
 
     def holder_of(self, _problem: ContactProblem, _trace: CycleTrace) -> dict[str, float | str]:
         """What a measured loop shows of the holder's elements, for the settings."""

@@ -18,7 +18,7 @@ QUALITY = (
     "force_balance", "penetration", "complementarity", "slip_direction_error_rad", "elastic_slip",
     "loop_area_against_friction_work", "volume_against_energy", "energy_against_loops", "mirror_error",
     "slip_against_loops",
-    "depth_between_nodes",
+    "depth_between_nodes", "slip_between_nodes",
 )  # fmt: skip
 
 _LEAST_AREA = 1e-3  # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
@@ -48,6 +48,7 @@ class Counters:
     slip_against_loops: float = nan
     mirror_error: float = nan
     depth_between_nodes: float = nan  #: Of the latest measured cycle.
+    slip_between_nodes: float = nan
 
     def count(self, report: IncrementReport) -> None:
         """Take in one increment."""
