@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from wirewear.records import ExperimentRecord, check_record, record_of_result, write_record
     from wirewear.results import Evolution, Loop, RunResult, Scar, largest_mean_pressure_MPa, write_result
     from wirewear.simulation import run_study
+    from wirewear.strand import strand_contacts
     from wirewear.test import Study, load_study, parse_study
 
     __version__: str
@@ -29,7 +30,7 @@ __all__ = [
     "RunResult", "Scar", "Sensor", "SensorError", "SensorNoise", "Study", "StudyError", "WirewearError", "__version__",
     "check_record", "effects", "largest_mean_pressure_MPa", "lives", "load", "load_study", "parse_study", "read_record",
     "read_result", "read_results", "record_of_result", "reference", "run", "run_study", "run_variants",
-    "sensor_held_stroke", "write_record", "write_result",
+    "sensor_held_stroke", "strand_contacts", "write_record", "write_result",
 ]  # fmt: skip
 
 _SIBLINGS = ("geometry", "solvers")

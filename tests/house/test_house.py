@@ -48,6 +48,7 @@ ROOMS = (
     "diagnosis",
     "comparison",
     "sweeps",
+    "strand",
     "views",
     "",  # what `import wirewear` offers
     "app",
@@ -252,13 +253,13 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): what 1.0.0 weighs and 3 % of slack. Looked at when a version is made.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 69_500,
-    "lines of wirewear": 56_000,
+    "lines of geometry, solvers and wirewear": 71_000,
+    "lines of wirewear": 57_500,
     "lines of studies": 17_100,
     "lines of tests": 31_000,
     "files of geometry, solvers and wirewear": 350,
-    "rooms of wirewear": 19,
-    "arrows between rooms": 102,
+    "rooms of wirewear": 20,
+    "arrows between rooms": 107,
     "questions for the kind of contact": 0,
     "lines of wirewear that import, per cent": 7.1,
 }

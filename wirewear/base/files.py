@@ -55,6 +55,7 @@ class Held(StrEnum):
     RUN = "result of a run"
     STUDY = "study"
     SWEEP = "sweep"
+    ROPE = "rope's construction"
     MAPPING = "mapping of measured files"
     NUMBERS = "file of measured numbers"
 
@@ -65,6 +66,7 @@ _TAKEN = {
     Held.RUN: "`wirewear report PATH` makes its page, `wirewear export PATH --as-record DIR` a record of it",
     Held.STUDY: "`wirewear run PATH` simulates it",
     Held.SWEEP: "`wirewear sweep PATH` runs it",
+    Held.ROPE: "`wirewear strand PATH` finds its contacts",
     Held.MAPPING: "`wirewear import PATH --output DIR` makes a record by it",
     Held.NUMBERS: "`wirewear new --mapping PATH` begins a mapping that says how to read it, and `wirewear loops PATH` "
     "analyses friction loops",
@@ -114,6 +116,8 @@ def _held_by(tables: Mapping[str, Any]) -> Held | None:
         return Held.RECORD
     if "vary" in tables:
         return Held.SWEEP
+    if "core" in tables and ("layers" in tables or "outer_strands" in tables):
+        return Held.ROPE
     contact = tables.get("contact")
     return Held.STUDY if "kind" in tables or (isinstance(contact, Mapping) and "friction" in contact) else None
 

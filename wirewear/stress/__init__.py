@@ -1,6 +1,13 @@
 """Stresses inside the bodies of a finished run: fields, files, pictures, yield and fatigue."""
 
-from solvers.elasticity.strain import von_mises
-from wirewear.stress.bodies import BodyState, WornBody, body_grid, body_states, integration_point_cloud, worn_body
+from typing import TYPE_CHECKING
+
+from geometry.lazy import loaded_late
+
+if TYPE_CHECKING:
+    from solvers.elasticity.strain import von_mises
+    from wirewear.stress.bodies import BodyState, WornBody, body_grid, body_states, integration_point_cloud, worn_body
 
 __all__ = ["BodyState", "WornBody", "body_grid", "body_states", "integration_point_cloud", "von_mises", "worn_body"]
+
+__getattr__ = loaded_late(__name__)

@@ -244,8 +244,7 @@ def _make_missing(
 
     def make(places: Iterable[int]) -> None:
         numbers = [place + 1 for place in places]
-        study, fidelity = sweep.study, sweep.fidelity
-        tasks = [partial(run_case, study, sweep.design.values(n - 1), fidelity, n, results) for n in numbers]
+        tasks = [partial(run_case, *sweep.case(n - 1), sweep.fidelity, n, results) for n in numbers]
         with journal.open() as file:
             for one in engine.done(tasks):
                 row = _row_of(numbers[one.place], one.result, one.error)

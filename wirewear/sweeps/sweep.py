@@ -271,9 +271,13 @@ class Sweep:
         added = added_code([*self.study.effects, *self.study.laws])
         return identity_of(asked, CODE, {"added": added})
 
+    def case(self, place: int) -> tuple[AnyStudy[Any], dict[str, float]]:
+        """The study that a run begins with, and the values that it varies."""
+        return self.study, self.design.values(place)
+
     def study_of(self, place: int) -> Any:
         """The study of a run. Raises StudyError if there is no such key, or its value cannot be."""
-        return varied(self.study, self.design.values(place))
+        return varied(*self.case(place))
 
 
 def load_sweep(path: str | Path) -> Sweep:

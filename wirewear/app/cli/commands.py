@@ -1,8 +1,9 @@
 """All commands: one module for each family, which joins the group when it is imported."""
 
-from wirewear.app.cli import fit, life, loops, new, records, stress, studies, sweeps, workspace
+from wirewear.app.cli import fit, life, loops, new, records, strand, stress, studies, sweeps, workspace
 from wirewear.app.cli.group import cli, default_output
 
 __all__ = [
-    "cli", "default_output", "fit", "life", "loops", "new", "records", "stress", "studies", "sweeps", "workspace"
+    "cli", "default_output", "fit", "life", "loops", "new", "records", "strand", "stress", "studies", "sweeps",
+    "workspace",
 ]  # fmt: skip

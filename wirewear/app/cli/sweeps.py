@@ -76,7 +76,7 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
     asked = load_sweep(sweep_path)
     tests = [test for path in test_paths for test in fretting_tests(path)]
     folder = output or Path("runs") / sweep_path.resolve().stem
-    with _observer_of(len(asked)) as observer:
+    with observer_of(len(asked)) as observer:
         result = run_sweep(asked, folder, engine_of(jobs, scheduler), observer, only_pilots=estimate)
     if estimate and not result.whole:
         if result.failures:
@@ -100,7 +100,7 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
     from wirewear.views.uncertainty_page import sentence, table, write_uncertainty
 
     study = alone(study) if variant is None else study.variant(variant)
-    with _observer_of(RUNS + 1) as observer:
+    with observer_of(RUNS + 1) as observer:
         found = run_uncertain(study, folder, engine_of(jobs), observer=observer)
     wide_console(110).print(table(found))
     click.echo(sentence(found))
@@ -109,7 +109,7 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
 
 
 @contextmanager
-def _observer_of(runs: int) -> Iterator[SweepObserver]:
+def observer_of(runs: int) -> Iterator[SweepObserver]:
     """A bar on standard error over so many runs, and what moves it and prints the rest."""
     from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
 

@@ -1,0 +1,381 @@
+"""Every kind of contact in a bent strand or rope: its angle, load, slip, and what its wires bear in a cycle."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import atan2, cos, degrees, hypot, inf, nan, pi, sin
+from typing import Literal, cast
+
+from geometry import Elastic
+from wirewear.reference.hertz import gap_curvatures
+from wirewear.strand.bending import BentLayer, SlipCourse, relative_slip_mm, slip_courses
+from wirewear.strand.construction import Fibre, RopeWire, Strand
+from wirewear.strand.helix import DoubleHelix, between_deg, crossing_spacing_mm, radial_share
+
+ContactSort = Literal["crossing", "line", "side by side", "crown", "sheave"]
+FLATTEST_deg = 5.0  #: Wires that cross at less lie along each other; no study crosses them either.
+
+
+@dataclass(frozen=True)
+class Bend:
+    """A cycle of bending: the amplitude of curvature, whether it begins at a straight rope, and friction.
+
+    tension_share: amplitude of the tension over its mean.
+    """
+
+    curvature_per_mm: float
+    pulsating: bool
+    friction: float
+    tension_share: float = 0.0
+
+
+@dataclass(frozen=True)
+class LoadedWire:
+    """A wire of a layer with its stresses in a cycle, along its axis; the bending is E d/D (Reuleaux), all at extrados.
+
+    axial_amplitude_MPa is the tension's own and that which friction lets build up while the strand is bent.
+    """
+
+    name: str
+    wire: RopeWire
+    tension_N: float
+    axial_MPa: float
+    axial_amplitude_MPa: float
+    bending_MPa: float
+    bending_amplitude_MPa: float
+
+    @property
+    def mean_MPa(self) -> float:
+        return self.axial_MPa + self.bending_MPa
+
+    @property
+    def amplitude_MPa(self) -> float:
+        return self.axial_amplitude_MPa + self.bending_amplitude_MPa
+
+
+@dataclass(frozen=True)
+class SheaveGroove:
+    """Bottom of a groove: curvatures along the rope and, negative, across."""
+
+    elastic: Elastic
+    curvatures_per_mm: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class ContactSlip:
+    """Slip amplitudes at a contact along the axis of the strand and around it, free and held by friction, and Q/µP."""
+
+    free_mm: tuple[float, float] = (nan, nan)
+    held_mm: tuple[float, float] = (nan, nan)
+    share: float = nan
+
+
+@dataclass(frozen=True)
+class WireContact:
+    """Contacts of one kind; the load is that of one of them, of a line that of one millimetre.
+
+    Angles are those of the wires to the axis of the strand or rope.
+    """
+
+    name: str
+    sort: ContactSort
+    lower: LoadedWire | SheaveGroove
+    upper: LoadedWire
+    load_N: float
+    lower_rad: float
+    upper_rad: float
+    spacing_mm: float  #: Between two of them along the upper wire's axis.
+    per_axial_mm: float  #: How many of them, or how many millimetres, all members have in a millimetre of the axis.
+    slip: ContactSlip
+    is_line: bool = True
+    upper_curvature_per_mm: float = 0.0
+
+    @property
+    def length_mm(self) -> float | None:
+        return 1.0 if self.is_line else None
+
+    @property
+    def angle_deg(self) -> float:
+        """Of the wires to each other."""
+        return between_deg(self.lower_rad, self.upper_rad)
+
+    @property
+    def slip_amplitude_mm(self) -> float:
+        return hypot(*self.slip.held_mm)
+
+    @property
+    def free_slip_mm(self) -> float:
+        return hypot(*self.slip.free_mm)
+
+    @property
+    def motion_rad(self) -> float:
+        """Direction of the slip to the strand's axis."""
+        along, around = self.slip.free_mm
+        return atan2(around, along)
+
+    @property
+    def along_across_mm(self) -> tuple[float, float]:
+        """Slip along the lower wire and across it."""
+        turned = self.motion_rad - self.lower_rad
+        return self.slip_amplitude_mm * cos(turned), self.slip_amplitude_mm * sin(turned)
+
+    @property
+    def elastic(self) -> tuple[Elastic, Elastic]:
+        lower = self.lower if isinstance(self.lower, SheaveGroove) else self.lower.wire
+        return lower.elastic, self.upper.wire.elastic
+
+    @property
+    def gap_per_mm(self) -> tuple[float, float]:
+        """A and B of the gap Ax² + By², A being 0 of a line."""
+        across = 2.0 / self.upper.wire.diameter_mm
+        if isinstance(self.lower, SheaveGroove):
+            below, angle = self.lower.curvatures_per_mm, self.upper_rad
+        else:
+            below, angle = (0.0, 2.0 / self.lower.wire.diameter_mm), self.upper_rad - self.lower_rad
+        if self.is_line:
+            return 0.0, 0.5 * (below[1] + across)
+        small, large, _ = gap_curvatures(below, (self.upper_curvature_per_mm, across), angle)
+        return small, large
+
+
+def contacts_of(rope: Strand, tension_N: float, bend: Bend, groove: SheaveGroove | None = None) -> list[WireContact]:
+    """All kinds of contact of a strand, or of a rope and its strands, from the innermost on.
+
+    groove: of a sheave, whose curvature along the rope is that to which the rope is bent.
+    """
+    found = list(_Bent(rope, tension_N, 0.0, 0.0, bend).contacts())
+    if groove is not None:
+        found.append(_on_sheave(rope, tension_N, bend, groove))
+    return found
+
+
+@dataclass(frozen=True)
+class _Bent:
+    """A strand under its tension, what friction adds to that, and a load from outside per millimetre of its axis."""
+
+    strand: Strand
+    tension_N: float
+    gained_N: float
+    outside_N_per_mm: float
+    bend: Bend
+    prefix: str = ""
+
+    def contacts(self) -> Iterator[WireContact]:
+        courses, loads = self.courses(), self.loads_N_per_mm()
+        if isinstance(self.strand.core, Strand):
+            yield from self.core_strand(self.strand.core).contacts()
+        for place, layer in enumerate(self.strand.layers):
+            if isinstance(layer.member, Strand):
+                yield from self.of_member(place).contacts()
+            if not layer.touches:
+                yield self._side_by_side(place, courses[place], loads[place])
+            elif place:
+                yield self._crossing(place, courses, loads[place])
+            elif isinstance(layer.member, Strand):
+                yield from self._crowns(courses[0], loads[0])
+            else:
+                yield self._on_core(courses[0], loads[0])
+
+    def courses(self) -> list[SlipCourse]:
+        layers = [
+            BentLayer(own.helix, own.count, self.strand.member_tension_N(own, self.tension_N), own.member.stiffness_N)
+            for own in self.strand.layers
+        ]
+        presses = [own.touches for own in self.strand.layers]
+        return slip_courses(layers, self.bend.friction, self.outside_N_per_mm, presses)
+
+    def loads_N_per_mm(self) -> list[float]:
+        """What each layer presses inwards with, all its members together per millimetre of the axis."""
+        found: list[float] = []
+        above = self.outside_N_per_mm
+        for own in reversed(self.strand.layers):
+            tension = self.strand.member_tension_N(own, self.tension_N)
+            total = above + own.count * tension * own.helix.curvature_per_mm / cos(own.helix.angle_rad)
+            found.append(total)
+            above = total if own.touches else 0.0
+        return found[::-1]
+
+    def core_strand(self, core: Strand) -> "_Bent":
+        """What lies under the strands of a rope."""
+        share = self.strand.core_tension_N(1.0)
+        outside = self.loads_N_per_mm()[0] if self.strand.layers[0].touches else 0.0
+        return _Bent(core, share * self.tension_N, share * self.gained_N, outside, self.bend, "core strand: ")
+
+    def of_member(self, place: int) -> "_Bent":
+        """A strand of a rope."""
+        member = cast("Strand", self.strand.layers[place].member)
+        return _Bent(member, *self._tensions(place), 0.0, self.bend, "outer strands: ")
+
+    def wire(self, place: int) -> LoadedWire:
+        """A wire of a layer."""
+        member = cast("RopeWire", self.strand.layers[place].member)
+        return self._loaded(f"layer {place + 1}", member, *self._tensions(place))
+
+    def core_wire(self) -> LoadedWire:
+        core, share = cast("RopeWire", self.strand.core), self.strand.core_tension_N(1.0)
+        return self._loaded("core", core, share * self.tension_N, share * self.gained_N)
+
+    def _tensions(self, place: int) -> tuple[float, float]:
+        """Tension of a member of a layer, and what friction adds to it at the extrados."""
+        share = self.strand.member_tension_N(self.strand.layers[place], 1.0)
+        own = self.courses()[place].gained_N(self.bend.curvature_per_mm)
+        return share * self.tension_N, share * self.gained_N + own
+
+    def _loaded(self, name: str, wire: RopeWire, tension_N: float, gained_N: float) -> LoadedWire:
+        axial, gained = tension_N / wire.area_mm2, gained_N / wire.area_mm2
+        bending = 0.5 * wire.elastic.youngs_modulus_MPa * wire.diameter_mm * self.bend.curvature_per_mm
+        mean = 1.0 if self.bend.pulsating else 0.0
+        return LoadedWire(
+            f"{self.prefix}{name}", wire, tension_N, axial + mean * gained, self.bend.tension_share * axial + gained,
+            mean * bending, bending,
+        )  # fmt: skip
+
+    def _slip(self, outer: SlipCourse, inner: SlipCourse | None = None, times: float = 1.0) -> ContactSlip:
+        """Of an outer member against an inner one, at the neutral axis; None: a core that does not slide."""
+        curvature = self.bend.curvature_per_mm
+        courses = [outer] if inner is None else [outer, inner]
+        below = None if inner is None else inner.helix
+        free = [times * own.helix.free_slip_mm(curvature) for own in courses]
+        held = [times * own.slip_mm(curvature) for own in courses]
+        return ContactSlip(
+            relative_slip_mm(outer.helix, free[0], below, free[-1]),
+            relative_slip_mm(outer.helix, held[0], below, held[-1]),
+            min(curvature / min(own.first_per_mm for own in courses), 1.0),
+        )
+
+    def _on_core(self, course: SlipCourse, load_N_per_mm: float) -> WireContact:
+        helix, count = course.helix, self.strand.layers[0].count
+        along = cos(helix.angle_rad)
+        return WireContact(
+            name=f"{self.prefix}layer 1 on core",
+            sort="line",
+            lower=self.core_wire(),
+            upper=self.wire(0),
+            load_N=load_N_per_mm * along / count,
+            lower_rad=helix.signed_angle_rad,
+            upper_rad=helix.signed_angle_rad,
+            spacing_mm=inf,
+            per_axial_mm=count / along,
+            slip=self._slip(course),
+        )
+
+    def _side_by_side(self, place: int, course: SlipCourse, load_N_per_mm: float) -> WireContact:
+        """Neighbours of a layer that arches; they slide against each other most at the extrados and the intrados."""
+        layer, helix = self.strand.layers[place], course.helix
+        along, turned, spacing = cos(helix.angle_rad), 0.0, inf
+        if isinstance(layer.member, Strand):
+            inner, last = self.of_member(place), layer.member.layers[-1]
+            double = DoubleHelix(helix, last.helix)
+            turned, spacing = atan2(double.twist, 1.0), double.crown_spacing_mm(last.count)
+            name, wire = "outer strands", inner.wire(len(layer.member.layers) - 1)
+        else:
+            name, wire = f"layer {place + 1}", self.wire(place)
+        return _points_or_line(
+            WireContact(
+                name=f"{self.prefix}{name} side by side",
+                sort="side by side",
+                lower=wire,
+                upper=wire,
+                load_N=0.5 * load_N_per_mm * along / layer.count / radial_share(helix, layer.count),
+                lower_rad=helix.signed_angle_rad - turned,
+                upper_rad=helix.signed_angle_rad + turned,
+                spacing_mm=spacing,
+                per_axial_mm=layer.count / along,
+                slip=self._slip(course, times=2.0 * sin(pi / layer.count)),
+            )
+        )
+
+    def _crossing(self, place: int, courses: Sequence[SlipCourse], load_N_per_mm: float) -> WireContact:
+        inner, outer = self.strand.layers[place - 1 : place + 1]
+        return _points_or_line(
+            WireContact(
+                name=f"{self.prefix}layer {place + 1} on layer {place}",
+                sort="crossing",
+                lower=self.wire(place - 1),
+                upper=self.wire(place),
+                load_N=load_N_per_mm / outer.count,
+                lower_rad=inner.helix.signed_angle_rad,
+                upper_rad=outer.helix.signed_angle_rad,
+                spacing_mm=crossing_spacing_mm(inner.helix, inner.count, outer.helix),
+                per_axial_mm=outer.count,
+                slip=self._slip(courses[place], courses[place - 1]),
+            )
+        )
+
+    def _crowns(self, course: SlipCourse, load_N_per_mm: float) -> Iterator[WireContact]:
+        """Innermost crowns of strands on the core strand, or on a core of one wire; none on fibres."""
+        ring, core = self.strand.layers[0], self.strand.core
+        if isinstance(core, Fibre) or not isinstance(ring.member, Strand):
+            return
+        last, along = ring.member.layers[-1], cos(ring.helix.angle_rad)
+        double = DoubleHelix(ring.helix, last.helix)
+        below, lower = None, None
+        if isinstance(core, Strand):
+            beneath = self.core_strand(core)
+            below, lower = beneath.courses()[-1], beneath.wire(len(core.layers) - 1)
+        yield _points_or_line(
+            WireContact(
+                name="outer strands on core strand" if below else "outer strands on core",
+                sort="crown",
+                lower=lower or self.core_wire(),
+                upper=self.of_member(0).wire(len(ring.member.layers) - 1),
+                load_N=load_N_per_mm * along / ring.count,
+                lower_rad=below.helix.signed_angle_rad if below else 0.0,
+                upper_rad=double.innermost_rad,
+                spacing_mm=double.crown_spacing_mm(last.count),
+                per_axial_mm=ring.count / along,
+                slip=self._slip(course, below),
+            )
+        )
+
+
+def _points_or_line(contact: WireContact) -> WireContact:
+    """Contacts of a line load: the points at which wires cross, or the line itself where they hardly do."""
+    if contact.angle_deg < FLATTEST_deg:
+        return contact
+    spacing = contact.spacing_mm
+    return replace(contact, load_N=contact.load_N * spacing, per_axial_mm=contact.per_axial_mm / spacing, is_line=False)
+
+
+def _on_sheave(rope: Strand, tension_N: float, bend: Bend, groove: SheaveGroove) -> WireContact:
+    """Crowns of the outermost wires in a groove that bears T/ρ; how they creep there is not computed.
+
+    A wire of a strand touches it once a lay, one strand of a rope bears at a time: estimates.
+    """
+    last = rope.layers[-1]
+    line_load = tension_N * groove.curvatures_per_mm[0]
+    state = _Bent(rope, tension_N, 0.0, 0.0, bend)
+    place = len(rope.layers) - 1
+    if isinstance(last.member, Strand):
+        wires = last.member.layers[-1]
+        double = DoubleHelix(last.helix, wires.helix)
+        spacing = double.crown_spacing_mm(wires.count) * cos(last.helix.angle_rad)
+        angle, curvature = double.outermost_rad, double.crown_curvature_per_mm
+        name, upper = "outer strands", state.of_member(place).wire(len(last.member.layers) - 1)
+    else:
+        spacing = last.helix.lay_length_mm / last.count
+        angle, curvature, upper = last.helix.signed_angle_rad, last.helix.curvature_per_mm, state.wire(place)
+        name = f"layer {place + 1}"
+    return WireContact(
+        name=f"{name} on sheave",
+        sort="sheave",
+        lower=groove,
+        upper=upper,
+        load_N=line_load * spacing,
+        lower_rad=0.0,
+        upper_rad=angle,
+        spacing_mm=spacing,
+        per_axial_mm=1.0 / spacing,
+        slip=ContactSlip(),
+        is_line=False,
+        upper_curvature_per_mm=curvature,
+    )
+
+
+def degrees_of(contact: WireContact) -> tuple[float, float]:
+    """Crossing angle and direction of the slip as a study of crossed wires states them, about the outward normal.
+
+    The lower wire is the driven one. The axis, the way around and the outward normal are a left-handed set.
+    """
+    crossing = degrees(contact.lower_rad - contact.upper_rad) % 180.0
+    motion = degrees(contact.lower_rad - contact.motion_rad)
+    return crossing, (motion + 90.0) % 180.0 - 90.0

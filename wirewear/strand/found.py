@@ -1,0 +1,117 @@
+"""A rope's file read, its contacts found and put in order: what the command and Python offer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite, isnan, nan
+from pathlib import Path
+from typing import Any
+
+from geometry import Elastic
+from wirewear.strand.construction import Strand
+from wirewear.strand.contacts import Bend, SheaveGroove, contacts_of
+from wirewear.strand.estimates import ContactEstimate, estimates
+from wirewear.strand.studies import file_name, notes, studies_of
+from wirewear.strand.tables import RopeTables, load_rope, rope_of
+from wirewear.test import AnyStudy
+
+
+@dataclass(frozen=True, eq=False)
+class RopeContacts:
+    """A strand or rope and all kinds of contact in it, the worst first."""
+
+    tables: RopeTables
+    rope: Strand
+    contacts: tuple[ContactEstimate, ...]
+
+    @property
+    def name(self) -> str:
+        return self.tables.name
+
+    @property
+    def figures(self) -> dict[str, float]:
+        """Of the whole rope: its size, stiffnesses and torque."""
+        least, most = self.rope.bending_N_mm2
+        return {
+            "diameter_mm": self.rope.diameter_mm,
+            "axial_stiffness_N": self.rope.stiffness_N,
+            "least_bending_stiffness_N_mm2": least,
+            "largest_bending_stiffness_N_mm2": most,
+            "torque_N_mm": self.rope.torque_N_mm(self.tables.conditions.tension_N),
+        }
+
+    @property
+    def notes(self) -> list[str]:
+        """What must be known of single contacts."""
+        return [note for one in self.contacts for note in notes(one)]
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """A row of plain values for each kind of contact; what is not known is None."""
+        return [_row(one) for one in self.contacts]
+
+    def studies(self) -> dict[str, AnyStudy[Any]]:
+        """The study of each contact whose motion is known, by the contact's name.
+        Raises StudyError if a value lies outside what a study takes.
+        """
+        return studies_of(self.contacts, self.tables)
+
+
+def strand_contacts(rope: str | Path | dict[str, Any]) -> RopeContacts:
+    """The contacts of a rope whose file, or tables, are given.
+    Raises StudyError, in one sentence, if they do not fit.
+    """
+    if isinstance(rope, dict):
+        tables, where = rope_of(rope, "the rope"), "the rope"
+    else:
+        tables, where = load_rope(rope), str(rope)
+    made, c, groove = tables.construction(where), tables.conditions, None
+    if (sheave := tables.sheave) is not None:
+        curvatures = (1.0 / c.bending_radius_mm, -1.0 / sheave.groove_radius_mm)
+        groove = SheaveGroove(Elastic(sheave.youngs_modulus_MPa, sheave.poissons_ratio), curvatures)
+    bend = Bend(
+        c.curvature_amplitude_per_mm,
+        c.bending == "pulsating",
+        tables.contact.friction,
+        c.tension_amplitude_N / c.tension_N,
+    )
+    wear = 0.0 if tables.wear is None else tables.wear.energy_wear_coefficient_mm3_per_J
+    found = contacts_of(made, c.tension_N, bend, groove)
+    return RopeContacts(tables, made, tuple(estimates(found, bend.friction, wear, c.cycles, tables.life)))
+
+
+def _row(one: ContactEstimate) -> dict[str, Any]:
+    contact, wire = one.contact, one.contact.upper
+    along, across = contact.along_across_mm
+    lower, upper = one.lives
+    values = {
+        "normal_load_N": contact.load_N,
+        "length_mm": 1.0 if contact.is_line else nan,
+        "angle_deg": contact.angle_deg,
+        "spacing_mm": contact.spacing_mm,
+        "contacts_per_mm": contact.per_axial_mm,
+        "peak_pressure_MPa": one.peak_pressure_MPa,
+        "major_semi_axis_mm": one.major_mm,
+        "minor_semi_axis_mm": one.minor_mm,
+        "yield_ratio": one.yield_ratio,
+        "plastic_area_mm2": one.plastic_area_mm2,
+        "free_slip_amplitude_um": 1e3 * contact.free_slip_mm,
+        "slip_amplitude_um": 1e3 * contact.slip_amplitude_mm,
+        "slip_along_lower_um": 1e3 * along,
+        "slip_across_lower_um": 1e3 * across,
+        "force_ratio": contact.slip.share,
+        "wire_tension_N": wire.tension_N,
+        "mean_stress_MPa": wire.mean_MPa,
+        "axial_stress_amplitude_MPa": wire.axial_amplitude_MPa,
+        "bending_stress_amplitude_MPa": wire.bending_amplitude_MPa,
+        "friction_energy_mJ": one.energy_mJ,
+        "worn_volume_per_cycle_mm3": one.worn_mm3,
+        "worn_depth_um": 1e3 * one.worn_depth_mm,
+        "life_lower_cycles": lower,
+        "life_upper_cycles": upper,
+    }
+    head = {"contact": contact.name, "kind": contact.sort, "regime": one.regime}
+    # Lives may be endless; a length that is endless is none.
+    known = {key: isfinite(value) if "life" not in key else not isnan(value) for key, value in values.items()}
+    plain = {key: value if known[key] else None for key, value in values.items()}
+    return {**head, **plain, "study": None if isnan(one.elastic_mm) else file_name(contact.name)}

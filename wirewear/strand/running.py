@@ -1,0 +1,69 @@
+"""Runs of a strand's contacts, by the engine of sweeps: interrupted ones go on with the same command."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wirewear.base.cache import Identity, identity_of
+from wirewear.base.engine import Engine
+from wirewear.sweeps.running import SweepObserver, run_sweep
+from wirewear.sweeps.sweep import CODE, LIFE, Design, Sweep, SweepRow
+from wirewear.test import AnyStudy
+
+#: Figures of a run that stand in the table, by their names there.
+OF_RUN = {
+    "dissipated_energy_mJ": "run_friction_energy_mJ",
+    "slip_amplitude_um": "run_slip_amplitude_um",
+    "max_mean_pressure_MPa": "run_mean_pressure_MPa",
+    "worn_volume_mm3": "run_worn_volume_mm3",
+    LIFE: "run_life_cycles",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class ContactRuns(Sweep):
+    """Studies of different contacts, each as it stands."""
+
+    studies: tuple[AnyStudy[Any], ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.studies)
+
+    @property
+    def identity(self) -> Identity:
+        asked = {"studies": [own.resolved() for own in self.studies], "fidelity": self.fidelity}
+        return identity_of(asked, CODE, {"added": {}})
+
+    def case(self, place: int) -> tuple[AnyStudy[Any], dict[str, float]]:
+        return self.studies[place], {}
+
+
+def run_contacts(
+    name: str,
+    studies: Mapping[str, AnyStudy[Any]],
+    fidelity: str,
+    output: Path,
+    engine: Engine,
+    observer: SweepObserver | None = None,
+) -> dict[str, SweepRow]:
+    """The rows of the studies by their contacts' names; results stay in a folder each. Errors as of `run_sweep`."""
+    if not studies:
+        return {}
+    first, none = next(iter(studies.values())), np.zeros((len(studies), 0))
+    asked = ContactRuns(name, first, Design("grid", (), none, none), fidelity, True, tuple(studies.values()))
+    rows = run_sweep(asked, output, engine, observer).rows
+    return {contact: rows[number] for number, contact in enumerate(studies, 1) if number in rows}
+
+
+def with_runs(table: list[dict[str, Any]], runs: Mapping[str, SweepRow]) -> list[dict[str, Any]]:
+    """A table of contacts with what came out of their runs beside the estimates."""
+    return [row | _of_run(runs.get(row["contact"])) for row in table] if runs else table
+
+
+def _of_run(row: SweepRow | None) -> dict[str, Any]:
+    figures = {} if row is None or row.figures is None else row.figures
+    failure = "" if row is None else row.failure
+    return {own: figures.get(key) for key, own in OF_RUN.items()} | {"run_failure": failure}

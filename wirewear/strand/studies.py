@@ -1,0 +1,162 @@
+"""Contacts of a strand as studies that `wirewear run` takes."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from wirewear.base.errors import ResultError
+from wirewear.base.files import toml_text
+from wirewear.base.writing import write_text, writing
+from wirewear.kinds import any_study
+from wirewear.strand.contacts import LoadedWire, degrees_of
+from wirewear.strand.estimates import FULLY, ContactEstimate
+from wirewear.strand.tables import RopeTables
+from wirewear.test import AnyStudy
+
+_LEAST_um = 0.1  #: Smallest amplitude of a study.
+_CROSSED = (
+    "Straight wires in place of helices. The slip is that at the neutral axis, bulk stresses are those of the\n"
+    "extrados, in step with it: each is worst there, a quarter of a lay apart."
+)
+_LINE = (
+    "One millimetre of the line. Wires slide along it, a line contact in plane strain slides across: load, slip and\n"
+    "bulk stress along the motion are kept. Energy and wear of a contact that slides as a whole are the same."
+)
+
+
+def file_name(contact_name: str) -> str:
+    """Of a contact's study."""
+    return re.sub(r"[^a-z0-9]+", "_", contact_name.lower()).strip("_") + ".toml"
+
+
+def study_tables(found: ContactEstimate, rope: RopeTables) -> dict[str, Any] | None:
+    """The tables of a contact's study; None of one that sticks, or whose motion is not computed."""
+    contact = found.contact
+    lower, upper = contact.lower, contact.upper
+    amplitude_um = 1e3 * (contact.slip_amplitude_mm + found.elastic_mm)
+    if not isinstance(lower, LoadedWire) or not amplitude_um >= _LEAST_um:
+        return None
+    crossing, motion = degrees_of(contact)
+    conditions = {
+        "normal_load_N": _figure(contact.load_N),
+        "displacement_amplitude_um": _figure(amplitude_um),
+        "frequency_Hz": rope.conditions.frequency_Hz,
+        "cycles": rope.conditions.cycles,
+    }
+    friction = {"friction": rope.contact.friction}
+    wear = {} if rope.wear is None else {"wear": _wear(rope.wear.energy_wear_coefficient_mm3_per_J, contact.is_line)}
+    life = {} if rope.life is None else {"life": rope.life.model_dump(mode="json", exclude_unset=True)}
+    head = {"format": 1, "name": f"{rope.name}: {contact.name}"}
+    if contact.is_line:
+        height = {"height_mm": _figure(0.5 * min(lower.wire.diameter_mm, upper.wire.diameter_mm))}
+        bodies = {
+            "pad": {
+                "radius_mm": _figure(0.5 / contact.gap_per_mm[1]),
+                **_material(upper),
+                **height,
+                "bulk": _bulk(upper),
+            },
+            "specimen": {**_material(lower), **height, "bulk": _bulk(lower)},
+        }
+        return {
+            **head, "kind": "line-contact", **bodies, "conditions": conditions,
+            "contact": {**friction, "length_mm": contact.length_mm}, **wear, **life,
+        }  # fmt: skip
+    of_upper = {"diameter_mm": upper.wire.diameter_mm, **_material(upper)}
+    shared = {"diameter_mm": lower.wire.diameter_mm, **_material(lower)}
+    own = {key: value for key, value in of_upper.items() if shared.get(key) != value}
+    wires = {
+        **shared,
+        "crossing_angle_deg": _figure(crossing),
+        "moving": {"bulk": _bulk(lower)},
+        "fixed": {**own, "bulk": _bulk(upper)},
+    }
+    conditions["motion_angle_deg"] = _figure(motion)
+    return {
+        **head,
+        "kind": "crossed-wires",
+        "wires": wires,
+        "conditions": conditions,
+        "contact": friction,
+        **wear,
+        **life,
+    }
+
+
+def studies_of(found: Sequence[ContactEstimate], rope: RopeTables) -> dict[str, AnyStudy[Any]]:
+    """The study of each contact that has one, by the contact's name.
+
+    Raises StudyError, in one sentence, if a value lies outside what a study takes.
+    """
+    tables = {one.contact.name: study_tables(one, rope) for one in found}
+    return {name: any_study(own, f"the study of {name!r}") for name, own in tables.items() if own is not None}
+
+
+def write_studies(found: Sequence[ContactEstimate], rope: RopeTables, folder: Path) -> dict[str, Path]:
+    """Write the study of each contact that has one; returns their files by the contacts' names.
+    Raises ResultError if the folder cannot be written; StudyError as `studies_of` does.
+    """
+    studies_of(found, rope)
+    return dict(_written(found, rope, folder))
+
+
+def _written(found: Sequence[ContactEstimate], rope: RopeTables, folder: Path) -> Iterator[tuple[str, Path]]:
+    with writing(ResultError, f"cannot write studies to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        for one in found:
+            tables = study_tables(one, rope)
+            if tables is not None:
+                path = folder / file_name(one.contact.name)
+                comment = "\n".join([*notes(one), _LINE if one.contact.is_line else _CROSSED])
+                text = "".join(f"# {line}\n" for line in comment.splitlines()) + toml_text(tables)
+                yield one.contact.name, write_text(path, text)
+
+
+def notes(found: ContactEstimate) -> list[str]:
+    """What must be known of a contact's figures."""
+    contact, said = found.contact, []
+    if found.yield_ratio > FULLY:
+        said.append(
+            f"{contact.name}: far beyond yield. The elastic peak pressure, {found.peak_pressure_MPa:.0f} MPa, is "
+            f"{found.yield_ratio:.2g} times that of first yield: pressure, area and life are those of wires that do "
+            f"not flow; the plastic area is some {found.plastic_area_mm2:.2g} mm²."
+        )
+    elif found.yield_ratio > 1.0:
+        said.append(
+            f"{contact.name}: yields. The elastic peak pressure, {found.peak_pressure_MPa:.0f} MPa, is "
+            f"{found.yield_ratio:.2g} times that of first yield."
+        )
+    if contact.sort == "side by side":
+        said.append(f"{contact.name}: the layer arches, and does not press on what lies below.")
+    if contact.sort == "sheave":
+        said.append(f"{contact.name}: load by one crown at a time, an estimate; how it creeps there is not computed.")
+    return said
+
+
+def _material(wire: LoadedWire) -> dict[str, Any]:
+    own = wire.wire
+    if own.material is not None:
+        return {"material": own.material}
+    return {"youngs_modulus_MPa": own.elastic.youngs_modulus_MPa, "poissons_ratio": own.elastic.poissons_ratio}
+
+
+def _bulk(wire: LoadedWire) -> dict[str, float]:
+    found = {
+        "axial_stress_MPa": wire.axial_MPa,
+        "axial_stress_amplitude_MPa": wire.axial_amplitude_MPa,
+        "bending_stress_MPa": wire.bending_MPa,
+        "bending_stress_amplitude_MPa": wire.bending_amplitude_MPa,
+    }
+    return {key: _figure(value) for key, value in found.items() if value}
+
+
+def _wear(coefficient: float, is_line: bool) -> Mapping[str, float]:
+    if not is_line:
+        return {"energy_wear_coefficient_mm3_per_J": coefficient}
+    return {f"{body}_energy_wear_coefficient_mm3_per_J": 0.5 * coefficient for body in ("pad", "specimen")}
+
+
+def _figure(value: float) -> float:
+    """To six digits."""
+    return float(f"{value:.6g}")

@@ -1,0 +1,236 @@
+"""The contacts of a strand or rope: cross-section, table and page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from math import cos, degrees, pi, sin
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Ellipse
+
+from wirewear.base import frame
+from wirewear.base.errors import ResultError, counted, unit_of, words_of
+from wirewear.base.frame import figure as written
+from wirewear.base.writing import json_text, write_csv, write_text, writing
+from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, new_figure, save, svg
+from wirewear.strand.construction import Fibre, RopeWire, Strand
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from wirewear.strand import RopeContacts
+
+PAGE, TABLE, PICTURE = "strand.html", "contacts.csv", "section.png"
+_PAGE = Path(__file__).parent / "strand.html"
+_MARKS = ("o", "s", "D", "^", "v", "P", "X", "*")
+_METAL, _FIBRE = "#e4e6e8", "#f1ead9"
+
+#: Columns that are printed, with what stands above them.
+_PRINTED = {
+    "angle_deg": "angle [°]",
+    "normal_load_N": "load [N, N/mm]",
+    "peak_pressure_MPa": "p0 [MPa]",
+    "slip_amplitude_um": "slip [µm]",
+    "force_ratio": "Q/µP",
+    "regime": "regime",
+    "mean_stress_MPa": "mean [MPa]",
+    "stress_amplitude_MPa": "swing ± [MPa]",
+    "friction_energy_mJ": "energy [mJ, mJ/mm]",
+    "worn_depth_um": "worn [µm]",
+    "life_cycles": "life [cycles]",
+}
+
+Place = tuple[float, float]
+
+
+def sentence(found: RopeContacts) -> str:
+    """The worst contact in a sentence."""
+    worst = found.contacts[0]
+    contact, c = worst.contact, found.tables.conditions
+    load, peak = f"{written(contact.load_N)} {'N/mm' if contact.is_line else 'N'}", counted(worst.peak_pressure_MPa)
+    ends = "crack estimated after" if worst.life_cycles < float("inf") else ""
+    life = f", {ends} {_cycles(worst.life_cycles)} cycles" if ends else ""
+    return (
+        f"Of {len(found.contacts)} kinds of contact under {written(c.tension_N)} N and a bending radius of "
+        f"{written(c.bending_radius_mm)} mm, the worst is {contact.name}: {load}, p0 {peak} MPa, "
+        f"slip ±{1e3 * contact.slip_amplitude_mm:.3g} µm, {worst.regime}{life}."
+    )
+
+
+def _cycles(life: float) -> str:
+    return "∞" if life == float("inf") else counted(float(f"{life:.2g}")) if life < 1e9 else f"{life:.1e}"
+
+
+def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """What table and page show of each kind of contact."""
+    made = []
+    for one, row in zip(found.contacts, rows, strict=True):
+        swing = one.contact.upper.amplitude_MPa
+        made.append({**row, "stress_amplitude_MPa": swing, "life_cycles": one.life_cycles})
+    return made
+
+
+def strand_table(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> Table:
+    """The table as it is printed."""
+    from rich import box
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("contact", overflow="fold")
+    headings = _printed(rows)
+    for heading in headings.values():
+        table.add_column(escape(heading), justify="right")
+    for row in shown_rows(found, rows):
+        table.add_row(row["contact"], *(_text(key, row[key]) for key in headings))
+    return table
+
+
+def _printed(rows: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    runs = [key for key in rows[0] if key.startswith("run_")]
+    return _PRINTED | {key: f"{words_of(key)} [{unit_of(key)}]".replace(" [1]", "") for key in runs}
+
+
+def _text(key: str, value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    return _cycles(value) if key.endswith("life_cycles") and value is not None and value == value else written(value)  # noqa: PLR0124 (NaN)
+
+
+def strand_json(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> str:
+    """Figures of the rope, and all rows; what is endless or not known is null."""
+    return json_text({"name": found.name, **found.figures, "contacts": list(rows), "notes": found.notes})
+
+
+def write_strand(found: RopeContacts, rows: Sequence[Mapping[str, Any]], folder: Path) -> list[Path]:
+    """Write table, picture and page. Raises ResultError if the folder cannot be written."""
+    with writing(ResultError, f"cannot write to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        return [
+            write_csv(folder / TABLE, rows),
+            save(partial(draw_section, found), folder / PICTURE),
+            write_text(folder / PAGE, page(found, rows)),
+        ]
+
+
+def page(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> str:
+    """The page, which needs no other file."""
+    headings, shown = _printed(rows), shown_rows(found, rows)
+    values = {
+        "name": found.name,
+        "summary": sentence(found),
+        "picture": frame.inline_svg(svg(partial(draw_section, found)), "section"),
+        "headings": list(headings.values()),
+        "table": [[row["contact"], *(_text(key, row[key]) for key in headings)] for row in shown],
+        "notes": found.notes,
+        "figures": [(words_of(key), f"{written(value, 4)} {_unit(key)}") for key, value in found.figures.items()],
+        "failures": [(row["contact"], row["run_failure"]) for row in rows if row.get("run_failure")],
+        "mood": "open" if any(one.yield_ratio > 1.0 for one in found.contacts) else "good",
+    }
+    return frame.rendered(_PAGE, values)
+
+
+def _unit(key: str) -> str:
+    return {
+        "least_bending_stiffness_N_mm2": "N·mm²",
+        "largest_bending_stiffness_N_mm2": "N·mm²",
+        "torque_N_mm": "N·mm",
+    }.get(key, unit_of(key))
+
+
+def draw_section(found: RopeContacts) -> Figure:
+    """The cross-section, with the places of each kind of contact, the worst first in the legend."""
+    figure = new_figure(4.6)
+    axes, legend = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
+    reach = 0.5 * found.rope.diameter_mm
+    _draw_strand(axes, found.rope, (0.0, 0.0), 0.0)
+    places = dict(_places(found.rope))
+    size = 55.0 / max(len(next(iter(places.values()), ())) ** 0.5, 1.0)
+    for rank, one in enumerate(found.contacts):
+        name = one.contact.name
+        at = np.array(places.get(name, ())).reshape(-1, 2)
+        colour, mark = VARIANT_COLOURS[rank % len(VARIANT_COLOURS)], _MARKS[rank % len(_MARKS)]
+        axes.scatter(*at.T, s=size, color=colour, marker=mark, edgecolor=INK, linewidth=0.4, zorder=4)
+        life = one.life_cycles
+        text = f"{rank + 1}  {name}\n     p0 {one.peak_pressure_MPa:.0f} MPa"
+        text += f", ±{1e3 * one.contact.slip_amplitude_mm:.3g} µm" if one.contact.sort != "sheave" else ""
+        text += f", {_cycles(life)} cycles" if life == life else ""  # noqa: PLR0124 (NaN)
+        legend.scatter([], [], s=40, color=colour, marker=mark, edgecolor=INK, linewidth=0.4, label=text)
+    axes.set(
+        aspect="equal", xlim=(-1.08 * reach, 1.08 * reach), ylim=(-1.08 * reach, 1.08 * reach), xlabel="mm", ylabel="mm"
+    )
+    axes.grid(visible=False)
+    legend.axis("off")
+    legend.legend(loc="center left", frameon=False, fontsize=7.5, labelspacing=1.1, title="the worst first")
+    return figure
+
+
+def _draw_strand(axes: Axes, strand: Strand, centre: Place, turned: float) -> None:
+    for member, at, angle, slope in _members(strand, centre, turned):
+        if isinstance(member, Strand):
+            axes.add_patch(
+                Circle(at, 0.5 * member.diameter_mm, fill=False, edgecolor=GREY, linewidth=0.5, linestyle=":")
+            )
+            _draw_strand(axes, member, at, angle + 0.5 * pi)
+            continue
+        d = member.diameter_mm
+        colour = _FIBRE if isinstance(member, Fibre) else _METAL
+        # A section across the axis cuts a helix obliquely.
+        axes.add_patch(
+            Ellipse(at, d, d / slope, angle=degrees(angle), facecolor=colour, edgecolor=INK, linewidth=0.6, zorder=2)
+        )
+
+
+def _members(
+    strand: Strand, centre: Place, turned: float
+) -> Iterator[tuple[RopeWire | Fibre | Strand, Place, float, float]]:
+    """Core and members with where they stand, the angle at which they do, and the cosine of their lay angle."""
+    yield strand.core, centre, turned, 1.0
+    for layer in strand.layers:
+        for angle in _angles(layer.count, turned):
+            yield layer.member, _at(centre, layer.helix.radius_mm, angle), angle, cos(layer.helix.angle_rad)
+
+
+def _angles(count: int, turned: float) -> list[float]:
+    return [turned + 0.5 * pi + 2.0 * pi * k / count for k in range(count)]
+
+
+def _at(centre: Place, radius: float, angle: float) -> Place:
+    return centre[0] + radius * cos(angle), centre[1] + radius * sin(angle)
+
+
+def _places(rope: Strand) -> Iterator[tuple[str, list[Place]]]:
+    """Where each kind of contact stands in the section."""
+    for prefix, strand, centres in _strands(rope):
+        for number, layer in enumerate(strand.layers, 1):
+            ring = isinstance(layer.member, Strand)
+            own, below = ("outer strands", "core strand") if ring else (f"layer {number}", f"layer {number - 1}")
+            if number == 1 and not isinstance(strand.core, Strand):
+                below = "core"
+            radius, half = layer.helix.radius_mm, 0.5 * layer.member.diameter_mm
+            side = pi / layer.count if not layer.touches else 0.0
+            inner = radius * cos(pi / layer.count) if not layer.touches else radius - half
+            name = f"{own} on {below}" if layer.touches else f"{own} side by side"
+            found = [_at(at, inner, angle + side) for at, turned in centres for angle in _angles(layer.count, turned)]
+            yield f"{prefix}{name}", found
+            if not prefix and number == len(strand.layers):
+                yield f"{own} on sheave", [(0.0, -radius - half)]
+
+
+def _strands(rope: Strand) -> Iterator[tuple[str, Strand, list[tuple[Place, float]]]]:
+    """The rope itself, its core strand and its outer ones, with centres and angles."""
+    yield "", rope, [((0.0, 0.0), 0.0)]
+    if isinstance(rope.core, Strand):
+        yield "core strand: ", rope.core, [((0.0, 0.0), 0.0)]
+    for layer in rope.layers:
+        if isinstance(layer.member, Strand):
+            # Each turns a wire to what it lies on.
+            centres = [
+                (_at((0.0, 0.0), layer.helix.radius_mm, one), one + 0.5 * pi) for one in _angles(layer.count, 0.0)
+            ]
+            yield "outer strands: ", layer.member, centres
