@@ -103,6 +103,15 @@ class Partial:
 
 
 @dataclass(frozen=True)
+class Remaining:
+    """What an explanation leaves of a gap: its share, the place where it lies, and both in words."""
+
+    share: float
+    where: str
+    text: str
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """The answer: verdict, where, causes, what cannot be distinguished, and how far the gap shrinks.
 
@@ -126,6 +135,7 @@ class Diagnosis:
     notes: tuple[str, ...]
     resembles: tuple[Resemblance, ...] = ()
     partial: Partial | None = None
+    remainder: Remaining | None = None
     plausible: tuple[tuple[str, ...], ...] = ()
     relevance: Relevance | None = None
     updated_by: tuple[str, ...] = ()
@@ -167,6 +177,9 @@ class Diagnosis:
                 "misfit_removed": _rounded(self.partial.misfit_removed),
                 "remains": [asdict(finding) for finding in self.partial.remains],
             },
+            "remainder": None
+            if self.remainder is None
+            else {**asdict(self.remainder), "share": _rounded(self.remainder.share)},
             "resembles": [asdict(one) for one in self.resembles],
             "set90": [list(members) for members in self.plausible],
             "equivalent": [list(members) for members in self.equivalent],

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from wirewear.base.errors import StudyError
-from wirewear.diagnosis.answer import Cause, Diagnosis, Partial, estimates, forms
+from wirewear.diagnosis.answer import Cause, Diagnosis, Partial, Remaining, estimates, forms
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
 from wirewear.diagnosis.infer.inference import Fit
@@ -30,7 +30,16 @@ from wirewear.diagnosis.preparation import PreparedRecord, prepared
 from wirewear.diagnosis.surrogate.candidates import effect_of
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage
 from wirewear.diagnosis.surrogate.wear_states import WearStates
-from wirewear.diagnosis.wording import Diagnosed, of_laws, of_scatter, of_the_record, of_zero, sentence_of
+from wirewear.diagnosis.wording import (
+    Diagnosed,
+    of_laws,
+    of_remainder,
+    of_scatter,
+    of_the_record,
+    of_zero,
+    remaining,
+    sentence_of,
+)
 from wirewear.effects import all_effects, measurements
 from wirewear.records import AnyRecord
 from wirewear.test import AnyStudy
@@ -39,6 +48,10 @@ _KNOWN = constants("diagnose")
 
 #: An explanation that fails, but takes this share of χ², is named as a part of one.
 LEAST_REMOVED = _KNOWN.number("least_removed")
+
+#: An explanation that leaves at most this share of a gap is one, and what it leaves a remainder of unknown cause; from
+#: this share on it is named.
+MOST_LEFT, LEAST_LEFT = _KNOWN.each("most_left", "least_left")
 
 #: Evidence counts for more where less is left than is expected, down to this share of it.
 LEAST_DISPERSION = _KNOWN.number("least_dispersion")
@@ -106,7 +119,7 @@ def judged(
 ) -> Diagnosed:
     """The diagnosis that a search comes down to, of a record and of further ones that it took in."""
     setup = found.problem.setup
-    near = relevant(found.singles)
+    near = [*relevant(found.singles), *found.pairs]
     classes = classes_of(near, found.apart(near))
     tolerance = record.tables.tolerance.model_dump()
     # What an explanation leaves is judged as a gap is: what does not matter hints at no other cause.
@@ -134,8 +147,13 @@ def judged(
     own = {member for name in best.names for member in weighed.class_of(name)}
     wrong = max((one for one in found.singles if one.names[0] not in own), key=lambda one: one.merit, default=None)
     shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, _SEED)
+    remainder: Remaining | None = None
     if best.names and not shrink.supports:
         weighed = weighed.refuted(best.names)
+    elif best.names and found.left(best) <= MOST_LEFT and shrink.leaves_little(MOST_LEFT):
+        weighed, alone = weighed.with_remainder(best.names), weighed
+        if weighed.outside < alone.outside and leaves and found.left(best) > LEAST_LEFT:
+            remainder = remaining(found.left(best), findings(left_over))
     verdict = weighed.verdict
     causes = _causes(found, weighed, dispersion)
     equivalent = tuple(members for members in groups if len(members) > 1 and verdict != "no_gap")
@@ -148,7 +166,8 @@ def judged(
         record=record.name,
         model=study.name,
         verdict=verdict,
-        sentence=sentence_of(verdict, causes, equivalent, shrink, finding, partial, resembles, relevance, behind),
+        sentence=sentence_of(verdict, causes, equivalent, shrink, finding, partial, resembles, relevance, behind)
+        + of_remainder(remainder),
         shrink=shrink,
         physical=physical_gap(states, observed, setup, best.setup, shrink.held_out),
         confirmed=None,
@@ -167,6 +186,7 @@ def judged(
         ),
         resembles=resembles,
         partial=partial,
+        remainder=remainder,
         # A difference that does not matter has a cause, too.
         plausible=joined(plausible(known), inside),
         relevance=relevance,

@@ -10,7 +10,7 @@ from typing import Any
 
 from wirewear.base.errors import unit_of, words_of
 from wirewear.base.frame import figure, notebook_table
-from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate, Partial, Verdict
+from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate, Partial, Remaining, Verdict
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search
@@ -242,6 +242,19 @@ def _partly(partial: Partial, equivalent: Sequence[Sequence[str]]) -> str:
     if not partial.remains:
         return f"{text}; what remains stands out nowhere by itself, but no known effect explains it."
     return f"{text}; what remains is in the {partial.remains[0].text}, which no known effect explains."
+
+
+def remaining(left: float, where: Sequence[GapFinding]) -> Remaining:
+    """What an explanation leaves, in words."""
+    size = f"{share(left)} of the gap is not explained"
+    if not where:
+        return Remaining(left, "", f"{size}; it stands out nowhere by itself")
+    return Remaining(left, where[0].place, f"{size}; it lies in the {where[0].text}")
+
+
+def of_remainder(remainder: Remaining | None) -> str:
+    """The sentence on it, after that of the answer."""
+    return f" These numbers hold, though {remainder.text}." if remainder else ""
 
 
 def _one(cause: Cause, equivalent: Sequence[Sequence[str]]) -> str:

@@ -240,7 +240,7 @@ class CrossingAngleError(Effect[Specimens]):
 
     angle_deg: float = parameter(
         "true crossing angle less the stated one",
-        Quantity("deg", -15.0, 15.0),
+        Quantity("deg", -60.0, 60.0),
         neutral=0.0,
         easy=5.0,
         hard=1.5,

@@ -78,6 +78,15 @@ class Search:
         """Share of χ² that it takes."""
         return 1.0 - self.best.distance2 / self.none.distance2 if self.none.distance2 > 0.0 else 0.0
 
+    def left(self, one: Fit) -> float:
+        """Share that an explanation leaves of what χ² has beyond its expectation."""
+        beyond = self.none.distance2 - self._numbers
+        return max(one.distance2 - self._numbers, 0.0) / beyond if beyond > 0.0 else 0.0
+
+    @property
+    def _numbers(self) -> int:
+        return self.problem.mean.size
+
     def apart(self, fits: Sequence[Fit]) -> Array:
         """Least distances (k, k) between explanations."""
         return distances(self.problem, fits)
@@ -216,6 +225,10 @@ class Updated(Search):
 
     further: tuple[Problem, ...] = ()
     before: tuple[tuple[Fit, ...], ...] = ()
+
+    @property
+    def _numbers(self) -> int:
+        return super()._numbers + sum(problem.mean.size for problem in self.further)
 
     def apart(self, fits: Sequence[Fit]) -> Array:
         """Distances (k, k) by all records."""

@@ -211,6 +211,10 @@ class Shrink:
         """Whether what was left out of the fit shows a gap at all."""
         return self.before > CLEAR_GAP * self.floor
 
+    def leaves_little(self, most: float) -> bool:
+        """Whether at most such a share of the gap is left of what was not fitted, or it shows no gap."""
+        return not self.shows_gap or self.shrink >= 1.0 - most
+
     @property
     def supports(self) -> bool:
         """Whether the held-out cycles bear the explanation out, or show no gap by which to judge it."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import combinations
 from math import e, expm1, hypot, log, log1p, sqrt
 from typing import Literal
 
@@ -64,12 +65,14 @@ class Weighed:
     A cause of no library that does just what a known effect does is not distinguished from it, and has no share of its
     own: how often such causes occur, no record shows.
 
-    `classes` are the groups of effects that cannot be distinguished, by name, each at least one.
+    `classes` are the groups of effects that cannot be distinguished, by name, each at least one. `beside` is the part
+    of `outside` in which an explanation acts together with such a cause, by its effects.
     """
 
     probabilities: Mapping[tuple[str, ...], float]
     outside: float
     classes: tuple[tuple[str, ...], ...]
+    beside: Mapping[tuple[str, ...], float] = field(default_factory=dict)
 
     @property
     def verdict(self) -> Literal["no_gap", "explained", "ambiguous", "unexplained"]:
@@ -96,6 +99,13 @@ class Weighed:
         kept = {one: 0.0 if self._classes(one) == own else p for one, p in self.probabilities.items()}
         return replace(self, probabilities=kept, outside=self.outside + self.mass(names))
 
+    def with_remainder(self, names: tuple[str, ...]) -> Weighed:
+        """An explanation credited with what it has together with a cause of no library, which remains beside it."""
+        own = self._classes(names)
+        credited = {one: p for one, p in self.beside.items() if one and self._classes(one) == own}
+        kept = {one: p + credited.get(one, 0.0) for one, p in self.probabilities.items()}
+        return replace(self, probabilities=kept, outside=max(self.outside - sum(credited.values()), 0.0), beside={})
+
     def _classes(self, names: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
         return tuple(sorted(map(self.class_of, names)))
 
@@ -119,13 +129,13 @@ class Weighed:
 def distances(problem: Problem, fits: Sequence[Fit], known: Sequence[Fit] = ()) -> Array:
     """Least distance (k, k) from each fit to every other's effects; symmetric by the larger of both.
 
-    Effects may have any size, or those that they are known to have.
+    Effects may have any size, or those that they are known to have. Pairs are compared that have one in common.
     """
     count = len(fits)
     matrix = np.full((count, count), np.inf)
     np.fill_diagonal(matrix, 0.0)
     for i, one in enumerate(fits):
-        others = [j for j, other in enumerate(fits) if i != j and len(one.candidates) == len(other.candidates) == 1]
+        others = [j for j, other in enumerate(fits) if i != j and _differing(one, other)]
         twin = replace(problem, mean=problem.predicted(one.setup))
         near = together(
             twin,
@@ -148,17 +158,32 @@ def relevant(fits: Sequence[Fit]) -> list[Fit]:
     return near[:_MOST_COMPARED]
 
 
+def _differing(one: Fit, other: Fit) -> tuple[str, str] | None:
+    """The effects in which two fits of as many differ, if in one alone."""
+    apart, others = (tuple(name for name in a.names if name not in b.names) for a, b in ((one, other), (other, one)))
+    return (apart[0], others[0]) if len(apart) == len(others) == 1 else None
+
+
 def classes_of(fits: Sequence[Fit], matrix: Array) -> tuple[tuple[str, ...], ...]:
-    """Groups by complete linkage: all members of one are closer than what is separable."""
-    labels = np.ones(len(fits), dtype=int)
-    if len(fits) > 1:
+    """Groups of effects by complete linkage: all members of one are closer than what is separable.
+
+    fits: single effects and pairs, a pair's halves being as far from others as they are beside each other.
+    """
+    names = [*dict.fromkeys(name for one in fits for name in one.names)]
+    apart = np.where(np.eye(len(names)) > 0.0, 0.0, 1e6)
+    # What pairs show of two effects counts for more than what each shows alone.
+    for i, j in sorted(combinations(range(len(fits)), 2), key=lambda both: len(fits[both[0]].names)):
+        if (both := _differing(fits[i], fits[j])) and np.isfinite(matrix[i, j]):
+            a, b = map(names.index, both)
+            apart[a, b] = apart[b, a] = matrix[i, j]
+    labels = np.ones(len(names), dtype=int)
+    if len(names) > 1:
         below = np.nextafter(SEPARABLE, 0.0)
-        labels = fcluster(linkage(squareform(matrix), method="complete"), below, criterion="distance")
-    groups = [
-        [one.names[0] for one, own in zip(fits, labels, strict=True) if own == label]
+        labels = fcluster(linkage(squareform(apart), method="complete"), below, criterion="distance")
+    return tuple(
+        tuple(name for name, own in zip(names, labels, strict=True) if own == label)
         for label in dict.fromkeys(labels.tolist())
-    ]
-    return tuple(tuple(group) for group in groups)
+    )
 
 
 def weigh(
@@ -195,20 +220,21 @@ def weigh(
     for one in joint:
         prior = PRIOR_PAIR * explained / max(len(groups) * (len(groups) - 1) / 2, 1)
         logs[one.names] = np.log(prior) + one.log_evidence / temperature
-    outside = -np.inf
+    together: dict[tuple[str, ...], float] = {}
     for names, added in (gains or {}).items():
         beside = np.log(PRIOR_OUTSIDE / (1.0 - PRIOR_OUTSIDE)) - np.log(len(added))
         # What it adds it adds to its own explanation, and with the belief in that: beside none it need not be accepted
         # together with whatever effect happens to lead.
-        outside = np.logaddexp(
-            outside, logs[names] + beside + np.logaddexp.reduce((np.array(added) - NOTICEABLE) / temperature)
-        )
+        together[names] = logs[names] + beside + np.logaddexp.reduce((np.array(added) - NOTICEABLE) / temperature)
     if log_surprise > 0.0:
         beside = np.log(PRIOR_OUTSIDE / explained) + np.log(np.expm1(log_surprise / TEMPERATURE))
-        outside = np.logaddexp(outside, max(logs.values()) + beside)
-    total = float(np.logaddexp.reduce([*logs.values(), outside]))
-    probabilities = {names: float(np.exp(value - total)) for names, value in logs.items()}
-    return Weighed(probabilities, float(np.exp(outside - total)), tuple(groups))
+        leading = max(logs, key=lambda names: logs[names])
+        together[leading] = np.logaddexp(together.get(leading, -np.inf), logs[leading] + beside)
+    total = float(np.logaddexp.reduce([*logs.values(), *together.values()]))
+    probabilities, outside = (
+        {names: float(np.exp(value - total)) for names, value in known.items()} for known in (logs, together)
+    )
+    return Weighed(probabilities, sum(outside.values()), tuple(groups), outside)
 
 
 def undetectable(problem: Problem, candidates: Sequence[Candidate]) -> tuple[str, ...]:

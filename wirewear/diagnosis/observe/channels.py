@@ -11,7 +11,7 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
+from wirewear.diagnosis.observe.local_lines import CHORD_ERROR, OUTLYING
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE, ReducedLoop
 from wirewear.diagnosis.observe.observable import (
     FORCE_ERROR,
@@ -226,9 +226,9 @@ class EvolutionFigure(Observable):
         for part in reading.evolution:
             if part.repeat == repeat and self.column in part.columns:
                 figures = part.columns[self.column]
-                share = own_noise(part.columns["cycle"], figures)
+                share, sound = own_noise(part.columns["cycle"], figures)
                 for place, cycle in enumerate(sites.cycle):
-                    here = np.flatnonzero(part.columns["cycle"] == cycle)
+                    here = np.flatnonzero(sound & (part.columns["cycle"] == cycle))
                     values[place] = figures[here[0]] if here.size else np.nan
         noise = (ERROR if share is None else share) * np.abs(values)
         return values, np.hypot(noise, np.sqrt(0.5) * self.missed(reading))
@@ -310,16 +310,31 @@ class LargestForce(EvolutionFigure):
         return np.hypot(PEAK_BIAS * reading.sample_noise_N, super().common_error(reading, sites))
 
 
-def own_noise(cycles: Array, figures: Array) -> float | None:
-    """Relative deviation of figures (n,) from their neighbours' line over the cycles' logarithm; None of too few."""
+def own_noise(cycles: Array, figures: Array) -> tuple[float | None, BoolArray]:
+    """Relative deviation of figures (n,) from their neighbours' line over the cycles' logarithm, None of too few; and
+    which of them are sound: the largest force of a loop with an outlying sample is that sample.
+    """
     sound = np.isfinite(figures) & (figures > 0.0) & (cycles > 0.0)
-    time, logs = np.log(cycles[sound]), np.log(figures[sound])
+    places = np.flatnonzero(sound)
+    time, logs = np.log(cycles[places]), np.log(figures[places])
     if time.size < FEWEST_FIGURES or np.any(np.diff(time) <= 0.0):
-        return None
+        return None, sound
+    for _ in range(places.size // 5):
+        away = _deviates(time, logs)
+        noise = max(1.4826 * float(np.median(np.abs(away))), LEAST_NOISE)
+        worst = int(np.argmax(np.abs(away)))
+        if np.abs(away[worst]) <= OUTLYING * noise or time.size <= FEWEST_FIGURES:
+            break
+        sound[places[worst + 1]] = False
+        places, time, logs = (np.delete(values, worst + 1) for values in (places, time, logs))
+    return noise, sound
+
+
+def _deviates(time: Array, logs: Array) -> Array:
+    """How far values lie from the line between both neighbours (n − 2,), with the variance of one of them."""
     share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
     away = logs[1:-1] - (1.0 - share) * logs[:-2] - share * logs[2:]
-    deviates = away / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
-    return max(1.4826 * float(np.median(np.abs(deviates))), LEAST_NOISE)
+    return np.asarray(away / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2))
 
 
 def _chord_error_um(reading: Reading) -> float:
