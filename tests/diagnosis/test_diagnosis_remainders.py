@@ -49,7 +49,9 @@ def test_an_angle_far_beyond_what_is_expected_is_found() -> None:
     true = 20.0
     layout = Layout.of_sites((ScarSkew(), [Site(100_000, level=float(wire)) for wire in (0, 1)]))
     angle = candidate("crossing_angle_error")
-    mean = layout.computed(states(), nominal().with_effect(angle.effect(np.array([angle.parameters["angle_deg"].coordinate(true)]))))[0]
+    mean = layout.computed(
+        states(), nominal().with_effect(angle.effect(np.array([angle.parameters["angle_deg"].coordinate(true)])))
+    )[0]
     problem = Problem(states(), nominal(), layout, mean, np.eye(2) / 0.006)
     found = fit(problem, [angle])
     assert angle.values(found.coordinates)["angle_deg"] == pytest.approx(true, rel=0.02)

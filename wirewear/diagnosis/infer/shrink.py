@@ -212,8 +212,8 @@ class Shrink:
         return self.before > CLEAR_GAP * self.floor
 
     def leaves_little(self, most: float) -> bool:
-        """Whether at most such a share of the gap is left of what was not fitted, or it shows no gap."""
-        return not self.shows_gap or self.shrink >= 1.0 - most
+        """Whether at most such a share of the gap is left of what was not fitted, and that shows one."""
+        return self.shows_gap and self.shrink >= 1.0 - most
 
     @property
     def supports(self) -> bool:
