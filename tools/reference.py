@@ -13,7 +13,7 @@ from studies.blind.commands import exam
 from wirewear.app.cli import cli
 from wirewear.base.errors import UNIT_SYMBOLS, Quantity, unit_of, words_of
 from wirewear.effects import Parameter, all_effects
-from wirewear.records.contact_tables import BallRecordTables, LineRecordTables
+from wirewear.records.contact_tables import RECORDS, LineRecordTables
 from wirewear.records.importing.mapping import LineMapping
 from wirewear.records.importing.mapping import Mapping as RecordMapping
 from wirewear.records.tables import RecordTables
@@ -62,7 +62,7 @@ HEADS: tuple[tuple[str, str, type[BaseModel]], ...] = (
     (
         "experiment.toml of a ball on a flat",
         "The head of a record of a ball on a flat, and of a contact at a point but for the shapes of `[bodies]`.",
-        BallRecordTables,
+        RECORDS["ball-on-flat"],
     ),
     ("mapping.toml", "What `wirewear import` reads; [records](../records.md) has an example.", RecordMapping),
     (

@@ -110,7 +110,7 @@ def predict(entries: tuple[str, ...], fidelity: str, output: Path) -> None:
 def new(doi: str, name: str, kind: str, table: Path | None, into: Path) -> None:
     """Begin an entry: entry.toml, tests.csv and study.toml, to be filled in."""
     from wirewear.base.writing import write_text
-    from wirewear.kinds import KINDS
+    from wirewear.test.kinds import KINDS
     from wirewear.test.template import study_text
 
     found = next((one for name, one in KINDS.items() if kind in kinds.NAMES[name]), None)

@@ -15,11 +15,12 @@ from tests.commands import wirewear
 from tests.exam.frozen_states import frozen_states
 from tests.records.logger_files import write_english, write_german
 from wirewear.diagnosis.surrogate.wear_states import WearStates
-from wirewear.kinds import KINDS, load_any_study
+from wirewear.kinds import load_any_study
 from wirewear.records import ExperimentRecord, read_record
 from wirewear.results import RunResult, write_result
 from wirewear.test import Study, load_study
 from wirewear.test.keys import Table, table_of
+from wirewear.test.kinds import KINDS
 from wirewear.test.template import study_text
 
 EXAMPLE = Path("studies/steel_wires/example_records/rigid_stated_compliant_rig").resolve()

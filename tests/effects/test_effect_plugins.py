@@ -24,7 +24,8 @@ from wirewear.diagnosis.surrogate.candidates import library, unsupported
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Effect, Seam, all_effects, applied, effect_named
 from wirewear.effects import registry as registry_module
 from wirewear.records.importing import import_record
-from wirewear.records.importing.guessing import crossed_wires, guessed_mapping
+from wirewear.records.importing.guessed_conditions import Touching
+from wirewear.records.importing.guessing import guessed_mapping
 from wirewear.records.importing.loggers import readers
 from wirewear.sweeps.signature import signature_study
 
@@ -36,6 +37,7 @@ from dataclasses import dataclass, replace
 
 from solvers import RoughLayer
 from wirewear.effects import Effect, Seam
+from wirewear.records.importing.guessed_conditions import Touching
 
 
 @dataclass(frozen=True)
@@ -189,7 +191,7 @@ def test_files_that_a_package_knows_are_guessed_without_their_kind_stated(mappin
     path = mapping.parent / "log.jsonl"
     path.write_text("\n".join(json.dumps(dict(zip("txQ", row, strict=True))) for row in rows), encoding="utf-8")
     known = {"normal_load_N": 2.0}
-    source = guessed_mapping([path], known, crossed_wires(known, {})).tables["loops"]
+    source = guessed_mapping([path], known, Touching.of("crossed-wires", known, {}, {})).tables["loops"]
     assert source["kind"] == "json-lines"
     assert {key: own["column"] for key, own in source["columns"].items()} == {
         "time_s": "t",

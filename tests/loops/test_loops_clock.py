@@ -13,6 +13,7 @@ from wirewear.base.errors import RecordError
 from wirewear.loops import analyse_loop
 from wirewear.loops.clock import read_clock
 from wirewear.records.importing import guessing, import_record
+from wirewear.records.importing.guessed_conditions import Touching
 from wirewear.records.importing.loop_sources import read_loops
 
 RATE_Hz, FREQUENCY_Hz = 600.0, 3.0
@@ -41,7 +42,7 @@ def written(folder: Path, *columns: Array) -> Path:
 def guess(path: Path, **known: Any) -> guessing.GuessedMapping:
     known = {"diameter_mm": 0.45, "normal_load_N": 2.0} | known
     elastic = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
-    return guessing.guessed_mapping([path], known, guessing.crossed_wires(known, elastic))
+    return guessing.guessed_mapping([path], known, Touching.of("crossed-wires", known, elastic, {}))
 
 
 @pytest.mark.parametrize("tick", [0.01, 0.1, 1.0])

@@ -14,7 +14,7 @@ from tests.commands import wirewear
 from tests.studies import line_study
 from wirewear.base.errors import RecordError
 from wirewear.comparison.comparison import compare
-from wirewear.kinds import KINDS
+from wirewear.kinds import contacts_of
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.pictures.lines import line_variants
 from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
@@ -118,7 +118,8 @@ def test_pictures_and_loops_of_a_run_are_had_from_its_file(result: RunResult, tm
     write_result(path, result)
     wirewear("show", path, "--output", tmp_path / "pictures")
     assert {one.name for one in (tmp_path / "pictures").iterdir()} == {"profiles.png", "loops.png"}
-    KINDS["line-contact"].write_beside([read_result(path)], tmp_path)
+    result = read_result(path)
+    contacts_of(result).write_beside([result], tmp_path)
     beside = {"profiles.csv", "loops.csv", "evolution.csv", "profiles.png", "loops.png"}
     assert {one.name for one in tmp_path.iterdir()} == {"result.h5", "pictures", *beside}
     figure = line_variants([result, replace(result, variant="other")])

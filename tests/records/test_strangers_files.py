@@ -18,6 +18,7 @@ from wirewear.base.delimited import DelimitedLayout, DelimitedText
 from wirewear.base.errors import RecordError
 from wirewear.loops.sensor import enclosed_area
 from wirewear.records.importing import guessing, import_record
+from wirewear.records.importing.guessed_conditions import Touching
 from wirewear.records.importing.loop_sources import read_loops
 from wirewear.records.importing.text_reader import open_lines
 from wirewear.records.values import ExperimentRecord
@@ -128,7 +129,7 @@ def filled_in(text: str, answers: dict[str, str]) -> str:
 
 def guessed(files: Sequence[Path], known: dict[str, Any]) -> guessing.GuessedMapping:
     """The mapping for tests of steel wires."""
-    return guessing.guessed_mapping(files, known, guessing.crossed_wires(known, STEEL))
+    return guessing.guessed_mapping(files, known, Touching.of("crossed-wires", known, STEEL, {}))
 
 
 def imported(written: Written, folder: Path) -> ExperimentRecord:
@@ -236,7 +237,9 @@ def test_a_strangers_line_ends_in_the_right_profile(tmp_path: Path, kind: str, f
     written = strangers_profiles.PROFILES[kind](language)
     (tmp_path / "specimen.csv").write_text(written.text, encoding="utf-8")
     text = guessing.mapping_text(
-        guessing.guessed_mapping([tmp_path / "specimen.csv"], KNOWN, guessing.line_contact(KNOWN, OF_STEEL, OF_STEEL))
+        guessing.guessed_mapping(
+            [tmp_path / "specimen.csv"], KNOWN, Touching.of("line-contact", KNOWN, OF_STEEL, OF_STEEL)
+        )
     )
     mapping = tmp_path / "mapping.toml"
     assert {key for _, key in open_lines(text)} == written.answers.keys()

@@ -16,6 +16,7 @@ from tests.records.test_strangers_files import STEEL
 from wirewear.base.blocks import counts_in
 from wirewear.base.errors import RecordError
 from wirewear.records.importing import guessing, import_record
+from wirewear.records.importing.guessed_conditions import Touching
 from wirewear.records.importing.loop_sources import read_loops
 
 CYCLES, FORCES_N = (1, 100, 1000, 5000), (0.8, 0.9, 1.0, 1.24)
@@ -64,7 +65,7 @@ def workbook(path: Path, sheets: Sequence[Titled]) -> Path:
 
 def guess(path: Path) -> guessing.GuessedMapping:
     known = {"diameter_mm": 0.45, "normal_load_N": 2.0, "frequency_Hz": 3.0}
-    return guessing.guessed_mapping([path], known, guessing.crossed_wires(known, STEEL))
+    return guessing.guessed_mapping([path], known, Touching.of("crossed-wires", known, STEEL, {}))
 
 
 def require_right(path: Path, repeats: Sequence[int] = (1, 1, 1, 1), cycles: Sequence[int] = CYCLES) -> None:

@@ -10,9 +10,12 @@ from wirewear.base.errors import RecordError
 from wirewear.base.naming import encoding_of, recognised
 from wirewear.loops.sensor import enclosed_area
 from wirewear.records.importing import guessing
+from wirewear.records.importing.guessed_conditions import Touching
 from wirewear.records.importing.guessed_files import looked_into
 from wirewear.records.importing.loop_sources import SampledLoop, read_loops
 from wirewear.views.loops_report import analyse_loops, remarks
+
+NO_WIRES = Touching.of("crossed-wires", {}, {}, {})
 
 #: Names of time, displacement, force and load as loggers of a country write them, and encodings in which they do.
 LANGUAGES = {
@@ -59,9 +62,7 @@ def test_names_of_many_languages_and_encodings_are_known(tmp_path: Path, languag
     assert energies_mJ(loops) == pytest.approx([energy_mJ()] * 4, rel=0.01)
     assert np.all(loops[0].normal_load_N == 2.0)
     assert loops[0].time_s is not None
-    assert (
-        guessing.guessed_mapping([path], {}, guessing.crossed_wires({}, {})).tables["conditions"]["normal_load_N"] == 2
-    )
+    assert guessing.guessed_mapping([path], {}, NO_WIRES).tables["conditions"]["normal_load_N"] == 2
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "utf-8", "gbk"])
@@ -74,7 +75,7 @@ def test_unknown_names_in_an_encoding_that_was_guessed_are_listed_with_the_optio
     path = written(tmp_path, "ABC;кол;дол", TIME, X, FORCE, encoding="cp1251")
     with pytest.raises(RecordError, match=r"--displacement COLUMN:UNIT, or another --encoding than cp1252, which is a"):
         read_loops(path)
-    message = " ".join(guessing.guessed_mapping([path], {}, guessing.crossed_wires({}, {})).remarks)
+    message = " ".join(guessing.guessed_mapping([path], {}, NO_WIRES).remarks)
     assert "the encoding cp1252 is a guess" in message
 
 
@@ -123,7 +124,7 @@ def test_a_channel_with_a_physical_unit_beats_its_raw_twin(
     loops = read_loops(path)
     assert energies_mJ(loops) == pytest.approx([energy_mJ()] * 4, rel=0.01)
     assert not any("is taken" in note for note in loops[0].notes)
-    mapping = guessing.guessed_mapping([path], {}, guessing.crossed_wires({}, {}))
+    mapping = guessing.guessed_mapping([path], {}, NO_WIRES)
     assert mapping.tables["loops"]["columns"]["tangential_force_N"]["unit"] in ("N", "mN")
 
 

@@ -1,38 +1,27 @@
-"""Kinds of contact: what commands ask of a test of crossed wires answers one of a line contact as well.
-
-A study, a record and a result say of which kind they are (`contact_kind`); a file is asked for what it holds.
-"""
+"""What commands ask of a study or a result of any kind of test."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-from wirewear.kinds.kind import Kind
-from wirewear.kinds.lines import LineContacts
-from wirewear.kinds.points import AnyBodies, BallOnFlat, CrossedWires
+from wirewear.base import kinds
+from wirewear.kinds.contacts import AlongALine, AtAPoint, Contacts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-
-__all__ = ["KINDS", "Kind", "any_study", "kind_of", "load_any_study"]
-
-#: The kinds by their names.
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (CrossedWires(), LineContacts(), BallOnFlat(), AnyBodies())}
+    from wirewear.test.kinds import OfAKind
 
 
-class OfAKind(Protocol):
-    """A study, a record or a result."""
+__all__ = ["Contacts", "any_study", "contacts_of", "load_any_study"]
 
-    @property
-    def contact_kind(self) -> str:
-        """The name of its kind of contact."""
+_CONTACTS: dict[str, Contacts] = dict.fromkeys(kinds.AT_A_POINT, AtAPoint()) | {kinds.LINE_CONTACT: AlongALine()}
 
 
-def kind_of(one: OfAKind) -> Kind:
-    """The kind of contact of a study, a record or a result."""
-    return KINDS[one.contact_kind]
+def contacts_of(one: OfAKind) -> Contacts:
+    """What a study or a result, or the run of a record's test, is drawn and written by."""
+    return _CONTACTS[one.contact_kind]
 
 
 def load_any_study(path: str | Path, *, varied: bool = False) -> Any:

@@ -11,15 +11,15 @@ from wirewear.base.errors import RecordError
 from wirewear.records import tables
 from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, curved
-from wirewear.records.test_tables import Metadata, OfRecord
+from wirewear.records.test_tables import Metadata, OfRecord, of_kinds
 from wirewear.results.scar import BODIES
 from wirewear.test import keys, study_from_tables
 from wirewear.test.bodies import Body, MaterialKeys, StatedBody
 from wirewear.test.faces import FACE_KEYS, PadFace, half_width_of
 from wirewear.test.keys import Inconsistency, Table, one_of
 from wirewear.test.lengths import stated_length_mm, whole_test
-from wirewear.test.lines import Extent, Pad, Specimen, WearOfBodies
-from wirewear.test.points import BallAndFlat, LowerAndUpper
+from wirewear.test.lines import Extent, Pad, PadAndSpecimen, Specimen, WearOfBodies
+from wirewear.test.points import TwoBodies
 
 
 class RecordContact(keys.Table):
@@ -80,8 +80,7 @@ class LineFiles(keys.Table):
 class LineTest(OfRecord):
     """A test of a line contact as its file states it, without the names of data files."""
 
-    contact_kind, body_names = kinds.LINE_CONTACT, BODIES
-    worn, needs_loops = PROFILES, False
+    of, worn, needs_loops = PadAndSpecimen, PROFILES, False
 
     contact: RecordContact = Field(description="what touches")
     pad: RecordPad = Field(description="the pad")
@@ -220,13 +219,13 @@ class LineRecordTables(LineTest):
     files: LineFiles = Field(description="names of the data files")
 
 
-Bodies = TypeVar("Bodies", BallAndFlat, LowerAndUpper)
+Bodies = TypeVar("Bodies", bound=TwoBodies)
 
 
 class ContactAtAPoint(Table):
     """The kind of a contact at a point."""
 
-    kind: Annotated[str, PlainValidator(one_of(kinds.BALL_ON_FLAT, kinds.POINT_CONTACT))] = Field(
+    kind: Annotated[str, PlainValidator(one_of(*kinds.AT_A_POINT[1:]))] = Field(
         description="kind of contact", examples=[kinds.BALL_ON_FLAT]
     )
 
@@ -234,6 +233,7 @@ class ContactAtAPoint(Table):
 class BodiesTest(PointTest, Generic[Bodies]):
     """A test of two bodies as its file states them."""
 
+    of = TwoBodies
     worn = replace(
         SCARS,
         support="Worn volume, depth and shape of both scars at the end.",
@@ -252,20 +252,8 @@ class BodiesTest(PointTest, Generic[Bodies]):
         return self.bodies.contradiction()
 
 
-class BallTest(BodiesTest[BallAndFlat]):
-    """A test of a ball on a flat."""
-
-    contact_kind, body_names = kinds.BALL_ON_FLAT, ("flat", "ball")
-
-
-class ShapesTest(BodiesTest[LowerAndUpper]):
-    """A test of bodies of any shapes."""
-
-    contact_kind, body_names = kinds.POINT_CONTACT, ("lower", "upper")
-
-
-class BodiesRecord(PointRecordTables):
-    """How records and studies of two bodies say the same."""
+class BodiesRecord(PointRecordTables, BodiesTest[Bodies], Generic[Bodies]):
+    """The whole of the experiment.toml of two bodies."""
 
     @classmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
@@ -281,17 +269,7 @@ class BodiesRecord(PointRecordTables):
         return data | {"bodies": self.model_dump(mode="json", exclude_none=True)["bodies"]}
 
 
-class BallRecordTables(BodiesRecord, BallTest):
-    """The whole of the experiment.toml of a ball on a flat."""
-
-
-class ShapesRecordTables(BodiesRecord, ShapesTest):
-    """The whole of the experiment.toml of bodies of any shapes."""
-
-
 AnyTables = PointRecordTables | LineRecordTables
 
-#: Tables of records by the names of kinds of contact.
-TABLES: dict[str, type[AnyTables]] = {
-    model.contact_kind: model for model in (RecordTables, LineRecordTables, BallRecordTables, ShapesRecordTables)
-}
+#: Tables of records by the names of kinds of test.
+RECORDS: dict[str, type[AnyTables]] = of_kinds(RecordTables, LineRecordTables, BodiesRecord)

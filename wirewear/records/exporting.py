@@ -16,7 +16,7 @@ from wirewear.base.files import TABLE_FILE_NAME
 from wirewear.base.memory import free_memory, size_text
 from wirewear.base.writing import prepared_folder, require_absent, write_csv, writing
 from wirewear.loops import LoopError, LoopFigures, Sensor, analyse_loop
-from wirewear.records.contact_tables import TABLES, AnyTables
+from wirewear.records.contact_tables import RECORDS, AnyTables
 from wirewear.records.scars import SCAR_STEP_um
 from wirewear.records.tables import Noise, known_of
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
@@ -130,7 +130,7 @@ def record_of_result(
     Raises RecordError if the result began with a measured surface or has logged no loops, its study says too little or
     has unequal wires, or the length of a line contact is missing, or that of another one is given.
     """
-    length_mm = TABLES[result.contact_kind].length_of(result.study, length_mm, result.label)
+    length_mm = RECORDS[result.contact_kind].length_of(result.study, length_mm, result.label)
     if any(surfaces_in(result.study)):
         raise RecordError(
             f"the result {result.label!r} is of a test that began with a measured surface, which records do not state."
@@ -175,7 +175,7 @@ def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
 
 
 def _tables(result: RunResult, sensor: Sensor) -> AnyTables:
-    study, model = result.study, TABLES[result.contact_kind]
+    study, model = result.study, RECORDS[result.contact_kind]
     stated = model.stated_by(study)
     conditions, stated_rig = (
         cast("type[Table]", model.model_fields[key].annotation) for key in ("conditions", "stated")

@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from geometry.arrays import Array, BoolArray
+from wirewear.base import kinds
 from wirewear.base.errors import RecordError, shown
 from wirewear.base.files import (
     TABLE_FILE_NAME,
@@ -28,7 +29,7 @@ from wirewear.base.files import (
 )
 from wirewear.base.writing import set_aside
 from wirewear.records.columns import Column, ColumnTable, read_columns
-from wirewear.records.contact_tables import TABLES, AnyTables, BallRecordTables, LineRecordTables
+from wirewear.records.contact_tables import RECORDS, AnyTables
 from wirewear.records.normal_force import pressing
 from wirewear.records.surfaces import SCARS, WornSurfaces
 from wirewear.records.tables import RecordTables
@@ -77,9 +78,11 @@ def tables_of_file(path: Path) -> type[AnyTables]:
         return RecordTables
     contact, bodies = found.get("contact"), found.get("bodies")
     named = {*bodies} if isinstance(bodies, dict) else set()
-    others = (own for own in TABLES.values() if named & {*own.body_names})
-    other = next(others, BallRecordTables if "bodies" in found else LineRecordTables)
-    return TABLES.get(str(contact.get("kind")), other) if isinstance(contact, dict) else other
+    # Keys below [contact] or [bodies] say what is wrong with tables of no kind.
+    nearest = RECORDS[kinds.BALL_ON_FLAT if "bodies" in found else kinds.LINE_CONTACT]
+    others = (own for own in RECORDS.values() if named & {*own.body_names})
+    other = next(others, nearest)
+    return RECORDS.get(str(contact.get("kind")), other) if isinstance(contact, dict) else other
 
 
 def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecord:

@@ -230,7 +230,7 @@ class OfWires(keys.Table):
 class WiresTest(PointTest):
     """A test of crossed wires as its file states it."""
 
-    contact_kind, body_names = kinds.CROSSED_WIRES, WIRES
+    of = Wires
 
     contact: OfWires | None = Field(None, description="what touches, where that is said")
     wires: BothWires

@@ -1,23 +1,27 @@
 """What files about a test are asked, of whatever kind of contact, and what else is known of it."""
 
+import sys
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from datetime import date
-from typing import Annotated, Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
 
 from pydantic import Field, PlainValidator
 
 from wirewear.base.errors import Quantity, RecordError, shown
 from wirewear.records.surfaces import WornSurfaces
+from wirewear.test.bodies import StatedBodies
 from wirewear.test.keys import FORMAT, Table, checked_format, checked_text, one_of
+from wirewear.test.kinds import KINDS
 from wirewear.test.programme import CycleBlock
 
 
 class OfTest(Table):
     """A file that describes a test of any kind of contact."""
 
-    contact_kind: ClassVar[str]  #: Its name.
-    body_names: ClassVar[tuple[str, str]]  #: Of the one that is driven and the other.
+    of: ClassVar[type[StatedBodies]]  #: How it states the bodies.
+    contact_kind: ClassVar[str]  #: The name of its kind.
+    body_names: ClassVar[tuple[str, ...]]
     worn: ClassVar[WornSurfaces]  #: How the worn surfaces stand in the record.
     needs_loops: ClassVar[bool]  #: Whether there is no record without loops.
 
@@ -59,6 +63,22 @@ class OfTest(Table):
     def placed(self, surface: Any) -> Any:
         """A surface of a file with x along the motion."""
         return surface
+
+
+Model = TypeVar("Model", bound=OfTest)
+
+
+def of_kinds(*models: type[Model]) -> dict[str, type[Model]]:
+    """The tables of a sort of files by the names of all kinds: of these those that state bodies as the kind does."""
+    found: dict[str, type[Model]] = {}
+    for kind in KINDS.values():
+        model: Any = next(own for own in models if issubclass(kind.bodies, own.of))
+        if model.__pydantic_generic_metadata__["parameters"]:
+            model = model[kind.bodies]
+            setattr(sys.modules[model.__module__], model.__name__, model)  # where it is found when it is sent
+        model.contact_kind, model.body_names = kind.name, kind.body_names
+        found[kind.name] = model
+    return found
 
 
 class OfRecord(OfTest, ABC):

@@ -24,7 +24,7 @@ from wirewear.base.writing import (
     write_text,
     writing,
 )
-from wirewear.records.contact_tables import TABLES
+from wirewear.records.contact_tables import RECORDS
 from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.reading import EVOLUTION_COLUMNS, require_unchanged
 from wirewear.records.scars import MeasuredScar
@@ -38,7 +38,7 @@ _FILES = (
     TABLE_FILE_NAME,
     *dict.fromkeys(
         f"{key}.csv"
-        for tables in TABLES.values()
+        for tables in RECORDS.values()
         for key in ("loops", "evolution", *(f"{tables.worn.name}_{body}" for body in tables.body_names))
     ),
 )

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import partial, singledispatch
 from pathlib import Path
 from queue import Empty, Queue
 from threading import Event
@@ -15,7 +15,7 @@ import numpy as np
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
 from wirewear.base.engine import Done, Engine, LocalProcesses, results_of
-from wirewear.base.errors import LostTaskError, RunError
+from wirewear.base.errors import LostTaskError, RunError, StudyError
 from wirewear.base.memory import end_with_parent, free_memory
 from wirewear.base.writing import prepared_folder
 from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, ContactForces, RunResult, Scar
@@ -262,11 +262,33 @@ class PointRecord(Recorded):
         }
 
 
-#: How a test is planned and recorded, by its study.
-_WAYS: dict[type[AnyStudy[Any]], tuple[Any, Callable[[Any], Recorded]]] = {
-    Study: (RunPlan, PointRecord),
-    LineStudy: (LineRun, LineRunRecord),
-}
+@singledispatch
+def plan_of(study: AnyStudy[Any], fidelity: str) -> Any:
+    """The plan of a study's run. Raises StudyError if the study cannot be discretised, or is of a test without bodies
+    to simulate.
+    """
+    del fidelity
+    raise StudyError(f"the study {study.name!r} is of kind {study.kind!r}, which has no bodies to simulate.")
+
+
+@plan_of.register
+def _(study: Study, fidelity: str) -> RunPlan:
+    return RunPlan.of(study, fidelity)
+
+
+@plan_of.register
+def _(study: LineStudy, fidelity: str) -> LineRun:
+    return LineRun.of(study, fidelity)
+
+
+@singledispatch
+def recorder_of(plan: Any) -> Recorded:
+    """What records a planned run."""
+    raise TypeError(plan)
+
+
+recorder_of.register(RunPlan, PointRecord)
+recorder_of.register(LineRun, LineRunRecord)
 
 
 def run_study(
@@ -292,15 +314,15 @@ def run_study(
     cannot be written; SolverError if the contact did not converge, or left the fine patch; everything up to there is on
     disk.
     """
-    way, output = _WAYS[type(study)][0], Path(output)
+    output = Path(output)
     variants = [study.variant(name) for name in study.variant_names] or [study]
-    plans = [way.of(variant, fidelity) for variant in variants]
+    plans = [plan_of(variant, fidelity) for variant in variants]
     tasks = [
         Task(
             plan.label,
             RunFolder(plan.identity, output / plan.study.variant_name if study.variant_names else output, plan.derived),
             partial(run_cycles, plan),
-            partial(type(plan).prepare, plan),
+            plan.prepare,
         )
         for plan in plans
     ]
@@ -329,17 +351,16 @@ def simulate(study: AnyStudy[Any], *, fidelity: str = "standard", observer: Obse
     Raises StudyError if it has variants, cannot be discretised, or asks for more memory or cycle jumps than can be had;
     SolverError if the contact did not converge, or left the fine patch.
     """
-    way, record_of = _WAYS[type(alone(study, 'take one of them, as in study.variant("{first}")'))]
-    plan = way.of(study, fidelity)
+    plan = plan_of(alone(study, 'take one of them, as in study.variant("{first}")'), fidelity)
     plan.require_affordable()
-    return cycle_through(plan.test, record_of(plan), RunStore(plan.identity), observer or Observer(), resume=False)
+    return cycle_through(plan.test, recorder_of(plan), RunStore(plan.identity), observer or Observer(), resume=False)
 
 
 def needed_memory(study: AnyStudy[Any], fidelity: str) -> float:
     """Bytes that the run of a study takes at least; StudyError where it cannot be discretised."""
-    return float(_WAYS[type(study)][0].of(study, fidelity).needed_memory)
+    return float(plan_of(study, fidelity).needed_memory)
 
 
 def run_cycles(plan: Any, folder: RunFolder, observer: Observer, *, resume: bool) -> RunResult:
     """Simulate a run, from its last checkpoint on where it is to be resumed and has one; raises as `cycle_through`."""
-    return cycle_through(plan.test, _WAYS[type(plan.study)][1](plan), folder, observer, resume=resume)
+    return cycle_through(plan.test, recorder_of(plan), folder, observer, resume=resume)

@@ -20,7 +20,7 @@ from wirewear.base.errors import StudyError, WirewearError, counted
 from wirewear.base.files import Held, read_toml, require_no_other
 from wirewear.base.writing import prepared_folder
 from wirewear.effects import effect_named
-from wirewear.kinds import kind_of, load_any_study
+from wirewear.kinds import contacts_of, load_any_study
 from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import simulate
 from wirewear.stress.life import life_of, require_life
@@ -220,7 +220,7 @@ def shortest_life(study: AnyStudy[Any], result: RunResult) -> float | None:
     """Cycles until a crack begins in the first body of a finished run, endless if in none; None without [life]."""
     if study.tables.life is None:
         return None
-    inside = kind_of(result).inside
+    inside = contacts_of(result).inside
     return min(
         life_of(result, body, table, partial(inside.states, result, body), study.schedule).cycles
         for body, table in life_data(study, result.bodies).items()

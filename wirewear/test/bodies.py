@@ -1,7 +1,7 @@
 """Bodies: the keys that files state of any of them, once; and those of a contact at a point, as they are meshed."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from math import cos, inf, radians, sin, sqrt
 from typing import Any, Literal, Self, TypeVar
@@ -12,7 +12,7 @@ from pydantic import Field
 from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, RimGradedAxis, Turned, WireGeometry
 from geometry.arrays import Array
 from wirewear import reference
-from wirewear.base.errors import StudyError
+from wirewear.base.errors import RecordError, StudyError
 from wirewear.test import keys
 from wirewear.test.drive import BULK, BulkTable
 from wirewear.test.faces import Face, half_width_of
@@ -129,6 +129,36 @@ class Body(ABC):
         self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
     ) -> BodyGeometry:
         """The geometry that is meshed under a patch. Raises StudyError if the patch does not fit on it."""
+
+
+OPEN = "?"  #: What stands in a guessed file for what only the user can say.
+
+
+@dataclass(frozen=True)
+class BodiesByOptions:
+    """Bodies that options state: their tables in a mapping, what was assumed, and the bodies where they are known."""
+
+    tables: Mapping[str, Any]
+    remarks: tuple[str, ...] = ()
+    bodies: tuple[Body, ...] = ()
+    length_mm: float | None = None  #: Of a line contact, which has worn profiles in place of scars.
+
+
+class StatedBodies(keys.Table):
+    """How the files of a kind of test state its bodies."""
+
+    @classmethod
+    def by_options(
+        cls, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]
+    ) -> BodiesByOptions:
+        """Bodies of such elastic constants; known: values of keys.
+        Raises RecordError, in one sentence, if what no file states is not known.
+        """
+        del known, elastic, of_other
+        raise RecordError(
+            "no options state shapes of bodies: write [contact] and [bodies] of a mapping yourself (docs/records.md), "
+            "or take --kind ball-on-flat or crossed-wires."
+        )
 
 
 @dataclass(frozen=True)

@@ -3,20 +3,18 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from wirewear.base import kinds
 from wirewear.base.errors import StudyError
 from wirewear.test.bodies import Wire
 from wirewear.test.drive import BulkTable
 from wirewear.test.fidelity import FIDELITIES
 from wirewear.test.keys import NO_PIVOT, Inconsistency, Table, merged
+from wirewear.test.kinds import kind_named
 from wirewear.test.life import LifeTable
-from wirewear.test.lines import LineTables
 from wirewear.test.messages import Keys, place, table_above, validated
-from wirewear.test.points import BallOnFlatTables, PointTables
 from wirewear.test.programme import held_keys, logged_ends, placed, too_many
 from wirewear.test.shapes import ShapedBody
 from wirewear.test.surfaces import StatedSurface, unfit_layers
-from wirewear.test.tables import CommonTables, ContactTables, StudyTables
+from wirewear.test.tables import CommonTables, ContactTables
 
 
 def default_loop_cycles(cycles: int) -> tuple[int, ...]:
@@ -37,7 +35,7 @@ def checked_tables(
         table = ".".join(str(key) for key in keys[:-1])
         return f"{prefix}.{table}".rstrip(".") if prefix and _holds(overrides or {}, keys) else table
 
-    tables = validated(of_kind(data.get("kind")), data, where, StudyError, spelled)
+    tables = validated(kind_named(data.get("kind")).tables, data, where, StudyError, spelled)
     contradiction = inconsistency(tables)
     if contradiction is not None:
         keys, problem = contradiction
@@ -189,18 +187,6 @@ def _fidelities(tables: ContactTables) -> Inconsistency | None:
 Check = Callable[[Any], Inconsistency | None]
 _OF_ALL: tuple[Check, ...] = (_layers, _programme, _held)
 _OF_A_POINT: tuple[Check, ...] = (_wear, _bulk, _holder, _effects, _explicit, _fidelities)
-
-
-def of_kind(asked: object) -> type[CommonTables]:
-    """The tables of a study of that kind; where there is no such kind those of crossed wires, which say so."""
-    match asked:
-        case kinds.LINE_CONTACT | kinds.CYLINDER_ON_FLAT:
-            return LineTables
-        case kinds.BALL_ON_FLAT:
-            return BallOnFlatTables
-        case kinds.POINT_CONTACT:
-            return PointTables
-    return StudyTables
 
 
 #: Yields keys that tables state and that do not act there, as others decide in their place.

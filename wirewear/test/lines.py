@@ -9,12 +9,12 @@ from pydantic import Field, PlainValidator
 from geometry import Elastic, PlanarGeometry
 from solvers import Coulomb, Drive, EnergyLaw, WearLaw, WearRates
 from wirewear.base import kinds
-from wirewear.base.errors import Quantity, StudyError
+from wirewear.base.errors import Quantity, RecordError, StudyError
 from wirewear.effects import Seam
 from wirewear.test import keys
-from wirewear.test.bodies import MountedBody
+from wirewear.test.bodies import BodiesByOptions, MountedBody, StatedBodies
 from wirewear.test.drive import bulk_of
-from wirewear.test.faces import PadFaceOrFile
+from wirewear.test.faces import FACE_KEYS, PadFace, PadFaceOrFile
 from wirewear.test.keys import Inconsistency
 from wirewear.test.lengths import GROWING, given_length_mm, key_of_whole, lengthened, whole_test
 from wirewear.test.surfaces import LayerTable, layers_of
@@ -138,14 +138,34 @@ class LineMeshing(ResolutionTable):
     )
 
 
-class _OfPadAndSpecimen(StatesItsKind):
-    """What a study of a line contact states first."""
+class PadAndSpecimen(StatedBodies):
+    """A pad above a flat that is driven."""
 
     pad: Pad = Field(description="the pad")
     specimen: Specimen = Field(description="the flat")
 
+    @classmethod
+    def by_options(
+        cls, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]
+    ) -> BodiesByOptions:
+        length = known.get("length_mm")
+        if length is None:
+            raise RecordError("no file states the length of the line contact: give it by --length, in millimetres.")
+        face = {key: known[key] for key in FACE_KEYS if known.get(key) is not None}
+        if PadFace.model_validate(face).missing_face() is not None:
+            raise RecordError(
+                "no file states the pad's face: give --radius, or --face-half-width and --edge-radius, in millimetres."
+            )
+        kind = kinds.CYLINDER_ON_FLAT if face.keys() == {"radius_mm"} else kinds.LINE_CONTACT
+        tables = {
+            "contact": {"kind": kind, "length_mm": length},
+            "pad": face | dict(of_other),
+            "specimen": dict(elastic),
+        }
+        return BodiesByOptions(tables, length_mm=length)
 
-class LineTables(CommonTables, _OfPadAndSpecimen):
+
+class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
     """A whole study of a line contact without its variants."""
 
     kind: Annotated[

@@ -1,5 +1,7 @@
 """Studies of contacts at a point of any two bodies, and of a ball on a flat, which is their short form."""
 
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import Any, Literal
 
 from pydantic import Field
@@ -7,7 +9,7 @@ from pydantic import Field
 from wirewear.base import kinds
 from wirewear.effects import Age, Seam, Specimens, applied
 from wirewear.test import keys
-from wirewear.test.bodies import BlockBody, Body, touch_along_line
+from wirewear.test.bodies import OPEN, BlockBody, BodiesByOptions, Body, StatedBodies, touch_along_line
 from wirewear.test.keys import Inconsistency
 from wirewear.test.shapes import PAD, Diameter, GrippedBody, ShapedBody
 from wirewear.test.tables import ContactTables, StatesItsKind
@@ -33,7 +35,19 @@ class BallTable(GrippedBody, _Diameter):
     """The ball, held above the flat."""
 
 
-class BallAndFlat(keys.Table):
+class TwoBodies(StatedBodies, ABC):
+    """Two bodies in [bodies], by their names."""
+
+    @abstractmethod
+    def of_test(self) -> tuple[Body, Body]:
+        """The driven body, which lies below, and the held one above it."""
+
+    def contradiction(self) -> Inconsistency | None:
+        """The key that does not fit the others; None where all fit."""
+        return None
+
+
+class BallAndFlat(TwoBodies):
     """A ball held above a flat that is driven."""
 
     ball: BallTable = Field(description="the ball, whose holder carries the rig's compliance")
@@ -44,12 +58,20 @@ class BallAndFlat(keys.Table):
         flat = self.flat.block("flat", (0.0, 0.0), radius)
         return flat, self.ball.block("ball", (1.0 / radius, 1.0 / radius), radius)
 
-    def contradiction(self) -> Inconsistency | None:
-        """Nothing: any ball touches a flat at a point."""
-        return None
+    @classmethod
+    def by_options(
+        cls, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]
+    ) -> BodiesByOptions:
+        tables = {"ball": {"diameter_mm": known.get("diameter_mm", OPEN), **of_other}, "flat": dict(elastic)}
+        touching = {"contact": {"kind": kinds.BALL_ON_FLAT}, "bodies": tables}
+        if "diameter_mm" in known:
+            return BodiesByOptions(touching, bodies=cls.model_validate(tables).of_test())
+        return BodiesByOptions(
+            touching, ("no file states the ball's diameter, in millimetres: --diameter does it, too",)
+        )
 
 
-class LowerAndUpper(keys.Table):
+class LowerAndUpper(TwoBodies):
     """Two bodies of any shapes."""
 
     lower: ShapedBody = Field(description="the lower body, which is driven")
@@ -80,41 +102,36 @@ class LowerAndUpper(keys.Table):
         )
 
 
-class _OfBallAndFlat(StatesItsKind):
-    """What a study of a ball on a flat states first."""
+class _OfTwoBodies(StatesItsKind):
+    """What a study of two bodies states first."""
 
-    bodies: BallAndFlat = Field(description="both bodies")
-
-
-class _OfBodies(StatesItsKind):
-    """What a study of any contact at a point states first."""
-
-    bodies: LowerAndUpper = Field(description="both bodies")
+    bodies: Any = Field(description="both bodies")
 
 
-class BallOnFlatTables(ContactTables, _OfBallAndFlat):
+class TwoBodiesTables(ContactTables, _OfTwoBodies):
+    """A study whose [bodies] state two bodies by their names."""
+
+    def bodies_of_test(self) -> tuple[Body, Body]:
+        found: tuple[Body, Body] = self.bodies.of_test()
+        return found
+
+    def contradiction(self) -> Inconsistency | None:
+        """Bodies that do not fit, a key of crossed wires, or a stroke longer than a body is thick."""
+        return self.bodies.contradiction() or _of_wires(self) or self.too_far()
+
+
+class BallOnFlatTables(TwoBodiesTables):
     """A whole study of a ball on a flat without its variants."""
 
     kind: Literal["ball-on-flat"] = Field(description="kind of contact", examples=[kinds.BALL_ON_FLAT])
-
-    def bodies_of_test(self) -> tuple[BlockBody, BlockBody]:
-        return self.bodies.of_test()
-
-    def contradiction(self) -> Inconsistency | None:
-        """A key of crossed wires, or a stroke longer than the ball is thick."""
-        return _of_wires(self) or self.too_far()
+    bodies: BallAndFlat = Field(description="both bodies")
 
 
-class PointTables(ContactTables, _OfBodies):
+class PointTables(TwoBodiesTables):
     """A whole study of a contact at a point without its variants."""
 
     kind: Literal["point-contact"] = Field(description="kind of contact", examples=[kinds.POINT_CONTACT])
-
-    def bodies_of_test(self) -> tuple[Body, Body]:
-        return self.bodies.of_test()
-
-    def contradiction(self) -> Inconsistency | None:
-        return self.bodies.contradiction() or _of_wires(self) or self.too_far()
+    bodies: LowerAndUpper = Field(description="both bodies")
 
 
 def _of_wires(tables: ContactTables) -> Inconsistency | None:

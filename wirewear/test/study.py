@@ -6,15 +6,16 @@ import re
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self, cast
+from typing import Any, ClassVar, Self, cast
 
 from wirewear.base import kinds
 from wirewear.base.errors import StudyError, shown
 from wirewear.base.files import Held, parsed_toml, read_toml, require_no_other
 from wirewear.test.any_study import AnyStudy
 from wirewear.test.bodies import Body
-from wirewear.test.consistency import checked_tables, of_kind
+from wirewear.test.consistency import checked_tables
 from wirewear.test.fidelity import FIDELITIES, level_of
+from wirewear.test.kinds import kind_named
 from wirewear.test.lines import LineConditions, LineContactTable, LineMeshing, LineTables, LineWear, Pad, Specimen
 from wirewear.test.tables import (
     Conditions,
@@ -33,6 +34,8 @@ FILE_KEYS = ("profile_file", "file")  #: Keys that name a file.
 
 class Study(AnyStudy[ContactTables]):
     """A study of a contact at a point; its tables are of the types named here."""
+
+    of: ClassVar = ContactTables
 
     conditions: Conditions
     contact: Contact
@@ -70,6 +73,8 @@ class Study(AnyStudy[ContactTables]):
 
 class LineStudy(AnyStudy[LineTables]):
     """A study of a line contact; its tables are of the types named here."""
+
+    of: ClassVar = LineTables
 
     conditions: LineConditions
     contact: LineContactTable
@@ -146,14 +151,14 @@ def study_from_tables(data: Mapping[str, Any], where: str) -> Any:
     """Build a study of any kind from nested tables such as `Study.resolved()` returns.
     Raises StudyError, in one sentence, if the tables are no valid study.
     """
-    known = of_kind(data.get("kind")).known
+    known = kind_named(data.get("kind")).tables.known
     base = {key: value for key, value in data.items() if key != "variants"}
     tables: Any = checked_tables(known(base, where), where)
     variants: tuple[tuple[str, Any], ...] = tuple(
         (name, checked_tables(known(base, where, own), where, known(own, where), f"variants.{name}"))
         for name, own in variants_in(data, where)
     )
-    return {LineTables: LineStudy}.get(type(tables), Study)(tables, variants)
+    return next(own for own in (Study, LineStudy) if isinstance(tables, own.of))(tables, variants)
 
 
 def variants_in(data: Mapping[str, Any], where: str) -> Iterator[tuple[str, Mapping[str, Any]]]:

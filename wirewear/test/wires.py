@@ -9,7 +9,16 @@ from pydantic import AliasChoices, BeforeValidator, Field
 
 from wirewear.base.errors import AssumedWarning, shown
 from wirewear.test import keys
-from wirewear.test.bodies import GripKeys, MaterialKeys, SurfaceKeys, Wire, touch_along_line
+from wirewear.test.bodies import (
+    OPEN,
+    BodiesByOptions,
+    GripKeys,
+    MaterialKeys,
+    StatedBodies,
+    SurfaceKeys,
+    Wire,
+    touch_along_line,
+)
 
 #: What must be known of each wire, and counts for the fixed one as well where that does not state its own.
 _NEEDED = ("diameter_mm", "youngs_modulus_MPa", "poissons_ratio")
@@ -102,7 +111,7 @@ class _DiameterOfWires(keys.Table):
     diameter_mm: keys.Diameter = Field(description="diameter of the wires", examples=[0.45])
 
 
-class Wires(GripKeys, MaterialKeys, _DiameterOfWires):
+class Wires(GripKeys, MaterialKeys, _DiameterOfWires, StatedBodies):
     """Both wires: the moving one slides along its own axis, the fixed one's holder carries the rig's compliance."""
 
     crossing_angle_deg: keys.CrossingAngle = Field(
@@ -118,6 +127,21 @@ class Wires(GripKeys, MaterialKeys, _DiameterOfWires):
     )
     moving: WireOverride = Field(WireOverride(), description="what the moving wire has different")
     fixed: WireOverride = Field(WireOverride(), description="what the fixed wire has different")
+
+    @classmethod
+    def by_options(
+        cls, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]
+    ) -> BodiesByOptions:
+        del of_other
+        remarks = []
+        if "diameter_mm" not in known:
+            remarks.append("no file states the wires' diameter, in millimetres: --diameter does it, too")
+        if "crossing_angle_deg" not in known:
+            remarks.append("the wires are taken to cross at 90°; --crossing-angle says otherwise")
+        angle = known.get("crossing_angle_deg", 90.0)
+        wires = {"diameter_mm": known.get("diameter_mm", OPEN), "crossing_angle_deg": angle, **elastic}
+        bodies = cls.model_validate(wires).of_test() if "diameter_mm" in known else ()
+        return BodiesByOptions({"wires": wires}, tuple(remarks), bodies)
 
     def of_test(self, motion_angle_deg: float = 0.0) -> tuple[Wire, Wire]:
         """The moving and the fixed wire, with such a motion where they state none."""

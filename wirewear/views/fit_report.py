@@ -12,9 +12,9 @@ from wirewear.base.files import TABLE_FILE_NAME, parsed_toml, read_text, toml_te
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.diagnosis.fit.fit import CheckedRun, stated_by
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
-from wirewear.kinds import kind_of
 from wirewear.records.writing import with_checksums
 from wirewear.results.scar import called
+from wirewear.test.kinds import kind_of
 from wirewear.test.template import study_text
 
 #: What parameters and figures are called.

@@ -7,7 +7,7 @@ import hashlib
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from studies.blind.generators.nominal import Nominal
 from wirewear.base.files import toml_text
 from wirewear.base.writing import folder_in_one_step, writing
 from wirewear.records import AnyRecord, MeasuredProfile, MeasuredScar, RecordTables
-from wirewear.records.contact_tables import BallRecordTables, LineRecordTables
+from wirewear.records.contact_tables import RECORDS, LineRecordTables
 from wirewear.records.tables import PointRecordTables
 
 Array = NDArray[np.float64]
@@ -61,8 +61,7 @@ def record_tables(case: Case) -> PointRecordTables:
     if nominal.stiffness_N_per_mm is not None:
         stated["tangential_stiffness_N_per_mm"] = nominal.stiffness_N_per_mm
     of_wires = nominal.kind == RecordTables.contact_kind
-    model: type[PointRecordTables] = RecordTables if of_wires else BallRecordTables
-    return model.model_validate(
+    tables = RECORDS[nominal.kind].model_validate(
         {
             "format": 1,
             "name": case.name,
@@ -74,6 +73,7 @@ def record_tables(case: Case) -> PointRecordTables:
             "files": {"loops": "loops.csv"},
         }
     )
+    return cast("PointRecordTables", tables)
 
 
 def line_record_tables(nominal: LineNominal, name: str, noise: Mapping[str, float]) -> LineRecordTables:

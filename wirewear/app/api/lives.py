@@ -27,7 +27,7 @@ def lives(
     Raises StudyError if a value cannot be, or data are lacking; ResultError if the run has recorded no contact forces;
     GeometryError if wear distorts a mesh too much.
     """
-    from wirewear.kinds import kind_of
+    from wirewear.kinds import contacts_of
     from wirewear.results.scar import body_named
     from wirewear.stress.averaging import averaging_radius_mm
     from wirewear.stress.life import WEAR_STATES, life_of, recorded_cycles
@@ -35,7 +35,7 @@ def lives(
     from wirewear.test import study_from_tables
     from wirewear.test.any_study import life_data
 
-    inside = kind_of(result).inside
+    inside = contacts_of(result).inside
     study = study_from_tables(result.study, result.label)
     named = [body_named(body, result.label, result.bodies) for body in bodies or result.bodies]
     found = []

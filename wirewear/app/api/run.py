@@ -39,12 +39,12 @@ class Run(RunResult):
         """A picture: "overview", or one of those that `wirewear show` draws; other runs are drawn beside it.
         Raises ResultError if there is no such picture, or the run has recorded nothing to be drawn in it.
         """
-        from wirewear.kinds import kind_of
+        from wirewear.kinds import contacts_of
         from wirewear.pictures.gallery import overview
         from wirewear.pictures.style import styled
 
         results = distinguished([self, *beside])
-        known = dict(kind_of(self).drawings(results))
+        known = dict(contacts_of(self).drawings(results))
         # The profiles of a line contact are its overview.
         known["overview"] = next(iter(known.values())) if self.length_mm else lambda: overview(results)
         if what not in known:

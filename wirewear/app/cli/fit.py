@@ -9,7 +9,7 @@ from wirewear.app.cli.group import Finite, Given, OutputFolder, cli, most_memory
 from wirewear.base.errors import RecordError
 from wirewear.base.files import TABLE_FILE_NAME
 from wirewear.base.writing import json_text, usable_file
-from wirewear.kinds import kind_of
+from wirewear.kinds import contacts_of
 from wirewear.test import FIDELITIES
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def fit(
     if fidelity != "none":
         checked = check_by_run(fitted, output / "run", fidelity, lambda name: ProgressBar(f"{name}, fitted"))
         runs: Any = [checked.result]  # of either kind
-        kind_of(record).write_beside(runs, output / "run")
+        contacts_of(record).write_beside(runs, output / "run")
         written.append(write_page(runs, output / "run"))
     if into_record:
         written.append(write_stated(fitted))

@@ -100,7 +100,7 @@ def _run_first(
     path: Path, fidelity: str, variant: str | None, body: str, values: Mapping[str, Any]
 ) -> tuple[RunResult, Path]:
     """The result of a study, which is run unless data are lacking, and the folder beside which its life is written."""
-    from wirewear.kinds import kind_of, load_any_study
+    from wirewear.kinds import contacts_of, load_any_study
     from wirewear.simulation import ProgressBar, run_study
     from wirewear.stress.life import require_life
     from wirewear.test.any_study import alone
@@ -108,7 +108,7 @@ def _run_first(
     study = load_any_study(path)
     study = alone(study) if variant is None else study.variant(variant)
     require_life(study, asked_bodies(body, study.name, study.body_names), values)
-    folder, kind = default_output(path), kind_of(study)
+    folder, contacts = default_output(path), contacts_of(study)
     results = run_study(study, fidelity=fidelity, output=folder, resume=False, observer_of=ProgressBar, jobs=1)
-    kind.write_beside(results, folder)
+    contacts.write_beside(results, folder)
     return results[0], folder

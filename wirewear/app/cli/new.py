@@ -12,10 +12,12 @@ from wirewear.base import kinds
 from wirewear.base.errors import RecordError, StudyError, as_sentence
 from wirewear.base.files import Held, parsed_toml, recognised, require_no_other
 from wirewear.base.writing import is_special, prepared_folder, usable_file, write_text
-from wirewear.kinds import KINDS, Kind, any_study
+from wirewear.kinds import any_study
 
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
+
+    from wirewear.test.kinds import Kind
 
 
 #: Keys of a record that options state.
@@ -64,6 +66,8 @@ def new(
     **stated: float | None,
 ) -> None:
     """Begin a study NAME, or with --mapping an import of a logger's FILES."""
+    from wirewear.test.kinds import KINDS
+
     kind = next(name for name, names_of in kinds.NAMES.items() if kind in names_of)
     if not mapping:
         _new_study(names, kind, record_path, output)
@@ -82,7 +86,7 @@ def new(
     _new_mapping(names, output, (material, pad_material or material), known, own)
 
 
-def _require_sensible(option: str, value: float, kind: Kind) -> None:
+def _require_sensible(option: str, value: float, kind: "Kind") -> None:
     """See that an option is in the range of its key of a mapping of that kind.
     Raises RecordError if it lies outside; the sentence names the unit that it seems to be in.
     """
@@ -101,6 +105,7 @@ def _require_sensible(option: str, value: float, kind: Kind) -> None:
 
 
 def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, output: Path | None) -> None:
+    from wirewear.test.kinds import KINDS
     from wirewear.test.template import study_text
 
     if len(names) > 1:
@@ -142,10 +147,12 @@ def _new_mapping(
     output: Path | None,
     materials: tuple[str | None, str | None],
     known: dict[str, Any],
-    kind: Kind,
+    kind: "Kind",
 ) -> None:
-    from wirewear.records.importing.guessing import mapping_text, with_files_from
-    from wirewear.records.importing.text_reader import OPEN, lines_to_fill_in
+    from wirewear.records.importing.guessed_conditions import Touching
+    from wirewear.records.importing.guessing import guessed_mapping, mapping_text, with_files_from
+    from wirewear.records.importing.text_reader import lines_to_fill_in
+    from wirewear.test.bodies import OPEN
 
     # A pattern that names a whole folder also finds the mapping of an earlier try; two patterns may find the same file.
     files = tuple(dict.fromkeys(file for file in files if file.suffix != ".toml")) or files
@@ -158,7 +165,7 @@ def _new_mapping(
         for option, name in zip(("--material", "--pad-material"), materials, strict=True)
     )
     with busy("reading the files"):
-        guess = kind.guessed_mapping(files, known, own, pads)
+        guess = guessed_mapping(files, known, Touching.of(kind.name, known, own, pads))
     if output is not None:
         guess = with_files_from(guess, files[0].parent, path.parent)
     if materials[0] is None:

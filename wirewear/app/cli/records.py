@@ -142,7 +142,7 @@ def export(
     overwrite: bool,
 ) -> None:
     """Write a simulation as an experiment record or files of a laboratory, as sensors would read it, or as tables."""
-    from wirewear.kinds import kind_of
+    from wirewear.kinds import contacts_of
     from wirewear.records import check_record, record_of_result, require_place, write_record
     from wirewear.records.exporting import write_as_heights
 
@@ -169,7 +169,7 @@ def export(
         if heights is None:
             written = [write_record(folder or Path(), record, **place)]
         else:
-            surfaces = kind_of(result).surfaces(result, depth_noise, seed)
+            surfaces = contacts_of(result).surfaces(result, depth_noise, seed)
             written = write_as_heights(heights, record.loops, surfaces, repeats, overwrite=overwrite)
     for sentence in problems:
         click.echo(f"wirewear: {sentence}", err=True)

@@ -16,7 +16,7 @@ from wirewear.results import POSITIONS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from wirewear.kinds import Kind
+    from wirewear.kinds import Contacts
     from wirewear.results import ContactForces, RunResult
     from wirewear.stress.strength import Strength, StrengthAsked
 
@@ -60,7 +60,7 @@ def fields(
     """Write displacements and stresses inside the bodies of a run for ParaView, and draw them."""
     from wirewear.app.api.run import one_run
     from wirewear.app.cli.study_script import progress_bar
-    from wirewear.kinds import kind_of
+    from wirewear.kinds import contacts_of
 
     folder = output or (result_path if result_path.is_dir() else result_path.parent) / "fields"
     chosen = None if "all" in at else at or ("mid-forward",)
@@ -72,9 +72,9 @@ def fields(
             return bar.track(each, description=doing)
 
         result = one_run(result_path)
-        kind = kind_of(result)
+        contacts = contacts_of(result)
         given = {"--integration-points": integration_points, "--no-pictures": no_pictures, "--animate": animate}
-        _require_known(result_path, kind, given)
+        _require_known(result_path, contacts, result.contact_kind, given)
         bodies = asked_bodies(body, result.label, result.bodies)
         _report_taken(cycle, result, bodies)
         usable_folder(folder)
@@ -84,7 +84,7 @@ def fields(
             "pictures": not no_pictures and "all" not in at,
             "animation": animate,
         }
-        written = kind.write_fields(
+        written = contacts.write_fields(
             result, folder, **shown, cycle=cycle, at=chosen, worn=not fresh_nodes, tracked=tracked
         )
     for path in written:
@@ -100,10 +100,10 @@ def asked_bodies(body: str, where: str, bodies: tuple[str, ...]) -> tuple[str, .
     return bodies if body == "both" else (body_named(body, where, bodies),)
 
 
-def _require_known(path: Path, kind: Kind, given: Mapping[str, bool]) -> None:
-    """Raise ResultError if an option is given that files of a kind of contact do not know."""
-    for option in (one for one, is_given in given.items() if is_given and one not in kind.inside_options):
-        raise ResultError(f"{option} does not apply to {path}, which is a {kind.name.replace('-', ' ')}.")
+def _require_known(path: Path, contacts: Contacts, name: str, given: Mapping[str, bool]) -> None:
+    """Raise ResultError if an option is given that results of a kind of that name do not know."""
+    for option in (one for one, is_given in given.items() if is_given and one not in contacts.inside_options):
+        raise ResultError(f"{option} does not apply to {path}, which is a {name.replace('-', ' ')}.")
 
 
 @cli.command()
@@ -182,12 +182,12 @@ def _assessing(
     What is refused is refused here, before anything is computed.
     """
     from wirewear.app.api.run import one_run
-    from wirewear.kinds import kind_of
+    from wirewear.kinds import contacts_of
     from wirewear.stress.strength import assessable, strength_of
 
     result = one_run(path)
-    kind = kind_of(result)
-    inside = kind.inside
+    contacts = contacts_of(result)
+    inside = contacts.inside
     every = cycles or _recorded(result.contact_forces)
     bodies = asked_bodies(body, result.label, result.bodies)
     for cycle in cycles:

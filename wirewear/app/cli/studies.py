@@ -113,12 +113,12 @@ def _plot_effect(name: str, study_path: Path | None, size: str, fidelity: str, o
 @paper
 def show(result_path: Path, output: Path | None, ending: str, animation: bool) -> None:
     """Draw the pictures of a result: a file, or the folder of a run."""
-    from wirewear.kinds import kind_of
+    from wirewear.kinds import contacts_of
     from wirewear.pictures import show as draw
     from wirewear.results import read_results
 
     with busy("drawing"):
-        drawn = kind_of(read_results(result_path)[0]).drawings
+        drawn = contacts_of(read_results(result_path)[0]).drawings
         pictures = list(draw(result_path, output, ending=ending, moving=animation, drawn=drawn))
     for picture in pictures:
         click.echo(picture)
@@ -169,7 +169,7 @@ def run(
     """
     from rich.console import Console
 
-    from wirewear.kinds import kind_of, load_any_study
+    from wirewear.kinds import contacts_of, load_any_study
     from wirewear.results.summary import summary
     from wirewear.simulation import ProgressBar, run_study
     from wirewear.views.run_page import runs_json, sentence, write_page
@@ -193,7 +193,7 @@ def run(
         study = study.variant(variant)
     if record_path is not None:
         study = study.logging(_cycles_of(record_path, study.conditions.cycles))
-    kind = kind_of(study)
+    contacts = contacts_of(study)
     results = run_study(
         study,
         fidelity=fidelity,
@@ -202,7 +202,7 @@ def run(
         observer_of=ProgressBar,
         jobs=jobs or os.cpu_count() or 1,
     )
-    kind.write_beside(results, folder)
+    contacts.write_beside(results, folder)
     if as_json:
         click.echo(runs_json(results))
     else:
@@ -214,7 +214,8 @@ def run(
 
 def _run_scattered(study_path: Path, variant: str | None, folder: Path, jobs: int | None) -> None:
     from wirewear.app.cli.sweeps import run_scattered
-    from wirewear.kinds import kind_of, load_any_study
+    from wirewear.kinds import load_any_study
+    from wirewear.test.kinds import kind_of
 
     study: Any = load_any_study(study_path)
     _refuse(not kind_of(study).scatters, f"--uncertain does not apply to {study_path}: it knows crossed wires only.")

@@ -157,7 +157,7 @@ def converge(
     """
     from wirewear.app.cli.study_script import wide_console
     from wirewear.base.engine import engine_of
-    from wirewear.kinds import kind_of, load_any_study
+    from wirewear.kinds import contacts_of, load_any_study
     from wirewear.simulation import ProgressBar, convergence_table, write_convergence
     from wirewear.simulation import converge as refine
 
@@ -175,7 +175,7 @@ def converge(
     }
     # A scheduler that does not answer is to be reported before bodies are condensed.
     with nullcontext() if engine is None else engine.held():
-        rows = refine(study, kind_of(study).refined, **asked)
+        rows = refine(study, contacts_of(study).refined, **asked)
     written = write_convergence(folder, rows)
     wide_console(150).print(convergence_table(rows))
     click.echo(f"the table is in {written}")
@@ -189,12 +189,12 @@ def converge(
 @group.paper
 def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
-    from wirewear.kinds import kind_of, load_any_study
+    from wirewear.kinds import contacts_of, load_any_study
 
     folder = usable_folder(output or group.default_output(study_path) / "mesh")
     study = load_any_study(study_path)
     with group.busy("meshing and drawing"):
-        written = list(kind_of(study).write_meshes(study, fidelity, folder))
+        written = list(contacts_of(study).write_meshes(study, fidelity, folder))
     for path in written:
         click.echo(path)
 

@@ -19,7 +19,6 @@ from wirewear.diagnosis.fit.stiffness import SPRING, ContactStiffness, contact_s
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, require_supported
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
-from wirewear.kinds import kind_of
 from wirewear.loops import LoopError
 from wirewear.records import AnyRecord
 from wirewear.records.checking import remarks_of
@@ -28,6 +27,7 @@ from wirewear.records.values import stated_friction, stated_tables
 from wirewear.results import RunResult, read_loops
 from wirewear.simulation import Observer, run_study
 from wirewear.test import study_from_tables
+from wirewear.test.kinds import kind_of
 
 #: Relative deviation of plays read from loops: those of 4 and 5 µm of two other codes are read 2 and 4 % too small.
 PLAY_DEVIATION = 0.03

@@ -13,7 +13,7 @@ from wirewear.base.errors import RecordError
 from wirewear.base.naming import KNOWN_UNITS, RAW_UNITS, UNIT_OF, recognised, states_factor, stem_and_unit, units_of
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.sources import layout_of, read_source
-from wirewear.records.importing.text_reader import OPEN
+from wirewear.test.bodies import OPEN
 
 #: What parts samples has so few different values, over their number; columns that are looked at for that.
 LABELLED, MOST_LABELS = 0.06, 40

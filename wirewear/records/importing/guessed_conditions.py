@@ -2,9 +2,9 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -20,11 +20,11 @@ from wirewear.records.importing.height_maps import MapScale, StatedMap, stated_m
 from wirewear.records.importing.importing import drives_motion, loops_of
 from wirewear.records.importing.mapping import PROFILOMETER, LoopSource
 from wirewear.records.importing.profilometry import ASKEW_deg, grid_of_points
-from wirewear.records.importing.text_reader import OPEN
 from wirewear.records.levelling import direction_deg
 from wirewear.records.values import MeasuredLoop
 from wirewear.results.scar import WIRES, called
-from wirewear.test.bodies import Body
+from wirewear.test.bodies import OPEN, BodiesByOptions, Body
+from wirewear.test.kinds import KINDS
 
 #: Amplitudes of a test's cycles that differ by more than this share of the largest are a programme of their own.
 ONE_AMPLITUDE = 0.1
@@ -242,13 +242,22 @@ def _last_cycle(source: dict[str, Any], loops: Sequence[MeasuredLoop]) -> int:
 
 @dataclass(frozen=True)
 class Touching:
-    """What touches: tables of a mapping, names of the bodies, what was assumed, and the bodies where known."""
+    """What touches: the bodies' names, and what options state of them."""
 
-    tables: Mapping[str, Any]
-    names: tuple[str, str]
-    remarks: tuple[str, ...] = ()
-    bodies: Mapping[str, Body] = field(default_factory=dict)
-    length_mm: float | None = None  #: Of a line contact, which has worn profiles in place of scars.
+    names: tuple[str, ...]
+    stated: BodiesByOptions
+
+    @classmethod
+    def of(cls, kind: str, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]) -> Self:
+        """The bodies of a kind; elastic, of_other: constants of both, those of a pad or a ball apart.
+        Raises RecordError, in one sentence, if what no file states is not known.
+        """
+        return cls(KINDS[kind].body_names, KINDS[kind].bodies.by_options(known, elastic, of_other))
+
+    @property
+    def bodies(self) -> Mapping[str, Body]:
+        """Those that are known, by their names."""
+        return {body.name: body for body in self.stated.bodies}
 
 
 def scars_of(
@@ -328,7 +337,7 @@ def listed(files: str | list[str]) -> list[str]:
     return [files] if isinstance(files, str) else files
 
 
-def body_of(path: Path, names: tuple[str, str], otherwise: str, remarks: list[str]) -> str:
+def body_of(path: Path, names: Sequence[str], otherwise: str, remarks: list[str]) -> str:
     """Whose worn surface a file holds by the words in its name, or with a remark the other one."""
     name = path.stem.lower()
     for body in names:
@@ -378,7 +387,7 @@ def _laid(path: Path, name: str, touching: Touching, surface: tuple[Array, Array
     keys = {"frame": frame} if frame == "test" else {"frame": frame, "axis": axis}
     message = f"{path.name}: by its shape the {called(name)} lies at {found:.0f}° to the map's x"
     if off > ASKEW_deg:
-        crossing = touching.tables["wires"]["crossing_angle_deg"]
+        crossing = touching.stated.tables["wires"]["crossing_angle_deg"]
         return (
             keys,
             f"{message}: neither along x or y nor at the crossing angle, {crossing:g}°: give crossing_angle_deg",

@@ -27,7 +27,8 @@ from wirewear.records.importing.guessed_columns import (
     values_of,
 )
 from wirewear.records.importing.loggers import kind_of, readers
-from wirewear.records.importing.text_reader import OPEN, TextReader
+from wirewear.records.importing.text_reader import TextReader
+from wirewear.test.bodies import OPEN
 
 FEWEST = 16  #: Fewer samples show nothing.
 

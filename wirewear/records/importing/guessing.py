@@ -6,21 +6,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from wirewear.base import kinds
 from wirewear.base.errors import RecordError, as_sentence
 from wirewear.base.files import toml_text
-from wirewear.records.contact_tables import BallTest, LineTest, RecordContact
 from wirewear.records.importing.guessed_columns import GuessedFile
 from wirewear.records.importing.guessed_conditions import Touching, body_of, conditions_of, listed, map_source, scars_of
 from wirewear.records.importing.guessed_files import joined, listed_once, looked_into, mapped_columns
 from wirewear.records.importing.height_maps import is_map, matrix_of
 from wirewear.records.importing.sources import name_pattern
-from wirewear.records.importing.text_reader import OPEN, open_lines
-from wirewear.results.scar import WIRES
-from wirewear.test.faces import FACE_KEYS, PadFace
-from wirewear.test.messages import validated
-from wirewear.test.points import BallAndFlat
-from wirewear.test.wires import Wires
+from wirewear.records.importing.text_reader import open_lines
+from wirewear.test.bodies import OPEN
 
 #: What only options state where no file holds loops.
 _OPTIONS = {
@@ -34,24 +28,6 @@ SURFACES = ("scars", "profiles")  #: Tables of a mapping that hold one of surfac
 _HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unknown": "unknown"}
 
 
-def line_contact(known: Mapping[str, Any], specimen: Mapping[str, Any], pad: Mapping[str, Any]) -> Touching:
-    """A line contact of such constants, of a length and a face as the user says.
-    Raises RecordError, in one sentence, if the length or the face is not known, which no file states.
-    """
-    length = known.get("length_mm")
-    if length is None:
-        raise RecordError("no file states the length of the line contact: give it by --length, in millimetres.")
-    validated(RecordContact, {"kind": kinds.LINE_CONTACT, "length_mm": length}, "the options", RecordError)
-    face = {key: known[key] for key in FACE_KEYS if known.get(key) is not None}
-    if validated(PadFace, face, "the options", RecordError).missing_face() is not None:
-        raise RecordError(
-            "no file states the pad's face: give --radius, or --face-half-width and --edge-radius, in millimetres."
-        )
-    kind = kinds.CYLINDER_ON_FLAT if face.keys() == {"radius_mm"} else kinds.LINE_CONTACT
-    tables = {"contact": {"kind": kind, "length_mm": length}, "pad": face | dict(pad), "specimen": dict(specimen)}
-    return Touching(tables, LineTest.body_names, length_mm=length)
-
-
 def asked_of(known: Mapping[str, Any]) -> dict[str, Any]:
     """The conditions of a test of which no file holds loops. Raises RecordError if the options do not state all."""
     missing = [option for key, option in _OPTIONS.items() if known.get(key) is None]
@@ -60,7 +36,9 @@ def asked_of(known: Mapping[str, Any]) -> dict[str, Any]:
     return {key: known[key] for key in _OPTIONS}
 
 
-def profiles_of(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[str, Any], list[str]]:
+def profiles_of(
+    texts: Sequence[GuessedFile], maps: Sequence[Path], bodies: Sequence[str]
+) -> tuple[dict[str, Any], list[str]]:
     """The tables `[profiles.*]` of texts of profiles and of maps, and what was assumed."""
     found: dict[str, Any] = {}
     files: dict[str, list[str]] = {}
@@ -74,7 +52,7 @@ def profiles_of(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dic
         ):
             remarks.append(f"{text.path.name} was left out: neither loops nor a profile were recognised in it")
             continue
-        body = body_of(text.path, LineTest.body_names, "specimen", remarks)
+        body = body_of(text.path, bodies, "specimen", remarks)
         if body not in found:
             columns, more = mapped_columns(text)
             remarks += more
@@ -83,7 +61,7 @@ def profiles_of(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dic
                 found[body]["step_um"] = text.step_um or OPEN
         files.setdefault(body, []).append(text.path.name)
     for path in maps:
-        body = body_of(path, LineTest.body_names, "specimen", remarks)
+        body = body_of(path, bodies, "specimen", remarks)
         if body not in found:
             if (source := map_source(path, remarks)) is None:
                 continue
@@ -91,7 +69,7 @@ def profiles_of(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dic
             remarks.append(f'{path.name}: axis = "x" says that the motion runs along the map\'s x; see the dry run')
         files.setdefault(body, []).append(path.name)
     sources = {}
-    for body in (one for one in LineTest.body_names if one in found):
+    for body in (one for one in bodies if one in found):
         names = sorted(files[body])
         pattern = name_pattern(names, has_cycle=True)
         of_files = {"files": names if len(names) > 1 else names[0]} | ({"name_pattern": pattern} if pattern else {})
@@ -114,14 +92,14 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touc
     files: loops, and perhaps an evolution and scars.  known: what the user says: keys of `[conditions]`, and `name`.
     touching: what the user says of the bodies.
     """
-    kinds, length = recognised_files(files), touching.length_mm
+    kinds, length = recognised_files(files), touching.stated.length_mm
     if length is None:
         name, (worn, of_worn) = "scars", scars_of(kinds.surfaces, kinds.maps, touching)
     else:
-        name, (worn, of_worn) = "profiles", profiles_of(kinds.surfaces, kinds.maps)
+        name, (worn, of_worn) = "profiles", profiles_of(kinds.surfaces, kinds.maps, touching.names)
     evolution, of_evolution = evolution_source(kinds.evolution, per_length=length is not None)
     loops = kinds.loops or (() if length and worn else kinds.unknown)
-    tables: dict[str, Any] = {"format": 1, "name": known.get("name", name_of_folder(files)), **touching.tables}
+    tables: dict[str, Any] = {"format": 1, "name": known.get("name", name_of_folder(files)), **touching.stated.tables}
     remarks: list[str] = []
     if loops:
         source, tables["conditions"], remarks = loop_source(loops, known, length)
@@ -133,7 +111,7 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touc
         raise RecordError(f"no file holds loops: {why}; name them in a mapping of your own (docs/records.md).")
     tables |= {key: own for key, own in ((name, worn), ("evolution", evolution)) if own}
     left = [] if loops is kinds.unknown else left_out(kinds.unknown)
-    return GuessedMapping(tables, (*touching.remarks, *remarks, *of_evolution, *of_worn, *left, *kinds.unread))
+    return GuessedMapping(tables, (*touching.stated.remarks, *remarks, *of_evolution, *of_worn, *left, *kinds.unread))
 
 
 @dataclass(frozen=True)
@@ -235,29 +213,6 @@ def evolution_source(tables: Sequence[GuessedFile], *, per_length: bool = False)
     pattern = name_pattern(listed(files), has_cycle=True)
     named = {} if pattern is None else {"name_pattern": pattern}
     return {"files": files} | named | tables[0].spelling | {"columns": columns}, remarks
-
-
-def crossed_wires(known: Mapping[str, Any], elastic: Mapping[str, float], _: Any = None) -> Touching:
-    """Wires of such constants, and what is assumed or left open of them."""
-    remarks = []
-    if "diameter_mm" not in known:
-        remarks.append("no file states the wires' diameter, in millimetres: --diameter does it, too")
-    if "crossing_angle_deg" not in known:
-        remarks.append("the wires are taken to cross at 90°; --crossing-angle says otherwise")
-    angle = known.get("crossing_angle_deg", 90.0)
-    wires = {"diameter_mm": known.get("diameter_mm", OPEN), "crossing_angle_deg": angle, **elastic}
-    bodies = Wires.model_validate(wires).of_test() if "diameter_mm" in known else ()
-    return Touching({"wires": wires}, WIRES, tuple(remarks), {body.name: body for body in bodies})
-
-
-def ball_on_flat(known: Mapping[str, Any], elastic: Mapping[str, float], of_ball: Mapping[str, float]) -> Touching:
-    """A ball and a flat of such constants, and what is left open of them."""
-    tables = {"ball": {"diameter_mm": known.get("diameter_mm", OPEN), **of_ball}, "flat": dict(elastic)}
-    is_known = "diameter_mm" in known
-    remarks = () if is_known else ("no file states the ball's diameter, in millimetres: --diameter does it, too",)
-    bodies = BallAndFlat.model_validate(tables).of_test() if is_known else ()
-    touching = {"contact": {"kind": kinds.BALL_ON_FLAT}, "bodies": tables}
-    return Touching(touching, BallTest.body_names, remarks, {body.name: body for body in bodies})
 
 
 def with_files_from(guess: GuessedMapping, home: Path, folder: Path) -> GuessedMapping:

@@ -14,7 +14,7 @@ from wirewear.base.errors import RecordError
 from wirewear.loops.clock import read_clock
 from wirewear.loops.cycles import outline, split_cycles
 from wirewear.loops.sensor import enclosed_area
-from wirewear.records.contact_tables import TABLES
+from wirewear.records.contact_tables import RECORDS
 from wirewear.records.importing import sources
 from wirewear.records.importing.loggers import kind_of
 from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
@@ -49,7 +49,7 @@ def import_record(mapping_path: str | Path) -> AnyRecord:
     """
     path = Path(mapping_path)
     mapping, notes = _mapping_of(path)
-    home, length, model = path.parent, mapping.length_mm, TABLES[mapping.contact_kind]
+    home, length, model = path.parent, mapping.length_mm, RECORDS[mapping.contact_kind]
     conditions = mapping.conditions
     loops: tuple[MeasuredLoop, ...] = ()
     turned: tuple[str, ...] = ()

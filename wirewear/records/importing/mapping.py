@@ -2,17 +2,17 @@
 
 import re
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Generic
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
 from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
 from wirewear.base.files import DELIMITERS, is_encoding_of_text
-from wirewear.records.contact_tables import BallTest, LineTest, ShapesTest
+from wirewear.records.contact_tables import Bodies, BodiesTest, LineTest
 from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.loggers import readers
 from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, WiresTest
-from wirewear.records.test_tables import Metadata
+from wirewear.records.test_tables import Metadata, of_kinds
 from wirewear.test.keys import CheckedFlag, Table, checked_text, one_of
 
 PROFILOMETER = "profilometer"  #: Kind of the files that hold a height map, which SurfaceTopography reads.
@@ -240,12 +240,8 @@ class Mapping(PointMapping, WiresTest):
     """A whole mapping file of crossed wires."""
 
 
-class BallMapping(PointMapping, BallTest):
-    """A whole mapping file of a ball on a flat."""
-
-
-class ShapesMapping(PointMapping, ShapesTest):
-    """A whole mapping file of bodies of any shapes."""
+class BodiesMapping(PointMapping, BodiesTest[Bodies], Generic[Bodies]):
+    """A whole mapping file of two bodies."""
 
 
 def unit_factor(name: str, mapping: ColumnMapping, length_mm: float | None = None) -> float:
@@ -310,6 +306,4 @@ class LineMapping(LineTest):
 
 
 #: Mappings by the names of kinds of contact.
-MAPPINGS: dict[str, type[PointMapping | LineMapping]] = {
-    model.contact_kind: model for model in (Mapping, LineMapping, BallMapping, ShapesMapping)
-}
+MAPPINGS: dict[str, type[PointMapping | LineMapping]] = of_kinds(Mapping, LineMapping, BodiesMapping)

@@ -16,8 +16,7 @@ from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout, DelimitedText, read_delimited
 from wirewear.base.errors import RecordError, nearest, shown
 from wirewear.base.files import Held, read_text, require_no_other
-
-OPEN = "?"  #: What stands in a guessed mapping for what only the user can say.
+from wirewear.test.bodies import OPEN
 
 _OPEN_LINE = re.compile(r"^\s*(\w+) *=[^#\n]*[\"']\?[\"']")
 

@@ -1,0 +1,151 @@
+"""What results of contacts at a point and of line contacts differ in above the simulation: pictures, fields, meshes."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from wirewear.records.exporting import Surface
+    from wirewear.results import RunResult
+    from wirewear.simulation import RefinedSubject
+    from wirewear.stress.state import Inside
+
+Drawings = Mapping[str, Callable[[], "Figure"]]  #: What can be drawn, by file name.
+
+
+class Contacts(ABC):
+    """Studies and results whose bodies are meshed alike; what it takes is loaded when it is asked for."""
+
+    inside_options: ClassVar[frozenset[str]]  #: Options of `wirewear fields` and `strength` that not all know.
+
+    @property
+    @abstractmethod
+    def refined(self) -> RefinedSubject:
+        """What a study of convergence refines and watches."""
+
+    @property
+    @abstractmethod
+    def inside(self) -> Inside[Any]:
+        """How bodies are looked into."""
+
+    @abstractmethod
+    def write_meshes(self, study: Any, fidelity: str, folder: Path) -> list[Path]:
+        """Write and draw the meshes of both bodies."""
+
+    @abstractmethod
+    def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
+        """Write what the folder of a study's runs holds beside their results."""
+
+    @abstractmethod
+    def write_fields(self, result: RunResult, folder: Path, **asked: Any) -> list[Path]:
+        """Write stresses inside both bodies; `asked` holds what `inside_options` state as well."""
+
+    @abstractmethod
+    def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
+        """Worn bodies as a profilometer with such noise sees them, by names of files."""
+
+    @abstractmethod
+    def drawings(self, results: Sequence[RunResult]) -> Drawings:
+        """Pictures of results."""
+
+
+class AtAPoint(Contacts):
+    """Contacts whose bodies wear a scar that is about as wide as it is long."""
+
+    inside_options = frozenset(("--integration-points", "--no-pictures", "--animate"))
+
+    @property
+    def refined(self) -> RefinedSubject:
+        from wirewear.simulation import POINTS
+
+        return POINTS
+
+    @property
+    def inside(self) -> Inside[Any]:
+        from wirewear.stress.bodies import INSIDE_POINTS
+
+        return INSIDE_POINTS
+
+    def write_meshes(self, study: Any, fidelity: str, folder: Path) -> list[Path]:
+        from wirewear.simulation import write_meshes
+
+        return write_meshes(study, fidelity, folder)
+
+    def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
+        """The scars of each run over the cycles for ParaView."""
+        from wirewear.results.flat import FOLDER_NAME, write_time_series
+
+        for result in results:
+            write_time_series(result, (folder if result.path is None else result.path.parent) / FOLDER_NAME)
+
+    def write_fields(self, result: RunResult, folder: Path, **asked: Any) -> list[Path]:
+        from wirewear.stress.writing import write_fields
+
+        return write_fields(result, folder, **asked)
+
+    def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
+        from wirewear.records.exporting import scar_surfaces
+
+        return scar_surfaces(result, noise_um, seed)
+
+    def drawings(self, results: Sequence[RunResult]) -> Drawings:
+        from wirewear.pictures import drawings
+
+        return drawings(results)
+
+
+class AlongALine(Contacts):
+    """Line contacts: results are of the whole length, meshes of one millimetre in plane strain."""
+
+    inside_options = frozenset()
+
+    @property
+    def refined(self) -> RefinedSubject:
+        from wirewear.simulation import LINES
+
+        return LINES
+
+    @property
+    def inside(self) -> Inside[Any]:
+        from wirewear.stress.lines import INSIDE_LINES
+
+        return INSIDE_LINES
+
+    def write_meshes(self, study: Any, fidelity: str, folder: Path) -> list[Path]:
+        from wirewear.simulation import write_line_meshes
+
+        return write_line_meshes(study, fidelity, folder)
+
+    def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
+        """Tables and pictures of each run, and a picture of several side by side."""
+        from wirewear.pictures.lines import line_variants
+        from wirewear.pictures.style import save
+        from wirewear.results.flat import write_flat_tables
+
+        for result in results:
+            own = folder if result.path is None else result.path.parent
+            write_flat_tables(result, own, "csv")
+            for name, draw in self.drawings([result]).items():
+                save(draw, own / f"{name}.png")
+        if len(results) > 1:
+            save(lambda: line_variants(results), folder / "variants.png")
+
+    def write_fields(self, result: RunResult, folder: Path, **asked: Any) -> list[Path]:
+        from wirewear.stress.lines import write_line_fields
+
+        return write_line_fields(result, folder, **asked)
+
+    def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
+        from wirewear.records.exporting import profile_surfaces
+
+        return profile_surfaces(result, noise_um, seed)
+
+    def drawings(self, results: Sequence[RunResult]) -> Drawings:
+        from wirewear.pictures.lines import line_drawings
+
+        return line_drawings(results)

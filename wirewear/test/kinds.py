@@ -1,0 +1,74 @@
+"""Kinds of tests: what distinguishes one from another, in data; all else follows from the types of its tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from wirewear.base import kinds
+from wirewear.test.bodies import StatedBodies
+from wirewear.test.lines import LINE_CONTACT, LineTables, PadAndSpecimen
+from wirewear.test.points import ANY_BODIES, BALL, BallAndFlat, BallOnFlatTables, LowerAndUpper, PointTables
+from wirewear.test.tables import CommonTables, StudyTables
+from wirewear.test.template import CROSSED_WIRES, Template
+from wirewear.test.wires import Wires
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of test. Its studies, records, mappings and results are asked through their types, not by its name."""
+
+    name: str  #: As studies, records and results state it.
+    tables: type[CommonTables]  #: Of its studies.
+    bodies: type[StatedBodies]  #: How any file of it states the bodies.
+    body_names: tuple[str, ...]  #: As records list them.
+    template: Template  #: What a new study begins with.
+    options: frozenset[str]  #: Keys of its bodies that `wirewear new --mapping` takes as options.
+    rigid_N_per_mm: float = 1e7  #: A rig as stiff as this takes nothing of any stroke.
+    scatters: bool = True  #: Whether studies state the scatter of their inputs.
+
+
+KINDS: dict[str, Kind] = {
+    kind.name: kind
+    for kind in (
+        Kind(
+            kinds.CROSSED_WIRES,
+            StudyTables,
+            Wires,
+            ("moving", "fixed"),
+            CROSSED_WIRES,
+            frozenset(("diameter_mm", "crossing_angle_deg")),
+            rigid_N_per_mm=1e6,
+        ),
+        Kind(
+            kinds.LINE_CONTACT,
+            LineTables,
+            PadAndSpecimen,
+            ("pad", "specimen"),
+            LINE_CONTACT,
+            frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_radius_mm")),
+            scatters=False,
+        ),
+        Kind(kinds.BALL_ON_FLAT, BallOnFlatTables, BallAndFlat, ("flat", "ball"), BALL, frozenset(("diameter_mm",))),
+        Kind(kinds.POINT_CONTACT, PointTables, LowerAndUpper, ("lower", "upper"), ANY_BODIES, frozenset()),
+    )
+}
+
+
+class OfAKind(Protocol):
+    """A study, a record or a result."""
+
+    @property
+    def contact_kind(self) -> str:
+        """The name of its kind."""
+
+
+def kind_of(one: OfAKind) -> Kind:
+    """The kind of a study, a record or a result."""
+    return KINDS[one.contact_kind]
+
+
+def kind_named(asked: object) -> Kind:
+    """The kind that goes by a name; where none does crossed wires, whose tables say so."""
+    found = (KINDS[name] for name, names in kinds.NAMES.items() if asked in names)
+    return next(found, KINDS[kinds.CROSSED_WIRES])
