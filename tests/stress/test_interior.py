@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyvista
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from geometry import BodyMesh, Elastic, HexMesh, build_body
 from geometry.arrays import Array
@@ -17,7 +18,7 @@ from tests.commands import wirewear
 from tests.stress.interior_runs import CYCLE, FRICTION, LOAD_N, DEPTH_um, run_with_forces
 from wirewear.app.api.run import Run, read_result
 from wirewear.results import write_result
-from wirewear.stress import body_grid, body_states, integration_point_cloud
+from wirewear.stress import body_grid, body_states, integration_point_cloud, strength
 from wirewear.stress.bodies import Section, fanned, section
 from wirewear.stress.state import averaging, crossland, smith_watson_topper
 from wirewear.stress.strength import StrengthAsked, strength_of, yield_sentence
@@ -248,6 +249,20 @@ def test_polygons_of_any_number_of_sides_are_covered_once() -> None:
 @pytest.fixture(scope="module")
 def run() -> Run:
     return Run.of(run_with_forces())
+
+
+def test_strengths_are_found_by_one_thread(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Threads of linear algebra that wait for each other took four times the time on a busy machine."""
+    threads: list[int] = []
+
+    def projected(*_: object) -> None:
+        threads.extend(one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(strength, "all_at_nodes", projected)
+    with threadpool_limits(2, user_api="blas"), pytest.raises(KeyboardInterrupt):
+        strength_of(run, "fixed", CYCLE, StrengthAsked())
+    assert set(threads) == {1}
 
 
 @pytest.fixture(scope="module")

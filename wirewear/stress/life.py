@@ -18,7 +18,7 @@ from wirewear.results.scar import called
 from wirewear.stress.averaging import averaging, averaging_radius_mm, kernel_of, linear_weights, widened
 from wirewear.stress.criteria import CrosslandLife, FatemiSocie, LifeCriterion, LifeCurve, SmithWatsonTopper, StressLife
 from wirewear.stress.damage import FLOOR, Ahead, Damage, Initiation, Rates, Span
-from wirewear.stress.state import InnerState
+from wirewear.stress.state import InnerState, one_thread
 from wirewear.stress.strength import stresses_of
 from wirewear.test.any_study import AnyStudy, life_data
 from wirewear.test.life import CURVE_KEYS, LifeTable
@@ -207,6 +207,7 @@ class BodyLife:
         return np.array([cycle for cycle, _ in steps]), np.array([largest for _, largest in steps])
 
 
+@one_thread()
 def life_of(
     result: RunResult,
     body: str,

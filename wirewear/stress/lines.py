@@ -22,7 +22,7 @@ from wirewear.results import ContactForces, RunResult
 from wirewear.simulation import line_plan
 from wirewear.stress.bodies import Tracked, plane_section, stressed_grid, untracked
 from wirewear.stress.pictures import STRESS_COLOURS
-from wirewear.stress.state import InnerState, Inside, SolvedBody
+from wirewear.stress.state import InnerState, Inside, SolvedBody, one_thread
 from wirewear.test import LineStudy, study_from_tables
 
 if TYPE_CHECKING:
@@ -81,6 +81,7 @@ def state_grid(state: InnerState[LineBody]) -> pyvista.UnstructuredGrid:
 INSIDE_LINES = Inside(InnerState[LineBody], _worn, _least_extent_mm, state_grid)
 
 
+@one_thread()
 def write_line_fields(
     result: RunResult,
     folder: Path,

@@ -4,7 +4,8 @@ Histories are (s, n, 6): s positions of a closed cycle, n material points. Linea
 law, so an indicator says where cracks begin first, and compares tests; a life needs data of the material.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
 import numpy as np
 from scipy.sparse import csr_matrix, diags
 from scipy.spatial import cKDTree
+from threadpoolctl import threadpool_limits
 
 from geometry import BodyMesh, ContactPatch, Elastic, PlanarMesh, QuadMesh
 from geometry.arrays import Array, IntArray
@@ -34,7 +36,16 @@ _DIRECTIONS = 240
 #: Angles by which planes are tilted about the best one so far, rad.
 _TILTS = (0.08, 0.04, 0.02, 0.01)
 _BALL_STEPS = 60
-_AT_ONCE = 2000  #: Stress histories whose planes are searched at once.
+_AT_ONCE = 64  #: Stress histories whose planes are searched at once: what is made of them stays in a processor's cache.
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Within it, linear algebra has one thread: with small matrices, several that wait for each other cost ten times
+    what they gain on a busy machine.
+    """
+    with threadpool_limits(limits=1, user_api="blas"):
+        yield
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from wirewear.base.errors import ResultError, counted
 from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.stress.bodies import INSIDE_POINTS
-from wirewear.stress.state import InnerState, Inside, averaging, crossland, smith_watson_topper
+from wirewear.stress.state import InnerState, Inside, averaging, crossland, one_thread, smith_watson_topper
 
 if TYPE_CHECKING:
     import pyvista
@@ -120,6 +120,7 @@ class Strength:
         return None if limit is None else self.von_mises.value_MPa > limit
 
 
+@one_thread()
 def strength_of(
     result: RunResult, body: str, cycle: float, asked: StrengthAsked, inside: Inside[Any] = INSIDE_POINTS
 ) -> Strength:

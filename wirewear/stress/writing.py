@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -16,7 +17,7 @@ from rich.table import Table
 from geometry.arrays import Array
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_bytes, write_csv, write_grid, writing
-from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
+from wirewear.pictures.style import INK, WIDTH_in, cycle_name, new_figure, panel_letters, save
 from wirewear.results import RunResult
 from wirewear.stress.bodies import (
     BodyState,
@@ -30,6 +31,7 @@ from wirewear.stress.bodies import (
     untracked,
 )
 from wirewear.stress.pictures import STRESS_COLOURS
+from wirewear.stress.state import one_thread
 from wirewear.stress.strength import Strength
 
 _MAPS = {
@@ -38,11 +40,13 @@ _MAPS = {
     "crossland_MPa": "Crossland",
 }
 
-#: Height of all but the panels, and width of a panel, of a line contact's picture, in inches.
-_FRAME, _PANEL = 1.6, 2.3
+#: What surrounds the panels of strengths, in inches: left of all, right of each, above all, below each, bars below all.
+_LEFT_in, _BESIDE_in, _ABOVE_in, _UNDER_in, _BAR_in, _FOOT_in = 0.75, 0.5, 0.55, 0.6, 0.08, 0.5
+_TALLEST_in = 3.0
 _LEVELS = 11
 
 
+@one_thread()
 def write_fields(
     result: RunResult,
     folder: Path,
@@ -172,9 +176,9 @@ def draw_strength(strength: Strength) -> Figure:
     above = len(strength.surface) > 0
     points = np.asarray(strength.grid.points)[strength.nodes]
     low, high = points.min(axis=0), points.max(axis=0)
-    figure = new_figure(4.2 if above else _FRAME + _PANEL * float((high[2] - low[2]) / (high[0] - low[0])))
-    panels = figure.subplots(2 if above else 1, len(_MAPS), squeeze=False)
-    for column, (name, title) in zip(panels.T, _MAPS.items(), strict=True):
+    wide, across, deep = high - low
+    figure, panels, bars = _panels(float(wide), [float(across), float(deep)] if above else [float(deep)])
+    for column, bar, (name, title) in zip(panels.T, bars, _MAPS.items(), strict=True):
         values = np.asarray(strength.grid.point_data[name])
         levels = np.linspace(0.0, float(values.max()) or 1.0, _LEVELS)
         if above:
@@ -185,15 +189,10 @@ def draw_strength(strength: Strength) -> Figure:
         column[-1].set(ylim=(low[2], high[2]), xlabel="x, along the motion [µm]")
         column[0].set_title(title)
         for axes in column:
-            axes.set(aspect="equal", xlim=(low[0], high[0]))
+            axes.set_xlim(low[0], high[0])
             axes.grid(visible=False)
-        figure.colorbar(
-            ScalarMappable(Normalize(0.0, levels[-1]), STRESS_COLOURS),
-            ax=list(column),
-            label="MPa",
-            location="bottom",
-            shrink=0.8,
-        )
+        colours = ScalarMappable(Normalize(0.0, levels[-1]), STRESS_COLOURS)
+        figure.colorbar(colours, cax=bar, label="MPa", orientation="horizontal")
     if above:
         panels[0][0].set_ylabel("on the surface: y [µm]")
     panels[-1][0].set_ylabel("beneath it: z [µm]" if above else "z [µm]")
@@ -204,6 +203,29 @@ def draw_strength(strength: Strength) -> Figure:
     title = f"{strength.body}, cycle {cycle_name(strength.cycle)}, stresses {averaged}{bulk}"
     figure.suptitle(title, fontsize=9, color=INK)
     return figure
+
+
+def _panels(wide_um: float, tall_um: Sequence[float]) -> tuple[Figure, Any, list[Axes]]:
+    """A figure with rows of panels for all maps that show so much at one scale, (rows, maps), and a bar below each map.
+
+    Their places are fixed: to search for a layout takes several times as long as to draw it.
+    """
+    column = (WIDTH_in - _LEFT_in) / len(_MAPS)
+    scale = min((column - _BESIDE_in) / wide_um, _TALLEST_in / max(tall_um))
+    height = _ABOVE_in + sum(scale * tall + _UNDER_in for tall in tall_um) + _BAR_in + _FOOT_in
+    figure = new_figure(height)
+    figure.set_layout_engine("none")
+
+    def row(bottom_in: float, tall_in: float) -> list[Axes]:
+        lefts = [_LEFT_in + column * k for k in range(len(_MAPS))]
+        size = scale * wide_um / WIDTH_in, tall_in / height
+        return [figure.add_axes((left / WIDTH_in, bottom_in / height, *size)) for left in lefts]
+
+    panels, top = [], height - _ABOVE_in
+    for tall in tall_um:
+        panels.append(row(top - scale * tall, scale * tall))
+        top -= scale * tall + _UNDER_in
+    return figure, np.array(panels), row(_FOOT_in, _BAR_in)
 
 
 def _draw_beneath(axes: Axes, strength: Strength, name: str, at_um: float, levels: Array) -> None:
