@@ -1,4 +1,4 @@
-"""What pyproject.toml cannot say: the examples of `wirewear.base.files` go into the package that is installed."""
+"""What pyproject.toml cannot say: the examples of `wirewear.base.recognising` go into the package that is installed."""
 
 from pathlib import Path
 from shutil import copytree, ignore_patterns

@@ -79,9 +79,16 @@ def _once(file: Path, used: Counter[str]) -> Iterator[Fault]:
             case ast.Assign(targets=[ast.Name(id=name)], value=ast.Constant(value=int() | float())):
                 if used[name] == 1:
                     yield "constant used once", file, node.lineno, name
-            case ast.FunctionDef(name=name) if name.startswith("_") and used[name] == 1:
+            case ast.FunctionDef(name=name, decorator_list=[]) if name.startswith("_") and used[name] == 1:
                 body = node.body[1:] if ast.get_docstring(node) else node.body
-                if body and 1 + int(body[-1].end_lineno or 0) - node.lineno <= SHORT:
+                short = body and 1 + int(body[-1].end_lineno or 0) - node.lineno <= SHORT
+                # What is kept by a decorator, handed over by its name, or returns early, has to be a function.
+                called = any(
+                    isinstance(one, ast.Call) and isinstance(one.func, ast.Name) and one.func.id == name
+                    for one in ast.walk(_tree(file))
+                )
+                at_its_end = [one for one in ast.walk(node) if isinstance(one, ast.Return)] in ([], body[-1:])
+                if short and called and at_its_end:
                     yield "short helper of one caller", file, node.lineno, name
             case _:
                 pass

@@ -14,9 +14,9 @@ import click
 from rich import box
 from rich.table import Table
 
+from studies.json_files import read_json
 from wirewear import RecordError, ResultError, WirewearError, read_record
 from wirewear.app.cli.study_script import StudyScript, understanding, wide_console
-from wirewear.base.files import read_json
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.diagnosis import confirmed, diagnose
 

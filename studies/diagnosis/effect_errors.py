@@ -20,9 +20,9 @@ from rich import box
 from rich.table import Table
 from scipy.linalg import cho_factor, cho_solve
 
+from studies.json_files import read_json
 from wirewear import RecordError, WirewearError, read_record
 from wirewear.app.cli.study_script import StudyScript, understanding, wide_console
-from wirewear.base.files import read_json
 from wirewear.diagnosis.infer.covariance import smooth_covariance, solver_covariance
 from wirewear.diagnosis.observe.observable import Scale
 from wirewear.diagnosis.observe.observed_record import read_at_corners

@@ -20,9 +20,9 @@ from rich import box
 from rich.table import Table
 from scipy.stats import chi2, kstest
 
+from studies.json_files import read_json
 from wirewear import RecordError, ResultError, WirewearError, read_record
 from wirewear.app.cli.study_script import StudyScript, wide_console
-from wirewear.base.files import read_json
 from wirewear.diagnosis import prepared
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Problem

@@ -9,7 +9,7 @@ from click.testing import CliRunner, Result
 from tests import synthetic_results
 from tests.studies import MINIMAL
 from wirewear.app.cli import cli
-from wirewear.base.files import Held, recognised
+from wirewear.base.recognising import Held, recognised
 from wirewear.results import write_result
 
 pytestmark = pytest.mark.seconds

@@ -17,7 +17,7 @@ from wirewear.app.cli import cli
 from wirewear.app.web.server import LOOPBACK, WorkspaceServer
 from wirewear.app.web.workspace import STEPS, Workspace
 from wirewear.base.errors import RunError
-from wirewear.base.files import example
+from wirewear.base.recognising import example
 
 __all__ = ["wirewear"]
 RECORD = example("no_gap")

@@ -15,7 +15,7 @@ from geometry import GeometryError
 from geometry.body import SYSTEM_PACKAGES, gmsh_session
 from tests.commands import wirewear
 from wirewear import load_study, read_record
-from wirewear.base.files import RECORDS, STUDIES, example
+from wirewear.base.recognising import RECORDS, STUDIES, example
 from wirewear.kinds import load_any_study
 
 ROOT = Path(__file__).parents[2]
@@ -52,7 +52,7 @@ def test_the_built_package_holds_what_the_program_looks_for(tmp_path: Path, monk
     command = asked["build_py"].__new__(asked["build_py"])
     command.__dict__.update(build_lib=str(tmp_path), editable_mode=False)
     command.run()
-    monkeypatch.setattr("wirewear.base.files._FOLDERS", (tmp_path / "wirewear" / "examples",))
+    monkeypatch.setattr("wirewear.base.recognising._FOLDERS", (tmp_path / "wirewear" / "examples",))
     assert all(example(name) for name in (*STUDIES, *RECORDS))
     assert not list(tmp_path.rglob("*.py"))
     assert load_study(tmp_path / "wirewear/examples/steel_wires/study.toml").variant("compliant").name

@@ -16,8 +16,8 @@ from tests.records.test_import import GERMAN, german, mapped
 from tests.records.test_import import cycle as cycle_of
 from tests.studies import MINIMAL
 from wirewear import RecordError, StudyError, read_record, write_record
+from wirewear.base.ending import within
 from wirewear.base.errors import WirewearError
-from wirewear.base.memory import within
 from wirewear.diagnosis.observe import reduction as observables
 from wirewear.diagnosis.observe.reduction import all_observables
 from wirewear.effects import all_effects, registry

@@ -1,4 +1,4 @@
-"""Numbers of cycles and repeats in words, such as "Cycle 5000"; tables below one another that such words number."""
+"""Tables below one another that words such as "Cycle 5000" number, by cycle or by repeat."""
 
 import re
 from collections.abc import Sequence

@@ -17,7 +17,6 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from time import time
-from typing import Any
 
 from solvers.jit_cache import chosen_cache, private_folder
 from wirewear.base.errors import KeptNothingWarning, WirewearError
@@ -26,7 +25,6 @@ from wirewear.base.writing import why_not_written
 DEFAULT_GB = 10.0  #: Gigabytes that are kept, unless WIREWEAR_CACHE_GB says otherwise.
 _KEPT = ("body-*.npz", "wire-*.npz", "nominal-*.h5")  #: What is kept, by the names of the files.
 WARNED: set[str] = set()  #: What was warned of, in this process or in the one that started it.
-_ABANDONED_s = 86_400.0  #: Nothing that is kept takes a day to be made: what is unfinished after one belongs to nobody.
 
 _ROOT = Path(__file__).resolve().parents[2]
 _ENDINGS = (".py", ".toml", ".csv", ".json")  #: Files beside Python's that hold what is computed with.
@@ -89,7 +87,8 @@ def remove_abandoned(directory: Path, pattern: str) -> None:
     """Delete files and folders of that pattern which somebody who was killed has left unfinished."""
     for left in directory.glob(pattern):
         with suppress(OSError):
-            if time() - left.stat().st_mtime > _ABANDONED_s:
+            # Nothing that is kept takes a day to be made: what is unfinished after one belongs to nobody.
+            if time() - left.stat().st_mtime > 86_400.0:
                 if left.is_dir():
                     shutil.rmtree(left)
                 else:
@@ -151,13 +150,13 @@ class Identity:
         return cls(asked, made)
 
 
-def identity_of(asked: Mapping[str, Any], code: Iterable[str], plan: Mapping[str, Any]) -> Identity:
+def identity_of(asked: Mapping[str, object], code: Iterable[str], plan: Mapping[str, object]) -> Identity:
     """The identity of what is asked, made by code (files and folders) by a plan that follows from both."""
     beneath = {name: installed(name) for name in _BENEATH}
     return Identity(digest(asked), digest({"code": code_hash(tuple(code)), "beneath": beneath, "plan": plan}))
 
 
-def digest(parts: Mapping[str, Any]) -> str:
+def digest(parts: Mapping[str, object]) -> str:
     """Digest of nested tables, 32 hexadecimal digits, whatever their order."""
     return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:32]
 

@@ -10,8 +10,6 @@ import numpy as np
 
 from geometry.arrays import Array
 
-#: Kinetics of an order nearer to the first are those of the first, as their law has no digits left.
-_FIRST_ORDER = 1e-6
 _FLAT = 1e-9  #: An energy that falls as the reciprocal of the cycles within this has a logarithm for its integral.
 
 
@@ -47,7 +45,8 @@ class Course:
         if self.steepness != 1.0:
             passed = passed**self.steepness
         left = np.exp(-passed) if isinstance(passed, np.ndarray) else exp(-passed)
-        if abs(self.order) > _FIRST_ORDER:
+        # Kinetics of an order nearer to the first are those of the first, as their law has no digits left.
+        if abs(self.order) > 1e-6:
             base = np.maximum(1.0 + expm1(self.order) * passed, 0.0)
             # What ends has a power of nothing left, which is nothing.
             left = base ** (-1.0 / self.order) if self.order < 0.0 else np.maximum(base, 1.0) ** (-1.0 / self.order)

@@ -47,8 +47,6 @@ _CLOCK = re.compile(
 
 _LABEL = re.compile(r"[^\W\d_]{2}|[^\W\d_]\W*[=\d]")  #: Of what numbers in words have, and numbers have not.
 
-_DAY_s = 86400.0
-
 
 def is_clock(field: str) -> bool:
     """Whether a field is a time of day, perhaps with a date before it."""
@@ -261,7 +259,10 @@ class DelimitedText:
                 values[name][row] = float(of_label[label_of_row])
         columns = {name: np.array(column, dtype=np.float64) for name, column in values.items()}
         if clock is not None and clocked:
-            columns[clock] = _running(columns[clock])
+            # Times of day go on past midnight.
+            known = np.isfinite(columns[clock])
+            columns[clock] = columns[clock].copy()
+            columns[clock][known] = np.unwrap(columns[clock][known], period=86400.0)
         return Numbers(columns, self.layout.lines_before_rows + 1, np.array(numbers, dtype=np.int64))
 
     @cached_property
@@ -311,14 +312,6 @@ def _seconds(field: str) -> float | None:
     if half:
         hour = hour % 12 + (12 if half.upper() == "P" else 0)
     return 3600.0 * hour + 60.0 * int(minutes) + float(seconds.replace(",", "."))
-
-
-def _running(clock: Array) -> Array:
-    """Times of day (n,) as times that go on past midnight."""
-    known = np.flatnonzero(np.isfinite(clock))
-    time = clock.copy()
-    time[known] = np.unwrap(clock[known], period=_DAY_s)
-    return time
 
 
 def contents_of(path: Path) -> tuple[bytes, list[Sheet]]:

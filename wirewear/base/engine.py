@@ -17,8 +17,8 @@ from secrets import token_hex
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from wirewear.base.cache import WARNED, cache_directory, code_hash
+from wirewear.base.ending import end_with_parent
 from wirewear.base.errors import EngineError, LostTaskError, show_warnings_plainly
-from wirewear.base.memory import end_with_parent
 from wirewear.base.writing import writing
 
 Result = TypeVar("Result")
@@ -28,10 +28,7 @@ LOST_PROCESS = (
     "--jobs in less memory."
 )
 
-TASKS_PER_PROCESS = 20  #: New processes now and then: what libraries keep of one task does not add up over a night.
-
 PATIENCE_s = 20.0  #: How long a scheduler may take to answer, and its first worker to come.
-AHEAD = 2  #: Tasks that are sent ahead for each worker, so that none waits for the next.
 
 
 @dataclass(frozen=True)
@@ -85,11 +82,14 @@ def results_of(engine: Engine, tasks: Sequence[Callable[[], Result]]) -> list[Re
 
 
 class LocalProcesses(Engine):
-    """Up to `jobs` processes, which end with the one that started them."""
+    """Up to `jobs` processes, which end with the one that started them.
+
+    New ones now and then: what libraries keep of one task does not add up over a night.
+    """
 
     words = "processes of this machine"
 
-    def __init__(self, jobs: int, tasks_per_process: int = TASKS_PER_PROCESS) -> None:
+    def __init__(self, jobs: int, tasks_per_process: int = 20) -> None:
         """Nothing is started before it is needed."""
         self._jobs = jobs
         self._tasks_per_process = tasks_per_process
@@ -197,7 +197,8 @@ class DaskCluster(Engine):
             places: dict[Any, int] = {}
             completed = as_completed(loop=client.loop, raise_errors=False)
             while True:
-                most = AHEAD * max(len(_workers(client)), 1)
+                # Two tasks are sent ahead for each worker, so that none waits for the next.
+                most = 2 * max(len(_workers(client)), 1)
                 while waiting and len(places) < most and time.monotonic() < until:
                     place = waiting.popleft()
                     future = client.submit(tasks[place], key=f"wirewear-{batch}-{place}", pure=False)

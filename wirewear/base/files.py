@@ -1,4 +1,4 @@
-"""Files read whole, TOML among them, with one sentence for whatever prevents that; what a path or a name stands for."""
+"""Files read whole, TOML among them, with one sentence for whatever prevents that."""
 
 import codecs
 import hashlib
@@ -7,24 +7,13 @@ import re
 import tomllib
 from collections.abc import Mapping
 from contextlib import suppress
-from enum import StrEnum
 from pathlib import Path
-from typing import Any
 
 from wirewear.base.errors import WirewearError, shown
 
 #: What the table of a record and the file of a result are called.
 TABLE_FILE_NAME, RESULT_FILE_NAME = "experiment.toml", "result.h5"
 
-
-#: Tables of a mapping that say where measured numbers are.
-_SOURCES = ("loops", "evolution", "scars", "profiles")
-_HDF5 = b"\x89HDF\r\n\x1a\n"
-
-#: Beginnings of loggers' files that are no text: of xlsx and x3p, of MATLAB, of LabVIEW.
-_PACKED = (b"PK\x03\x04", b"MATLAB 5.0", b"TDSm")
-_NUMBER = r'"?[-+]?\d[\d.,]*(?:e[-+]?\d+)?"?'
-_ROW = re.compile(rf"\s*{_NUMBER}(?:\s*[\s;,|]\s*{_NUMBER})+[\s;,|]*", re.IGNORECASE)
 
 #: What is written in a value's place by those who do not know TOML, and what it should be.
 _HINTS = {
@@ -40,94 +29,14 @@ _HINTS = {
 DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": None}
 _NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined")
 _TOML = ("study file", "sweep file", "TOML file")  #: What is called so is a TOML file.
-STUDIES = ("steel_wires", "ball_on_flat", "cylinder_on_flat")
-RECORDS = ("no_gap", "free_play_rig", "rigid_stated_compliant_rig")
-_HERE = Path(__file__).resolve()
-
-#: Where they are: `setup.py` puts them beside the installed modules; a checkout has them among its studies.
-_FOLDERS = (_HERE.parents[1] / "examples", _HERE.parents[2] / "studies")
 
 
-class Held(StrEnum):
-    """What a path may hold."""
-
-    RECORD = "record"
-    RUN = "result of a run"
-    STUDY = "study"
-    SWEEP = "sweep"
-    ROPE = "rope's construction"
-    MAPPING = "mapping of measured files"
-    NUMBERS = "file of measured numbers"
-
-
-#: The commands that take it, PATH being its place.
-_TAKEN = {
-    Held.RECORD: "`wirewear check PATH` reads it",
-    Held.RUN: "`wirewear report PATH` makes its page, `wirewear export PATH --as-record DIR` a record of it",
-    Held.STUDY: "`wirewear run PATH` simulates it",
-    Held.SWEEP: "`wirewear sweep PATH` runs it",
-    Held.ROPE: "`wirewear strand PATH` finds its contacts",
-    Held.MAPPING: "`wirewear import PATH --output DIR` makes a record by it",
-    Held.NUMBERS: "`wirewear new --mapping PATH` begins a mapping that says how to read it, and `wirewear loops PATH` "
-    "analyses friction loops",
-}
-
-
-def require_no_other(path: Path, kind: type[WirewearError], *wanted: Held) -> None:
-    """See that a path does not hold what only other commands take; what is not recognised passes.
-    Raises WirewearError, of the given kind and in one sentence that says what it is and names a command, if it does.
-    """
-    held = None
-    with suppress(OSError, ValueError):
-        held = recognised(path)
-    if held is not None and held not in wanted:
-        place = path.parent if held == Held.RECORD and path.name == TABLE_FILE_NAME else path
-        needed = " or ".join(wanted)
-        raise kind(f"{path} is a {held}, and no {needed}: {_TAKEN[held].replace('PATH', str(place))}.")
-
-
-def recognised(path: Path) -> Held | None:
-    """What a path holds; None for what looks like nothing of ours."""
-    if (path / TABLE_FILE_NAME).is_file() or (path.name == TABLE_FILE_NAME and path.is_file()):
-        return Held.RECORD
-    if path.is_dir():
-        is_run = any(any(path.glob(where)) for where in (RESULT_FILE_NAME, f"*/{RESULT_FILE_NAME}"))
-        return Held.RUN if is_run else None
-    if not path.is_file():
-        return None
-    with path.open("rb") as file:
-        start = file.read(4096)
-        file.seek(max(0, path.stat().st_size - 128))
-        end = file.read()
-    if start.startswith(_HDF5):
-        # Other programs write HDF5 too.
-        return Held.RUN if path.name == RESULT_FILE_NAME or b"\nwirewear sha256 " in end else None
-    with suppress(ValueError, RecursionError):
-        return _held_by(tomllib.loads(path.read_text(encoding="utf-8-sig")))
-    rows = start.decode("latin-1").replace("\0", "").splitlines()
-    is_numbers = start.startswith(_PACKED) or any(map(_ROW.fullmatch, rows))
-    return Held.NUMBERS if is_numbers and path.suffix != ".toml" else None
-
-
-def _held_by(tables: Mapping[str, Any]) -> Held | None:
-    if "kind" not in tables and any(name in tables for name in _SOURCES):
-        return Held.MAPPING
-    if "files" in tables:
-        return Held.RECORD
-    if "vary" in tables:
-        return Held.SWEEP
-    if "core" in tables and ("layers" in tables or "outer_strands" in tables):
-        return Held.ROPE
-    contact = tables.get("contact")
-    return Held.STUDY if "kind" in tables or (isinstance(contact, Mapping) and "friction" in contact) else None
-
-
-def read_toml(path: Path, kind: type[WirewearError], what: str = "TOML file") -> dict[str, Any]:
+def read_toml(path: Path, kind: type[WirewearError], what: str = "TOML file") -> dict[str, object]:
     """The tables of a TOML file. Raises WirewearError, of the given kind, if it cannot be read, or is no valid TOML."""
     return parsed_toml(read_text(path, kind, what), str(path), kind)
 
 
-def parsed_toml(text: str, where: str, kind: type[WirewearError]) -> dict[str, Any]:
+def parsed_toml(text: str, where: str, kind: type[WirewearError]) -> dict[str, object]:
     """The tables of a TOML text; `where` names its origin in messages.
     Raises WirewearError, of the given kind, if the text is no valid TOML.
     """
@@ -138,6 +47,12 @@ def parsed_toml(text: str, where: str, kind: type[WirewearError]) -> dict[str, A
         raise kind(f"{where} is not valid TOML: {reason[:1].lower()}{reason[1:]}{_hint(text, reason)}.") from None
     except (ValueError, RecursionError):  # what tomllib lets through of overlong integers and deep nesting
         raise kind(f"{where} is not valid TOML: a number is too long or the nesting too deep.") from None
+
+
+def table_of(tables: Mapping[str, object], name: str) -> Mapping[str, object]:
+    """One of the tables of a TOML file, empty where it has none of that name."""
+    found = tables.get(name)
+    return found if isinstance(found, Mapping) else {}
 
 
 def _hint(text: str, reason: str) -> str:
@@ -151,7 +66,7 @@ def _hint(text: str, reason: str) -> str:
     return ""
 
 
-def toml_text(tables: Mapping[str, Any], prefix: str = "") -> str:
+def toml_text(tables: Mapping[str, object], prefix: str = "") -> str:
     """Tables of texts, numbers, lists and tables as TOML."""
     own = [f"{key} = {spelled(value)}" for key, value in tables.items() if not isinstance(value, Mapping)]
     inner = []
@@ -229,30 +144,13 @@ def require_within(path: Path, folder: Path, kind: type[WirewearError], where: s
         raise kind(f"{where} {shown(str(path))} leads out of the folder {folder}, which is not followed.")
 
 
-def read_json(path: Path, kind: type[WirewearError], what: str = "JSON file") -> Any:
-    """What a JSON file holds. Raises WirewearError, of the given kind, if it cannot be read, or is no JSON."""
-    return parsed_json(read_text(path, kind, what), str(path), kind)
-
-
-def parsed_json(text: str | bytes, where: str, kind: type[WirewearError]) -> Any:
-    """What a JSON text holds; `where` names its origin in messages.
-    Raises WirewearError, of the given kind, if the text is no JSON.
-    """
-    try:
-        return json.loads(text)
-    except RecursionError:
-        raise kind(f"{where} cannot be read as JSON (it is nested too deep).") from None
-    except ValueError as problem:
-        raise kind(f"{where} cannot be read as JSON ({problem}).") from None
-
-
-def with_checksum(table: Mapping[str, Any]) -> dict[str, Any]:
+def with_checksum(table: Mapping[str, object]) -> dict[str, object]:
     """A table that becomes JSON, with the SHA-256 of all the rest under `sha256`."""
     rest = {name: item for name, item in table.items() if name != "sha256"}
     return {**rest, "sha256": hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()}
 
 
-def require_unchanged(table: Mapping[str, Any], where: str, kind: type[WirewearError]) -> None:
+def require_unchanged(table: Mapping[str, object], where: str, kind: type[WirewearError]) -> None:
     """See that a table that was read from JSON is what `with_checksum` made; one without a checksum passes.
     Raises WirewearError, of the given kind, if it has changed since.
     """
@@ -273,11 +171,3 @@ def utf8(data: bytes, path: Path, kind: type[WirewearError]) -> str:
     except UnicodeDecodeError as problem:
         line = data.count(b"\n", 0, problem.start) + 1
         raise kind(f"{path}, line {line}: this is not text in UTF-8.") from None
-
-
-def example(name: str) -> Path | None:
-    """The file of the study, or the folder of the record, of that name; None where there is none."""
-    inner = {one: f"{one}/study.toml" for one in STUDIES}
-    inner |= {one: f"steel_wires/example_records/{one}" for one in RECORDS}
-    places = (folder / inner[name] for folder in _FOLDERS if name in inner)
-    return next((place for place in places if place.exists()), None)

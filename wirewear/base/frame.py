@@ -1,17 +1,19 @@
-"""The frame of all pages: one style, a sentence first, all within the one file; values as notebooks show them."""
+"""The frame of all pages: one style, a sentence first, all within the one file."""
 
-import base64
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from html import escape
+from collections.abc import Callable, Iterable, Mapping
 from importlib.metadata import PackageNotFoundError, version
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from wirewear.base.errors import counted
 
+if TYPE_CHECKING:
+    import jinja2
+
+Filter = Callable[..., object]  #: What a template calls on a value.
 HERE = Path(__file__).parent
 
 #: Okabe and Ito's colour-blind safe palette, in the order in which variants take it.
@@ -32,19 +34,18 @@ CITATION = (
 )
 
 
-def rendered(template: Path, values: Mapping[str, Any], filters: Mapping[str, Any] | None = None) -> str:
+def rendered(template: Path, values: Mapping[str, object], filters: Mapping[str, Filter] | None = None) -> str:
     """A page from a template that extends frame.html and stands anywhere."""
     own = _version()
-    page: str = environment(template.parent, filters).get_template(template.name).render(
+    return environment(template.parent, filters).get_template(template.name).render(
         css=(HERE / "frame.css").read_text(encoding="utf-8"),
         version=own,
         citation=CITATION.format(version=own),
         **values,
     )  # fmt: skip
-    return page
 
 
-def environment(folder: Path, filters: Mapping[str, Any] | None = None) -> Any:
+def environment(folder: Path, filters: Mapping[str, Filter] | None = None) -> "jinja2.Environment":
     """Templates of that folder and of this one; what they are given is escaped unless it is marked as safe."""
     import jinja2
 
@@ -63,7 +64,7 @@ def script(*paths: Path) -> str:
     return "\n".join(path.read_text(encoding="utf-8") for path in paths)
 
 
-def embedded(data: Any) -> str:
+def embedded(data: object) -> str:
     """Plain values as JSON that may stand inside a script element."""
     return json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
 
@@ -107,17 +108,3 @@ def _version() -> str:
         return version("wirewear")
     except PackageNotFoundError:
         return "unknown"
-
-
-def notebook_table(heading: str, rows: Mapping[str, str], *, note: str = "", pictures: Sequence[bytes] = ()) -> str:
-    """A heading, one line for each row, a note, and PNG pictures below."""
-    lines = "".join(
-        f"<tr><td style='text-align:left'>{escape(name)}</td><td style='text-align:left'>{escape(value)}</td></tr>"
-        for name, value in rows.items()
-    )
-    images = "".join(
-        f"<img alt='' style='max-width:100%' src='data:image/png;base64,{base64.b64encode(one).decode()}'>"
-        for one in pictures
-    )
-    below = f"<p><small>{escape(note)}</small></p>" if note else ""
-    return f"<p><strong>{escape(heading)}</strong></p><table>{lines}</table>{below}{images}"

@@ -17,8 +17,6 @@ from wirewear.base.spreadsheets import UNCOMPUTED, Sheet, left_out, sheet_text, 
 FIRST_LINES = 200  #: Lines that are looked at: headers of profilometers and controllers have some eighty.
 FEWEST_ALONE = 16  #: Numbers below one another that are a profile's heights, and no notes.
 
-#: Lines that may stand between the names of the columns and the numbers: units, a blank one, a word such as DATA.
-BETWEEN = 4
 
 #: What marks a line of names as a comment.
 _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+)\s*")
@@ -268,7 +266,8 @@ def _are_halves(lines: list[str], rows: list[int]) -> bool:
 def _names(lines: list[str], table: _Table) -> tuple[tuple[str, ...], int, tuple[str, ...]]:
     """Names of the columns, the line on which they stand, and their units as the line below has them."""
     candidates = []
-    for place in range(table.first - 1, max(table.first - 2 - BETWEEN, -1), -1):
+    # Lines that may stand between the names of the columns and the numbers: units, a blank one, a word such as DATA.
+    for place in range(table.first - 1, max(table.first - 2 - 4, -1), -1):
         fields = _named_fields(lines[place], table)
         named = any(re.search(r"[^\W\d_]", field) for field in fields) or _are_units(fields)
         if fields and named:

@@ -12,7 +12,6 @@ import socket
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
 
 from wirewear.base.errors import RunError
 from wirewear.base.files import require_unchanged, with_checksum
@@ -22,7 +21,7 @@ LOCK_FILE_NAME = ".wirewear-lock"
 
 
 @contextmanager
-def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, Any]]:
+def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, object]]:
     """Hold a folder, which is made if need be, and note what for.
 
     Yields what the last one noted that held it and did not come to its end; nothing if it did. What is `noted` beside
@@ -33,7 +32,10 @@ def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, Any
     with writing(RunError, f"the output folder {folder} cannot be used"):
         descriptor = _locked(path, folder)
         before = _noted(descriptor)
-        _note(descriptor, {"what": what, "process": os.getpid(), "host": socket.gethostname(), **noted})
+        held = with_checksum({"what": what, "process": os.getpid(), "host": socket.gethostname(), **noted})
+        os.ftruncate(descriptor, 0)
+        os.pwrite(descriptor, json.dumps(held).encode(), 0)
+        os.fsync(descriptor)
     # For whoever goes on with it.
     left = bool(noted)
     try:
@@ -47,7 +49,7 @@ def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, Any
         os.close(descriptor)
 
 
-def last_noted(folder: Path) -> Mapping[str, Any]:
+def last_noted(folder: Path) -> Mapping[str, object]:
     """What somebody noted who holds a folder, or held it and did not come to an end; nothing if there is nobody."""
     try:
         descriptor = os.open(folder / LOCK_FILE_NAME, os.O_RDONLY | os.O_NOFOLLOW)
@@ -80,28 +82,20 @@ def _locked(path: Path, folder: Path) -> int:
             holder = _noted(descriptor)
             if problem.errno in (errno.EWOULDBLOCK, errno.EACCES):
                 os.close(descriptor)
-                raise RunError(_refusal(folder, holder)) from None
+                who = f" ({holder['what']}, process {holder['process']} on {holder['host']})" if holder else ""
+                raise RunError(
+                    f"another command is writing to {folder}{who}: choose another --output, or wait for its end."
+                ) from None
             return descriptor
         if os.fstat(descriptor).st_nlink:
             return descriptor
         os.close(descriptor)
 
 
-def _refusal(folder: Path, holder: Mapping[str, Any]) -> str:
-    who = f" ({holder['what']}, process {holder['process']} on {holder['host']})" if "what" in holder else ""
-    return f"another command is writing to {folder}{who}: choose another --output, or wait for its end."
-
-
-def _noted(descriptor: int) -> Mapping[str, Any]:
+def _noted(descriptor: int) -> Mapping[str, object]:
     try:
         found = json.loads(os.pread(descriptor, 65_536, 0))
         require_unchanged(found, "the note", RunError)
     except (OSError, ValueError, TypeError, RecursionError, RunError):
         return {}
     return found if isinstance(found, dict) and {"what", "process", "host", "sha256"} <= found.keys() else {}
-
-
-def _note(descriptor: int, values: Mapping[str, Any]) -> None:
-    os.ftruncate(descriptor, 0)
-    os.pwrite(descriptor, json.dumps(with_checksum(values)).encode(), 0)
-    os.fsync(descriptor)

@@ -1,16 +1,10 @@
-"""What the machine has left, so that hopeless work is refused before it begins; processes that end with their own."""
+"""What the machine has left, so that hopeless work is refused before it begins."""
 
-import multiprocessing
 import os
 import re
 import shutil
-import signal
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from multiprocessing.connection import wait
+from contextlib import suppress
 from pathlib import Path
-from threading import Thread, current_thread, main_thread
 
 from wirewear.base.errors import WirewearError, counted
 
@@ -82,42 +76,3 @@ def _of_container() -> float:
         limit, used = (int((group / name).read_text(encoding="ascii")) for name in ("memory.max", "memory.current"))
         return float(max(limit - used, 0))
     return float("inf")
-
-
-@contextmanager
-def within(seconds: float) -> Iterator[None]:
-    """Raise TimeoutError in what is done within it after so many seconds at work; in the main thread only.
-
-    Only time on a processor counts: a busy machine makes nothing late. Signals go to the main thread alone.
-    """
-    if current_thread() is not main_thread():
-        yield
-        return
-
-    def late(_number: int, _frame: object) -> None:
-        raise TimeoutError
-
-    before = signal.signal(signal.SIGVTALRM, late)
-    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
-        signal.signal(signal.SIGVTALRM, before)
-
-
-def end_with_parent() -> None:
-    """End this process as soon as its parent is gone; to be called once, as the initializer of a pool's processes.
-
-    A task that went on would write into the same files as its own resumption.
-    """
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        Thread(target=_end_after, args=(parent.sentinel,), daemon=True).start()
-
-
-def _end_after(sentinel: int) -> None:
-    wait([sentinel])
-    sys.stderr.write("wirewear: the process that started this one is gone; its work stops here.\n")
-    sys.stderr.flush()
-    os._exit(1)

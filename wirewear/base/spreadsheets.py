@@ -1,4 +1,4 @@
-"""Spreadsheets as text: a tab between cells, so that one reader takes both; weighed before they are read."""
+"""Spreadsheets as text, a tab between cells, so that one reader takes both."""
 
 import re
 import zipfile
@@ -11,8 +11,6 @@ from typing import Any
 
 from wirewear.base.errors import RecordError, counted
 from wirewear.base.memory import free_memory, require_room
-
-CELL_bytes = 200  #: What a cell takes in memory at most while its sheet becomes text, in bytes.
 
 MOST_ROWS, MOST_COLUMNS = 1_048_576, 16_384  #: Of a sheet, in any spreadsheet program.
 
@@ -160,7 +158,8 @@ def _number(letters: bytes) -> int:
 
 def _sheet(sheet: Any, path: Path, uncomputed: set[tuple[int, int]]) -> Sheet:
     sheet.reset_dimensions()
-    most = free_memory() / CELL_bytes
+    # Bytes that a cell takes in memory at most while its sheet becomes text.
+    most = free_memory() / 200
     cells, numbers = 0, len(uncomputed)
     lines = []
     for number, row in enumerate(sheet.iter_rows(values_only=True), 1):

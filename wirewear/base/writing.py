@@ -20,12 +20,13 @@ from contextlib import contextmanager, suppress
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, overload
 
 from wirewear.base.errors import RunError, WirewearError
 
 if TYPE_CHECKING:
     import polars as pl
+    from vtkmodules.vtkCommonDataModel import vtkDataObject
 
 _BEGINS_FORMULA = r"^[=+\-@\t\r]"  #: Signs with which spreadsheets let a formula begin: OWASP, "CSV injection".
 _MOST_LINKS = 40  #: As many as Linux follows.
@@ -34,12 +35,12 @@ _BEFORE = ".before."  #: In the name of a folder that is exchanged in two steps.
 _AT_WORKING_FOLDER, _SWAP = -100, 2  #: Of renameat2, in Linux's fcntl.h and fs.h.
 
 
-def json_text(value: Any, indent: int | None = 2) -> str:
+def json_text(value: object, indent: int | None = 2) -> str:
     """A value as JSON, which knows no number that is not finite: null stands for one."""
     return json.dumps(finite(value), indent=indent, ensure_ascii=False, allow_nan=False)
 
 
-def write_csv(path: Path, table: pl.DataFrame | Sequence[Mapping[str, Any]]) -> Path:
+def write_csv(path: Path, table: pl.DataFrame | Sequence[Mapping[str, object]]) -> Path:
     """Write a table, or its rows, in one step; text that begins like a formula has an apostrophe before it.
     Raises OSError if the file cannot be written.
     """
@@ -52,7 +53,15 @@ def write_csv(path: Path, table: pl.DataFrame | Sequence[Mapping[str, Any]]) -> 
     return path
 
 
-def finite(value: Any) -> Any:
+@overload
+def finite(value: Mapping[str, object]) -> dict[str, object]: ...
+
+
+@overload
+def finite(value: object) -> object: ...
+
+
+def finite(value: object) -> object:
     """A value of mappings, sequences and plain values with None in place of numbers that are not finite."""
     if isinstance(value, float):
         return value if isfinite(value) else None
@@ -131,7 +140,7 @@ def write_bytes(path: Path, data: bytes) -> Path:
     return path
 
 
-def write_grid(path: Path, grid: Any) -> Path:
+def write_grid(path: Path, grid: vtkDataObject) -> Path:
     """Write or replace a VTU or VTP file (by the ending) of a VTK grid or of points in one step and return its path.
 
     By way of the memory: VTK's writers end the process where a disk is full. OSError when it cannot be written.

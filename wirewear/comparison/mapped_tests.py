@@ -11,7 +11,8 @@ from typing import Literal
 import numpy as np
 
 from wirewear.base.errors import RecordError
-from wirewear.base.files import TABLE_FILE_NAME, Held, require_no_other
+from wirewear.base.files import TABLE_FILE_NAME
+from wirewear.base.recognising import Held, require_no_other
 from wirewear.comparison.maps import (
     FreshContact,
     RegressionLine,

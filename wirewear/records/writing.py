@@ -5,7 +5,7 @@ A record takes the place of one that was made of the same file and is still as i
 
 import hashlib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -136,7 +136,7 @@ def write_record(
             write_csv(partial / files[key], frame)
         text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
         origin = f"\n{_origin(folder, made_of)}\n" if made_of else ""
-        write_text(partial / TABLE_FILE_NAME, with_checksums(text + origin, partial, files))
+        write_text(partial / TABLE_FILE_NAME, with_checksums(text + origin, partial, files.values()))
     return folder
 
 
@@ -170,8 +170,8 @@ def frame_of(columns: Mapping[str, Any]) -> "pl.DataFrame":
     return pl.DataFrame(dict(columns)).with_columns(pl.selectors.float().fill_nan(None))
 
 
-def with_checksums(text: str, folder: Path, names: Mapping[str, str]) -> str:
-    """The text of experiment.toml with the checksums of files of its folder, by their keys, and its own behind it."""
-    lines = [f"# sha256 {hashlib.sha256((folder / name).read_bytes()).hexdigest()} {name}\n" for name in names.values()]
+def with_checksums(text: str, folder: Path, names: Iterable[object]) -> str:
+    """The text of experiment.toml, and behind it the checksums of files of its folder, by their names, and its own."""
+    lines = [f"# sha256 {hashlib.sha256((folder / str(name)).read_bytes()).hexdigest()} {name}\n" for name in names]
     text += "\n# The files as wirewear wrote them. Whoever changes one on purpose deletes its line.\n" + "".join(lines)
     return text + f"# sha256 {hashlib.sha256(text.encode()).hexdigest()} of the text above\n"

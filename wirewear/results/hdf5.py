@@ -37,8 +37,9 @@ import numpy as np
 
 from geometry import Elastic
 from wirewear.base.errors import ResultError
-from wirewear.base.files import RESULT_FILE_NAME, Held, require_no_other
+from wirewear.base.files import RESULT_FILE_NAME
 from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5, write_arrays
+from wirewear.base.recognising import Held, require_no_other
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import format_1 as earlier_lines
 from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, geometry_of

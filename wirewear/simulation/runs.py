@@ -14,9 +14,10 @@ from typing import Any, TypeVar
 import numpy as np
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
+from wirewear.base.ending import end_with_parent
 from wirewear.base.engine import Done, Engine, LocalProcesses, results_of
 from wirewear.base.errors import LostTaskError, RunError, StudyError
-from wirewear.base.memory import end_with_parent, free_memory
+from wirewear.base.memory import free_memory
 from wirewear.base.writing import prepared_folder
 from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, ContactForces, RunResult, Scar
 from wirewear.simulation.contact_forces import forces_of

@@ -8,7 +8,8 @@ from pydantic import Field, PlainValidator
 
 from geometry import Elastic
 from wirewear.base.errors import Quantity, StudyError
-from wirewear.base.files import Held, read_toml, require_no_other
+from wirewear.base.files import read_toml
+from wirewear.base.recognising import Held, require_no_other
 from wirewear.strand.construction import Fibre, Layer, RopeWire, Strand, laid
 from wirewear.strand.helix import Hand
 from wirewear.test import keys

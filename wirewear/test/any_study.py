@@ -9,7 +9,7 @@ from typing import Any, Generic, Self, TypeVar
 
 from solvers import Drive, FrictionLaw, WearLaw
 from wirewear.base.errors import StudyError, as_sentence, counted, shown
-from wirewear.base.frame import notebook_table
+from wirewear.base.notebook import notebook_table
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.test.consistency import checked_tables, default_loop_cycles, inconsistency
 from wirewear.test.keys import Table, merged, values_in_no_variant

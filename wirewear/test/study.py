@@ -10,7 +10,8 @@ from typing import Any, ClassVar, Self, cast
 
 from wirewear.base import kinds
 from wirewear.base.errors import StudyError, shown
-from wirewear.base.files import Held, parsed_toml, read_toml, require_no_other
+from wirewear.base.files import parsed_toml, read_toml
+from wirewear.base.recognising import Held, require_no_other
 from wirewear.test.any_study import AnyStudy
 from wirewear.test.bodies import Body
 from wirewear.test.consistency import checked_tables

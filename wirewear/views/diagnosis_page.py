@@ -84,7 +84,7 @@ def page(diagnosed: Diagnosed) -> str:
     """The page of a diagnosis, to be opened in any browser."""
     diagnosis, found = diagnosed.diagnosis, diagnosed.search
     drawn = loops(diagnosed)
-    filters = {
+    filters: dict[str, frame.Filter] = {
         "plain": plain,
         "named": in_words,
         "parameters": parameters_in_words,

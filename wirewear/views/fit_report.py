@@ -8,7 +8,7 @@ from rich import box
 from rich.table import Table
 
 from wirewear.base.errors import UNIT_SYMBOLS, RecordError, counted
-from wirewear.base.files import TABLE_FILE_NAME, parsed_toml, read_text, toml_text
+from wirewear.base.files import TABLE_FILE_NAME, parsed_toml, read_text, table_of, toml_text
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.diagnosis.fit.fit import CheckedRun, stated_by
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
@@ -161,8 +161,10 @@ def write_stated(fitted: FittedTest) -> Path:
     known = stated_by(fitted.parameters, fitted.rigid_N_per_mm)
     # A body wears by one law: what was fitted takes the place of what was stated otherwise.
     replaced = {key.replace("energy", "archard").replace("_per_J", "_per_N_m") for key in known}
-    before_it = {key: value for key, value in tables.get("stated", {}).items() if key not in replaced}
+    before_it = {key: value for key, value in table_of(tables, "stated").items() if key not in replaced}
     tables["stated"] = {**before_it, **known}
     text = toml_text(tables)
-    write_text(path, with_checksums(text, path.parent, tables["files"]) if CHECKSUM in before else text)
+    write_text(
+        path, with_checksums(text, path.parent, table_of(tables, "files").values()) if CHECKSUM in before else text
+    )
     return path

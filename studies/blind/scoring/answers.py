@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from studies.blind.errors import BlindError
-from wirewear.base.files import read_json, require_unchanged
+from studies.json_files import read_json
+from wirewear.base.files import require_unchanged
 
 FILE_NAME = "diagnosis.json"
 VERDICTS = ("no_gap", "explained", "ambiguous", "unexplained")

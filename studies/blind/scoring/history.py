@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from studies.blind.errors import BlindError
+from studies.json_files import parsed_json
 from wirewear.base.cache import code_hash
-from wirewear.base.files import parsed_json, read_text
+from wirewear.base.files import read_text
 from wirewear.base.writing import write_text, writing
 
 LOG, SCORE_JSON = "scored_runs.jsonl", "score.json"

@@ -14,8 +14,8 @@ from studies.blind.scoring.history import SCORE_JSON, logged_run
 from studies.blind.scoring.judging import Judgement, Truth, judged
 from studies.blind.scoring.table import aim_rows, share_text, words
 from studies.blind.sealing import fingerprint, opened, read_key_file
+from studies.json_files import read_json
 from wirewear.base import frame
-from wirewear.base.files import read_json
 from wirewear.base.writing import json_text, usable_folder, write_text, writing
 
 KINDS = (

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wirewear.base.errors import ResultError, counted, unit_of, words_of
-from wirewear.base.frame import notebook_table
+from wirewear.base.notebook import notebook_table
 from wirewear.results import RunResult, write_result
 from wirewear.results import read_result as read_plain
 from wirewear.results import read_results as read_all_plain

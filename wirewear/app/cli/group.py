@@ -17,8 +17,9 @@ from click.core import ParameterSource
 from click.decorators import FC
 
 from wirewear.base.errors import Quantity, RunError, WirewearError, show_warnings_plainly
-from wirewear.base.files import TABLE_FILE_NAME, example
+from wirewear.base.files import TABLE_FILE_NAME
 from wirewear.base.memory import MOST_MEMORY_GB
+from wirewear.base.recognising import example
 from wirewear.base.writing import usable_file, usable_folder, why_not_written
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C

@@ -23,7 +23,7 @@ from wirewear.app.cli.group import (
     stage,
 )
 from wirewear.base.errors import RecordError
-from wirewear.base.files import Held, recognised
+from wirewear.base.recognising import Held, recognised
 from wirewear.base.writing import json_text
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ import click
 
 from wirewear.app.cli.group import cli
 from wirewear.base.errors import RunError, WirewearError, as_sentence, shown
-from wirewear.base.files import Held, recognised
+from wirewear.base.recognising import Held, recognised
 from wirewear.base.writing import prepared_folder, write_text
 
 FILES, MAPPING, RECORD, RESULT = "files", "mapping.toml", "record", "result"

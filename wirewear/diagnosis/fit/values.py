@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
 from wirewear.base.errors import UNIT_SYMBOLS
-from wirewear.base.frame import notebook_table
+from wirewear.base.notebook import notebook_table
 from wirewear.records import AnyRecord
 from wirewear.test import AnyStudy
 

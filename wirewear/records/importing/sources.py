@@ -9,9 +9,9 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.blocks import NUMBER_WORDS
 from wirewear.base.delimited import DelimitedLayout
+from wirewear.base.ending import within
 from wirewear.base.errors import RecordError
 from wirewear.base.files import DELIMITERS, require_within
-from wirewear.base.memory import within
 from wirewear.records.importing.loggers import kind_of, readers
 from wirewear.records.importing.mapping import PROFILOMETER, ColumnMapping, Source, unit_factor
 from wirewear.records.importing.text_reader import TextReader

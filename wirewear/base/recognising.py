@@ -1,0 +1,109 @@
+"""What a path or a name stands for: a record, a result, a study, numbers; an example that comes with the program."""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from contextlib import suppress
+from enum import StrEnum
+from pathlib import Path
+
+from wirewear.base.errors import WirewearError
+from wirewear.base.files import RESULT_FILE_NAME, TABLE_FILE_NAME
+
+#: Tables of a mapping that say where measured numbers are.
+_SOURCES = ("loops", "evolution", "scars", "profiles")
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+
+#: Beginnings of loggers' files that are no text: of xlsx and x3p, of MATLAB, of LabVIEW.
+_PACKED = (b"PK\x03\x04", b"MATLAB 5.0", b"TDSm")
+_NUMBER = r'"?[-+]?\d[\d.,]*(?:e[-+]?\d+)?"?'
+_ROW = re.compile(rf"\s*{_NUMBER}(?:\s*[\s;,|]\s*{_NUMBER})+[\s;,|]*", re.IGNORECASE)
+
+STUDIES = ("steel_wires", "ball_on_flat", "cylinder_on_flat")
+RECORDS = ("no_gap", "free_play_rig", "rigid_stated_compliant_rig")
+_HERE = Path(__file__).resolve()
+
+#: Where they are: `setup.py` puts them beside the installed modules; a checkout has them among its studies.
+_FOLDERS = (_HERE.parents[1] / "examples", _HERE.parents[2] / "studies")
+
+
+class Held(StrEnum):
+    """What a path may hold."""
+
+    RECORD = "record"
+    RUN = "result of a run"
+    STUDY = "study"
+    SWEEP = "sweep"
+    ROPE = "rope's construction"
+    MAPPING = "mapping of measured files"
+    NUMBERS = "file of measured numbers"
+
+
+#: The commands that take it, PATH being its place.
+_TAKEN = {
+    Held.RECORD: "`wirewear check PATH` reads it",
+    Held.RUN: "`wirewear report PATH` makes its page, `wirewear export PATH --as-record DIR` a record of it",
+    Held.STUDY: "`wirewear run PATH` simulates it",
+    Held.SWEEP: "`wirewear sweep PATH` runs it",
+    Held.ROPE: "`wirewear strand PATH` finds its contacts",
+    Held.MAPPING: "`wirewear import PATH --output DIR` makes a record by it",
+    Held.NUMBERS: "`wirewear new --mapping PATH` begins a mapping that says how to read it, and `wirewear loops PATH` "
+    "analyses friction loops",
+}
+
+
+def require_no_other(path: Path, kind: type[WirewearError], *wanted: Held) -> None:
+    """See that a path does not hold what only other commands take; what is not recognised passes.
+    Raises WirewearError, of the given kind and in one sentence that says what it is and names a command, if it does.
+    """
+    held = None
+    with suppress(OSError, ValueError):
+        held = recognised(path)
+    if held is not None and held not in wanted:
+        place = path.parent if held == Held.RECORD and path.name == TABLE_FILE_NAME else path
+        needed = " or ".join(wanted)
+        raise kind(f"{path} is a {held}, and no {needed}: {_TAKEN[held].replace('PATH', str(place))}.")
+
+
+def recognised(path: Path) -> Held | None:
+    """What a path holds; None for what looks like nothing of ours."""
+    if (path / TABLE_FILE_NAME).is_file() or (path.name == TABLE_FILE_NAME and path.is_file()):
+        return Held.RECORD
+    if path.is_dir():
+        is_run = any(any(path.glob(where)) for where in (RESULT_FILE_NAME, f"*/{RESULT_FILE_NAME}"))
+        return Held.RUN if is_run else None
+    if not path.is_file():
+        return None
+    with path.open("rb") as file:
+        start = file.read(4096)
+        file.seek(max(0, path.stat().st_size - 128))
+        end = file.read()
+    if start.startswith(_HDF5):
+        # Other programs write HDF5 too.
+        return Held.RUN if path.name == RESULT_FILE_NAME or b"\nwirewear sha256 " in end else None
+    with suppress(ValueError, RecursionError):
+        return _held_by(tomllib.loads(path.read_text(encoding="utf-8-sig")))
+    rows = start.decode("latin-1").replace("\0", "").splitlines()
+    is_numbers = start.startswith(_PACKED) or any(map(_ROW.fullmatch, rows))
+    return Held.NUMBERS if is_numbers and path.suffix != ".toml" else None
+
+
+def _held_by(tables: Mapping[str, object]) -> Held | None:
+    if "kind" not in tables and any(name in tables for name in _SOURCES):
+        return Held.MAPPING
+    if "files" in tables:
+        return Held.RECORD
+    if "vary" in tables:
+        return Held.SWEEP
+    if "core" in tables and ("layers" in tables or "outer_strands" in tables):
+        return Held.ROPE
+    contact = tables.get("contact")
+    return Held.STUDY if "kind" in tables or (isinstance(contact, Mapping) and "friction" in contact) else None
+
+
+def example(name: str) -> Path | None:
+    """The file of the study, or the folder of the record, of that name; None where there is none."""
+    inner = {one: f"{one}/study.toml" for one in STUDIES}
+    inner |= {one: f"steel_wires/example_records/{one}" for one in RECORDS}
+    places = (folder / inner[name] for folder in _FOLDERS if name in inner)
+    return next((place for place in places if place.exists()), None)
