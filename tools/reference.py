@@ -18,6 +18,7 @@ from wirewear.records.importing.mapping import LineMapping
 from wirewear.records.importing.mapping import Mapping as RecordMapping
 from wirewear.records.tables import RecordTables
 from wirewear.results import COLUMN_MEANINGS, EVOLUTION_COLUMNS, LATER_COLUMNS, hdf5
+from wirewear.strand.tables import RopeTables
 from wirewear.sweeps.tables import SweepTables, Vary
 from wirewear.test.keys import quantity_of, table_of
 from wirewear.test.lines import LineTables
@@ -44,6 +45,8 @@ FILES = (
     ("`wirewear fit`", "`study.toml`, `stated.toml`, `run/`", "the fitted study, its `[stated]`, a run of it"),
     ("`wirewear maps`", "`maps.html`, `tests.csv`", "many tests on one page, and their table"),
     ("`wirewear sweep`", "`sweep.html`, `table.csv`, `table.parquet`", "the page of a sweep; a row for each run"),
+    ("`wirewear strand`", "`strand.html`, `contacts.csv`, `section.png`", "contacts inside a rope, the worst first"),
+    ("", "`studies/*.toml`", "a study of each contact"),
     ("`wirewear fields`", "`*.vtu`, `*.png`", "displacements and stresses inside the bodies"),
     ("`wirewear strength`", "`strength_*.vtu`, `strength_*.png`", "where wires yield, where cracks begin first"),
     ("`wirewear life`", "`life.html`, `life.json`, `life.csv`, `life_*.png`", "after how many cycles cracks begin"),
@@ -69,6 +72,11 @@ HEADS: tuple[tuple[str, str, type[BaseModel]], ...] = (
         "mapping.toml of a line contact",
         "What `wirewear import` reads of a line contact; [records](../records.md#line-contacts) has an example.",
         LineMapping,
+    ),
+    (
+        "rope.toml",
+        "What `wirewear strand` reads; [from a rope to its contacts](../strand.md) has an example.",
+        RopeTables,
     ),
     ("sweep.toml", "What `wirewear sweep` reads; [sweeps](../sweeps.md) has examples.", SweepTables),
 )

@@ -251,10 +251,10 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): what 1.0.0 weighs and 3 % of slack. Looked at when a version is made.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 71_000,
-    "lines of wirewear": 57_500,
+    "lines of geometry, solvers and wirewear": 71_600,
+    "lines of wirewear": 58_100,
     "lines of studies": 17_100,
-    "lines of tests": 31_000,
+    "lines of tests": 31_500,
     "files of geometry, solvers and wirewear": 350,
     "rooms of wirewear": 20,
     "arrows between rooms": 107,

@@ -95,7 +95,7 @@ def _held_by(tables: Mapping[str, object]) -> Held | None:
         return Held.RECORD
     if "vary" in tables:
         return Held.SWEEP
-    if "core" in tables and ("layers" in tables or "outer_strands" in tables):
+    if "core" in tables:
         return Held.ROPE
     contact = tables.get("contact")
     return Held.STUDY if "kind" in tables or (isinstance(contact, Mapping) and "friction" in contact) else None

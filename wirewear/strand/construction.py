@@ -7,7 +7,7 @@ member as a wire is, of its own stiffness.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, degrees, pi, sin
+from math import cos, degrees, inf, pi, sin
 from typing import TypeAlias
 
 from geometry import Elastic
@@ -147,6 +147,11 @@ def laid(
     d, base = member.diameter_mm, outer_diameter_mm(*below)
     resting = 0.5 * (base + d)
     least = least_radius_mm(d, lay_length_mm, count)
+    if least == inf:
+        raise StudyError(
+            f"{where} cannot hold {count} {what} of {d:.4g} mm: at a lay length of {lay_length_mm:g} mm they have no "
+            f"room at any radius; give a lay_length_mm well above {count * d:.3g}."
+        )
     if radius_mm is not None:
         if radius_mm < resting - OVERLAP * d:
             raise StudyError(

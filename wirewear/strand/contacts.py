@@ -119,6 +119,11 @@ class WireContact:
         return self.slip_amplitude_mm * cos(turned), self.slip_amplitude_mm * sin(turned)
 
     @property
+    def wires(self) -> list[LoadedWire]:
+        """Those of both bodies that are wires."""
+        return [own for own in (self.lower, self.upper) if isinstance(own, LoadedWire)]
+
+    @property
     def elastic(self) -> tuple[Elastic, Elastic]:
         lower = self.lower if isinstance(self.lower, SheaveGroove) else self.lower.wire
         return lower.elastic, self.upper.wire.elastic
@@ -239,7 +244,7 @@ class _Bent:
         return ContactSlip(
             relative_slip_mm(outer.helix, free[0], below, free[-1]),
             relative_slip_mm(outer.helix, held[0], below, held[-1]),
-            min(curvature / min(own.first_per_mm for own in courses), 1.0),
+            curvature / max(curvature, min(own.first_per_mm for own in courses)),
         )
 
     def _on_core(self, course: SlipCourse, load_N_per_mm: float) -> WireContact:

@@ -109,8 +109,7 @@ def _worn_depth_mm(contact: WireContact, volume_mm3: float) -> float:
 
 
 def _yielding(contact: WireContact, peak_MPa: float, ratio: float) -> tuple[float, float]:
-    wires = (contact.lower, contact.upper)
-    stated = [own.wire.yield_stress_MPa for own in wires if isinstance(own, LoadedWire)]
+    stated = (own.wire.yield_stress_MPa for own in contact.wires)
     known = [one for one in stated if one is not None]
     if not known:
         return nan, nan

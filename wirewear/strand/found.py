@@ -8,12 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from geometry import Elastic
+from wirewear.base.errors import StudyError, counted
 from wirewear.strand.construction import Strand
 from wirewear.strand.contacts import Bend, SheaveGroove, contacts_of
 from wirewear.strand.estimates import ContactEstimate, estimates
-from wirewear.strand.studies import file_name, notes, studies_of
+from wirewear.strand.studies import file_name, has_study, notes, studies_of
 from wirewear.strand.tables import RopeTables, load_rope, rope_of
 from wirewear.test import AnyStudy
+
+STRONGEST_MPa = 1e4  #: Stresses beyond this are no wire's.
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +69,17 @@ def strand_contacts(rope: str | Path | dict[str, Any]) -> RopeContacts:
     else:
         tables, where = load_rope(rope), str(rope)
     made, c, groove = tables.construction(where), tables.conditions, None
+    if c.tension_amplitude_N >= c.tension_N:
+        raise StudyError(
+            f"tension_amplitude_N in [conditions] of {where} is {c.tension_amplitude_N:g}, but the rope stays taut "
+            f"only if it is below tension_N, {c.tension_N:g}."
+        )
     if (sheave := tables.sheave) is not None:
+        if sheave.groove_radius_mm < 0.5 * made.diameter_mm:
+            raise StudyError(
+                f"groove_radius_mm in [sheave] of {where} is {sheave.groove_radius_mm:g}, but the rope needs more than "
+                f"its own radius, {0.5 * made.diameter_mm:.4g} mm."
+            )
         curvatures = (1.0 / c.bending_radius_mm, -1.0 / sheave.groove_radius_mm)
         groove = SheaveGroove(Elastic(sheave.youngs_modulus_MPa, sheave.poissons_ratio), curvatures)
     bend = Bend(
@@ -77,6 +90,12 @@ def strand_contacts(rope: str | Path | dict[str, Any]) -> RopeContacts:
     )
     wear = 0.0 if tables.wear is None else tables.wear.energy_wear_coefficient_mm3_per_J
     found = contacts_of(made, c.tension_N, bend, groove)
+    stresses = [(own.mean_MPa + own.amplitude_MPa, own.name) for one in found for own in one.wires]
+    if stresses and max(stresses)[0] > STRONGEST_MPa:
+        raise StudyError(
+            f"a wire ({max(stresses)[1]}) would bear {counted(max(stresses)[0])} MPa in {where}, which no wire does: "
+            "look at tension_N and bending_radius_mm in [conditions]."
+        )
     return RopeContacts(tables, made, tuple(estimates(found, bend.friction, wear, c.cycles, tables.life)))
 
 
@@ -114,4 +133,4 @@ def _row(one: ContactEstimate) -> dict[str, Any]:
     # Lives may be endless; a length that is endless is none.
     known = {key: isfinite(value) if "life" not in key else not isnan(value) for key, value in values.items()}
     plain = {key: value if known[key] else None for key, value in values.items()}
-    return {**head, **plain, "study": None if isnan(one.elastic_mm) else file_name(contact.name)}
+    return {**head, **plain, "study": file_name(contact.name) if has_study(one) else None}

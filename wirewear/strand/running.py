@@ -25,12 +25,13 @@ OF_RUN = {
 
 @dataclass(frozen=True, eq=False)
 class ContactRuns(Sweep):
-    """Studies of different contacts, each as it stands."""
+    """Studies of different contacts, each as it stands, the worst first; worst: how many of them are run."""
 
     studies: tuple[AnyStudy[Any], ...] = ()
+    worst: int = 0
 
     def __len__(self) -> int:
-        return len(self.studies)
+        return self.worst
 
     @property
     def identity(self) -> Identity:
@@ -48,12 +49,18 @@ def run_contacts(
     output: Path,
     engine: Engine,
     observer: SweepObserver | None = None,
+    *,
+    worst: int | None = None,
 ) -> dict[str, SweepRow]:
-    """The rows of the studies by their contacts' names; results stay in a folder each. Errors as of `run_sweep`."""
+    """The rows of the studies by their contacts' names, of the first few or of all; results stay in a folder each.
+
+    Rows that stand in the folder are taken, of however many. Errors as of `run_sweep`.
+    """
     if not studies:
         return {}
-    first, none = next(iter(studies.values())), np.zeros((len(studies), 0))
-    asked = ContactRuns(name, first, Design("grid", (), none, none), fidelity, True, tuple(studies.values()))
+    all_studies, count = tuple(studies.values()), min(worst or len(studies), len(studies))
+    none = np.zeros((count, 0))
+    asked = ContactRuns(name, all_studies[0], Design("grid", (), none, none), fidelity, True, all_studies, count)
     rows = run_sweep(asked, output, engine, observer).rows
     return {contact: rows[number] for number, contact in enumerate(studies, 1) if number in rows}
 

@@ -30,12 +30,20 @@ def file_name(contact_name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", contact_name.lower()).strip("_") + ".toml"
 
 
+def has_study(found: ContactEstimate) -> bool:
+    """Whether a contact's motion is known, and large enough for a study."""
+    return _amplitude_um(found) >= _LEAST_um
+
+
+def _amplitude_um(found: ContactEstimate) -> float:
+    return 1e3 * (found.contact.slip_amplitude_mm + found.elastic_mm)
+
+
 def study_tables(found: ContactEstimate, rope: RopeTables) -> dict[str, Any] | None:
-    """The tables of a contact's study; None of one that sticks, or whose motion is not computed."""
+    """The tables of a contact's study; None of one that next to does not move, or whose motion is not computed."""
     contact = found.contact
-    lower, upper = contact.lower, contact.upper
-    amplitude_um = 1e3 * (contact.slip_amplitude_mm + found.elastic_mm)
-    if not isinstance(lower, LoadedWire) or not amplitude_um >= _LEAST_um:
+    lower, upper, amplitude_um = contact.lower, contact.upper, _amplitude_um(found)
+    if not isinstance(lower, LoadedWire) or not has_study(found):
         return None
     crossing, motion = degrees_of(contact)
     conditions = {

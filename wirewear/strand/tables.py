@@ -16,16 +16,17 @@ from wirewear.test import keys
 from wirewear.test.life import LifeTable
 from wirewear.test.messages import validated
 
-_LAY_LENGTH = Quantity("mm", 1.0, 1e4)
+
+class _LayQuantity(Quantity):
+    """A length whose sign some take for the direction of lay."""
+
+    def __call__(self, value: object) -> float | int | str:
+        if isinstance(value, int | float) and not isinstance(value, bool) and value < 0.0:
+            raise ValueError(f'is {value:g}, but a lay length is positive: its direction is lay = "left" or "right"')
+        return super().__call__(value)
 
 
-def _checked_lay(value: object) -> float:
-    if isinstance(value, int | float) and not isinstance(value, bool) and value < 0.0:
-        raise ValueError(f'is {value:g}, but a lay length is positive: its direction is lay = "left" or "right"')
-    return float(_LAY_LENGTH(value))
-
-
-LayLength = Annotated[float, PlainValidator(_checked_lay)]
+LayLength = Annotated[float, PlainValidator(_LayQuantity("mm", 1.0, 1e4))]
 Lay = Annotated[Literal["right", "left"], PlainValidator(keys.one_of("right", "left"))]
 Count = Annotated[int, PlainValidator(Quantity("1", 3, 200, whole=True))]
 Radius = Annotated[float, PlainValidator(Quantity("mm", 0.02, 500.0))]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from math import cos, degrees, pi, sin
+from math import cos, degrees, inf, isnan, pi, sin
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,10 +38,10 @@ _PRINTED = {
     "slip_amplitude_um": "slip [µm]",
     "force_ratio": "Q/µP",
     "regime": "regime",
-    "mean_stress_MPa": "mean [MPa]",
+    "mean_stress_MPa": "mean stress [MPa]",
     "stress_amplitude_MPa": "swing ± [MPa]",
-    "friction_energy_mJ": "energy [mJ, mJ/mm]",
-    "worn_depth_um": "worn [µm]",
+    "worn_volume_per_cycle_mm3": "wear a cycle [mm³, mm²]",
+    "worn_depth_um": "worn depth [µm]",
     "life_cycles": "life [cycles]",
 }
 
@@ -50,20 +50,20 @@ Place = tuple[float, float]
 
 def sentence(found: RopeContacts) -> str:
     """The worst contact in a sentence."""
-    worst = found.contacts[0]
-    contact, c = worst.contact, found.tables.conditions
-    load, peak = f"{written(contact.load_N)} {'N/mm' if contact.is_line else 'N'}", counted(worst.peak_pressure_MPa)
-    ends = "crack estimated after" if worst.life_cycles < float("inf") else ""
-    life = f", {ends} {_cycles(worst.life_cycles)} cycles" if ends else ""
+    worst, c = found.contacts[0], found.tables.conditions
+    contact, life = worst.contact, worst.life_cycles
+    load = f"{written(contact.load_N)} {'N/mm' if contact.is_line else 'N'}, p0 {counted(worst.peak_pressure_MPa)} MPa"
+    slip = "" if contact.sort == "sheave" else f", slip ±{1e3 * contact.slip_amplitude_mm:.3g} µm, {worst.regime}"
+    ends = "" if isnan(life) else f", {'no crack' if life == inf else f'a crack after some {_cycles(life)} cycles'}"
+    kinds = f"{len(found.contacts)} kinds of contact" if len(found.contacts) > 1 else "one kind of contact"
     return (
-        f"Of {len(found.contacts)} kinds of contact under {written(c.tension_N)} N and a bending radius of "
-        f"{written(c.bending_radius_mm)} mm, the worst is {contact.name}: {load}, p0 {peak} MPa, "
-        f"slip ±{1e3 * contact.slip_amplitude_mm:.3g} µm, {worst.regime}{life}."
+        f"{kinds[:1].upper()}{kinds[1:]} under {written(c.tension_N)} N and a bending radius of "
+        f"{written(c.bending_radius_mm)} mm. The worst: {contact.name}, {load}{slip}{ends}."
     )
 
 
 def _cycles(life: float) -> str:
-    return "∞" if life == float("inf") else counted(float(f"{life:.2g}")) if life < 1e9 else f"{life:.1e}"
+    return "∞" if life == inf else counted(float(f"{life:.2g}")) if life < 1e9 else f"{life:.1e}"
 
 
 def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
@@ -75,31 +75,40 @@ def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> list[d
     return made
 
 
-def strand_table(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> Table:
-    """The table as it is printed."""
+def strand_tables(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> list[Table]:
+    """The estimates of all contacts as they are printed, and what came of those that were run."""
+    shown = shown_rows(found, rows)
+    runs = [row for row in shown if row.get("run_friction_energy_mJ") is not None]
+    tables = [_table(shown, _PRINTED)]
+    return [*tables, _table(runs, _run_headings(runs))] if runs else tables
+
+
+def _table(rows: Sequence[Mapping[str, Any]], headings: Mapping[str, str]) -> Table:
     from rich import box
     from rich.markup import escape
     from rich.table import Table
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("contact", overflow="fold")
-    headings = _printed(rows)
-    for heading in headings.values():
-        table.add_column(escape(heading), justify="right")
-    for row in shown_rows(found, rows):
+    table.add_column("contact", no_wrap=True)
+    for key, heading in headings.items():
+        width = 10 if key in ("worn_volume_per_cycle_mm3", "life_cycles") else None
+        table.add_column(escape(heading), justify="right", no_wrap=key == "regime", min_width=width)
+    for row in rows:
         table.add_row(row["contact"], *(_text(key, row[key]) for key in headings))
     return table
 
 
-def _printed(rows: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    runs = [key for key in rows[0] if key.startswith("run_")]
-    return _PRINTED | {key: f"{words_of(key)} [{unit_of(key)}]".replace(" [1]", "") for key in runs}
+def _run_headings(rows: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """Columns of runs, none where nothing was run."""
+    runs = [key for key in rows[0] if key.startswith("run_") and key != "run_failure"]
+    return {key: f"{words_of(key)} [{unit_of(key)}]" for key in runs}
 
 
 def _text(key: str, value: Any) -> str:
     if isinstance(value, str):
         return value
-    return _cycles(value) if key.endswith("life_cycles") and value is not None and value == value else written(value)  # noqa: PLR0124 (NaN)
+    is_life = key.endswith("life_cycles") and value is not None and not isnan(value)
+    return _cycles(value) if is_life else written(value)
 
 
 def strand_json(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> str:
@@ -120,7 +129,7 @@ def write_strand(found: RopeContacts, rows: Sequence[Mapping[str, Any]], folder:
 
 def page(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> str:
     """The page, which needs no other file."""
-    headings, shown = _printed(rows), shown_rows(found, rows)
+    headings, shown = _PRINTED | _run_headings(rows), shown_rows(found, rows)
     values = {
         "name": found.name,
         "summary": sentence(found),
@@ -159,7 +168,7 @@ def draw_section(found: RopeContacts) -> Figure:
         life = one.life_cycles
         text = f"{rank + 1}  {name}\n     p0 {one.peak_pressure_MPa:.0f} MPa"
         text += f", ±{1e3 * one.contact.slip_amplitude_mm:.3g} µm" if one.contact.sort != "sheave" else ""
-        text += f", {_cycles(life)} cycles" if life == life else ""  # noqa: PLR0124 (NaN)
+        text += "" if isnan(life) else f", {_cycles(life)} cycles"
         legend.scatter([], [], s=40, color=colour, marker=mark, edgecolor=INK, linewidth=0.4, label=text)
     axes.set(
         aspect="equal", xlim=(-1.08 * reach, 1.08 * reach), ylim=(-1.08 * reach, 1.08 * reach), xlabel="mm", ylabel="mm"
@@ -176,7 +185,7 @@ def _draw_strand(axes: Axes, strand: Strand, centre: Place, turned: float) -> No
             axes.add_patch(
                 Circle(at, 0.5 * member.diameter_mm, fill=False, edgecolor=GREY, linewidth=0.5, linestyle=":")
             )
-            _draw_strand(axes, member, at, angle + 0.5 * pi)
+            _draw_strand(axes, member, at, angle if member is strand.core else angle + 0.5 * pi)
             continue
         d = member.diameter_mm
         colour = _FIBRE if isinstance(member, Fibre) else _METAL

@@ -39,7 +39,7 @@ def strand(
     from wirewear.app.cli.study_script import wide_console
     from wirewear.strand import strand_contacts
     from wirewear.strand.studies import write_studies
-    from wirewear.views.strand_page import sentence, strand_json, strand_table, write_strand
+    from wirewear.views.strand_page import sentence, strand_json, strand_tables, write_strand
 
     found = strand_contacts(rope_path)
     folder = usable_folder(output or group.default_output(rope_path))
@@ -50,16 +50,17 @@ def strand(
         from wirewear.base.engine import engine_of
         from wirewear.strand import running
 
-        chosen = dict(list(found.studies().items())[:worst])
-        with observer_of(len(chosen)) as observer:
-            runs = running.run_contacts(found.name, chosen, fidelity, folder, engine_of(jobs, scheduler), observer)
+        with observer_of(min(worst or len(studies), len(studies))) as observer:
+            runs = running.run_contacts(
+                found.name, found.studies(), fidelity, folder, engine_of(jobs, scheduler), observer, worst=worst
+            )
         rows = running.with_runs(rows, runs)
     written = write_strand(found, rows, folder)
     if as_json:
         click.echo(strand_json(found, rows))
     else:
-        wide_console(150).print(strand_table(found, rows))
+        wide_console(170).print(*strand_tables(found, rows))
         click.echo("\n".join([sentence(found), *found.notes]))
         if studies:
-            click.echo(f"{len(studies)} studies are in {folder / 'studies'}, the worst: {next(iter(studies.values()))}")
+            click.echo(f"studies are in {folder / 'studies'}, of the worst contact {next(iter(studies.values())).name}")
     click.echo(f"the page is {written[-1]}", err=as_json)
