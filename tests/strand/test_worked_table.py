@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from tests.strand.ropes import conductor, nineteen_wires, seven_wires, strands_of_seven
+from tests.strand.ropes import conductor, nineteen_wires, rope, seven_wires, strands_of_seven
 from wirewear import strand_contacts
 from wirewear.strand.bending import BentLayer, slip_courses
 from wirewear.strand.construction import Strand
@@ -222,3 +222,29 @@ def test_the_angles_of_a_double_helix_are_those_of_its_tangents() -> None:
     double = DoubleHelix(strand, wire)
     assert np.arctan2(tangent[1], tangent[2]) == pytest.approx(double.outermost_rad, abs=radians(0.05))
     assert -bend[0] / (tangent @ tangent) == pytest.approx(double.crown_curvature_per_mm, rel=0.02)
+    # One of six wires comes nearest to the rope's axis wherever one has gone on by a sixth of its lay.
+    t = np.linspace(0.0, 24.0, 2401)
+    reach = [np.hypot(*place(one)[:2]) for one in t]
+    assert t[int(np.argmin(reach))] == pytest.approx(12.0, abs=0.05)
+    assert double.crown_spacing_mm(6) == 24.0 / 6
+
+
+def test_a_layer_of_as_many_wires_and_the_same_lay_lies_in_the_valleys_of_the_one_below() -> None:
+    """Seale's construction: each outer wire touches two, and presses them apart."""
+    layers = [{"wires": 9, "wire_diameter_mm": d, "lay_length_mm": 75} for d in (1.1, 1.9)]
+    found = strand_contacts(rope(10_000.0, core={"wire_diameter_mm": 2.2}, layers=layers))
+    inner, outer = (layer.helix for layer in found.rope.layers)
+    z = np.linspace(-5.0, 5.0, 40_001)
+    turned = 2.0 * pi * z / 75.0 + pi / 9.0
+    way = np.stack([inner.radius_mm * np.cos(turned) - outer.radius_mm, inner.radius_mm * np.sin(turned), z])
+    apart = np.linalg.norm(way, axis=0)
+    assert apart.min() == pytest.approx(1.5, rel=1e-6)
+    pointing = -way[0, apart.argmin()] / apart.min()
+    tension = found.rope.member_tension_N(found.rope.layers[1], 10_000.0)
+    one = only(found, "layer 2 on layer 1").contact
+    assert one.is_line
+    assert 2.0 * one.load_N * pointing == pytest.approx(tension * outer.curvature_per_mm, rel=1e-3)
+    # What it leaves in wedging wires apart does not reach the core.
+    core = only(found, "layer 1 on core").contact
+    own = found.rope.member_tension_N(found.rope.layers[0], 10_000.0) * inner.curvature_per_mm
+    assert own + 0.8 * tension * outer.curvature_per_mm < core.load_N < own + 0.84 * tension * outer.curvature_per_mm

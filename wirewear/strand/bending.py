@@ -73,11 +73,11 @@ class BentLayer:
 
 
 def slip_courses(
-    layers: Sequence[BentLayer], friction: float, outside_N_per_mm: float, presses: Sequence[bool]
+    layers: Sequence[BentLayer], friction: float, outside_N_per_mm: float, presses: Sequence[float]
 ) -> list[SlipCourse]:
     """Slip of each layer, from the innermost on, under what presses on the outermost per millimetre of the axis.
 
-    presses: which layers press on the one below; one that arches does not.
+    presses: the part of each layer's load that presses on the one below, 0 of one that arches.
     A member is held below by its own radial pressure and that of layers above, above by the latter. Those have slipped
     when it does, as Papailiou has it, and arches are held by their neighbours as a layer is by its core.
     """
@@ -93,7 +93,7 @@ def slip_courses(
         tension = np.exp(m * ANGLES) * (layer.tension_N + np.concatenate([[0.0], np.cumsum(steps)]))
         found.append(SlipCourse(layer.helix, layer.stiffness_N, tension - layer.tension_N))
         own = layer.count * tension * layer.helix.curvature_per_mm / cos(alpha)
-        above = own + above if passes_on else np.zeros(_PLACES)
+        above = passes_on * (own + above)
     return found[::-1]
 
 

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, degrees, inf, pi, sin
-from typing import TypeAlias
+from typing import NoReturn, TypeAlias
 
 from geometry import Elastic
 from wirewear.base.errors import StudyError
-from wirewear.strand.helix import Hand, Helix, least_radius_mm
+from wirewear.strand.helix import Hand, Helix, least_radius_mm, valley_radius_mm, valley_shares
 
 ARCH = 0.1  #: A layer whose neighbours touch farther off the one below, in diameters of its members, holds too many.
 NEAR = 0.02  #: A layer laid at a stated radius touches the one below if it is this near, in diameters.
@@ -64,13 +64,22 @@ class Fibre:
 
 @dataclass(frozen=True)
 class Layer:
-    """So many wires, or strands, on a helix; gap_mm: between it and what lies below."""
+    """So many wires, or strands, on a helix; gap_mm: between it and what lies below.
+
+    presses: the part of its load that it presses on what lies below with: 1, less in valleys, 0 of one that arches.
+    """
 
     count: int
     member: "RopeWire | Strand"
     helix: Helix
     gap_mm: float
-    touches: bool  #: Whether it presses on what lies below; else it arches, its members on one another.
+    presses: float
+    in_valleys: bool = False  #: Of the layer below, whose lay and number it has.
+
+    @property
+    def touches(self) -> bool:
+        """Whether it presses on what lies below; else it arches, its members on one another."""
+        return self.presses > 0.0
 
 
 @dataclass(frozen=True)
@@ -130,55 +139,110 @@ def outer_diameter_mm(core: Member, layers: Sequence[Layer]) -> float:
     return 2.0 * layers[-1].helix.radius_mm + layers[-1].member.diameter_mm
 
 
-def laid(
-    below: tuple[Member, Sequence[Layer]],
-    count: int,
-    member: RopeWire | Strand,
-    lay_length_mm: float,
-    hand: Hand,
-    radius_mm: float | None,
-    where: str,
-) -> Layer:
-    """A layer on what lies below, at a stated radius or where it comes to rest: on it, or arched over it.
+@dataclass(frozen=True)
+class AskedLayer:
+    """A layer as it is stated, on a core and the layers so far; `where` names it in messages."""
 
-    Raises StudyError, in one sentence that begins with `where`, if it cannot hold its members.
-    """
-    what = "strands" if isinstance(member, Strand) else "wires"
-    d, base = member.diameter_mm, outer_diameter_mm(*below)
-    resting = 0.5 * (base + d)
-    least = least_radius_mm(d, lay_length_mm, count)
-    if least == inf:
-        raise StudyError(
-            f"{where} cannot hold {count} {what} of {d:.4g} mm: at a lay length of {lay_length_mm:g} mm they have no "
-            f"room at any radius; give a lay_length_mm well above {count * d:.3g}."
-        )
-    if radius_mm is not None:
-        if radius_mm < resting - OVERLAP * d:
+    below: tuple[Member, Sequence[Layer]]
+    count: int
+    member: RopeWire | Strand
+    lay_length_mm: float
+    hand: Hand
+    radius_mm: float | None
+    where: str
+
+    def laid(self) -> Layer:
+        """The layer at its stated radius or where it comes to rest: on what lies below, or arched over it.
+        Raises StudyError, in one sentence, if it cannot hold its members.
+        """
+        resting, least, d = self._resting_mm, self._least_mm, self.member.diameter_mm
+        stated = self.radius_mm
+        if stated is not None:
+            self._require_no_overlap(stated, resting, least)
+        radius = max(resting, least) if stated is None else max(stated, least)
+        gap = radius - resting
+        if gap > ARCH * d:
+            self._refuse(gap, resting, stated_off=stated is not None and stated > least)
+        helix = Helix(radius, self.lay_length_mm, self.hand)
+        if degrees(helix.angle_rad) > STEEPEST_deg:
             raise StudyError(
-                f"{where} interpenetrates what lies below: its {what} of {d:.4g} mm touch {base:.4g} mm from a radius "
-                f"of {resting:.4g} mm on, and radius_mm is {radius_mm:g}."
+                f"{self.where} has a lay angle of {degrees(helix.angle_rad):.0f}°, where strand mechanics reaches "
+                f"{STEEPEST_deg:g}°: give a lay_length_mm above {2.0 * pi * radius:.3g}."
             )
-        if radius_mm < least - OVERLAP * d:
+        # What is stated is rounded; what comes to rest is not.
+        touches = gap <= (NEAR if stated is not None and stated > least else 1e-9) * d
+        if touches and (valleys := self._valleys) is not None:
+            outer, inner = valley_shares(valleys.helix, helix, self.count)
+            return Layer(self.count, self.member, helix, gap, inner / outer, in_valleys=True)
+        return Layer(self.count, self.member, helix, gap, float(touches))
+
+    @property
+    def _what(self) -> str:
+        kind = "strands" if isinstance(self.member, Strand) else "wires"
+        return f"{kind} of {self.member.diameter_mm:.4g} mm"
+
+    @property
+    def _base_mm(self) -> float:
+        return outer_diameter_mm(*self.below)
+
+    @property
+    def _valleys(self) -> Layer | None:
+        """The layer below, if it has this one's number and lay."""
+        for beneath in self.below[1][-1:]:
+            own, helix = (self.count, self.lay_length_mm, self.hand), beneath.helix
+            if (beneath.count, helix.lay_length_mm, helix.hand) == own:
+                return beneath
+        return None
+
+    @property
+    def _resting_mm(self) -> float:
+        """The radius at which it touches what lies below."""
+        if (valleys := self._valleys) is None:
+            return 0.5 * (self._base_mm + self.member.diameter_mm)
+        found = valley_radius_mm(valleys.helix, valleys.member.diameter_mm, self.member.diameter_mm, self.count)
+        if found <= valleys.helix.radius_mm:
             raise StudyError(
-                f"the {count} {what} of {where} interpenetrate one another: at a lay length of {lay_length_mm:g} mm "
-                f"they have room from a radius of {least:.4g} mm on, and radius_mm is {radius_mm:g}."
+                f"the {self._what} of {self.where} would fall between those of the layer below, whose number and lay "
+                "they have: give thicker ones."
             )
-    radius = max(resting, least) if radius_mm is None else max(radius_mm, least)
-    gap = radius - resting
-    if gap > ARCH * d:
-        fitting = max((n for n in range(3, count) if least_radius_mm(d, lay_length_mm, n) <= resting), default=None)
+        return found
+
+    @property
+    def _least_mm(self) -> float:
+        """The radius at which its members touch one another."""
+        found = least_radius_mm(self.member.diameter_mm, self.lay_length_mm, self.count)
+        if found == inf:
+            raise StudyError(
+                f"{self.where} cannot hold {self.count} {self._what}: at a lay length of {self.lay_length_mm:g} mm "
+                f"they have no room at any radius; give a lay_length_mm well above "
+                f"{self.count * self.member.diameter_mm:.3g}."
+            )
+        return found
+
+    def _require_no_overlap(self, stated: float, resting: float, least: float) -> None:
+        allowed = OVERLAP * self.member.diameter_mm
+        if stated < resting - allowed:
+            raise StudyError(
+                f"{self.where} interpenetrates what lies below: its {self._what} touch {self._base_mm:.4g} mm from a "
+                f"radius of {resting:.4g} mm on, and radius_mm is {stated:g}."
+            )
+        if stated < least - allowed:
+            raise StudyError(
+                f"the {self.count} {self._what} of {self.where} interpenetrate one another: at a lay length of "
+                f"{self.lay_length_mm:g} mm they have room from a radius of {least:.4g} mm on, and radius_mm is "
+                f"{stated:g}."
+            )
+
+    def _refuse(self, gap_mm: float, resting: float, *, stated_off: bool) -> NoReturn:
+        numbers = (n for n in range(3, self.count) if self._fits(n, resting))
+        fitting = max(numbers, default=None)
         remedy = f"at most {fitting} fit" if fitting else "none fit at this lay length"
-        if radius_mm is not None and radius_mm > least:
+        if stated_off:
             remedy = f"give a radius_mm of {resting:.4g}, or none"
         raise StudyError(
-            f"{where} cannot hold {count} {what} of {d:.4g} mm around {base:.4g} mm: they would lie {gap:.3g} mm off "
-            f"what is below; {remedy}."
+            f"{self.where} cannot hold {self.count} {self._what} around {self._base_mm:.4g} mm: they would lie "
+            f"{gap_mm:.3g} mm off what is below; {remedy}."
         )
-    helix = Helix(radius, lay_length_mm, hand)
-    if degrees(helix.angle_rad) > STEEPEST_deg:
-        raise StudyError(
-            f"{where} has a lay angle of {degrees(helix.angle_rad):.0f}°, where strand mechanics reaches "
-            f"{STEEPEST_deg:g}°: give a lay_length_mm above {2.0 * pi * radius:.3g}."
-        )
-    touches = gap <= NEAR * d if radius_mm is not None and radius_mm > least else gap <= 1e-9 * d
-    return Layer(count, member, helix, gap, touches)
+
+    def _fits(self, count: int, radius_mm: float) -> bool:
+        return least_radius_mm(self.member.diameter_mm, self.lay_length_mm, count) <= radius_mm

@@ -9,7 +9,7 @@ from geometry import Elastic
 from wirewear.reference.hertz import gap_curvatures
 from wirewear.strand.bending import BentLayer, SlipCourse, relative_slip_mm, slip_courses
 from wirewear.strand.construction import Fibre, RopeWire, Strand
-from wirewear.strand.helix import DoubleHelix, between_deg, crossing_spacing_mm, radial_share
+from wirewear.strand.helix import DoubleHelix, between_deg, crossing_spacing_mm, radial_share, valley_shares
 
 ContactSort = Literal["crossing", "line", "side by side", "crown", "sheave"]
 FLATTEST_deg = 5.0  #: Wires that cross at less lie along each other; no study crosses them either.
@@ -185,7 +185,7 @@ class _Bent:
             BentLayer(own.helix, own.count, self.strand.member_tension_N(own, self.tension_N), own.member.stiffness_N)
             for own in self.strand.layers
         ]
-        presses = [own.touches for own in self.strand.layers]
+        presses = [own.presses for own in self.strand.layers]
         return slip_courses(layers, self.bend.friction, self.outside_N_per_mm, presses)
 
     def loads_N_per_mm(self) -> list[float]:
@@ -196,7 +196,7 @@ class _Bent:
             tension = self.strand.member_tension_N(own, self.tension_N)
             total = above + own.count * tension * own.helix.curvature_per_mm / cos(own.helix.angle_rad)
             found.append(total)
-            above = total if own.touches else 0.0
+            above = own.presses * total
         return found[::-1]
 
     def core_strand(self, core: Strand) -> "_Bent":
@@ -291,19 +291,25 @@ class _Bent:
 
     def _crossing(self, place: int, courses: Sequence[SlipCourse], load_N_per_mm: float) -> WireContact:
         inner, outer = self.strand.layers[place - 1 : place + 1]
-        return _points_or_line(
-            WireContact(
-                name=f"{self.prefix}layer {place + 1} on layer {place}",
-                sort="crossing",
-                lower=self.wire(place - 1),
-                upper=self.wire(place),
-                load_N=load_N_per_mm / outer.count,
-                lower_rad=inner.helix.signed_angle_rad,
-                upper_rad=outer.helix.signed_angle_rad,
-                spacing_mm=crossing_spacing_mm(inner.helix, inner.count, outer.helix),
-                per_axial_mm=outer.count,
-                slip=self._slip(courses[place], courses[place - 1]),
-            )
+        found = WireContact(
+            name=f"{self.prefix}layer {place + 1} on layer {place}",
+            sort="crossing",
+            lower=self.wire(place - 1),
+            upper=self.wire(place),
+            load_N=load_N_per_mm / outer.count,
+            lower_rad=inner.helix.signed_angle_rad,
+            upper_rad=outer.helix.signed_angle_rad,
+            spacing_mm=crossing_spacing_mm(inner.helix, inner.count, outer.helix),
+            per_axial_mm=outer.count,
+            slip=self._slip(courses[place], courses[place - 1]),
+        )
+        if not outer.in_valleys:
+            return _points_or_line(found)
+        # Each outer wire lies along two of the layer below.
+        share, _ = valley_shares(inner.helix, outer.helix, outer.count)
+        along = cos(outer.helix.angle_rad)
+        return replace(
+            found, sort="line", load_N=0.5 * found.load_N * along / share, per_axial_mm=2.0 * outer.count / along
         )
 
     def _crowns(self, course: SlipCourse, load_N_per_mm: float) -> Iterator[WireContact]:

@@ -46,7 +46,10 @@ class RopeContacts:
     @property
     def notes(self) -> list[str]:
         """What must be known of single contacts."""
-        return [note for one in self.contacts for note in notes(one)]
+        found = [note for one in self.contacts for note in notes(one)]
+        if all(isnan(one.yield_ratio) for one in self.contacts):
+            found.append("No yield_stress_MPa is stated in [wires]: whether contacts yield is not known.")
+        return found
 
     @property
     def rows(self) -> list[dict[str, Any]]:

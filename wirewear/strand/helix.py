@@ -50,7 +50,7 @@ def least_radius_mm(diameter_mm: float, lay_length_mm: float, count: int) -> flo
     round_mm = 0.5 * diameter_mm / sin(pi / count)
 
     def apart(radius_mm: float) -> float:
-        return _neighbour(radius_mm, lay_length_mm, count)[0] - diameter_mm
+        return _nearest((radius_mm, radius_mm), lay_length_mm, 2.0 * pi / count)[0] - diameter_mm
 
     if apart(10.0 * round_mm) < 0.0:
         return float("inf")
@@ -59,22 +59,47 @@ def least_radius_mm(diameter_mm: float, lay_length_mm: float, count: int) -> flo
 
 def radial_share(helix: Helix, count: int) -> float:
     """Part |n_r| of the force between neighbours of a layer that points along the radius of either."""
-    distance_mm, turned_rad = _neighbour(helix.radius_mm, helix.lay_length_mm, count)
+    radii = helix.radius_mm, helix.radius_mm
+    distance_mm, turned_rad = _nearest(radii, helix.lay_length_mm, 2.0 * pi / count)
     return helix.radius_mm * (1.0 - cos(turned_rad)) / distance_mm
 
 
-def _neighbour(radius_mm: float, lay_length_mm: float, count: int) -> tuple[float, float]:
-    """Shortest distance between neighbouring centre lines, and the angle about the axis between both places."""
+def valley_radius_mm(inner: Helix, inner_mm: float, outer_mm: float, count: int) -> float:
+    """The radius at which a layer lies in the valleys of one below of as many wires and the same lay (Seale's)."""
     from scipy.optimize import brentq
 
-    pitch, apart = lay_length_mm / (2.0 * pi), 2.0 * pi / count
+    touching = 0.5 * (inner_mm + outer_mm)
+
+    def apart(radius_mm: float) -> float:
+        return _nearest((inner.radius_mm, radius_mm), inner.lay_length_mm, pi / count)[0] - touching
+
+    low, high = inner.radius_mm, inner.radius_mm + touching
+    # Where the valley is too wide, the outer wire falls in between.
+    return low if apart(low) > 0.0 else float(brentq(apart, low, high, xtol=1e-12))
+
+
+def valley_shares(inner: Helix, outer: Helix, count: int) -> tuple[float, float]:
+    """Parts of the force between a wire in a valley and one below that point along the radius of each, outer first."""
+    distance_mm, turned_rad = _nearest((inner.radius_mm, outer.radius_mm), inner.lay_length_mm, pi / count)
+    return (
+        (outer.radius_mm - inner.radius_mm * cos(turned_rad)) / distance_mm,
+        (outer.radius_mm * cos(turned_rad) - inner.radius_mm) / distance_mm,
+    )
+
+
+def _nearest(radii_mm: tuple[float, float], lay_length_mm: float, apart_rad: float) -> tuple[float, float]:
+    """Shortest distance of centre lines of one lay, so far apart about the axis, and the angle between both places."""
+    from scipy.optimize import brentq
+
+    pitch, (first, second) = lay_length_mm / (2.0 * pi), radii_mm
 
     def slope(turned: float) -> float:
-        return radius_mm**2 * sin(turned) + pitch**2 * (turned - apart)
+        return first * second * sin(turned) + pitch**2 * (turned - apart_rad)
 
     # The nearest place lies ahead along the neighbour, so that less than the whole angle is left between both.
-    turned = float(brentq(slope, 0.0, apart, xtol=1e-14))
-    return hypot(2.0 * radius_mm * sin(0.5 * turned), pitch * (apart - turned)), turned
+    turned = float(brentq(slope, 0.0, apart_rad, xtol=1e-14))
+    across = hypot(first - second * cos(turned), second * sin(turned))
+    return hypot(across, pitch * (apart_rad - turned)), turned
 
 
 def crossing_spacing_mm(inner: Helix, inner_count: int, outer: Helix) -> float:

@@ -10,7 +10,7 @@ from geometry import Elastic
 from wirewear.base.errors import Quantity, StudyError
 from wirewear.base.files import read_toml
 from wirewear.base.recognising import Held, require_no_other
-from wirewear.strand.construction import Fibre, Layer, RopeWire, Strand, laid
+from wirewear.strand.construction import AskedLayer, Fibre, Layer, RopeWire, Strand
 from wirewear.strand.helix import Hand
 from wirewear.test import keys
 from wirewear.test.life import LifeTable
@@ -166,11 +166,10 @@ class RopeTables(keys.NamedTable):
         strand = Strand(inner, self._layers(inner, outer.layers, where, "outer_strands."))
         if not strand.layers:
             raise StudyError(f"[[outer_strands.layers]] is empty in {where}: give the wires of its strands.")
-        ring = laid(
-            (middle, ()), outer.strands, strand, outer.lay_length_mm, _hand(outer.lay), outer.radius_mm,
-            f"[outer_strands] of {where}",
-        )  # fmt: skip
-        return Strand(middle, (ring,))
+        place = f"[outer_strands] of {where}"
+        hand = _hand(outer.lay)
+        ring = AskedLayer((middle, ()), outer.strands, strand, outer.lay_length_mm, hand, outer.radius_mm, place)
+        return Strand(middle, (ring.laid(),))
 
     def _core(self, table: CoreTable, where: str, *, may_be_fibre: bool) -> RopeWire | Fibre:
         if (table.wire_diameter_mm is None) == (table.fibre_diameter_mm is None):
@@ -188,8 +187,8 @@ class RopeTables(keys.NamedTable):
         for number, own in enumerate(tables, 1):
             wire = self.wires.wire(own.wire_diameter_mm, own)
             place = f"[[{above}layers]] number {number} of {where}"
-            below = (core, tuple(made))
-            made.append(laid(below, own.wires, wire, own.lay_length_mm, _hand(own.lay), own.radius_mm, place))
+            below, hand = (core, tuple(made)), _hand(own.lay)
+            made.append(AskedLayer(below, own.wires, wire, own.lay_length_mm, hand, own.radius_mm, place).laid())
         return tuple(made)
 
 

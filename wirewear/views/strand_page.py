@@ -45,6 +45,15 @@ _PRINTED = {
     "life_cycles": "life [cycles]",
 }
 
+#: Figures of the whole rope: their words and units.
+_FIGURES = {
+    "diameter_mm": ("diameter", "mm"),
+    "axial_stiffness_N": ("axial stiffness EA, rotation held", "N"),
+    "least_bending_stiffness_N_mm2": ("bending stiffness EI, all wires slip", "N·mm²"),
+    "largest_bending_stiffness_N_mm2": ("bending stiffness EI, all wires stick", "N·mm²"),
+    "torque_N_mm": ("torque that holds the rotation, right lay positive", "N·mm"),
+}
+
 Place = tuple[float, float]
 
 
@@ -137,19 +146,13 @@ def page(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> str:
         "headings": list(headings.values()),
         "table": [[row["contact"], *(_text(key, row[key]) for key in headings)] for row in shown],
         "notes": found.notes,
-        "figures": [(words_of(key), f"{written(value, 4)} {_unit(key)}") for key, value in found.figures.items()],
+        "figures": [
+            (_FIGURES[key][0], f"{written(value, 4)} {_FIGURES[key][1]}") for key, value in found.figures.items()
+        ],
         "failures": [(row["contact"], row["run_failure"]) for row in rows if row.get("run_failure")],
         "mood": "open" if any(one.yield_ratio > 1.0 for one in found.contacts) else "good",
     }
     return frame.rendered(_PAGE, values)
-
-
-def _unit(key: str) -> str:
-    return {
-        "least_bending_stiffness_N_mm2": "N·mm²",
-        "largest_bending_stiffness_N_mm2": "N·mm²",
-        "torque_N_mm": "N·mm",
-    }.get(key, unit_of(key))
 
 
 def draw_section(found: RopeContacts) -> Figure:
@@ -200,13 +203,17 @@ def _members(
 ) -> Iterator[tuple[RopeWire | Fibre | Strand, Place, float, float]]:
     """Core and members with where they stand, the angle at which they do, and the cosine of their lay angle."""
     yield strand.core, centre, turned, 1.0
-    for layer in strand.layers:
-        for angle in _angles(layer.count, turned):
+    for place, layer in enumerate(strand.layers):
+        for angle in _angles(strand, place, turned):
             yield layer.member, _at(centre, layer.helix.radius_mm, angle), angle, cos(layer.helix.angle_rad)
 
 
-def _angles(count: int, turned: float) -> list[float]:
-    return [turned + 0.5 * pi + 2.0 * pi * k / count for k in range(count)]
+def _angles(strand: Strand, place: int, turned: float) -> list[float]:
+    """Where the members of a layer stand about the axis: in the valleys of the layer below, or the first on top."""
+    layer = strand.layers[place]
+    if layer.in_valleys:
+        return [angle + pi / layer.count for angle in _angles(strand, place - 1, turned)]
+    return [turned + 0.5 * pi + 2.0 * pi * k / layer.count for k in range(layer.count)]
 
 
 def _at(centre: Place, radius: float, angle: float) -> Place:
@@ -216,19 +223,34 @@ def _at(centre: Place, radius: float, angle: float) -> Place:
 def _places(rope: Strand) -> Iterator[tuple[str, list[Place]]]:
     """Where each kind of contact stands in the section."""
     for prefix, strand, centres in _strands(rope):
-        for number, layer in enumerate(strand.layers, 1):
+        for place, layer in enumerate(strand.layers):
             ring = isinstance(layer.member, Strand)
-            own, below = ("outer strands", "core strand") if ring else (f"layer {number}", f"layer {number - 1}")
-            if number == 1 and not isinstance(strand.core, Strand):
+            own, below = ("outer strands", "core strand") if ring else (f"layer {place + 1}", f"layer {place}")
+            if place == 0 and not isinstance(strand.core, Strand):
                 below = "core"
-            radius, half = layer.helix.radius_mm, 0.5 * layer.member.diameter_mm
-            side = pi / layer.count if not layer.touches else 0.0
-            inner = radius * cos(pi / layer.count) if not layer.touches else radius - half
             name = f"{own} on {below}" if layer.touches else f"{own} side by side"
-            found = [_at(at, inner, angle + side) for at, turned in centres for angle in _angles(layer.count, turned)]
+            found = [one for at, turned in centres for one in _touching(strand, place, at, turned)]
             yield f"{prefix}{name}", found
-            if not prefix and number == len(strand.layers):
-                yield f"{own} on sheave", [(0.0, -radius - half)]
+            if not prefix and place + 1 == len(strand.layers):
+                yield f"{own} on sheave", [(0.0, -layer.helix.radius_mm - 0.5 * layer.member.diameter_mm)]
+
+
+def _touching(strand: Strand, place: int, centre: Place, turned: float) -> Iterator[Place]:
+    """Where the members of a layer touch what is below, or one another where they arch."""
+    layer = strand.layers[place]
+    radius, half, step = layer.helix.radius_mm, 0.5 * layer.member.diameter_mm, pi / layer.count
+    for angle in _angles(strand, place, turned):
+        if not layer.touches:
+            yield _at(centre, radius * cos(step), angle + step)
+        elif not layer.in_valleys:
+            yield _at(centre, radius - half, angle)
+        else:
+            beneath = strand.layers[place - 1]
+            share = half / (half + 0.5 * beneath.member.diameter_mm)
+            x, y = _at(centre, radius, angle)
+            for side in (-step, step):
+                u, v = _at(centre, beneath.helix.radius_mm, angle + side)
+                yield x + share * (u - x), y + share * (v - y)
 
 
 def _strands(rope: Strand) -> Iterator[tuple[str, Strand, list[tuple[Place, float]]]]:
@@ -236,10 +258,10 @@ def _strands(rope: Strand) -> Iterator[tuple[str, Strand, list[tuple[Place, floa
     yield "", rope, [((0.0, 0.0), 0.0)]
     if isinstance(rope.core, Strand):
         yield "core strand: ", rope.core, [((0.0, 0.0), 0.0)]
-    for layer in rope.layers:
+    for place, layer in enumerate(rope.layers):
         if isinstance(layer.member, Strand):
             # Each turns a wire to what it lies on.
             centres = [
-                (_at((0.0, 0.0), layer.helix.radius_mm, one), one + 0.5 * pi) for one in _angles(layer.count, 0.0)
+                (_at((0.0, 0.0), layer.helix.radius_mm, one), one + 0.5 * pi) for one in _angles(rope, place, 0.0)
             ]
             yield "outer strands: ", layer.member, centres
