@@ -6,6 +6,7 @@ import numpy as np
 
 from geometry.arrays import Array, IntArray
 from solvers.contact.acceptance import accepted
+from solvers.contact.mirrored import images_across, solved_on_one_side
 from solvers.contact.problem import (
     ContactProblem,
     faced,
@@ -122,19 +123,15 @@ def solve_increment(
         # The scar's shape changes less than the height at which it is met: guess the overlap by its area.
         nodes = _either(len(gap), active, _closest(gap, areas, _CANDIDATE_MARGIN * like.overlap_area))
     height, iterations, before, slip_share = state.holder_z, 0, paired_before(problem, state), state.slip_share
+    images = images_across(problem, state)
     for pairings in range(1, _MOST_PAIRINGS + 1):
         if not len(nodes):
             raise LostContactError("the bodies have lost contact")
+        nodes = nodes if images is None else _either(len(gap), nodes, images[nodes])
         pairing = faced(problem, state, nodes, drive, holder_x, tilt)
         system = linearised(problem, state, before, pairing, drive, holder_x, prescribed_height, slip_share, guess)
-        touching = np.zeros(len(areas), dtype=bool)
-        touching[active] = True
-        outcome = problem.algorithm.solve_contact(system, ContactGuess(guess[nodes], touching[nodes], height, holder_x))
+        outcome = _solved(problem, system, guess, active, (height, holder_x), images)
         iterations += outcome.iterations
-        if outcome.message == LOST_CONTACT:
-            raise LostContactError(LOST_CONTACT)
-        if not outcome.converged:
-            raise IncrementFailedError(outcome.message)
         guess = np.zeros_like(state.traction)
         guess[nodes] = outcome.traction
         moved = abs(outcome.holder_x - holder_x)
@@ -161,6 +158,29 @@ def solve_increment(
         active = np.flatnonzero(guess[:, 2] > 0.0)
         nodes = _either(len(gap), active, np.flatnonzero(gap + height < 0.02 * abs(height)))
     raise IncrementFailedError("the pairing of the surfaces did not settle")
+
+
+def _solved(
+    problem: ContactProblem,
+    system: Linearisation,
+    guess: Array,
+    active: IntArray,
+    holder: tuple[float, float],
+    images: IntArray | None,
+) -> ContactOutcome:
+    """The outcome of an increment from tractions (n, 3) on active nodes, with the holder at a height and a place.
+
+    images: of the primary's nodes, where they make up for half of the unknowns.
+    Raises IncrementFailedError if there is none, LostContactError where nothing touches.
+    """
+    nodes, touching = system.pairing.nodes, np.zeros(len(guess), dtype=bool)
+    touching[active] = True
+    outcome = solved_on_one_side(problem, system, ContactGuess(guess[nodes], touching[nodes], *holder), images)
+    if outcome.message == LOST_CONTACT:
+        raise LostContactError(LOST_CONTACT)
+    if not outcome.converged:
+        raise IncrementFailedError(outcome.message)
+    return outcome
 
 
 def _slip_share(state: ContactState, nodes: IntArray, outcome: ContactOutcome, drive: float) -> Array:

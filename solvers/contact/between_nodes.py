@@ -149,7 +149,7 @@ class WithinElements:
         """How pressure is spread at each position, one for each of `pressures_MPa`."""
         return tuple(SpreadPressure.of(self.patch, pressure, self.fresh > 0.5) for pressure in self.pressures_MPa)
 
-    def among(self, chosen: slice) -> "WithinElements":
+    def among(self, chosen: slice | IntArray) -> "WithinElements":
         """How pressure is spread about the chosen nodes alone."""
         return WithinElements(self.patch, self.pressures_MPa, self.position[chosen], self.fresh)
 

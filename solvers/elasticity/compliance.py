@@ -8,6 +8,9 @@ from solvers.elasticity.pairing import Pairing
 from solvers.elasticity.placement import PlacedBody
 from solvers.jit_cache import compiled, inlined
 
+#: Factors of a vector's components by the mirror across the motion.
+ACROSS = np.array([1.0, -1.0, 1.0])
+
 
 class Block:
     """The part of a body's compliance that an increment needs: what unit forces on u nodes that carry load do to w.
@@ -99,6 +102,8 @@ class PairedCompliance:
         self.place, self.known = np.full(len(pairing.nodes), -1), 0
         self.matrix = np.empty((3 * len(pairing.nodes), 3 * len(pairing.nodes)))
         self._latest, self._facing = primary.latest_compliance, secondary
+        self.taken_over: PairedCompliance | None = None  #: That of an increment before, whose matrix it is.
+        self.mirrored: MirroredCompliance | None = None  #: For tractions that are their own mirror image, if they are.
 
     def faces_as(self, pairing: Pairing) -> bool:
         """Whether another pairing of the same bodies is that of the same nodes at the same place."""
@@ -115,7 +120,7 @@ class PairedCompliance:
         self._latest[:] = [(self._facing, self)]
         if latest and latest[0].faces_as(pairing) and latest[0].known_first(missing):
             # Where a contact sticks, the bodies go on facing each other as they did.
-            self.matrix, self.known = latest[0].matrix, len(missing)
+            self.matrix, self.known, self.taken_over = latest[0].matrix, len(missing), latest[0]
             self.place[missing] = np.arange(len(missing))
             return
         begin, self.known = 3 * self.known, self.known + len(missing)
@@ -131,6 +136,8 @@ class PairedCompliance:
 
     def displacement(self, traction: Array) -> Array:
         """Displacement of the surfaces in mm under tractions (k, 3) in MPa, shape (k, 3)."""
+        if self.mirrored is not None:
+            return self.mirrored.displacement(traction)
         return self.displaced(self.in_order(traction))
 
     def in_order(self, traction: Array) -> Array:
@@ -159,6 +166,56 @@ class PairedCompliance:
         (own, other), (own_place, other_place) = self._blocks, (block.place for block in self._blocks)
         fields = own.displaced(forces[0]), other.displaced(forces[1])
         return _mean(pairing.opposite, other_place, fields[1], pairing.own, own_place, fields[0], pairing.areas)
+
+
+class MirroredCompliance:
+    """A paired compliance at r of its k nodes, on one side of the plane along the motion and on it, by tractions on
+    these and their mirror images; as a contact algorithm asks for it, see `PairedCompliance`.
+    """
+
+    def __init__(self, whole: PairedCompliance, kept: IntArray, images: IntArray) -> None:
+        """kept: (r,) the nodes' numbers among the k.  images: (k,) those of mirror images."""
+        self._whole, self.kept, self._images, self.layer = whole, kept, images[kept], whole.layer
+        self.place, self.known = np.full(len(kept), -1), 0
+        self.matrix = np.empty((3 * len(kept), 3 * len(kept)))
+        whole.mirrored = self
+
+    def know(self, loaded: IntArray) -> None:
+        """Make sure that the responses to tractions on nodes (l,) of the r are known."""
+        missing = loaded[self.place[loaded] < 0]
+        if not len(missing):
+            return
+        whole, first, before = self._whole, self.known, None
+        whole.know(self.kept[missing])
+        self.place[missing] = first + np.arange(len(missing))
+        self.known = first + len(missing)
+        if first == 0 and whole.taken_over is not None:
+            before = whole.taken_over.mirrored
+        if before is not None and np.array_equal(before.kept, self.kept) and before.known >= self.known:
+            # What became known first on the whole did so on the side.
+            self.matrix = before.matrix
+            return
+        columns, alone = whole.place[self.kept[missing]], self._images[missing] == self.kept[missing]
+        _fold(self.matrix, first, whole.matrix, self.kept, self._images, columns, alone)
+
+    def displacement(self, traction: Array) -> Array:
+        """Displacement (k, 3) in mm at all nodes under tractions (k, 3) in MPa that are their own mirror image."""
+        side = self.displaced(self.in_order(traction[self.kept]))
+        result = np.empty((len(traction), 3))
+        result[self._images], result[self.kept] = side * ACROSS, side
+        return result
+
+    def in_order(self, traction: Array) -> Array:
+        """Tractions (r, 3) as `displaced` takes them, whose responses are then known."""
+        self.know(loaded_nodes(traction))
+        force = np.zeros((self.known, 3))
+        there = self.place >= 0
+        force[self.place[there]] = traction[there]
+        return force.ravel()
+
+    def displaced(self, force: Array) -> Array:
+        """Displacement (r, 3) under tractions (3 m,) on the m nodes that are known, in the order they became so."""
+        return np.asarray((self.matrix[:, : len(force)] @ force).reshape(-1, 3))
 
 
 def displacement_at(pairing: Pairing, primary: PlacedBody, secondary: PlacedBody, forces: tuple[Array, Array]) -> Array:
@@ -286,3 +343,21 @@ def _add_weighted(
         weight, only = weights[e] / area, rows[row[e] + shift]
         for c in range(len(target)):
             target[c] += weight * only[c]
+
+
+@compiled
+def _fold(
+    matrix: Array, first: int, whole: Array, kept: IntArray, images: IntArray, columns: IntArray, alone: Array
+) -> None:
+    """Write columns from the first on: displacements of kept nodes by unit tractions on nodes and on their images,
+    which are what those on the nodes do at the images, mirrored.
+    """
+    for i in range(len(kept)):
+        for a in range(3):
+            own, other = whole[3 * kept[i] + a], whole[3 * images[i] + a]
+            sign, target = -1.0 if a == 1 else 1.0, matrix[3 * i + a]
+            for j in range(len(columns)):
+                source, place = 3 * columns[j], 3 * (first + j)
+                share = 0.0 if alone[j] else sign
+                for b in range(3):
+                    target[place + b] = own[source + b] + share * other[source + b]

@@ -15,7 +15,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, IntArray
 from solvers.laws.local_state import LocalState
 from solvers.laws.plugins import law_called, laws_by_name, require_positive
 
@@ -76,7 +76,7 @@ class Coulomb(FrictionLaw):
 class Within(Protocol):
     """How pressure is spread within the elements about k nodes; see `WithinElements`."""
 
-    def among(self, chosen: slice, /) -> "Within":
+    def among(self, chosen: slice | IntArray, /) -> "Within":
         """How pressure is spread about the chosen nodes alone."""
 
     def share(self, friction: "Friction", /) -> float | Array:
@@ -106,7 +106,7 @@ class Friction:
         each = self.coefficient
         return not each.any() if isinstance(each, np.ndarray) else each == 0.0
 
-    def among(self, chosen: slice) -> "Friction":
+    def among(self, chosen: slice | IntArray) -> "Friction":
         """The law at some of the k nodes."""
         each = self.coefficient
         within = None if self.within is None else self.within.among(chosen)

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, IntArray
 from solvers.contact_state import WearState
 from solvers.errors import SolverError
 
@@ -66,7 +66,7 @@ class LocalState:
             raise SolverError(f"a law asks for the local field {name!r}, but the contact has {known}")
         return np.asarray(self.fields[name].at(self))
 
-    def among(self, chosen: slice) -> "LocalState":
+    def among(self, chosen: slice | IntArray) -> "LocalState":
         """The state at chosen nodes alone."""
         return replace(
             self,

@@ -156,7 +156,7 @@ def test_a_contact_that_sticks_in_its_middle_has_elements_that_shrink_towards_it
         within = np.diff(lines[: elements + 1])
         assert lines[elements] == pytest.approx(rim)
         assert (np.diff(within) < 0.0).all()
-        assert within[-1] < 0.6 * within[0] < rim / elements
+        assert within[-1] < 0.7 * within[0] < rim / elements
         assert 1.25 * rim < lines[-1] < 1.7 * rim
     assert plan.coarsening == 1.0
     assert plan.increments_per_wear_cycle == 16

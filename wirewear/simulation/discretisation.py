@@ -279,7 +279,7 @@ def _graded_to_rim(contact: Ellipse, axis_rad: float, margin: float, level: Wire
     rim, chord = contact.reach(axis_rad), contact.chord(axis_rad)
     if chord < _OBLIQUE * rim:
         return RimGradedAxis(rim, round(_EVEN_MORE * level.to_rim * rim / chord), margin * rim, _EVENLY)
-    return RimGradedAxis(rim, round(level.to_rim), margin * rim)
+    return RimGradedAxis(rim, round(level.to_rim), margin * rim, level.rim_share)
 
 
 def _geometry(body: Body, axes: PatchAxes, sizes: ElementSizes, level: WireLevel, motion_rad: float) -> BodyGeometry:

@@ -11,6 +11,7 @@ Level = TypeVar("Level")
 FIDELITIES = ("quick", "standard", "fine")
 
 TO_RIM_WORN = 1.25  #: Elements to the rim of a contact that sticks in its middle and wears, over those of even size.
+_RIM_SHARE_WORN = 0.7  #: How those fall in size.
 STICKING_INCREMENTS = 16  #: Of a cycle that only wears, around a centre that sticks for good.
 
 
@@ -37,6 +38,9 @@ class WireLevel:
     #: Elements from the middle to the rim of a contact that sticks in its middle, smaller towards the rim: its patch
     #: need hold little beside it, and the annulus that slips is narrow (docs/partial_slip.md).
     to_rim: float
+    #: How their sizes fall, see `RimGradedAxis`. Whole nodes slip: of all shares this one leaves the area of the nodes
+    #: within a circle nearest to the circle's, whatever its radius (docs/partial_slip.md).
+    rim_share: float
     increments_per_cycle: int
     wear_increments: float  #: Positions at which surfaces wear in a cycle, as a share of a loop's increments.
     jump_tolerance: float
@@ -52,6 +56,7 @@ class WireLevel:
         return replace(
             self,
             to_rim=TO_RIM_WORN * self.per_sticking_radius if wears else self.to_rim,
+            rim_share=_RIM_SHARE_WORN if wears else self.rim_share,
             per_contact_radius=self.per_sticking_radius,
             wear_increments=min(self.wear_increments, STICKING_INCREMENTS / self.increments_per_cycle),
             sticking=True,
@@ -75,7 +80,8 @@ WIRE_LEVELS = {
         per_sticking_radius=4.0,
         along_motion=18.0,
         across_motion=6.3,
-        to_rim=10.0,
+        to_rim=12.0,
+        rim_share=0.6,
         increments_per_cycle=32,
         wear_increments=1.0,
         jump_tolerance=0.1,
@@ -87,7 +93,8 @@ WIRE_LEVELS = {
         per_sticking_radius=8.0,
         along_motion=30.0,
         across_motion=8.0,
-        to_rim=14.0,
+        to_rim=18.0,
+        rim_share=0.55,
         increments_per_cycle=40,
         wear_increments=1.0,
         jump_tolerance=0.05,
@@ -99,7 +106,8 @@ WIRE_LEVELS = {
         per_sticking_radius=10.0,
         along_motion=42.0,
         across_motion=11.0,
-        to_rim=20.0,
+        to_rim=24.0,
+        rim_share=0.65,
         increments_per_cycle=64,
         wear_increments=1.0,
         jump_tolerance=0.02,
