@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         restarted,
         run_cycle,
         settled,
+        sticks_throughout,
         traced_quarter,
     )
     from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
@@ -68,8 +69,8 @@ __all__ = [
     "WearRates", "WearState", "WornCycle", "advance", "bare_depth", "bulk_work", "change_by_work",
     "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened",
     "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error", "misaligned", "move_stuck", "place",
-    "press", "remeshed", "restarted", "run_cycle", "settled", "symmetry_of", "take_step", "traced_quarter",
-    "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_laws",
+    "press", "remeshed", "restarted", "run_cycle", "settled", "sticks_throughout", "symmetry_of", "take_step",
+    "traced_quarter", "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_laws",
 ]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

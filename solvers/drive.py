@@ -364,6 +364,17 @@ class Drive:
         return float(sum(means)) / (8.0 * self.amplitude_mm)
 
     @cached_property
+    def least_load_per_place(self) -> float:
+        """The least of the load over the test's, over the displacement over its amplitude: a tangential force that goes
+        with the displacement is nearest to sliding there.
+        """
+        if self.load.steady:
+            return 1.0
+        places = np.concatenate([np.abs(path.drive) / self.amplitude_mm for path in self._sampled])
+        loads = np.concatenate([path.load for path in self._sampled])
+        return float((loads / np.maximum(places, _LEAST_STEP)).min())
+
+    @cached_property
     def _sampled(self) -> tuple[Path, Path]:
         places = self.amplitude_mm * np.cos(np.pi * np.arange(_SAMPLES + 1) / _SAMPLES)
         return self.stroke(1.0, places), self.stroke(-1.0, -places)

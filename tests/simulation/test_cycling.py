@@ -111,6 +111,7 @@ class ScriptedCycler:
 
     guide = None
     friction_work_mJ = 1.0
+    sticks = None
 
     def __init__(self, motion: Motion, *_: object) -> None:
         self.motion, self.now = motion, 1.0

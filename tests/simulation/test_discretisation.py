@@ -5,6 +5,8 @@ from dataclasses import replace
 from itertools import pairwise
 from math import hypot, pi, radians, sqrt
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ from wirewear.results import Evolution, RunResult
 from wirewear.simulation import Observer, convergence, discretise
 from wirewear.simulation.discretisation import unknowns
 from wirewear.simulation.expected_contact import Ellipse, patch_axes, scar_ellipse
-from wirewear.simulation.plan import mesh_stages, spare_stages
+from wirewear.simulation.plan import RunPlan, mesh_stages, spare_stages
 from wirewear.test import Study
 from wirewear.test.fidelity import WIRE_LEVELS
 
@@ -183,6 +185,53 @@ def test_a_drive_that_a_soft_rig_takes_up_is_meshed_for_what_slips() -> None:
     for stiffness, sticks in (("rigid", False), (50.0, True)):
         own = STICKING.replace("0.45\n", "3.0\n") + f"[holder]\ntangential_stiffness_N_per_mm = {stiffness!r}\n"
         assert discretise(parse_study(own.replace("'", '"'), "study"), "quick").expected.sticks == sticks
+
+
+LOAD = "load_cycle = { amplitude_share = %s, lag_deg = %s }"
+
+
+@pytest.mark.parametrize(
+    ("conditions", "sticks"),
+    [
+        ("held_tangential_force_N = 0.8\n" + LOAD % (0.2, 0.0), True),
+        ("held_tangential_force_N = 1.1\n" + LOAD % (0.2, 0.0), False),
+        ("held_tangential_force_N = 1.1\n" + LOAD % (0.2, 90.0), True),
+    ],
+)
+def test_a_load_that_changes_within_the_cycle_lets_slide_what_it_no_longer_bears(conditions: str, sticks: bool) -> None:
+    varying = MINIMAL.replace("displacement_amplitude_um = 60.0", f"displacement_amplitude_um = 60.0\n{conditions}")
+    assert discretise(parse_study(varying, "study"), "quick").expected.sticks == sticks
+
+
+def test_friction_that_falls_within_the_test_lets_slide_what_stuck_before() -> None:
+    for low, sticks in ((0.6, True), (0.25, False)):
+        falls = f'[[effects]]\nname = "friction_evolution"\ninitial = {low}\nfinal = 0.7\ncycles = 100\n'
+        assert discretise(parse_study(STICKING + falls, "study"), "quick").expected.sticks == sticks
+
+
+BLOCKS = "".join(
+    f"[[programme]]\ncycles = 10\nconditions.displacement_amplitude_um = {amplitude}\n" for amplitude in (0.45, 9.0)
+)
+
+
+def test_each_block_has_meshes_for_what_slips_in_it_while_the_contact_is_fresh() -> None:
+    meshes = RunPlan.of(parse_study(MINIMAL + BLOCKS, "study"), "quick").meshes
+    assert meshes.sticking is not None
+    first = meshes.first()
+    assert meshes.every[first.stage] == meshes.sticking
+    rim = meshes.expected.fresh.major_mm
+    assert meshes.sticking.fixed.axial.half_lines()[-1] < 1.7 * rim < meshes.stages[0].moving.axial.half_extent_mm
+    unworn: Any = SimpleNamespace(wear=SimpleNamespace(primary_volume_mm3=0.0, secondary_volume_mm3=0.0))
+    assert meshes.fitting(first, unworn, (0.0, 10.0), True) is None
+    slides = meshes.fitting(first, unworn, (10.0, 20.0), False)
+    assert slides is not None
+    assert meshes.every[slides.stage] == meshes.stages[0]
+    sticks = meshes.fitting(slides, unworn, (20.0, 30.0), True)
+    assert sticks is not None
+    assert meshes.every[sticks.stage] == meshes.sticking
+    assert meshes.fitting(slides, unworn, (10.0, 20.0), True) is None  # not to and fro in one block
+    worn: Any = SimpleNamespace(wear=SimpleNamespace(primary_volume_mm3=1e-4, secondary_volume_mm3=0.0))
+    assert meshes.fitting(slides, worn, (20.0, 30.0), True) is None
 
 
 @pytest.mark.parametrize("worn", [False, True])

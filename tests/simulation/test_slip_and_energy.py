@@ -10,12 +10,22 @@ from geometry import Elastic
 from solvers.contact_state import Guide, Stroke
 from solvers.drive import Drive, LoadCycle, trapezoidal
 from solvers.wear_path import loop_path, traced_path, wear_path
-from wirewear import RunResult
+from tests.studies import steel_wires
+from wirewear import RunResult, parse_study
 from wirewear.effects.holder import FreePlay
-from wirewear.reference import SliderLoop, SlidingBall, contact_modulus, slider_loop, tangential_contact_modulus
+from wirewear.reference import (
+    SliderLoop,
+    SlidingBall,
+    contact_modulus,
+    energy_per_cycle,
+    partial_slip_point,
+    slider_loop,
+    tangential_contact_modulus,
+)
 from wirewear.results.scar import remedies
 from wirewear.simulation import simulate
 from wirewear.test import Study, study_from_tables
+from wirewear.test.bodies import hertz_of
 
 STEEL = Elastic(210_000.0, 0.3)
 LOAD_N, FRICTION, AMPLITUDE_um, COEFFICIENT = 5.0, 0.5, 42.0, 1e-9
@@ -172,3 +182,23 @@ def test_a_run_says_of_what_its_energy_is_short_and_what_is_an_error_of_the_prog
     assert ["jump_tolerance" in one for one in said] == [True, False, False]
     assert ["report it" in one for one in said] == [False, True, False]
     assert ["finer --fidelity" in one for one in said] == [False, False, True]
+
+
+@pytest.mark.slow
+def test_a_block_that_sticks_has_the_energy_of_partial_slip_before_and_after_one_that_slides() -> None:
+    """Of Cattaneo and Mindlin; the drive of one block holds a force, that of the other its amplitude."""
+    alone = parse_study(steel_wires("blocks", amplitude_um=20.0, cycles=15), "blocks.toml")
+    load_N, friction = alone.conditions.normal_load_N, alone.contact.friction
+    force_N = 0.6 * friction * load_N
+    sticks = f"[[programme]]\ncycles = 5\nconditions.held_tangential_force_N = {force_N}\n"
+    slides = "[[programme]]\ncycles = 5\nconditions.displacement_amplitude_um = 5.0\n"
+    text = steel_wires("blocks", amplitude_um=20.0, cycles=15) + "[log]\nloop_cycles = [1, 5, 10, 15]\n"
+    study = parse_study(text + sticks + slides, "blocks.toml")
+    result = simulate(study, fidelity="quick")
+    assert len(result.settings["mesh_changes"]) == 2
+    (driven, held), energy = study.bodies, [float(loop.friction_work_mJ[-1]) for loop in result.loops]
+    radius = hertz_of(load_N, driven, held).contact_radius_mm
+    modulus = tangential_contact_modulus(driven.material, held.material)
+    exact = energy_per_cycle(partial_slip_point(load_N, friction, radius, modulus), force_N)
+    assert [energy[k] for k in (0, 1, 3)] == pytest.approx([exact] * 3, rel=0.05)
+    assert energy[2] > 20.0 * exact

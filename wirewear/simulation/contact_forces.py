@@ -72,7 +72,7 @@ def forces_of(problem: ContactProblem, trace: CycleTrace, cycle: int, plan: RunP
     study = plan.study
     stage = next(
         stage
-        for stage in (*plan.meshes.stages, *plan.meshes.spare)
+        for stage in plan.meshes.every
         if _is_of(stage.moving, problem.lower) and _is_of(stage.fixed, problem.upper)
     )
     made_of: tuple[dict[str, Any], dict[str, Any]] = (

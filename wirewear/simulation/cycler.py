@@ -93,6 +93,7 @@ class Cycler:
 
     Problems are given without the effects of age, which are put in here.  guide: first guesses for the next cycle.
     now: cycles done before the jump under way.  friction_work_mJ: of a cycle as the latest jump left the surfaces.
+    sticks: whether the middle stuck throughout the latest cycle, None before any under this motion.
     """
 
     def __init__(self, motion: Motion, tally: Tally, watch: Watch) -> None:
@@ -104,12 +105,13 @@ class Cycler:
         self.guide: solvers.Guide | None = None
         self.now = 1.0
         self.friction_work_mJ = 0.0
+        self.sticks: bool | None = None
 
     def entered(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, motion: Motion, done: float
     ) -> tuple[solvers.ContactProblem, solvers.ContactState]:
         """The problem under another motion, and the state at the same end of its stroke."""
-        self.motion, self.guide = motion, None
+        self.motion, self.guide, self.sticks = motion, None, None
         problem = motion.under(problem)
         drive = motion.drive if motion.held is None else replace(motion.drive, amplitude_mm=motion.held.first_mm)
         return problem, self._turned(self.aged(problem, state, done), state, drive, self._watch)
@@ -177,11 +179,13 @@ class Cycler:
         """From mid-stroke to +amplitude, without wear."""
         fresh, motion = self.aged(problem, state, 0.0), self.motion
         drive = self._drive(state)
-        if motion.held is not None and motion.held.of_state is not None and drive.steady:
+        if motion.held is not None and motion.held.of_state is not None:
             amplitude = amplitude_from(
                 motion.held, motion.held.of_state, lambda place: solvers.advance(fresh, state, place, 0.0)[0]
             )
-            drive = replace(drive, amplitude_mm=amplitude)
+            # A load that changes may bear less: the search goes on from there, or from where it would without.
+            if drive.steady or amplitude < motion.held.largest_mm:
+                drive = replace(drive, amplitude_mm=amplitude)
         end, self._quarter = solvers.traced_quarter(fresh, state, drive, motion.increments, self._watch)
         return end
 
@@ -249,6 +253,7 @@ class Cycler:
 
         probe = forced if motion.drive.steady else None
         start, trace, _ = self._holding(current, state, self._drive(state), cycle, watch, probe)
+        self.sticks = solvers.sticks_throughout(trace.start, trace.states[-1])
         self._latest = _Traced(problem, state, symmetry, start, trace, reports)
         return self._latest
 
@@ -311,8 +316,22 @@ class Cycler:
         self.guide = trace.guide
         return state
 
+    def pressed_again(
+        self, problem: solvers.ContactProblem, state: solvers.ContactState, onto: solvers.ContactProblem, done: float
+    ) -> solvers.ContactState:
+        """The worn bodies on the meshes of another problem, pressed together at mid-stroke and moved to its end: what
+        sticks remembers where it was pressed.
+        """
+        patches = [(each.primary.patch, each.secondary.patch) for each in (problem, onto)]
+        wear, bulk = solvers.transferred_wear(state.wear, *patches), self.motion.drive.mean_bulk
+        current = self.aged(onto, state, done)
+        pressed, report = solvers.press(current, replace(solvers.unloaded_state(onto), wear=wear, bulk=bulk))
+        self.tally.counters.count(report)
+        return self.moved_out(onto, replace(pressed, pressed_z=state.pressed_z))
+
     def _took(self, trace: solvers.CycleTrace) -> None:
         self.guide, self.friction_work_mJ = trace.guide, trace.friction_work
+        self.sticks = solvers.sticks_throughout(trace.start, trace.states[-1])
         self.tally.counters.simulated_cycles += 1
 
     def _watch(self, state: solvers.ContactState, report: solvers.IncrementReport) -> None:

@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from solvers import ContactProblem, ContactState, JumpController, JumpStep, PatchLeftError, SolverError, take_step
 from wirewear.base.errors import counted
 from wirewear.results import RunResult
-from wirewear.simulation.cycler import Cycler, FrettingTest
+from wirewear.simulation.cycler import Cycler, FrettingTest, Motion
 from wirewear.simulation.observers import Observer, moment_of
 from wirewear.simulation.problem import standing_out
 from wirewear.simulation.recorded import Recorded
@@ -158,6 +158,14 @@ def cycle_through(
     return _Run(test, record, store, observer).go(resume=resume)
 
 
+class _OtherMeshesError(Exception):
+    """The contact sticks in its middle, or no longer does, and is to have the meshes for that."""
+
+    def __init__(self, history: MeshHistory) -> None:
+        super().__init__()
+        self.history = history
+
+
 class _Run:
     """A run under way. Everything that is recorded is stored before the next cycle jump begins."""
 
@@ -166,6 +174,7 @@ class _Run:
         self.meshes, self.history = test.meshes, test.meshes.first()
         self.cycler = Cycler(test.motion_after(0.0), record.tally, self._moved)
         self.ending = Ending.of(test.stop)
+        self._fitted = -1.0  # The cycle at which meshes have followed the regime.
 
     def go(self, *, resume: bool) -> RunResult:
         checkpoint = self._restored() if resume else None
@@ -218,13 +227,16 @@ class _Run:
                     step = stepper.step(problem, state, done, 1.0, (1.0,), 1.0)
                     state, done = step.state, done + step.jump
                 return problem, self._measured(problem, state, 1.0, 1.0)
+            except _OtherMeshesError as other:
+                fitting = other.history
             except PatchLeftError as left:
                 larger = self.meshes.next_stage(self.history, 0.0)
                 if larger is None:
                     raise PatchLeftError("; ".join([str(left), *standing_out(problem)])) from None
-                # Nothing of the run has been on the smaller meshes: that is no change.
-                self.history = MeshHistory(larger.stage)
-                problem = self._problem()
+                fitting = larger
+            # Nothing of the run has been on the other meshes: that is no change.
+            self.history = MeshHistory(fitting.stage)
+            problem = self._problem()
 
     def _problem(self) -> ContactProblem:
         """On the meshes and under the conditions of now."""
@@ -243,7 +255,7 @@ class _Run:
             self.cycler.now = done
             motion = self.test.motion_after(done)
             if motion is not self.cycler.motion:
-                problem, state = self.cycler.entered(problem, state, motion, done)
+                problem, state = self._entered(motion, problem, state, done)
                 stepper = wear_stepper(self.test, self.cycler, problem)
             problem, state = self._on_due_meshes(problem, state, done)
             try:
@@ -273,6 +285,8 @@ class _Run:
                 problem, state = self._at_milestone(problem, state, done, step.jump)
                 expected = "" if self.record.ends else self.ending.expected_end()
                 self._store("running", f"{counted(done)} of {counted(end)} cycles simulated{expected}")
+            elif (fitting := self._fitting(state, done)) is not None:
+                problem, state = self._on_meshes(fitting, problem, state, done)
             self._keep(done, wanted, state)
         stop = self.ending.reached(state)
         why = self.ending.expected_end() if stop is None else f": {stop} has reached its stop"
@@ -303,22 +317,50 @@ class _Run:
         while True:
             try:
                 return problem, self._measured(problem, state, done, jump)
+            except _OtherMeshesError as other:
+                problem, state = self._on_meshes(other.history, problem, state, done)
             except PatchLeftError:
                 larger = self.meshes.next_stage(self.history, done)
                 if larger is None:
                     raise
                 problem, state = self._on_meshes(larger, problem, state, done)
 
+    def _entered(
+        self, motion: Motion, problem: ContactProblem, state: ContactState, done: float
+    ) -> tuple[ContactProblem, ContactState]:
+        """Problem and state under another motion, on larger meshes where its stroke leaves those of now."""
+        try:
+            return self.cycler.entered(problem, state, motion, done)
+        except PatchLeftError:
+            larger = self.meshes.next_stage(self.history, done)
+            if larger is None:
+                raise
+            return self._on_meshes(larger, problem, state, done)
+
+    def _fitting(self, state: ContactState, done: float) -> MeshHistory | None:
+        """The meshes for the regime of the latest cycle, None where the contact has them; looked for once at a time."""
+        if self.cycler.sticks is None or self._fitted == done:
+            return None
+        since = max((end for end, _ in self.test.motions if end < done), default=0.0)
+        fitting = self.meshes.fitting(self.history, state, (since, done), self.cycler.sticks)
+        self._fitted = self._fitted if fitting is None else done
+        return fitting
+
     def _on_meshes(
         self, history: MeshHistory, problem: ContactProblem, state: ContactState, done: float
     ) -> tuple[ContactProblem, ContactState]:
         self.history = history
         onto = self._problem()
+        if history.stage < 0:
+            return onto, self.cycler.pressed_again(problem, state, onto, done)
         return onto, self.cycler.remeshed(problem, state, onto, done)
 
     def _measured(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
         """Close a loop with the wear frozen, and record it; the state from which the run goes on."""
         after, trace = self.cycler.measured(problem, state, done)
+        fitting = self._fitting(after, done)
+        if fitting is not None:
+            raise _OtherMeshesError(fitting)
         held = self.cycler.motion.held
         self.record.measured(self.cycler.aged(problem, after, done), after, trace, done, jump, held)
         return state if self.cycler.goes_on_from(problem, state) else after

@@ -89,12 +89,13 @@ class Discretisation:
         }
 
 
-def discretise(study: Study, fidelity: str) -> Discretisation:
-    """Meshes and steps of a study at a level of fidelity.
+def discretise(study: Study, fidelity: str, *, sticks: bool | None = None) -> Discretisation:
+    """Meshes and steps of a study at a level of fidelity; sticks: whether the contact sticks in its middle, None by the
+    drive.
     Raises StudyError if the fine patch would not fit on a body, or the contact would leave it during the stroke.
     """
     level, chosen = _level_of(study, fidelity), study.fidelity(fidelity)
-    expected = expected_contact(study)
+    expected = expected_contact(study, sticks=sticks)
     if expected.sticks and (expected.face is None or study.wear is not None):
         level = level.for_sticking(wears=study.wear is not None)
     if not study.contact.friction_law.proportional:

@@ -6,7 +6,7 @@ pressure and of distance from the edge are integrated over a contact that few el
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import cos, hypot, inf, nan, pi, radians, sin, sqrt
+from math import cos, hypot, nan, pi, radians, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -18,11 +18,11 @@ from wirewear import reference
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, applied
 from wirewear.results import BORNE, BORNE_IS
 from wirewear.results.scar import called
+from wirewear.simulation.sliding_onset import point_sticks
 from wirewear.test import AnyStudy, Study
 from wirewear.test.bodies import hertz_of, on_pad
 from wirewear.test.faces import Face, half_width_of
 from wirewear.test.life import TENSILE_STRENGTH, LifeTable
-from wirewear.test.programme import held_by
 
 # Effects may add this factor to the worn volume before the patch grows: 8 % of its half-width in 3D. Runs with and
 # without effects that fit into the margin have the same meshes and differ by nothing else.
@@ -188,8 +188,10 @@ class ExpectedContact:
         return max(self.fresh.major_mm, scar_outline(missing, self.gap, self.face).major_mm)
 
 
-def expected_contact(study: Study) -> ExpectedContact:
-    """What is expected of a study. Raises StudyError if a pad is too small for its contact or scar."""
+def expected_contact(study: Study, *, sticks: bool | None = None) -> ExpectedContact:
+    """What is expected of a study; sticks: whether the contact sticks in its middle, None by the drive.
+    Raises StudyError if a pad is too small for its contact or scar.
+    """
     driven, held = study.bodies
     gap = reference.gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, radians(study.crossing_angle_deg))
     conditions, face = study.conditions, driven.face or held.face
@@ -205,7 +207,7 @@ def expected_contact(study: Study) -> ExpectedContact:
     flattened = float(0.5 * pi * depth**2 / (gap[0] * gap[1]) ** 0.5)
     lacking = sum(body.surface.volume_mm3 for body in (driven, held) if body.surface is not None)
     volume = max(_worn_volume(study, factors), flattened) + lacking
-    sticks = lacking == 0.0 and _sticks(study, hertz)
+    sticks = lacking == 0.0 and flattened == 0.0 and (point_sticks(study) if sticks is None else sticks)
     if volume == 0.0:
         scar = None
     elif sticks:
@@ -214,33 +216,6 @@ def expected_contact(study: Study) -> ExpectedContact:
     else:
         scar = scar_outline(volume, gap, face)
     return ExpectedContact(gap, hertz, scar, flattened, factors, sticks, face, lacking)
-
-
-def _sticks(study: Study, hertz: reference.PointContact) -> bool:
-    """Whether the drive is too weak to make the unworn bodies slide, by Cattaneo and Mindlin in series with the rig.
-
-    The contact between gripped bodies is softer and slides later. Effects, and a load that falls, may make it slide
-    earlier: with any, it is taken to slide.
-    """
-    conditions, friction = study.conditions, study.contact.friction
-    if study.effects or not friction or not conditions.drive.load.steady:
-        return False
-    radius = (hertz.major_semi_axis_mm * hertz.minor_semi_axis_mm) ** 0.5
-    modulus = reference.tangential_contact_modulus(*(body.material for body in study.bodies))
-    contact = reference.partial_slip_point(conditions.normal_load_N, friction, radius, modulus)
-    soft = study.tables.rig.compliance_at_contact_mm_per_N
-    drive_um = 1e3 * reference.sliding_threshold(contact, 1.0 / soft if soft else inf)
-    stated = held_by(conditions)
-    if stated is None:
-        return conditions.displacement_amplitude_um < drive_um
-    slides_from = {
-        "tangential": contact.limit_N,
-        "energy": reference.energy_per_cycle(contact, contact.limit_N),
-        "slip": 1e3 * reference.slip_amplitude(contact, contact.full_slip_displacement_mm),
-        "motion": 1e3 * contact.full_slip_displacement_mm,
-        "reading": drive_um,
-    }
-    return stated.value < slides_from[stated.figure]
 
 
 def _worn_volume(study: Study, factors: WearFactors) -> float:

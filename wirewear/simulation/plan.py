@@ -36,6 +36,7 @@ from wirewear.simulation.problem import (
     with_nodes_moved,
     worn_depths,
 )
+from wirewear.simulation.sliding_onset import point_sticks
 from wirewear.simulation.store import Meshes, MeshHistory, Report
 from wirewear.test import Study
 from wirewear.test.consistency import default_loop_cycles
@@ -45,6 +46,8 @@ from wirewear.test.fidelity import WIRE_LEVELS, level_of
 _GROWTH_PER_STAGE = 1.8
 _MOST_SPARE = 3
 _LEAST_GROWTH = 1.1
+_STICKING = -1  # The stage for a fresh contact that sticks in its middle.
+_FRESH = 1.05  # A scar is no larger than the fresh contact by this factor.
 
 
 #: What `wirewear show` and `report` make of a run, relative to its folder; here, as drawing takes long to import.
@@ -117,6 +120,16 @@ def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float, *,
     return MeshStage(now_mm, then_mm, moving, fixed)
 
 
+def sticking_stage(study: Study, fidelity: str, plan: Discretisation) -> MeshStage | None:
+    """Meshes for what slips of the fresh contact where its middle sticks, None where the plan has them or none fit."""
+    if plan.expected.sticks or not follows(study, fidelity):
+        return None
+    sticking = discretise(study, fidelity, sticks=True)
+    fresh_mm = plan.expected.fresh.major_mm
+    fits = sticking.expected.sticks and sticking.expected.face is None
+    return MeshStage(fresh_mm, _FRESH * fresh_mm, sticking.moving, sticking.fixed) if fits else None
+
+
 @dataclass(frozen=True)
 class PointMeshes(Meshes):
     """The meshes that a study's run goes through, and when it takes the next."""
@@ -125,11 +138,20 @@ class PointMeshes(Meshes):
     expected: ExpectedContact
     stages: tuple[MeshStage, ...]  #: Planned, taken as the scar grows.
     spare: tuple[MeshStage, ...] = ()  #: Taken one after another where the contact leaves those.
+    sticking: MeshStage | None = None  #: Stage -1, taken while the contact is fresh and sticks in its middle.
+    begins_sticking: bool = False  #: Whether that is expected of the first cycles.
     #: Whether the nodes of every stage but the first are moved into the worn surface when it begins.
     move_nodes_at_stages: bool = False
 
+    @property
+    def every(self) -> tuple[MeshStage, ...]:
+        """All stages by their numbers."""
+        return (*self.stages, *self.spare, *(() if self.sticking is None else (self.sticking,)))
+
     def first(self) -> MeshHistory:
         """The stage for bodies that have lost no more than what an effect flattens before the first cycle."""
+        if self.begins_sticking and self.sticking is not None:
+            return MeshHistory(_STICKING)
         stage = 0
         while self._outgrown(stage, self.expected.flattened_mm3):
             stage += 1
@@ -137,23 +159,36 @@ class PointMeshes(Meshes):
 
     def problem(self, history: MeshHistory, report: Report) -> ContactProblem:
         """The contact problem on a run's meshes."""
-        problem = contact_problem(self.study, self._stage(history.stage), report)
+        problem = contact_problem(self.study, self.every[history.stage], report)
         if history.moved is None:
             return problem
-        return with_nodes_moved(problem, self.study, self._stage(history.stage), history.moved, report)[0]
+        return with_nodes_moved(problem, self.study, self.every[history.stage], history.moved, report)[0]
 
     def next_stage(self, history: MeshHistory, cycle: float) -> MeshHistory | None:
         """The history with the meshes for a larger scar in use; None where there are none."""
         stage = history.stage + 1
         if stage == len(self.stages) + len(self.spare):
             return None
-        change = {"cycle": cycle, "half_width_um": 1e3 * self._stage(stage).from_half_width_mm}
+        change = {"cycle": cycle, "half_width_um": 1e3 * self.every[stage].from_half_width_mm}
         return replace(history, stage=stage, moved=None, changes=(*history.changes, change))
 
     def outgrown(self, history: MeshHistory, state: ContactState, cycle: float) -> MeshHistory | None:
         """The next stage, if there is one and the scar has grown beyond what the meshes of now are for."""
         worn = state.wear.primary_volume_mm3 + state.wear.secondary_volume_mm3
         return self.next_stage(history, cycle) if self._outgrown(history.stage, worn) else None
+
+    def fitting(
+        self, history: MeshHistory, state: ContactState, cycles: tuple[float, float], sticks: bool, /
+    ) -> MeshHistory | None:
+        """Meshes for what slips while a fresh contact sticks in its middle, and for the stroke once it slides."""
+        worn = state.wear.primary_volume_mm3 + state.wear.secondary_volume_mm3
+        if self.sticking is None or history.stage != (0 if sticks else _STICKING):
+            return None
+        since, now = cycles
+        back = any(change["cycle"] > since for change in history.changes)
+        if sticks and (back or self.expected.scar_half_width_mm(worn) > self.sticking.to_half_width_mm):
+            return None
+        return self.next_stage(replace(history, stage=_STICKING - 1 if sticks else _STICKING), now)
 
     def moved_nodes(
         self, history: MeshHistory, problem: ContactProblem, state: ContactState, cycle: float, report: Report
@@ -162,7 +197,7 @@ class PointMeshes(Meshes):
         if not self._motion_due(history, problem, state):
             return history, problem
         depths = worn_depths(problem, state)
-        moved, smallest = with_nodes_moved(problem, self.study, self._stage(history.stage), depths, report)
+        moved, smallest = with_nodes_moved(problem, self.study, self.every[history.stage], depths, report)
         change = {
             "cycle": cycle,
             "moved_to_um": 1e3 * float(max(depth.max() for depth in depths)),
@@ -180,11 +215,8 @@ class PointMeshes(Meshes):
         ahead = max(float(np.abs(depth - before).max()) for depth, before in zip(depths, moved, strict=True))
         return ahead > 0.0 and ahead >= 1e-3 * every_um
 
-    def _stage(self, index: int) -> MeshStage:
-        return (*self.stages, *self.spare)[index]
-
     def _outgrown(self, stage: int, volume_mm3: float) -> bool:
-        if stage + 1 >= len(self.stages):
+        if stage == _STICKING or stage + 1 >= len(self.stages):
             return False
         return self.expected.scar_half_width_mm(volume_mm3) >= self.stages[stage].to_half_width_mm
 
@@ -248,12 +280,13 @@ class RunPlan(PlannedRun):
     def of(cls, study: Study, fidelity: str) -> "RunPlan":
         """The plan of a study at a fidelity. Raises StudyError if the study cannot be discretised."""
         driven = study.driven
-        largest = driven.envelope
-        discretisation = discretise(largest, fidelity)
+        largest, regimes = driven.envelope, [point_sticks(own.study) for own in driven.schedule.stretches]
+        discretisation = discretise(largest, fidelity, sticks=all(regimes))
         stages = mesh_stages(largest, fidelity, discretisation)
         spare = spare_stages(largest, fidelity, discretisation, stages[-1])
         moves = level_of(WIRE_LEVELS, fidelity).move_nodes_at_stages or study.mesh.move_nodes_at_stages
-        meshes = PointMeshes(driven, discretisation.expected, stages, spare, moves)
+        sticking = sticking_stage(largest, fidelity, discretisation)
+        meshes = PointMeshes(driven, discretisation.expected, stages, spare, sticking, regimes[0], moves)
         return cls(study, fidelity, discretisation, meshes)
 
     @property

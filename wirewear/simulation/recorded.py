@@ -45,6 +45,7 @@ from wirewear.simulation.problem import worn_depths
 from wirewear.simulation.statistics import Tally, judge, mirrored_mismatch
 from wirewear.simulation.store import MeshHistory
 from wirewear.test import Body, Study
+from wirewear.test.programme import held_keys
 from wirewear.test.surfaces import LayerTable
 
 Worn = tuple[PlacedBody, Array, Array, Array, Array]
@@ -259,7 +260,7 @@ class Recorded(ABC):
     ) -> None:
         """Record a closed loop with the wear frozen, with the scars where the study asks for it.
 
-        held: what the drive holds in place of its amplitude.
+        held: what the drive holds in place of its amplitude in this block.
         """
         self._holder = self.holder_of(problem, trace)
         block = self.schedule.at(done)
@@ -269,7 +270,8 @@ class Recorded(ABC):
         pressures = pressure_figures(problem, trace, self._pressure_length_mm)
         row = evolution_row(problem, state, trace, scars, pressures, done, jump)
         row |= {BULK_WORK: bulk_work(problem, trace)} if self.schedule.pulled else {}
-        row |= {} if held is None else {"held_error": held.error(trace)}
+        if any(held_keys(own.study.conditions) for own in self.schedule.stretches):
+            row["held_error"] = nan if held is None else held.error(trace)
         by_block = {"block": float(block.block)} if len(self.schedule.stretches) > 1 else {}
         self._rows.append(row | self.further_columns(loop, scars) | by_block)
         if len(self._rows) == 1:

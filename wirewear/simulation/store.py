@@ -64,6 +64,15 @@ class Meshes(ABC):
         """The next stage, if there is one and the scar has grown beyond what the meshes of now are for."""
         return None
 
+    def fitting(
+        self, _history: MeshHistory, _state: ContactState, _cycles: tuple[float, float], _sticks: bool, /
+    ) -> MeshHistory | None:
+        """The history with the meshes for a contact that sticks in its middle, or slides, where it lacks them.
+
+        cycles: at which the motion of now began, and now; meshes are left for others and taken again once a motion.
+        """
+        return None
+
     def moved_nodes(
         self, history: MeshHistory, problem: ContactProblem, _state: ContactState, _cycle: float, _report: Report, /
     ) -> tuple[MeshHistory, ContactProblem]:
