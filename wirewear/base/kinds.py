@@ -1,10 +1,11 @@
 """Kinds of contact as studies, records and results name them."""
 
-CROSSED_WIRES, LINE_CONTACT, BALL_ON_FLAT, POINT_CONTACT = (
+CROSSED_WIRES, LINE_CONTACT, BALL_ON_FLAT, POINT_CONTACT, JOINT = (
     "crossed-wires",
     "line-contact",
     "ball-on-flat",
     "point-contact",
+    "joint",
 )
 CYLINDER_ON_FLAT = "cylinder-on-flat"  #: A line contact whose pad is a cylinder.
 
@@ -14,6 +15,7 @@ NAMES = {
     LINE_CONTACT: (LINE_CONTACT, CYLINDER_ON_FLAT),
     BALL_ON_FLAT: (BALL_ON_FLAT,),
     POINT_CONTACT: (POINT_CONTACT,),
+    JOINT: (JOINT,),
 }
 #: Contacts whose bodies wear a scar that is as wide as it is long.
 AT_A_POINT = (CROSSED_WIRES, BALL_ON_FLAT, POINT_CONTACT)

@@ -136,7 +136,7 @@ def _of_record(record: AnyRecord, path: Path) -> tuple[MappedTest, list[tuple[in
         name=record.name,
         source=record.tables.metadata.source or "record",
         path=str(path),
-        normal_load_N=load / (length_mm or 1.0),
+        normal_load_N=load * record.tables.computed_share,
         displacement_amplitude_um=asked.displacement_amplitude_um,
         worn=_worn(record),
         cracks=record.tables.metadata.cracks,
@@ -194,11 +194,10 @@ def _sliding(cycle: int, loops: Sequence[LoopFigures]) -> SlidingMap:
 
 def _worn(record: AnyRecord) -> tuple[WornTest, ...]:
     """Repeats of which both bodies' scars and an energy are known, each per mm where the contact has a length."""
-    first, second = record.worn_volumes_mm3.values()
-    per = 1.0 / (record.tables.length_mm or 1.0)
+    volumes, per = [*record.worn_volumes_mm3.values()], record.tables.computed_share
     return tuple(
-        WornTest(per * energy, per * (first[repeat] + second[repeat]))
-        for repeat in sorted(set(first) & set(second))
+        WornTest(per * energy, per * sum(body[repeat] for body in volumes))
+        for repeat in (sorted(set.intersection(*map(set, volumes))) if volumes else ())
         if (energy := accumulated_energy_J(record, repeat)) is not None
     )
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wirewear.base import kinds
+from wirewear.base.errors import StudyError
 from wirewear.kinds.contacts import AlongALine, AtAPoint, Contacts
 
 if TYPE_CHECKING:
@@ -20,7 +21,11 @@ _CONTACTS: dict[str, Contacts] = dict.fromkeys(kinds.AT_A_POINT, AtAPoint()) | {
 
 
 def contacts_of(one: OfAKind) -> Contacts:
-    """What a study or a result, or the run of a record's test, is drawn and written by."""
+    """What a study or a result, or the run of a record's test, is drawn and written by.
+    Raises StudyError of a kind that is not simulated.
+    """
+    if one.contact_kind not in _CONTACTS:
+        raise StudyError(f"a {one.contact_kind} has no bodies, which this command needs.")
     return _CONTACTS[one.contact_kind]
 
 

@@ -14,7 +14,7 @@ from wirewear.loops.figures import regime_of
 from wirewear.records import course_checks, loop_checks, swap_checks
 from wirewear.records.remarks import CheckedRecord, RecordReport, Remark, listed, loop_statistics, plural
 from wirewear.records.surface_checks import profile_remarks, scar_remarks
-from wirewear.records.surfaces import PROFILES, SCARS
+from wirewear.records.surfaces import NO_SURFACES, PROFILES, SCARS
 from wirewear.records.values import AnyRecord, MeasuredLoop
 from wirewear.results.scar import called
 
@@ -32,6 +32,7 @@ MOST_ANALYSED = 30
 _OF_SURFACES: Mapping[str, Callable[[CheckedRecord], Iterator[Remark]]] = {
     SCARS.name: scar_remarks,
     PROFILES.name: profile_remarks,
+    NO_SURFACES.name: lambda _: iter(()),
 }
 _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     loop_checks.too_short,
@@ -186,11 +187,12 @@ def _wear(record: AnyRecord) -> Iterator[Verdict]:
 def _model(record: AnyRecord) -> Verdict:
     if absent := record.tables.missing:
         return False, (
-            f"A simulation from the record alone: [stated] does not give {' and '.join(absent)}. `wirewear fit RECORD` "
-            "finds friction and rig stiffness from the loops, and the wear coefficient from scars and energy."
+            f"{record.tables.predicted} from the record alone: [stated] does not give {' and '.join(absent)}. "
+            "`wirewear fit RECORD` finds friction and rig stiffness from the loops, and the wear coefficient from "
+            "scars and energy."
         )
     taken = f"with all that is not stated taken as ideal{record.tables.assumed}"
-    return True, f"A simulation from the record alone, {taken}."
+    return True, f"{record.tables.predicted} from the record alone, {taken}."
 
 
 def check_record(record: AnyRecord) -> RecordReport:

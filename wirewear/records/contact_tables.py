@@ -1,21 +1,23 @@
-"""The tables of experiment.toml of line contacts, and of contacts at a point between bodies of any shapes."""
+"""The tables of experiment.toml of line contacts, of contacts at a point of bodies of any shapes, and of joints."""
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any, Generic, Literal, Self, TypeVar
+from math import inf
+from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeGuard, TypeVar
 
 from pydantic import Field, PlainValidator
 
 from wirewear.base import kinds
 from wirewear.base.errors import RecordError
 from wirewear.records import tables
-from wirewear.records.surfaces import PROFILES, SCARS
+from wirewear.records.surfaces import NO_SURFACES, PROFILES, SCARS
 from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, curved
 from wirewear.records.test_tables import Metadata, OfRecord, of_kinds
 from wirewear.results.scar import BODIES
 from wirewear.test import keys, study_from_tables
 from wirewear.test.bodies import Body, MaterialKeys, StatedBody
 from wirewear.test.faces import FACE_KEYS, PadFace, half_width_of
+from wirewear.test.joints import AskedOfJoint, JointStiffness
 from wirewear.test.keys import Inconsistency, Table, one_of
 from wirewear.test.lengths import stated_length_mm, whole_test
 from wirewear.test.lines import Extent, Pad, PadAndSpecimen, Specimen, WearOfBodies
@@ -108,6 +110,10 @@ class LineTest(OfRecord):
     @property
     def length_mm(self) -> float:
         return self.contact.length_mm
+
+    @property
+    def computed_share(self) -> float:
+        return 1.0 / self.contact.length_mm
 
     @property
     def depth_noise_um(self) -> float:
@@ -269,7 +275,124 @@ class BodiesRecord(PointRecordTables, BodiesTest[Bodies], Generic[Bodies]):
         return data | {"bodies": self.model_dump(mode="json", exclude_none=True)["bodies"]}
 
 
-AnyTables = PointRecordTables | LineRecordTables
+_FORCE = "friction_force_N"
+
+
+class ContactOfJoint(JointStiffness):
+    """What touches."""
+
+    kind: Annotated[Literal["joint"], PlainValidator(keys.one_of(kinds.JOINT))] = Field(
+        description="kind of contact", examples=[kinds.JOINT]
+    )
+
+
+class ConditionsOfJoint(AskedOfJoint, tables.RecordConditions):
+    """What was asked of the rig; the normal load may be left out where the friction force is stated."""
+
+
+class StatedOfJoint(tables.StatedRig):
+    """What the rig's owner states; what is not stated is taken as ideal."""
+
+    WEAR: ClassVar[tuple[str, ...]] = ()
+
+    friction_force_N: keys.NormalLoad | None = Field(
+        None, description="friction force, in place of friction; without a normal load it stands for that, too"
+    )
+
+
+class FilesOfJoint(keys.Table):
+    """Names of the data files beside experiment.toml."""
+
+    loops: tables.FileName = Field(description="file of the loops", examples=["loops.csv"])
+    evolution: tables.FileName | None = Field(None, description="file of the evolution over the cycles")
+
+
+class JointTest(OfRecord):
+    """A test of a joint as its file states it, without the names of data files."""
+
+    of, worn, needs_loops, fitted_by_loops, contact_slips = JointStiffness, NO_SURFACES, True, True, False
+
+    contact: ContactOfJoint = Field(description="what touches")
+    conditions: ConditionsOfJoint = Field(description="load, stroke, frequency and length of the test")
+    stated: StatedOfJoint = Field(StatedOfJoint(), description="what the rig's owner states")
+    noise: tables.Noise = Field(tables.Noise(), description="noise of one sample")
+    scatter: tables.StatedScatter = Field(tables.StatedScatter(), description="scatter between tests")
+    tolerance: tables.Tolerance = Field(tables.Tolerance(), description="differences that count as none")
+    metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
+
+    @classmethod
+    def known(cls, data: dict[str, Any], where: str) -> dict[str, Any]:
+        """The friction force as a coefficient: of the normal load, or where that is not known as 1 of itself."""
+        stated, conditions = data.get("stated"), data.get("conditions")
+        force = stated.get(_FORCE) if isinstance(stated, Mapping) else None
+        if not isinstance(stated, Mapping) or not isinstance(conditions, Mapping) or not _is_positive(force):
+            return data
+        if "friction" in stated:
+            raise RecordError(f"{where} gives both friction and {_FORCE} in [stated]: give one of the two.")
+        load = conditions.get("normal_load_N", force)
+        if not _is_positive(load):
+            return data
+        rest = {key: value for key, value in stated.items() if key != _FORCE}
+        return {
+            **data,
+            "conditions": {**conditions, "normal_load_N": load},
+            "stated": {**rest, "friction": force / load},
+        }
+
+    @property
+    def wear(self) -> dict[str, tuple[str, ...]]:
+        return {}
+
+    @property
+    def shares(self) -> dict[str, float]:
+        return {}
+
+    @classmethod
+    def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
+        del label
+        return {"contact": {"kind": kinds.JOINT, **tables.known_of(JointStiffness, study["contact"])}}
+
+    @property
+    def of_study(self) -> dict[str, float | None]:
+        asked = self.conditions
+        return {"normal_load_N": asked.normal_load_N, "displacement_amplitude_um": asked.displacement_amplitude_um}
+
+    def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
+        """The stiffness of the joint beside its friction."""
+        own = self.contact.model_dump(include={*JointStiffness.model_fields})
+        return data | {"contact": data["contact"] | own}
+
+    @property
+    def contact_stiffness_N_per_um(self) -> float:
+        """Of the joint itself, infinite where it is rigid."""
+        stated = self.contact.contact_stiffness_N_per_mm
+        return inf if stated == "rigid" else 1e-3 * float(stated)
+
+    @property
+    def predicted(self) -> str:
+        return "A prediction of its loops"
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        return ("friction",) if self.stated.final_friction is None else ()
+
+    @property
+    def assumed(self) -> str:
+        """Nothing."""
+        return ""
+
+
+class JointRecordTables(JointTest):
+    """The whole of a joint's experiment.toml."""
+
+    files: FilesOfJoint = Field(description="names of the data files")
+
+
+def _is_positive(value: object) -> TypeGuard[float]:
+    return isinstance(value, int | float) and not isinstance(value, bool) and value > 0.0
+
+
+AnyTables = PointRecordTables | LineRecordTables | JointRecordTables
 
 #: Tables of records by the names of kinds of test.
-RECORDS: dict[str, type[AnyTables]] = of_kinds(RecordTables, LineRecordTables, BodiesRecord)
+RECORDS: dict[str, type[AnyTables]] = of_kinds(RecordTables, LineRecordTables, JointRecordTables, BodiesRecord)

@@ -37,6 +37,8 @@ SCARS = WornSurfaces(
     "Worn volume and shape, and the crossing angle: there is no scar of the {}. A profilometer's map of it, or "
     "its points x, y, height, can be imported ([scars.*] of a mapping).",
 )
+#: Of a test without bodies.
+NO_SURFACES = WornSurfaces("surface", "surface", (), MeasuredScar, "", 1, "")
 PROFILES = WornSurfaces(
     "profile",
     "profile",

@@ -43,6 +43,11 @@ class OfTest(Table):
         return None
 
     @property
+    def computed_share(self) -> float:
+        """How much of the contact is computed: of a line contact, a millimetre of its length."""
+        return 1.0
+
+    @property
     def depth_noise_um(self) -> float:
         """Stated error of one depth of a worn surface."""
         return 0.0
@@ -84,7 +89,15 @@ def of_kinds(*models: type[Model]) -> dict[str, type[Model]]:
 class OfRecord(OfTest, ABC):
     """The tables of an experiment.toml, which know how a study and a result of their kind state the same test."""
 
+    fitted_by_loops: ClassVar[bool] = False  #: Whether loops alone give friction and rig, without a run of its study.
+    contact_slips: ClassVar[bool] = True  #: Whether the contact slips within the stick branch as Mindlin's does.
+
     programme: tuple[CycleBlock, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
+
+    @property
+    def predicted(self) -> str:
+        """What a study of its test gives, to begin a sentence."""
+        return "A simulation"
 
     @property
     @abstractmethod

@@ -7,6 +7,7 @@ from typing import Protocol
 
 from wirewear.base import kinds
 from wirewear.test.bodies import StatedBodies
+from wirewear.test.joints import JOINT, JointStiffness, JointTables
 from wirewear.test.lines import LINE_CONTACT, LineTables, PadAndSpecimen
 from wirewear.test.points import ANY_BODIES, BALL, BallAndFlat, BallOnFlatTables, LowerAndUpper, PointTables
 from wirewear.test.tables import CommonTables, StudyTables
@@ -26,6 +27,7 @@ class Kind:
     options: frozenset[str]  #: Keys of its bodies that `wirewear new --mapping` takes as options.
     rigid_N_per_mm: float = 1e7  #: A rig as stiff as this takes nothing of any stroke.
     scatters: bool = True  #: Whether studies state the scatter of their inputs.
+    simulated: bool = True  #: Whether it has bodies, of which finite elements are made.
 
 
 KINDS: dict[str, Kind] = {
@@ -51,6 +53,7 @@ KINDS: dict[str, Kind] = {
         ),
         Kind(kinds.BALL_ON_FLAT, BallOnFlatTables, BallAndFlat, ("flat", "ball"), BALL, frozenset(("diameter_mm",))),
         Kind(kinds.POINT_CONTACT, PointTables, LowerAndUpper, ("lower", "upper"), ANY_BODIES, frozenset()),
+        Kind(kinds.JOINT, JointTables, JointStiffness, (), JOINT, frozenset(), scatters=False, simulated=False),
     )
 }
 

@@ -16,6 +16,7 @@ from wirewear.test.any_study import AnyStudy
 from wirewear.test.bodies import Body
 from wirewear.test.consistency import checked_tables
 from wirewear.test.fidelity import FIDELITIES, level_of
+from wirewear.test.joints import JointConditions, JointContact, JointTables
 from wirewear.test.kinds import kind_named
 from wirewear.test.lines import LineConditions, LineContactTable, LineMeshing, LineTables, LineWear, Pad, Specimen
 from wirewear.test.tables import (
@@ -101,6 +102,16 @@ class LineStudy(AnyStudy[LineTables]):
         return type(self)(self.tables.of_length(length_mm), variants, self.variant_name)
 
 
+class JointStudy(AnyStudy[JointTables]):
+    """A study of a joint, which is not simulated; its tables are of the types named here."""
+
+    of: ClassVar = JointTables
+
+    conditions: JointConditions
+    contact: JointContact
+    holder: HolderTable
+
+
 def load_study(path: str | Path) -> Study:
     """Read a study of a contact at a point from a TOML file.
     Raises StudyError, in one sentence, if the file cannot be read, or is no valid study of one.
@@ -112,7 +123,7 @@ def point_study(data: Mapping[str, Any], where: str) -> Study:
     """A study of a contact at a point from nested tables.
     Raises StudyError, in one sentence, if the tables are no valid study of one.
     """
-    if data.get("kind") in kinds.NAMES[kinds.LINE_CONTACT]:
+    if not issubclass(kind_named(data.get("kind")).tables, ContactTables):
         raise StudyError(
             f'{where} is a study of kind "{data["kind"]}", which is not taken here: give one of kind '
             f'"{kinds.CROSSED_WIRES}".'
@@ -159,7 +170,7 @@ def study_from_tables(data: Mapping[str, Any], where: str) -> Any:
         (name, checked_tables(known(base, where, own), where, known(own, where), f"variants.{name}"))
         for name, own in variants_in(data, where)
     )
-    return next(own for own in (Study, LineStudy) if isinstance(tables, own.of))(tables, variants)
+    return next(own for own in (Study, LineStudy, JointStudy) if isinstance(tables, own.of))(tables, variants)
 
 
 def variants_in(data: Mapping[str, Any], where: str) -> Iterator[tuple[str, Mapping[str, Any]]]:

@@ -159,6 +159,9 @@ def write_stated(fitted: FittedTest) -> Path:
     before = read_text(path, RecordError)
     tables = parsed_toml(before, str(path), RecordError)
     known = stated_by(fitted.parameters, fitted.rigid_N_per_mm)
+    if "friction_force_N" in table_of(tables, "stated") and "friction" in known:
+        # A friction force that was stated stands for the load as well.
+        known["friction_force_N"] = known.pop("friction") * fitted.record.tables.conditions.normal_load_N
     # A body wears by one law: what was fitted takes the place of what was stated otherwise.
     replaced = {key.replace("energy", "archard").replace("_per_J", "_per_N_m") for key in known}
     before_it = {key: value for key, value in table_of(tables, "stated").items() if key not in replaced}

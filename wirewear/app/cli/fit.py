@@ -48,6 +48,7 @@ def fit(
     from wirewear.diagnosis.fit import GivenWear, check_by_run, fit_record
     from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
+    from wirewear.test.kinds import kind_of
     from wirewear.views.fit_report import (
         check_table,
         fit_json,
@@ -75,7 +76,7 @@ def fit(
         )
         written = write_fit(fitted, output)
     checked = None
-    if fidelity != "none":
+    if fidelity != "none" and kind_of(record).simulated:
         checked = check_by_run(fitted, output / "run", fidelity, lambda name: ProgressBar(f"{name}, fitted"))
         runs: Any = [checked.result]  # of either kind
         contacts_of(record).write_beside(runs, output / "run")

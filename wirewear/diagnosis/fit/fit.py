@@ -109,8 +109,8 @@ def fit_record(
     neither loops nor evolution show the energy; StudyError or SolverError if a nominal run of the fast model fails.
     """
     record = record.of_block()
-    kind, tables = kind_of(record), record.tables
-    sticking = fitted_sticking(record, kind.rigid_N_per_mm)
+    rigid, tables = kind_of(record).rigid_N_per_mm, record.tables
+    sticking = fitted_sticking(record, rigid)
     if sticking is not None:
         return _of_sticking(record, sticking, given)
     require_supported(record)
@@ -124,7 +124,11 @@ def fit_record(
     with stage("the contact on a rigid rig"):
         some_wear = {} if wear.stated_wear(tables) else {key: one.value for key, one in _some_wear(tables)[0].items()}
         contact = contact_stiffness(record, _friction_of(tests), some_wear)
-        found |= _stiffnesses(contact, tests, kind.rigid_N_per_mm)
+        found |= _stiffnesses(contact, tests, rigid)
+    if tables.fitted_by_loops:
+        parameters = _of_loops(record, contact, tests) | _play(tests)
+        study = fitted_study(record, parameters, record.cycles)
+        return FittedTest(record, study, parameters, found, (*odd, *left_out(record), *_single(record)), rigid)
     rough = _rough_study(record, contact, tests, worn)
     model = nominal_model(rough)
     states, limits = model.states(tables, observer_of)
@@ -135,7 +139,7 @@ def fit_record(
     parameters = _of_fit(fitted, len(tests.repeats), record, contact.N_per_um) | spring | _play(tests) | worn
     study = fitted_study(record, parameters, record.cycles)
     notes = [*odd, *limits, *left_out(record), *_misfit(fitted), *notes, *_missing(record, parameters, tests)]
-    return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=kind.rigid_N_per_mm)
+    return FittedTest(record, study, parameters, found, tuple(notes), rigid)
 
 
 def _of_sticking(record: AnyRecord, sticking: StickingFit, given: wear.GivenWear | None) -> FittedTest:
@@ -214,8 +218,8 @@ def stated_by(parameters: dict[str, FittedParameter], rigid_N_per_mm: float) -> 
         stated["friction_evolution"] = {"initial": initial, "final": final, "cycles": cycles}
     else:
         stated["friction"] = parameters["friction"].value
-    stiffness = parameters["tangential_stiffness_N_per_mm"].value
-    stated["tangential_stiffness_N_per_mm"] = stiffness if stiffness < rigid_N_per_mm else "rigid"
+    if (rig := parameters.get("tangential_stiffness_N_per_mm")) is not None:
+        stated["tangential_stiffness_N_per_mm"] = rig.value if rig.value < rigid_N_per_mm else "rigid"
     return stated | {key: parameters[key].value for key in (SPRING, *WEAR_KEYS) if key in parameters}
 
 
@@ -299,6 +303,28 @@ def _of_fit(fitted: FastFit, repeats: int, record: AnyRecord, contact_N_per_um: 
     return parameters
 
 
+def _of_loops(record: AnyRecord, contact: ContactStiffness, tests: LoopsOfTests) -> dict[str, FittedParameter]:
+    """Friction and rig by what the loops of each test show, in the mean over their cycles."""
+
+    def of_tests(name: str) -> Array:
+        own = tests.figures[:, :, list(FITTED).index(name)]
+        return np.array([np.mean(row[np.isfinite(row)]) for row in own if np.isfinite(row).any()])
+
+    def with_error(name: str, unit: str, factor: float = 1.0) -> FittedParameter:
+        values = factor * of_tests(name)
+        return FittedParameter.of_repeats(values, unit, FITTED[name] * float(values.mean()))
+
+    found = {"friction": with_error("friction_geometry_independent", "1")}
+    if of_tests("measured_stiffness_N_per_um").size:
+        measured = with_error("measured_stiffness_N_per_um", "N_per_mm", 1e3)
+        least = 1e3 / kind_of(record).rigid_N_per_mm
+        rig, low, high = (
+            1e3 / max(contact.rig_um_per_N(1e-3 * k), least) for k in (measured.value, *measured.interval95)
+        )
+        found["tangential_stiffness_N_per_mm"] = replace(measured, value=rig, interval95=(low, high))
+    return found
+
+
 def _rotation_um_per_N(record: AnyRecord) -> float:
     """What a stated rotation of the holder gives way along the motion."""
     stated = record.tables.stated
@@ -343,7 +369,7 @@ def _missing(record: AnyRecord, parameters: dict[str, FittedParameter], tests: L
 
 
 def _missing_wear(record: AnyRecord, parameters: dict[str, FittedParameter]) -> list[str]:
-    if wear.total_of(record.tables, parameters) is not None:
+    if not record.tables.wear or wear.total_of(record.tables, parameters) is not None:
         return []
     stated = wear.stated_wear(record.tables)
     wears = f"takes the stated {stated}" if stated is not None else "does not wear"

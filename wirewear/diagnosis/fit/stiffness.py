@@ -102,7 +102,7 @@ def contact_stiffness(record: AnyRecord, friction: float, some_wear: Mapping[str
     """By closed form, or, where none shows it, of loops of a run on a rigid rig; `some_wear` is for that run."""
     tables = record.tables
     if tables.contact_stiffness_N_per_um is not None:
-        return ContactStiffness(tables.contact_stiffness_N_per_um, slips=True)
+        return ContactStiffness(tables.contact_stiffness_N_per_um, tables.contact_slips)
     rigid_rig = dict.fromkeys(("tangential_stiffness_N_per_mm", "rotational_stiffness_N_mm_per_rad"), "rigid")
     data = fitted_tables(record, {"friction": friction, **rigid_rig, **some_wear}, [], [1])
     data["conditions"]["cycles"] = _FIRST_CYCLES

@@ -116,7 +116,8 @@ def read(record: AnyRecord) -> Reading:
             f"nothing of the record {record.name!r} can be diagnosed: {notes[0] if notes else 'no loop, no profile'}"
         )
     # Worn surfaces go by their own name: scars or profiles.
-    surfaces: dict[str, Any] = {"scars": (), "profiles": (), f"{tables.worn.name}s": record.scars}
+    surfaces: dict[str, Any] = {"scars": (), "profiles": ()}
+    surfaces |= {f"{tables.worn.name}s": record.scars} if record.scars else {}
     return Reading(
         tuple(of_one_recorder(loops)) if loops else (),
         record.evolution,

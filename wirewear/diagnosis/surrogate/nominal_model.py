@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, cast
 
-from wirewear.base.errors import RecordError
+from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis.surrogate import nominal
 from wirewear.diagnosis.surrogate.candidates import nominal_inputs, nominal_line_setup
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
@@ -21,6 +21,7 @@ from wirewear.records import ExperimentRecord, LineRecord
 from wirewear.results.scar import called
 from wirewear.test import AnyStudy, LineStudy, Study
 from wirewear.test.bodies import Gap
+from wirewear.test.kinds import kind_of
 from wirewear.test.programme import held_keys
 
 
@@ -118,5 +119,9 @@ NominalModel = PointModel | LineModel
 
 
 def nominal_model(study: AnyStudy[Any]) -> NominalModel:
-    """What a diagnosis and a fit ask of the study of a record's test."""
+    """What a diagnosis and a fit ask of the study of a record's test.
+    Raises StudyError if there is none for its kind yet.
+    """
+    if not kind_of(study).simulated:
+        raise StudyError(f"a {study.contact_kind} is checked and fitted, but not diagnosed yet.")
     return LineModel(study) if isinstance(study, LineStudy) else PointModel(cast("Study", study))

@@ -93,7 +93,10 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touc
     touching: what the user says of the bodies.
     """
     kinds, length = recognised_files(files), touching.stated.length_mm
-    if length is None:
+    worn: dict[str, Any] = {}
+    if not touching.names:
+        name, of_worn = "", left_out(kinds.surfaces)
+    elif length is None:
         name, (worn, of_worn) = "scars", scars_of(kinds.surfaces, kinds.maps, touching)
     else:
         name, (worn, of_worn) = "profiles", profiles_of(kinds.surfaces, kinds.maps, touching.names)

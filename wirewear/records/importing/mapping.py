@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field, PlainValidator
 
 from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
 from wirewear.base.files import DELIMITERS, is_encoding_of_text
-from wirewear.records.contact_tables import Bodies, BodiesTest, LineTest
+from wirewear.records.contact_tables import Bodies, BodiesTest, JointTest, LineTest
 from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.loggers import readers
 from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, WiresTest
@@ -305,5 +305,19 @@ class LineMapping(LineTest):
         return self.profiles
 
 
+class JointMapping(JointTest):
+    """A whole mapping file of a joint."""
+
+    loops: LoopSource = Field(description="where the loops are")
+    evolution: EvolutionSource | None = Field(None, description="where the evolution is")
+
+    @property
+    def surfaces(self) -> Table:
+        """None."""
+        return Table()
+
+
 #: Mappings by the names of kinds of contact.
-MAPPINGS: dict[str, type[PointMapping | LineMapping]] = of_kinds(Mapping, LineMapping, BodiesMapping)
+MAPPINGS: dict[str, type[PointMapping | LineMapping | JointMapping]] = of_kinds(
+    Mapping, LineMapping, JointMapping, BodiesMapping
+)

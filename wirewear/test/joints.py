@@ -1,0 +1,104 @@
+"""Joints: tests of which loops alone are known, as of a bolted joint or a damper; no bodies, nothing that wears."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PlainValidator
+
+from geometry import Elastic
+from solvers import Drive, WearRates
+from wirewear.base import kinds
+from wirewear.base.errors import Quantity
+from wirewear.effects import Seam
+from wirewear.test import keys
+from wirewear.test.bodies import BodiesByOptions, StatedBodies
+from wirewear.test.keys import Inconsistency
+from wirewear.test.surfaces import LayerTable
+from wirewear.test.tables import Asked, CommonTables, DrivenConditions, FrictionTable, StatesItsKind
+from wirewear.test.template import Template
+
+Stroke = Annotated[float, PlainValidator(Quantity("um", 0.1, 1e5))]
+
+
+class AskedOfJoint(Asked):
+    """What is asked of the rig; a damper may move by centimetres."""
+
+    displacement_amplitude_um: Stroke = Field(
+        description="imposed displacement amplitude, half the stroke", examples=[60.0]
+    )
+
+
+class JointConditions(AskedOfJoint, DrivenConditions):
+    """What is asked of the rig of a joint."""
+
+
+class JointStiffness(StatedBodies):
+    """How stiff a joint itself is: all that is stated in place of bodies."""
+
+    contact_stiffness_N_per_mm: keys.HolderStiffness = Field(
+        "rigid", description='stiffness of the joint itself, without the rig, a number or "rigid"'
+    )
+
+    @classmethod
+    def by_options(
+        cls, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]
+    ) -> BodiesByOptions:
+        del known, elastic, of_other
+        return BodiesByOptions({"contact": {"kind": kinds.JOINT}})
+
+
+class JointContact(FrictionTable, JointStiffness):
+    """Friction of a joint, and its stiffness."""
+
+
+class JointTables(CommonTables, StatesItsKind):
+    """The study of a joint without its variants. It is fitted and diagnosed, and not simulated by finite elements."""
+
+    kind: Literal["joint"] = Field(description="kind of contact", examples=[kinds.JOINT])
+    conditions: JointConditions = Field(description="load, stroke, frequency and length of the test")
+    contact: JointContact = Field(description="friction and stiffness")
+    wear: None = Field(None, description="nothing: a joint's wear is not known")
+    mesh: None = Field(None, description="nothing: there is no mesh")
+    life: None = Field(None, description="nothing: there are no bodies")
+
+    @property
+    def layers(self) -> dict[str, tuple[LayerTable, ...]]:
+        """There are no bodies."""
+        return {}
+
+    @property
+    def materials(self) -> dict[str, Elastic]:
+        """There are no bodies."""
+        return {}
+
+    @property
+    def drive(self) -> Drive:
+        return self.conditions.drive
+
+    @property
+    def worn_by_sliding(self) -> float:
+        return 0.0
+
+    @property
+    def wear_rates(self) -> WearRates:
+        return WearRates()
+
+    def contradiction(self) -> Inconsistency | None:
+        """An effect of bodies."""
+        if any(effect.seam is Seam.SPECIMENS for effect in self.effects):
+            return Inconsistency(("effects",), "hold one of bodies, which a joint does not state")
+        return None
+
+
+#: A friction damper.
+JOINT = Template(
+    kinds.JOINT,
+    JointTables,
+    ("conditions", "contact", "holder", "log"),
+    {
+        "conditions": {"normal_load_N": 130.0, "displacement_amplitude_um": 500.0, "frequency_Hz": 1.0, "cycles": 100},
+        "contact": {"friction": 0.3, "contact_stiffness_N_per_mm": "rigid"},
+        "holder": {"tangential_stiffness_N_per_mm": 900.0},
+    },
+    "A joint of which loops are known, to be changed into yours; it is fitted and diagnosed, and not simulated.",
+)
