@@ -251,11 +251,11 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): what 1.0.0 weighs and 3 % of slack. Looked at when a version is made.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 71_600,
-    "lines of wirewear": 58_100,
+    "lines of geometry, solvers and wirewear": 73_800,
+    "lines of wirewear": 60_000,
     "lines of studies": 17_100,
-    "lines of tests": 31_500,
-    "files of geometry, solvers and wirewear": 350,
+    "lines of tests": 32_300,
+    "files of geometry, solvers and wirewear": 362,
     "rooms of wirewear": 20,
     "arrows between rooms": 107,
     "questions for the kind of contact": 0,
