@@ -20,7 +20,8 @@ from wirewear.app.api.run import Run, read_result
 from wirewear.results import write_result
 from wirewear.stress import body_grid, body_states, integration_point_cloud, strength
 from wirewear.stress.bodies import Section, fanned, section
-from wirewear.stress.state import averaging, crossland, smith_watson_topper
+from wirewear.stress.planes import crossland, smith_watson_topper
+from wirewear.stress.state import averaging
 from wirewear.stress.strength import StrengthAsked, strength_of, yield_sentence
 
 

@@ -20,9 +20,9 @@ from wirewear.base.files import toml_text
 from wirewear.results import ContactForces, RunResult
 from wirewear.simulation import simulate
 from wirewear.stress.averaging import kernel_of
-from wirewear.stress.criteria import LifeCurve
+from wirewear.stress.criteria import LifeCurve, criterion_of
 from wirewear.stress.damage import Ahead, Damage, Rates, Span
-from wirewear.stress.life import criterion_of, require_life
+from wirewear.stress.life import require_life
 from wirewear.test.life import CRITERIA, LifeTable
 from wirewear.test.programme import BlockCourse, CycleBlock, Schedule
 from wirewear.views.life_page import NOT_AVERAGED

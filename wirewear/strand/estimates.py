@@ -159,7 +159,7 @@ def _life(
     Friction and bulk stress are largest at the same time, and where the bulk stress is: at the extrados.
     """
     from wirewear.stress.averaging import kernel_of
-    from wirewear.stress.life import criterion_of
+    from wirewear.stress.criteria import criterion_of
 
     share = contact.slip.share
     if not isinstance(wire, LoadedWire) or isnan(share):

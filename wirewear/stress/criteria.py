@@ -16,7 +16,8 @@ import rainflow
 from geometry import Elastic
 from geometry.arrays import Array, IntArray
 from solvers.elasticity.strain import tensors
-from wirewear.stress.state import critical_planes, crossland, in_plane, normal_stresses, stress_vectors, swt_on_planes
+from wirewear.stress.planes import critical_planes, crossland, in_plane, normal_stresses, stress_vectors, swt_on_planes
+from wirewear.test.life import CURVE_KEYS, LifeTable
 
 _STEPS = 60  #: Of Newton's method, at most.
 #: Directions in a plane in which shear is looked at; the largest range is missed by 1 % at most.
@@ -181,6 +182,27 @@ class CrosslandLife:
         stresses = crossland(history)
         share = 1.0 / self.curve.cycles(stresses.equivalent_MPa(self.slope))
         return CycleDamage(share, np.zeros((len(share), 3)))
+
+
+def criterion_of(table: LifeTable, material: Elastic) -> LifeCriterion:
+    """The criterion that a table states, with its data. Raises StudyError if some are lacking."""
+    modulus, shear = material.youngs_modulus_MPa, material.shear_modulus_MPa
+    limit = table.endurance_cycles
+    if table.criterion in ("crossland", "stress-life"):
+        strength, b = table.required(*CURVE_KEYS[:2])
+        if table.criterion == "stress-life":
+            return StressLife(material, LifeCurve(((strength, b),), limit), strength)
+        # In tension without a mean, √J2,a is σ_a/√3 and σ_H,max a third of σ_a.
+        slope = table.slope
+        return CrosslandLife(slope, LifeCurve(((strength * (3.0**-0.5 + slope / 3.0), b),), limit))
+    strength, b, ductility, c = table.required(*CURVE_KEYS)
+    if table.criterion == "fatemi-socie":
+        factor = table.fatemi_socie_factor
+        weight = 1.0 / strength if factor is None else factor / table.required("yield_strength_MPa")[0]
+        terms = ((strength / 3.0**0.5 / shear, b), (3.0**0.5 * ductility, c))
+        return FatemiSocie(material, LifeCurve(terms, limit), weight)
+    terms = ((strength**2 / modulus, 2.0 * b), (strength * ductility, b + c))
+    return SmithWatsonTopper(material, LifeCurve(terms, limit))
 
 
 def _shears(stress: Array, normals: Array) -> Iterator[Array]:

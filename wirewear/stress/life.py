@@ -9,19 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from geometry import Elastic
 from geometry.arrays import Array
 from solvers.elasticity.strain import interpolation
 from wirewear.base.errors import ResultError
 from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.stress.averaging import averaging, averaging_radius_mm, kernel_of, linear_weights, widened
-from wirewear.stress.criteria import CrosslandLife, FatemiSocie, LifeCriterion, LifeCurve, SmithWatsonTopper, StressLife
+from wirewear.stress.criteria import LifeCriterion, criterion_of
 from wirewear.stress.damage import FLOOR, Ahead, Damage, Initiation, Rates, Span
 from wirewear.stress.state import InnerState, one_thread
 from wirewear.stress.strength import stresses_of
 from wirewear.test.any_study import AnyStudy, life_data
-from wirewear.test.life import CURVE_KEYS, LifeTable
+from wirewear.test.life import LifeTable
 from wirewear.test.programme import BlockCourse, Schedule
 
 #: The states of a body over a recorded cycle.
@@ -32,27 +31,6 @@ _FINER = 4  #: Depths from which averages are taken, for each at which damage is
 _BESIDE = 4.0  #: Elements beside whatever touches that are looked at.
 _QUANTILE = 1.96  #: Of 95 % of a normal distribution.
 WEAR_STATES = 6  #: Wear states of a life at most, if not asked for more.
-
-
-def criterion_of(table: LifeTable, material: Elastic) -> LifeCriterion:
-    """The criterion that a table states, with its data. Raises StudyError if some are lacking."""
-    modulus, shear = material.youngs_modulus_MPa, material.shear_modulus_MPa
-    limit = table.endurance_cycles
-    if table.criterion in ("crossland", "stress-life"):
-        strength, b = table.required(*CURVE_KEYS[:2])
-        if table.criterion == "stress-life":
-            return StressLife(material, LifeCurve(((strength, b),), limit), strength)
-        # In tension without a mean, √J2,a is σ_a/√3 and σ_H,max a third of σ_a.
-        slope = table.slope
-        return CrosslandLife(slope, LifeCurve(((strength * (3.0**-0.5 + slope / 3.0), b),), limit))
-    strength, b, ductility, c = table.required(*CURVE_KEYS)
-    if table.criterion == "fatemi-socie":
-        factor = table.fatemi_socie_factor
-        weight = 1.0 / strength if factor is None else factor / table.required("yield_strength_MPa")[0]
-        terms = ((strength / 3.0**0.5 / shear, b), (3.0**0.5 * ductility, c))
-        return FatemiSocie(material, LifeCurve(terms, limit), weight)
-    terms = ((strength**2 / modulus, 2.0 * b), (strength * ductility, b + c))
-    return SmithWatsonTopper(material, LifeCurve(terms, limit))
 
 
 @dataclass(frozen=True, eq=False)

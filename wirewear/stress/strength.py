@@ -17,7 +17,8 @@ from wirewear.base.errors import ResultError, counted
 from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.stress.bodies import INSIDE_POINTS
-from wirewear.stress.state import InnerState, Inside, averaging, crossland, one_thread, smith_watson_topper
+from wirewear.stress.planes import crossland, smith_watson_topper
+from wirewear.stress.state import InnerState, Inside, averaging, one_thread
 
 if TYPE_CHECKING:
     import pyvista

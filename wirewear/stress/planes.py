@@ -1,0 +1,141 @@
+"""Fatigue indicators of stress histories: on the worst plane of a point, and Crossland's.
+
+Histories are (s, n, 6): s positions of a closed cycle, n material points. Linear elasticity: strains follow by Hooke's
+law, so an indicator says where cracks begin first, and compares tests; a life needs data of the material.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry import Elastic
+from geometry.arrays import Array
+from solvers.elasticity.strain import tensors
+
+_DIRECTIONS = 240
+
+#: Angles by which planes are tilted about the best one so far, rad.
+_TILTS = (0.08, 0.04, 0.02, 0.01)
+_BALL_STEPS = 60
+_AT_ONCE = 64  #: Stress histories whose planes are searched at once: what is made of them stays in a processor's cache.
+
+#: A parameter (n, k) of stress tensors (s, n, 3, 3) over a cycle on planes of k normals each, (n, k, 3).
+OnPlanes = Callable[[Array, Array], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalPlanes:
+    """A parameter (n,), the largest over all planes, and the normals of these (n, 3)."""
+
+    parameter: Array
+    normal: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Crossland:
+    """Crossland's two stresses (n,) in MPa: amplitude of the root of J2, and largest hydrostatic stress."""
+
+    amplitude_MPa: Array
+    hydrostatic_MPa: Array
+
+    def equivalent_MPa(self, slope: float) -> Array:
+        """√J2,a + slope · σ_H,max, to be compared with the fatigue limit in torsion."""
+        return self.amplitude_MPa + slope * self.hydrostatic_MPa
+
+
+def smith_watson_topper(history: Array, material: Elastic) -> CriticalPlanes:
+    """σ_n,max · Δε_n / 2 in MPa on the plane where it is largest (Smith, Watson & Topper, J. Materials 5 (1970) 767).
+
+    On planes as by Socie, J. Eng. Mater. Technol. 109 (1987) 293; a plane that is never pulled has 0.
+    """
+    return critical_planes(history, lambda stress, normals: swt_on_planes(stress, normals, material))
+
+
+def critical_planes(history: Array, on_planes: OnPlanes) -> CriticalPlanes:
+    """The planes where a parameter is largest, searched in 240 directions spread evenly over a hemisphere.
+
+    They are refined about the best one to 0.6°.
+    """
+    parts = [_critical(history[:, k : k + _AT_ONCE], on_planes) for k in range(0, max(history.shape[1], 1), _AT_ONCE)]
+    return CriticalPlanes(np.concatenate([p for p, _ in parts]), np.concatenate([n for _, n in parts]))
+
+
+def crossland(history: Array) -> Crossland:
+    """√J2 of the cycle as the radius of the smallest ball about the path of the deviatoric stress over √2.
+
+    Crossland, Proc. Int. Conf. Fatigue of Metals, 1956; the ball by Badoiu & Clarkson, Comput. Geom. 40 (2008) 14.
+    """
+    pressure = history[..., :3].mean(axis=-1)
+    path = history.copy()
+    path[..., :3] -= pressure[..., None]
+    # Shears count twice in the norm of the tensor.
+    path[..., 3:] *= np.sqrt(2.0)
+    centre = 0.5 * (path.max(axis=0) + path.min(axis=0))
+    radius = np.full(path.shape[1], np.inf)
+    for k in range(_BALL_STEPS):
+        distance = np.linalg.norm(path - centre, axis=-1)
+        farthest = distance.argmax(axis=0)
+        points = np.arange(path.shape[1])
+        radius = np.minimum(radius, distance[farthest, points])
+        centre = centre + (path[farthest, points] - centre) / (k + 2.0)
+    return Crossland(radius / np.sqrt(2.0), pressure.max(axis=0))
+
+
+def _critical(history: Array, on_planes: OnPlanes) -> tuple[Array, Array]:
+    stress = tensors(history)
+    # Directions (n, 3) spread evenly over half a sphere, by the golden angle.
+    k = np.arange(_DIRECTIONS)
+    z = (k + 0.5) / _DIRECTIONS
+    angle = np.pi * (3.0 - np.sqrt(5.0)) * k
+    r = np.sqrt(1.0 - z**2)
+    spread = np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
+    values = on_planes(stress, np.broadcast_to(spread, (history.shape[1], *spread.shape)))
+    best = values.argmax(axis=1)
+    normal, parameter = spread[best], values.max(axis=1)
+    for tilt in _TILTS:
+        tried = _tilted(normal, tilt)
+        values = on_planes(stress, tried)
+        best, found = values.argmax(axis=1), values.max(axis=1)
+        better = found > parameter
+        normal = np.where(better[:, None], tried[np.arange(len(best)), best], normal)
+        parameter = np.maximum(parameter, found)
+    return parameter, normal
+
+
+def swt_on_planes(stress: Array, normals: Array, material: Elastic) -> Array:
+    """σ_n,max Δε_n / 2 (n, k) of tensors (s, n, 3, 3) on planes (n, k, 3), in MPa."""
+    normal = normal_stresses(stress, normals)
+    nu, modulus = material.poissons_ratio, material.youngs_modulus_MPa
+    trace = np.trace(stress, axis1=-2, axis2=-1)[..., None]
+    strain = ((1.0 + nu) * normal - nu * trace) / modulus
+    return np.asarray(np.maximum(normal.max(axis=0), 0.0) * 0.5 * np.ptp(strain, axis=0))
+
+
+def normal_stresses(stress: Array, normals: Array) -> Array:
+    """Normal stresses (s, n, k) of tensors (s, n, 3, 3) on planes (n, k, 3)."""
+    squares = (normals[..., None] * normals[..., None, :]).reshape(*normals.shape[:2], 9)
+    columns = np.moveaxis(stress.reshape(*stress.shape[:2], 9), 0, 1)
+    found: Array = np.moveaxis(columns @ np.swapaxes(squares, 1, 2), 1, 0)
+    return found
+
+
+def stress_vectors(stress: Array, normals: Array) -> Array:
+    """Stress vectors (s, n, k, 3) of tensors (s, n, 3, 3) on planes (n, k, 3)."""
+    return np.asarray(np.einsum("snij,nkj->snki", stress, normals, optimize=True))
+
+
+def _tilted(normal: Array, angle_rad: float) -> Array:
+    """Eight directions (n, 8, 3) at an angle from each of (n, 3)."""
+    first, second = in_plane(normal)
+    turn = np.arange(8) * np.pi / 4.0
+    aside = np.cos(turn)[:, None] * first[:, None] + np.sin(turn)[:, None] * second[:, None]
+    return np.asarray(np.cos(angle_rad) * normal[:, None] + np.sin(angle_rad) * aside)
+
+
+def in_plane(normal: Array) -> tuple[Array, Array]:
+    """Two directions (..., 3) at right angles to each other and to normals (..., 3)."""
+    helper = np.where(np.abs(normal[..., 2:]) < 0.9, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
+    first = np.cross(normal, helper)
+    first /= np.linalg.norm(first, axis=-1, keepdims=True)
+    return first, np.cross(normal, first)
