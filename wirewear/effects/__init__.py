@@ -1,7 +1,7 @@
 """Effects that the nominal model lacks: each a small object that changes exactly one seam of the model."""
 
 from wirewear.base.errors import Quantity
-from wirewear.effects.effect import COLUMNS, Chain, Effect, Size, UnforeseenError
+from wirewear.effects.effect import COLUMNS, AnyEffect, Chain, Effect, Size, UnforeseenError
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, parameter
 from wirewear.effects.registry import (
@@ -17,8 +17,8 @@ from wirewear.effects.registry import (
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Control, Loading, Seam, Specimens, applied, problem_with
 
 __all__ = [
-    "COLUMNS", "ENTRY_POINT_GROUP", "Age", "Ageing", "Answer", "Chain", "ContactLaw", "Control", "Effect", "Loading",
-    "Measurement", "Parameter", "Quantity", "Seam", "Size", "Specimens", "Stated", "UnforeseenError", "all_effects",
-    "all_measurements", "applied", "distinguished_by", "effect_named", "effects_of_tables", "parameter", "problem_with",
-    "splits", "tables_of_effects",
+    "COLUMNS", "ENTRY_POINT_GROUP", "Age", "Ageing", "Answer", "AnyEffect", "Chain", "ContactLaw", "Control", "Effect",
+    "Loading", "Measurement", "Parameter", "Quantity", "Seam", "Size", "Specimens", "Stated", "UnforeseenError",
+    "all_effects", "all_measurements", "applied", "distinguished_by", "effect_named", "effects_of_tables", "parameter",
+    "problem_with", "splits", "tables_of_effects",
 ]  # fmt: skip

@@ -1,7 +1,6 @@
 """Effects between the surfaces: another friction, and layers that give way."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
 
 # Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
 _TANGENTIAL_TO_NORMAL = 1.21
-_WORN_AWAY = 1e-6  # Of a rough layer that has worn in, less than this share is as good as none.
 
 # Shear modulus over the modulus of a laterally confined bed, (1 − 2ν)/(2(1 − ν)) at ν = 0.3.
 _SHEAR_TO_CONFINED = 0.286
@@ -25,10 +23,9 @@ _SHEAR_TO_CONFINED = 0.286
 # Part of the bed's compliance that the full simulation shows (40 % retained, 500 MPa): it spreads the contact.
 _SPREADING = 0.5
 _GROWN = 100.0  # Square of the scar's area over that of the fresh contact at which beds of another growth shear alike.
-_NO_LIMIT = 1e-9  # A bed that is filled by less than this share of what it holds knows no limit.
 
 
-def _friction(meaning: str, *, easy: float, hard: float, least: float, most: float) -> Any:
+def _friction(meaning: str, *, easy: float, hard: float, least: float, most: float) -> float:
     quantity, stated = Quantity("1", 0.0, 2.0), "contact.friction"
     interest = (least, most)
     return parameter(
@@ -144,7 +141,8 @@ class RoughnessCompliance(Effect[ContactLaw]):
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         """The law with the rough layer as it is at that cycle."""
         height_um = self._height_um.at(age.cycles)
-        if height_um <= _WORN_AWAY * self.layer_um:
+        # Of a rough layer that has worn in, less than this share is as good as none.
+        if height_um <= 1e-6 * self.layer_um:
             return described
         return replace(described, layers=(*described.layers, RoughLayer(1e-3 * height_um)))
 
@@ -250,4 +248,5 @@ class ThirdBodyLayer(Effect[ContactLaw]):
 
 def _kept(thickness: Array) -> Array:
     """Share of what would be kept of debris that lies so many times as thick as a full bed, (n,)."""
-    return np.divide(-np.expm1(-thickness), thickness, out=np.ones_like(thickness), where=thickness > _NO_LIMIT)
+    # A bed that is filled by less than this share of what it holds knows no limit.
+    return np.divide(-np.expm1(-thickness), thickness, out=np.ones_like(thickness), where=thickness > 1e-9)

@@ -245,7 +245,7 @@ class Effect(ABC, Generic[T]):
         return {field.name: field.metadata["choice"] for field in fields(cls) if "choice" in field.metadata}
 
     @classmethod
-    def expected(cls) -> dict[str, Any]:
+    def expected(cls) -> dict[str, object]:
         """All that is expected of it before looking, as plain numbers: what it changes of an answer."""
         return {
             "prior_weight": cls.prior_weight,
@@ -291,11 +291,15 @@ class Effect(ABC, Generic[T]):
         """The effect at a size that is easy or hard to see in a study that states these numbers."""
         return cls(**{name: getattr(item.beside(stated), size) for name, item in cls.parameters().items()})
 
-    def table(self) -> dict[str, Any]:
+    def table(self) -> dict[str, object]:
         """The `[[effects]]` table that gives this effect."""
         numbers = {name: plain(value) for name, value in self.values.items()}
         words = {name: getattr(self, name) for name, known in self.choices().items() if getattr(self, name) != known[0]}
         return {"name": self.name, **numbers, **words}
+
+
+#: An effect at any seam: `seam` says which description it changes.
+AnyEffect = Effect[Any]
 
 
 def _meant(contacts: tuple[str, ...], contact: str | None) -> bool:

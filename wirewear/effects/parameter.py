@@ -4,7 +4,6 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 from wirewear.base.errors import Quantity, StudyError
 
@@ -124,30 +123,34 @@ def parameter(
     logarithmic: bool = False,
     share_of: str = "",
     held_by: tuple[str, float] | None = None,
-) -> Any:
+) -> float:
     """A field of an effect's data class that is a `Parameter`."""
     described = Parameter(meaning, quantity, neutral, easy, hard, interest, logarithmic, share_of, held_by)
-    return field(metadata={"parameter": described})
+    made: float = field(metadata={"parameter": described})
+    return made
 
 
-def cycles_of_change(meaning: str, typical: float) -> Any:
+def cycles_of_change(meaning: str, typical: float) -> float:
     """A parameter: the cycles over which a change comes."""
     quantity, ends = Quantity("cycles", 1.0, 1e9), (30.0, 1e5)
     return parameter(meaning, quantity, neutral=None, easy=typical, hard=typical, interest=ends, logarithmic=True)
 
 
-def choice(*words: str) -> Any:
+def choice(*words: str) -> str:
     """A field of an effect's data class that is one of a few words, the first unless given."""
-    return field(default=words[0], metadata={"choice": words})
+    made: str = field(default=words[0], metadata={"choice": words})
+    return made
 
 
-def form(described: Parameter, *, contacts: tuple[str, ...] = ()) -> Any:
+def form(described: Parameter, *, contacts: tuple[str, ...] = ()) -> float:
     """A field of an effect's data class that says in which form it acts; neutral is that of its source.
 
     Files do not know it; it is uncertain as far as laws of other forms differ, and a fit looks for it. Kinds of contact
     that `contacts` does not name lack it, if it names any.
     """
-    return field(default=described.neutral, metadata={"form": described, "contacts": contacts})
+    neutral = math.nan if described.neutral is None else described.neutral
+    made: float = field(default=neutral, metadata={"form": described, "contacts": contacts})
+    return made
 
 
 def exponent(deviation: float) -> Parameter:

@@ -5,14 +5,13 @@ from difflib import get_close_matches
 from functools import cache
 from inspect import getdoc
 from math import isinf
-from typing import Any
 
 from rich.table import Table
 
 from solvers.laws.plugins import installed
 from wirewear.base.errors import StudyError, shown
 from wirewear.effects import contact, holder, measurements, sensors, wear
-from wirewear.effects.effect import Effect
+from wirewear.effects.effect import AnyEffect, Effect
 from wirewear.effects.measurements import Measurement
 from wirewear.effects.parameter import RIGID, Parameter, plain
 
@@ -20,7 +19,7 @@ _EXAMPLE = 'such as [[effects]] with name = "tangential_compliance" and stiffnes
 
 ENTRY_POINT_GROUP = "wirewear.effects"  #: Entry point group in which a package names its subclasses of `Effect`.
 
-EffectType = type[Effect[Any]]
+EffectType = type[AnyEffect]
 
 LIBRARY: tuple[EffectType, ...] = (
     holder.TangentialCompliance, holder.RotationalCompliance, holder.FreePlay, contact.FrictionOffset,
@@ -31,7 +30,7 @@ LIBRARY: tuple[EffectType, ...] = (
 )  # fmt: skip
 
 
-def effects_of_tables(value: object) -> tuple[Effect[Any], ...]:
+def effects_of_tables(value: object) -> tuple[AnyEffect, ...]:
     """The effects that a list of tables gives; effects already made are kept.
     Raises ValueError if it is no such list, an effect is unknown or given twice, or a parameter makes no sense; the
     message goes on from the word "effects" and the place where it stands.
@@ -49,12 +48,12 @@ def effects_of_tables(value: object) -> tuple[Effect[Any], ...]:
     return effects
 
 
-def tables_of_effects(effects: Iterable[Effect[Any]]) -> list[dict[str, Any]]:
+def tables_of_effects(effects: Iterable[AnyEffect]) -> list[dict[str, object]]:
     """The tables that give these effects."""
     return [effect.table() for effect in effects]
 
 
-def _effect(table: object) -> Effect[Any]:
+def _effect(table: object) -> AnyEffect:
     if not isinstance(table, Mapping):
         raise StudyError(f"{shown(table)} is no table {_EXAMPLE}")
     if "name" not in table:
@@ -136,12 +135,12 @@ def _shown(measurement: Measurement, name: str) -> str:
     return effect.answer_to(measurement) if effect else ""
 
 
-def effects_json() -> list[dict[str, Any]]:
+def effects_json() -> list[dict[str, object]]:
     """Every effect with its parameters, ready for JSON."""
     return [_effect_json(effect) for effect in all_effects().values()]
 
 
-def _effect_json(effect: EffectType) -> dict[str, Any]:
+def _effect_json(effect: EffectType) -> dict[str, object]:
     return {
         "name": effect.name,
         "title": effect.title(),
@@ -154,7 +153,7 @@ def _effect_json(effect: EffectType) -> dict[str, Any]:
     }
 
 
-def _parameter_json(name: str, item: Parameter) -> dict[str, Any]:
+def _parameter_json(name: str, item: Parameter) -> dict[str, object]:
     return {
         "name": name,
         "meaning": item.meaning,
@@ -175,13 +174,12 @@ def effects_table() -> Table:
     for heading in ("effect", "seam", "parameters: neutral, hard and easy to see", "signature"):
         table.add_column(heading, overflow="fold")
     for effect in all_effects().values():
-        lines = [_parameter_line(name, item) for name, item in effect.parameters().items()]
+        lines = [
+            f"{name}: {_neutral(item)}, {item.hard:g}, {item.easy:g}{_multiple(item)}"
+            for name, item in effect.parameters().items()
+        ]
         table.add_row(effect.name, str(effect.seam), "\n".join(lines), effect.signature)
     return table
-
-
-def _parameter_line(name: str, item: Parameter) -> str:
-    return f"{name}: {_neutral(item)}, {item.hard:g}, {item.easy:g}{_multiple(item)}"
 
 
 def _neutral(item: Parameter) -> str:
@@ -194,8 +192,10 @@ def _multiple(item: Parameter) -> str:
     return f" × {item.share_of}" if item.share_of else ""
 
 
-def effect_text(effect: type[Effect[Any]]) -> str:
+def effect_text(effect: EffectType) -> str:
     """One effect in full: physics, parameters, signature, look-alikes and what distinguishes them."""
+    found = distinguished_by(effect)
+    splitting = "; ".join(f"{m.what} ({effect.answer_to(m)})" for m in found) or "no further measurement that is known"
     parts = [
         f"{effect.name} ({effect.seam})",
         getdoc(effect) or "",
@@ -208,7 +208,7 @@ def effect_text(effect: type[Effect[Any]]) -> str:
         (
             f"Signature: {effect.signature}.\n"
             f"Confused with: {', '.join(effect.confused_with) or 'no other effect'}.\n"
-            f"Distinguished by: {_split_text(effect)}."
+            f"Distinguished by: {splitting}."
         ),
     ]
     return "\n\n".join(parts)
@@ -217,8 +217,3 @@ def effect_text(effect: type[Effect[Any]]) -> str:
 def _parameter_text(name: str, item: Parameter) -> str:
     sizes = f"neutral {_neutral(item)}, hard to see {item.hard:g}, easy to see {item.easy:g}{_multiple(item)}"
     return f"{name}: {item.meaning}\n    {item.quantity.range_text}; {sizes}"
-
-
-def _split_text(effect: EffectType) -> str:
-    found = distinguished_by(effect)
-    return "; ".join(f"{m.what} ({effect.answer_to(m)})" for m in found) or "no further measurement that is known"

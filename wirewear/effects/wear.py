@@ -1,7 +1,6 @@
 """Effects on the wear coefficient: another one, one that changes, one that lacks oxygen."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from wirewear.effects.parameter import cycles_of_change, exponent, form, order, 
 from wirewear.effects.seams import Age, Ageing, Seam
 
 
-def _factor(of: str, *, easy: float, hard: float, least: float, most: float) -> Any:
+def _factor(of: str, *, easy: float, hard: float, least: float, most: float) -> float:
     meaning, quantity, ends = f"factor on the wear coefficient {of}", Quantity("1", 0.0, 100.0), (least, most)
     return parameter(meaning, quantity, neutral=1.0, easy=easy, hard=hard, interest=ends, logarithmic=True)
 

@@ -5,13 +5,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.errors import RunError
-from wirewear.effects import Effect, Seam
+from wirewear.effects import AnyEffect, Seam
 from wirewear.loops import LoopFigures, analyse_loop
 from wirewear.results import Loop, RunResult, read_loops
 from wirewear.simulation import ObserverOf, run_study
@@ -30,7 +29,7 @@ def signature_study() -> Study:
 class Signature:
     """A run of the nominal model and one with the effect; loops are those that the sensors read."""
 
-    effect: Effect[Any]
+    effect: AnyEffect
     nominal: RunResult
     changed: RunResult
 
@@ -76,7 +75,7 @@ class Signature:
 
 
 def signature_of(
-    effect: Effect[Any],
+    effect: AnyEffect,
     output: Path,
     *,
     study: Study | None = None,
