@@ -49,7 +49,6 @@ WALLED = (
     "along between a scar's walls, and the interval of slip_amplitude holds that, too"
 )
 
-STIFFER = 1.5  #: A branch stiffens if the last fifth of its travel is so much steeper than the middle one.
 STUCK = 1e-3  #: A loop narrower than this share of its stroke is a line.
 
 LATE = (
@@ -234,7 +233,8 @@ def _stiffens(branch: Branch) -> bool:
     if min(np.unique(place[window]).size for window in windows) < 3:
         return False
     middle, end = (float(np.polyfit(place[window], branch.force_N[window], 1)[0]) for window in windows)
-    return end > STIFFER * max(middle, 0.0)
+    # A branch stiffens if the last fifth of its travel is so much steeper than the middle one.
+    return end > 1.5 * max(middle, 0.0)
 
 
 def _all_along(read: Measured, courses: BranchFits, energy: Measured, amplitude: Measured) -> Measured:

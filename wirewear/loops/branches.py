@@ -14,7 +14,6 @@ from geometry.arrays import Array
 from wirewear.loops.cleaning import CleanLoop
 
 PLATEAU_SHARE = 0.85  # the last part of a branch may hook upwards and says nothing about the onset of sliding
-LATEST_CURVED_ONSET = 0.6  # a later one leaves too little plateau to tell its curve from micro-slip
 LATEST_ONSET = 0.95
 SHARES = np.array([0.0, 0.08, 0.2, 0.45, 0.7, 1.0])  # of a Mindlin contact in the travel of micro-slip, as searched
 FEWEST_SLIDING = 3
@@ -221,7 +220,8 @@ def fit_micro_slip(branch: Branch) -> MicroSlip:
     lie anywhere, beyond the branch too: that is partial slip.
     """
     length, count = branch.length_um, len(branch.travel_um)
-    curved = _search(branch, np.geomspace(0.006, LATEST_CURVED_ONSET, 44) * length, 2)
+    # A later onset leaves too little plateau to tell its curve from micro-slip
+    curved = _search(branch, np.geomspace(0.006, 0.6, 44) * length, 2)
     onsets = np.geomspace(0.02, 8.0, 60) * length
     level = _search(branch, onsets, 0)
     is_flat = curved.plateau_slope_N_per_um < 0.4 * curved.height_N / curved.travel_um

@@ -17,9 +17,6 @@ FEWEST_SAMPLES = 16
 
 JOINED = "the points come in no order of time and were joined along the loop's outline, none of them left out"
 
-HALF = 0.9  #: Samples that end so much of the stroke away are half a cycle.
-LEAST_PAST = 0.02  #: Fewer samples past one cycle than this share do no harm.
-MOST_CLIPPED = 0.05  #: A loop of which a larger share of a channel's samples is clipped is no measurement.
 
 #: Readings of this size or more, and changes by its inverse or less, are none; their fourth powers still are numbers.
 LARGEST = 1e50
@@ -231,7 +228,8 @@ def _clipping_notes(displacement: Array, force: Array) -> list[str]:
             continue
         unit, doubt = "µm" if name == "displacement" else "N", "" if clip.sure else ", or flat within one step"
         said = f"the {name} is clipped at the end of its range{doubt}: {clip.text} {unit}, while the others scatter"
-        if clip.sure and np.count_nonzero(clip.samples) > MOST_CLIPPED * force.size:
+        # A loop of which a larger share of a channel's samples is clipped is no measurement.
+        if clip.sure and np.count_nonzero(clip.samples) > 0.05 * force.size:
             raise LoopError(f"{said}, so that neither friction nor energy can be told")
         notes.append(f"{said}; its largest value is a lower bound")
     return notes
@@ -286,7 +284,8 @@ def _one_cycle(order: NDArray[np.intp], displacement: Array) -> NDArray[np.intp]
         )
     starts = cycle_starts(path, turns)
     ends = starts[starts > WHOLE * len(order) / MOST_CYCLES]
-    return order[: ends[0]] if ends.size and ends[0] < (1.0 - LEAST_PAST) * len(order) else order
+    # Fewer samples past one cycle than 2 % do no harm.
+    return order[: ends[0]] if ends.size and ends[0] < 0.98 * len(order) else order
 
 
 def _closed(loop: CleanLoop) -> CleanLoop:
@@ -297,7 +296,7 @@ def _closed(loop: CleanLoop) -> CleanLoop:
     if gap > 0.5:
         raise LoopError(
             f"the samples end {gap:.0%} of the stroke away from where they start: this is not a whole cycle"
-            f"{', but half of one, as where a count steps twice a cycle' if gap > HALF else ''}"
+            f"{', but half of one, as where a count steps twice a cycle' if gap > 0.9 else ''}"
         )
     if gap > max(0.05, 3.0 * float(np.max(np.abs(np.diff(level)), initial=0.0))):
         return loop.noted(f"the loop is open by {gap:.0%} of the stroke and was closed by a straight line")

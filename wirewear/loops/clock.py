@@ -15,8 +15,6 @@ GAP = 1.5  #: So many ticks at once are none of a clock that ticks on.
 #: Samples from tick to tick differ by no more than so many, or that share of them, unless a gap hides among them.
 UNEVEN = 2.0, 0.3
 
-#: Samples between two places at which a clock goes back are that many or more, on average; else rows are out of order.
-FEWEST_BETWEEN = 8
 
 #: Rows are in order where the drive goes on across such a place by no more than so many of its larger steps (the
 #: percentile), and by that share of its stroke.
@@ -57,7 +55,9 @@ def _going_on(time_s: Array, displacement_um: Array, parts: Sequence[Array]) -> 
     time, x = time_s[known], displacement_um[known]
     steps, moves = np.diff(time), np.abs(np.diff(x))
     back = np.flatnonzero(steps < 0.0)
-    if not back.size or time.size < FEWEST_BETWEEN * (back.size + 1) or not np.any(steps > 0.0):
+    # Samples between two places at which a clock goes back are that many or more, on average; else rows are out of
+    # order.
+    if not back.size or time.size < 8 * (back.size + 1) or not np.any(steps > 0.0):
         return time_s, ""
     usual = float(np.median(steps[steps > 0.0]))
     far = max(GOES_ON * float(np.percentile(moves, LARGER_STEPS)), OF_STROKE * float(np.ptp(x)))

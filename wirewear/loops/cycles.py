@@ -23,7 +23,6 @@ OF_STROKE, LONG, LONGER, BRISK = 0.5, 1.25, 4.5, 0.4
 #: a spike.
 SPIKE, END_SPIKE, BRIEF = 5, 2, 0.15
 
-AT_REVERSAL = 0.995  #: A first sample as far out as this share of the amplitude, going inwards, is at a reversal.
 MOST_CYCLES = 1.25  #: More cycles than this are not one.
 
 #: A last cycle that is cut off counts from this share of its sweeps on, or of the samples of the one before.
@@ -33,15 +32,7 @@ Places = NDArray[np.intp]
 
 FEWEST_SLIPS = 4  #: So many single samples that fall alike are slips, and no chance.
 
-#: A way from one side of the loop to the other is a reversal if it begins and ends beyond this share of the plateaus.
-OF_PLATEAU = 0.5
 MOST_POINTS = 3000  #: More points than this are no digitised loop, and would take long.
-
-#: A loop in order of time is no longer than so many outlines; a log of several cycles is one outline a cycle.
-DISORDER = 3.0
-LEAST_STEP = 0.2  #: Points in any order are so far from the next ones, on average, in shares of the box around them.
-WIDEST_GAP = 0.4  #: Neighbours on the outline are no farther apart along the stroke.
-LEAST_AREA = 0.05  #: The outline encloses at least this share of the box around it, as points on one curve do not.
 
 
 def turns_of(displacement_um: Array) -> Places:
@@ -150,7 +141,8 @@ def cycle_starts(displacement_um: Array, turns: Places) -> Places:
         centre = float(np.median(0.5 * (x[turns[1:-2]] + x[turns[2:-1]])))
     way = np.sign(x[turns[1]] - x[0])
     out = way * (x[0] - centre) / max(abs(x[turns[1]] - centre), 1e-300)
-    if out < -AT_REVERSAL:
+    # A first sample as far out as this share of the amplitude, going inwards, is at a reversal.
+    if out < -0.995:
         return turns[:-1:2]
     starts = [0]
     for begin, end in zip(turns[2:-1:2], turns[3::2], strict=False):
@@ -252,7 +244,9 @@ def _usual_jumps(force: Array, flagged: BoolArray, middle: float) -> BoolArray:
 
 def _of_reversals(away: Array, steps: Array) -> BoolArray:
     """Which steps (n,) to samples of a closed loop, so far from its middle (n,), lead from one plateau to the other."""
-    least = OF_PLATEAU * float(np.percentile(np.abs(away), 60))
+    # A way from one side of the loop to the other is a reversal if it begins and ends beyond this share of the
+    # plateaus.
+    least = 0.5 * float(np.percentile(np.abs(away), 60))
     # Runs of steps one way, of a loop that begins where one ends.
     first = int(np.argmax(np.sign(steps) != np.sign(np.roll(steps, 1))))
     signs = np.sign(np.roll(steps, -first))
@@ -284,13 +278,17 @@ def outline(x: Array, y: Array) -> NDArray[np.intp] | None:
         return None
     order = _shortened(points, _about_the_middle(points))
     tour = _steps(points, order)
-    scattered = given.sum() > DISORDER * tour.sum() and given.mean() > LEAST_STEP
+    # A loop in order of time is no longer than three outlines; a log of several cycles is one outline a cycle. Points
+    # in any order are so far from the next ones, on average, in shares of the box around them.
+    scattered = given.sum() > 3.0 * tour.sum() and given.mean() > 0.2
     # Of an outlier, the leap back comes at once.
     apart = not np.any(leaping & np.roll(leaping, 1))
     same_way = leaps in {1, 2} and apart and _sweeps(points[:, 0]) <= 2 * leaps
     area = abs(enclosed_area(points[order, 0], points[order, 1]))
     gap = np.abs(np.diff(points[order, 0], append=points[order[0], 0])).max()
-    if not (scattered or same_way) or area < LEAST_AREA or gap > WIDEST_GAP or _sweeps(points[order, 0]) > 2:
+    # The outline encloses at least a share of the box around it, as points on one curve do not, and neighbours on it
+    # are no farther apart along the stroke.
+    if not (scattered or same_way) or area < 0.05 or gap > 0.4 or _sweeps(points[order, 0]) > 2:
         return None
     return order
 

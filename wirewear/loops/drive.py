@@ -19,7 +19,6 @@ BETTER = 0.9
 
 REFINED = 5  #: Newton's steps to that period, each of which leaves less than a tenth of its error.
 WINDOWS, MOST_WINDOWS = 8, 2000  #: Beginnings in each cycle, and in all, of windows in which a phase is sought.
-ALIKE_STEPS = 1.5  #: Steps of time are alike whose upper quartile exceeds the lower one by no more than this factor.
 
 
 @dataclass(frozen=True)
@@ -104,7 +103,8 @@ def drift_of(time: Array, values: Array) -> Drift:
 def uneven(time: Array) -> BoolArray:
     """Whether the steps of each loop's times (..., n) are not alike."""
     low, high = np.percentile(np.diff(time), [25, 75], axis=-1)
-    return np.asarray(high > ALIKE_STEPS * low)
+    # Steps of time are alike whose upper quartile exceeds the lower one by no more than this factor.
+    return np.asarray(high > 1.5 * low)
 
 
 def period_of(time: Array, displacement: Array) -> float:

@@ -16,14 +16,6 @@ from wirewear.loops.sensor import enclosed_area
 MICROJOULE_IN_MILLIJOULE = 1e-3
 
 
-#: A branch that passes a force again after so large a share of the stroke does so by ringing, chatter or an outlier.
-WAVERS = 0.05
-
-
-#: A width at mid force below this share of what energy and sliding force give was read where the loop slides.
-NARROW = 0.85
-
-
 ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION = 0.2, 0.77  #: Values at the transition from partial slip to gross slip.
 
 
@@ -94,7 +86,8 @@ def crossing_travel(branch: Branch, slip: MicroSlip, level_N: float, force_noise
     tip = slip.onset_force_N - slip.height_N if slip.slides else float(branch.force_N.min())
     room = min(slip.onset_force_N - level, level - tip)
     near = (np.abs(y) < 0.6 * room) & (z <= 1.25 * slip.travel_um)
-    wavers, at = WAVERS * branch.length_um, balance(z, y)
+    # A branch that passes a force again after so large a share of the stroke does so by ringing, chatter or an outlier.
+    wavers, at = 0.05 * branch.length_um, balance(z, y)
     if np.count_nonzero(near) >= 6 and force_noise_N > 1e-3 * room:
         fit = fit_linear(np.vander(y[near] / room, 3, increasing=True), z[near])
         travel, deviation = float(fit.coefficients[0]), float(np.sqrt(fit.covariance[0, 0]))
@@ -156,7 +149,8 @@ def by_energy(energy: Measured, height_N: Measured) -> Measured:
 def narrow(slip: Measured, other: Measured, amplitude_um: float) -> bool:
     """Whether a width at mid force is not the slip that the energy shows, or lies beyond the displacement itself."""
     wide = slip.value > amplitude_um + (slip.interval95[1] - slip.value)
-    return wide or slip.value < NARROW * min(other.value, amplitude_um)
+    # A width at mid force below this share of what energy and sliding force give was read where the loop slides.
+    return wide or slip.value < 0.85 * min(other.value, amplitude_um)
 
 
 def force_amplitude(loop: CleanLoop, tops: tuple[Measured, Measured]) -> Measured:

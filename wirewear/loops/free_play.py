@@ -11,9 +11,6 @@ from wirewear.loops.figures import Measured
 from wirewear.loops.noise import noise_along
 from wirewear.loops.robust import LinearFit, fit_linear
 
-MOST_TRIED = 4  #: Forces at which a shelf is tried.
-
-
 #: Half of the band about the shelf's force that belongs to neither flank: this share of the rise, or so many noises.
 BAND_SHARE, BAND_NOISES = 0.04, 4.0
 
@@ -164,7 +161,8 @@ def _candidates(z: Array, q: Array, low: float, rise: float) -> list[float]:
     here = passed[4:-5] + passed[5:-4]
     usual = np.maximum(passed[2:-7] + passed[3:-6], passed[6:-3] + passed[7:-2]) + passed[:-9] + passed[9:]
     found = []
-    for place in np.argsort(usual - 2.0 * here)[:MOST_TRIED]:
+    # A shelf is tried at four forces.
+    for place in np.argsort(usual - 2.0 * here)[:4]:
         low_edge, high_edge = first[place + 4], last[place + 6]
         inside = (z >= low_edge) & (z <= high_edge)
         if here[place] > 0.75 * usual[place]:

@@ -199,7 +199,10 @@ def sliding_figures(
         sliding_part(branches[0], courses[0][1], stiffness_N_per_um),
         sliding_part(branches[1], courses[1][1], stiffness_N_per_um),
     )
-    middle, half_range = _slip_range(plateaus)
+    # Ends of the slip are taken where outliers and noise do not reach.
+    every = np.concatenate([plateau.slip_position_um for plateau in plateaus])
+    low, high = np.percentile(every, [1, 99]).tolist()
+    middle, half_range = 0.5 * (low + high), 0.5 * (high - low)
     centres = [value_at(part.slip_position_um, part.ratio, middle, MIDDLE_SHARE * half_range) for part in plateaus]
     total = centres[0].value + centres[1].value
     if total <= 0.0 or not all(centre.value for centre in centres):
@@ -224,13 +227,6 @@ def sliding_figures(
         forward=None if loop.normal_force_N is None else centres[0],
         backward=None if loop.normal_force_N is None else centres[1],
     )
-
-
-def _slip_range(plateaus: tuple[Plateau, Plateau]) -> tuple[float, float]:
-    """Middle and half length of the slip in µm, ends taken where outliers and noise do not reach."""
-    every = np.concatenate([plateau.slip_position_um for plateau in plateaus])
-    low, high = np.percentile(every, [1, 99])
-    return float(0.5 * (low + high)), float(0.5 * (high - low))
 
 
 def _geometry_independent(

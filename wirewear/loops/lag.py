@@ -19,14 +19,7 @@ LEVELS, RATIOS = (0.2, 0.4), (2.0, 2.135)
 BEFORE = 8  #: Samples of the branch before, with which the reversal is passed: a force may come so many too early.
 
 
-READING = 0.15  #: Standard deviation of what samples on either side of a reversal tell of its time, in samples.
-
-
 LEAST_LAG, CERTAIN = 1.0, 3.0  #: A lag is one from so many samples on, and from so many of its standard deviations.
-
-
-#: A force whose third harmonic is this small a share of its first has no plateau; Coulomb friction alone makes it 1/3.
-SMOOTH = 0.02
 
 
 FULL = 0.5  #: Loops this full, of the box around them, are opened by more than micro-slip; an ellipse fills π/4.
@@ -48,7 +41,8 @@ def lag_of(loop: CleanLoop) -> Measured | None:
         return None
     each, hidden = np.array([lags[:2] for lags in known]), max(lags[2] for lags in known)
     shape, apart = 0.5 * float(abs(np.diff(each.mean(axis=0))[0])), 0.5 * float(abs(np.diff(each.mean(axis=1))[0]))
-    return Measured.from_deviation(float(each.mean()), float(np.linalg.norm([shape, apart, hidden, READING])))
+    # The last is what samples on either side of a reversal leave open of its time, in samples.
+    return Measured.from_deviation(float(each.mean()), float(np.linalg.norm([shape, apart, hidden, 0.15])))
 
 
 def is_certain(lag: Measured) -> bool:
@@ -127,4 +121,6 @@ def goes_with_velocity(loop: CleanLoop) -> bool:
         return False
     harmonics = np.abs(np.fft.rfft(loop.force_N - loop.force_N.mean()))
     noise = loop.force_noise_N * float(np.sqrt(loop.force_N.size))
-    return bool(harmonics[3] < SMOOTH * harmonics[1] + 2.0 * noise and 5.0 * noise < harmonics[1] / 3.0)
+    # A force whose third harmonic is this small a share of its first has no plateau; Coulomb friction alone makes it
+    # 1/3.
+    return bool(harmonics[3] < 0.02 * harmonics[1] + 2.0 * noise and 5.0 * noise < harmonics[1] / 3.0)

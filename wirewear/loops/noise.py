@@ -15,16 +15,12 @@ TRIED = np.arange(0.0, 0.91, 0.05)  #: Correlations of neighbours that are tried
 #: A stated noise is what one expects within this relative deviation, of a Student's t that lets wrong statements be.
 STATED_WITHIN, STATED_FREEDOM = 0.3, 3.0
 
-#: Rounding of less than this share of a sample's noise is left in it: written digits are steps, too.
-LEAST_ROUNDING = 0.1
-
 
 #: The cubic through two neighbours on either side, at even times: a sample is their mean with these weights.
 NEIGHBOURS, WEIGHTS = (-2, -1, 1, 2), np.array([-1.0, 4.0, 4.0, -1.0]) / 6.0
 
 #: By what a sample's distance to that cubic scatters more than the sample itself.
 _SCATTER = float(np.sqrt(1.0 + np.sum(WEIGHTS**2)))
-_DENSE = 100  #: Samples of a cycle from which on those next to a reversal's hook resolve it.
 
 #: So large a share of the samples lies on the steps, within that share of one and half a digit as written: others were
 #: put in between. Numbers are written with so many digits after the point at most.
@@ -60,7 +56,8 @@ def correlated_noise(
     best = int(np.argmax([likelihood for likelihood, _ in found]))
     highest, deviation = found[best]
     stretch = stretch_of(float(TRIED[best]))
-    if LEAST_ROUNDING * deviation < rounding < deviation:
+    # Rounding of less than this share of a sample's noise is left in it: written digits are steps, too.
+    if 0.1 * deviation < rounding < deviation:
         under = float(np.sqrt(deviation**2 - rounding**2))
         share = (rounding / under) ** 2
         rounded = [_likeliest(*_rounded(parts, float(correlation), share), stated) for correlation in TRIED]
@@ -212,7 +209,8 @@ def outliers(values: Array, time: Array) -> BoolArray:
     are few, a hook at a reversal is as steep as an outlier, and the middle of the four counts.
     """
     extent = float(np.subtract(*np.percentile(values, [99, 1])))
-    noise, dense = sample_noise(values, time), len(values) >= _DENSE
+    # Samples of a cycle from which on those next to a reversal's hook resolve it.
+    noise, dense = sample_noise(values, time), len(values) >= 100
 
     def allowed(steps: Array) -> Array:
         step = steps[1] if dense else 0.5 * (steps[1] + steps[2])

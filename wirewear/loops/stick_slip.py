@@ -18,9 +18,6 @@ CERTAIN_SLIP, LEAST_DROP = 7.0, 0.03
 FEWEST_SLIPS = 4  #: So many slips of a cycle are no chance.
 
 
-MOST_STEPS = 3  #: A slip takes no more steps between samples than this; a longer fall is a slope.
-
-
 #: Slips are resolved where at least this share of those is seen that the stick branches' stiffness lets expect.
 RESOLVED = 0.6
 
@@ -71,7 +68,8 @@ def _slips(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> tuple[Array, int
     least = max(CERTAIN_SLIP * np.sqrt(2.0) * _stick_noise(loop, branch, slip), LEAST_DROP * level)
     falling = np.diff(force) < 0.0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], falling, [False]]).astype(int)))
-    falls = [(int(a), int(b)) for a, b in edges.reshape(-1, 2) if force[a] - force[b] > least and b - a <= MOST_STEPS]
+    # A slip takes no more steps between samples than this; a longer fall is a slope.
+    falls = [(int(a), int(b)) for a, b in edges.reshape(-1, 2) if force[a] - force[b] > least and b - a <= 3]
     sizes = np.array([force[start] - force[stop] for start, stop in falls])
     if not falls:
         return sizes, force.size, 0.0

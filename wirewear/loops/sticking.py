@@ -21,15 +21,12 @@ EXPONENTS = np.array([2.0 / 3.0, 0.5, 1.0])  #: n of the shapes that are tried; 
 CYLINDERS = 0.2  #: Of the travel until cylinders slide, their contact takes no more: the rest is their bodies'.
 
 TRAVELS = np.geomspace(0.8, 60.0, 48)  #: Travels until sliding that are tried, over that of a branch.
-NONE_SEEN = 50.0  #: Where travels beyond this are not told from others, nothing shows that the contact slips.
 SHARES = np.linspace(0.0, 1.0, 13)  #: Shares of the contact in them.
-CLOSER = 2  #: How often as many of both are tried again, about those that the last search leaves.
 
 FEWEST, FEWEST_ON_BRANCH = 24, 6  #: Samples of a loop, and of either branch: fewer have no bend to be read.
 STEADY = 0.05  #: A load that changes by more within the cycle leaves other loops.
 
 MODEL = 5e-4  #: What contacts and sensors depart from any such course by, of the force's amplitude.
-LIMIT = 0.005  #: Relative deviation of µP itself that real pressures leave where a contact all but slides.
 #: Standard deviations of what readings may hide: a lag in samples, an offset of reversals and a drift, of the stroke.
 LAG, OFFSET, DRIFT = 0.5, 1e-3, 3e-3
 
@@ -70,7 +67,8 @@ def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | N
     tried = _searched(readings, TRAVELS, SHARES)
     if not tried.size:
         return None
-    for _ in range(CLOSER):
+    # Twice, as many of both are tried again, about those that the last search leaves.
+    for _ in range(2):
         # A corner is found only by travels that are near to it, and what fits best says what noise and model leave.
         best = tried[:, int(np.argmin(tried[0]))]
         tried = np.hstack([tried, _about(readings, tried, best[:, None])])
@@ -82,11 +80,13 @@ def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | N
     found = Sticking(
         chi_squared=chi_squared,
         limit_N=limit,
-        deviation_N=np.hypot(np.sqrt(scale) * deviation, LIMIT * limit),
+        # Real pressures leave a deviation of µP itself where a contact all but slides.
+        deviation_N=np.hypot(np.sqrt(scale) * deviation, 0.005 * limit),
         share=share,
         contact_um_per_N=per_force * own,
         rig_um_per_N=per_force * (1.0 - part * np.where(exponent < 1.0, 1.0, CYLINDERS)),
-        unseen=travel > NONE_SEEN,
+        # Where travels beyond this are not distinguished from others, nothing shows that the contact slips.
+        unseen=travel > 50.0,
         load_N=None if load is None else Measured.from_deviation(float(np.mean(load)), loop.normal_noise_N),
     )
     return found.kept(chi_squared)

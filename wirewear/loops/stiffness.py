@@ -12,13 +12,10 @@ from wirewear.loops.figures import Measured, MicroSlipBranch, mean_of
 from wirewear.loops.noise import step_of
 from wirewear.loops.robust import CHOICE, RobustLine, fit_line, median_deviation
 
-BENT = 0.45  # a Cattaneo-Mindlin contact alone softens by 0.16 from the first half of the region to the second
 STEEP = 0.7  # a concave course rises along the first half of its travel by at least its mean slope
 OFF = 0.1  # of its rise; the course of a contact that softens evenly is off a line by 0.025
 RESOLVED = 4  # fewer samples than this in half of the micro-slip region cannot tell its slope
 
-#: Samples between half and one and a half of the elastic travel, below which a branch's corner cannot be told.
-FEWEST_AT_CORNER = 4
 SHARES = (0.0, 2.0)  #: Corners from sharp to twice as round as a Mindlin contact's.
 NEAR = 0.45  #: Part of the plateau that is fitted with the corner: farther away a hook says nothing about it.
 
@@ -84,7 +81,8 @@ def _corner(branch: Branch, slip: MicroSlip) -> tuple[float, float] | None:
     inside = branch.travel_um <= onset + NEAR * (branch.length_um - onset)
     travel, force = branch.travel_um[inside], branch.force_N[inside]
     elastic = slip.travel_um * (1.0 - slip.share / 3.0)
-    if np.count_nonzero(np.abs(travel - elastic) <= 0.5 * elastic) < FEWEST_AT_CORNER:
+    # Samples between half and one and a half of the elastic travel, below which a branch's corner is not seen.
+    if np.count_nonzero(np.abs(travel - elastic) <= 0.5 * elastic) < 4:
         return None
     powers = np.vander(travel / branch.length_um - 0.5, len(slip.plateau), increasing=True)
 
@@ -180,7 +178,8 @@ def bent(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> bool:
     ]
     apart = abs(lines[1].slope - lines[0].slope)
     doubt = float(np.hypot(lines[0].slope_deviation, lines[1].slope_deviation))
-    return apart > BENT * max(lines[0].slope, lines[1].slope) and apart > 5.0 * doubt
+    # A Cattaneo-Mindlin contact alone softens by 0.16 from the first half of the region to the second
+    return apart > 0.45 * max(lines[0].slope, lines[1].slope) and apart > 5.0 * doubt
 
 
 def mean_stiffness(forward: MicroSlipBranch, backward: MicroSlipBranch) -> Measured | None:
