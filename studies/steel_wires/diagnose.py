@@ -15,6 +15,7 @@ from pathlib import Path
 import click
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.typing import LineStyleType
 
 from wirewear import read_record
 from wirewear.app.cli.study_script import StudyScript, wide_console
@@ -115,7 +116,8 @@ def picture(chapter: Chapter) -> Figure:
     panels = figure.subplots(1, 2, sharey=True)
     at = np.array(chapter.cycles, dtype=float)
     first = f"calibrated on cycle {counted(chapter.cycles[0])}"
-    curves = [("rigid model", chapter.whole.setup, "-"), (first, chapter.calibrated, "--")]
+    curves = [("rigid model", chapter.whole.setup), (first, chapter.calibrated)]
+    dashes: tuple[LineStyleType, ...] = ("-", "--")
     for row, (axes, cycle) in enumerate(zip(panels, chapter.cycles, strict=True)):
         for loop in (one for one in chapter.whole.record.loops if one.cycle == cycle):
             axes.plot(
@@ -126,7 +128,7 @@ def picture(chapter: Chapter) -> Figure:
                 color="#b5b5b5",
                 label=chapter.whole.record.name,
             )
-        for colour, (label, setup, dash) in zip(VARIANT_COLOURS, curves, strict=False):
+        for colour, dash, (label, setup) in zip(VARIANT_COLOURS, dashes, curves, strict=False):
             course = simulate(chapter.whole.states, setup, at)
             x, q = course.displacement_um[row].ravel(), course.tangential_force_N[row].ravel()
             draw_loop(axes, x, q, linestyle=dash, color=colour, linewidth=1.4, label=label)

@@ -16,6 +16,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
+from matplotlib.typing import LineStyleType
 from PIL import Image
 
 from geometry.arrays import Array
@@ -29,18 +30,12 @@ from wirewear.pictures.scar_surfaces import scars_in_3d
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
 from wirewear.results import RunResult, read_results
 
-DASHES: tuple[Any, Any] = ((0, (5, 1.5)), "-")  #: Lines of the driven and the held body where colours stand for runs.
+#: Lines of the driven and the held body where colours stand for runs.
 
-PANELS_IN_A_ROW = 3
 WIDEST, THINNEST = 1.1, 0.7  #: Line widths of the first and the last loop, as shares of other lines'.
 FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100  #: Milliseconds of a frame and of the last one; dots per inch.
 HEIGHT_in = 3.2
 FOLDER_NAME = "pictures"
-
-#: Wear is well seen beside other wear from this share of its depth on.
-WELL_SEEN = 0.25
-MOST_IN_SERIES = 5
-MOST_CONTACTS = 4
 
 
 def amplitude_evolution(results: Sequence[RunResult]) -> Figure:
@@ -189,7 +184,7 @@ def loops_by_cycle(results: Sequence[RunResult], cycles: Sequence[int]) -> Figur
 
 
 def _panels(count: int) -> tuple[Figure, list[Axes]]:
-    columns = min(count, PANELS_IN_A_ROW)
+    columns = min(count, 3)
     rows = -(-count // columns)
     figure = style.new_figure(3.1 * rows if columns > 1 else 3.8)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
@@ -339,10 +334,8 @@ def drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
         found["scars_from_above"] = partial(scars_from_above, with_scars)
         for result in with_scars:
             suffix = f"_{_file_name(result.label)}" if len(results) > 1 else ""
-            found[f"contact{suffix}"] = partial(
-                contact_maps, result, chosen_cycles(result.scar_cycles(), MOST_CONTACTS)
-            )
-            if len(cycles := chosen_cycles(result.scar_cycles(), MOST_IN_SERIES)) > 1:
+            found[f"contact{suffix}"] = partial(contact_maps, result, chosen_cycles(result.scar_cycles(), 4))
+            if len(cycles := chosen_cycles(result.scar_cycles(), 5)) > 1:
                 found[f"scar_series{suffix}"] = partial(scar_series, result, cycles)
         found["sections"] = partial(scar_sections, with_scars, section_cycles(with_scars))
         # The last, because it alone needs a working OpenGL.
@@ -359,9 +352,13 @@ def section_cycles(results: Sequence[RunResult]) -> tuple[int, ...]:
     def depth_um(cycle: int) -> float:
         return min(result.scar(cycle, result.bodies[1]).max_depth_um for result in results)
 
-    seen = next(cycle for cycle in shared if depth_um(cycle) >= WELL_SEEN * depth_um(shared[-1]))
+    # Wear is well seen beside other wear from this share of its depth on.
+    seen = next(cycle for cycle in shared if depth_um(cycle) >= 0.25 * depth_um(shared[-1]))
     return tuple(sorted({seen, shared[-1]}))
 
 
 def _file_name(variant: str) -> str:
     return re.sub(r"[^\w.-]+", "_", variant)
+
+
+DASHES: tuple[LineStyleType, LineStyleType] = (0, (5, 1.5)), "-"

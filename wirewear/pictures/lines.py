@@ -63,7 +63,7 @@ def line_variants(results: Sequence[RunResult]) -> Figure:
     results = [result.computed for result in results]
     for colour, dashes, result in zip(endless(style.VARIANT_COLOURS), endless(style.VARIANT_DASHES), results):
         last = max(loop.cycle for loop in result.loops)
-        look = {"color": colour, "linestyle": dashes}
+        look: style.LineLook = {"color": colour, "linestyle": dashes}
         for axes, body in zip(panels[0], BODIES, strict=True):
             scar = result.scar(last, body)
             axes.plot(scar.axial_um, scar.depth_um[:, 0], **look)

@@ -3,12 +3,13 @@
 Fields are drawn smoothly between the grid points (see `smooth`).
 """
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import Colormap, Normalize
+from numpy.typing import ArrayLike
 
 from geometry.arrays import Array
 from wirewear.pictures.smooth import smooth_scar
@@ -33,7 +34,7 @@ def draw_scar(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normal
 def draw_map(
     axes: Axes,
     at_um: tuple[Array, Array],
-    values: Any,
+    values: ArrayLike,
     norm: Normalize,
     colours: Colormap | str,
     half_um: tuple[float, float] | None = None,

@@ -21,9 +21,6 @@ from wirewear.pictures.scar import RESOLUTION, draw_map, draw_scar
 from wirewear.pictures.smooth import smooth_field, smooth_scar, worn_half_extent
 from wirewear.results import RunResult, Scar
 
-TALLEST_PANEL = 0.75  #: Height over width that a panel should not exceed.
-
-
 #: Field, label of its colour bar, colours: the rows of the picture.
 _ROWS = (
     ("pressure_MPa", "pressure [MPa]", style.PRESSURE_COLOURS),
@@ -45,7 +42,8 @@ def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure
     # The flanks beside the scars are of no interest: the panels end a little below the lowest worn point.
     low = min(_lowest_worn_height(scar) for scars in shown.values() for scar in scars)
     bottom, top = 1.5 * low, -0.25 * low
-    exaggeration = style.round_below(max(TALLEST_PANEL * 2.0 * half_width / (top - bottom), 1.0))
+    # Height over width that a panel should not exceed.
+    exaggeration = style.round_below(max(0.75 * 2.0 * half_width / (top - bottom), 1.0))
     panel_height_in = 0.42 * style.WIDTH_in * exaggeration * (top - bottom) / (2.0 * half_width)
     figure = style.new_figure(len(cycles) * (panel_height_in + 0.3) + 0.7)
     grid = figure.subplots(len(cycles), len(bodies), sharex=True, sharey=True, squeeze=False)

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     import pyvista
 
 RESOLUTION = 320  #: Points along each side of a surface.
-LEAST_STRIP = 0.75  #: Half-width of the strip of cylinder that is shown, in radii, at least.
 
 #: Where light comes from in the sliding frame, and how strong: a low sun that shades the bowls, a fill from the eye.
 #: Much of it is ambient, so that a colour stays the one on the colour bar.
@@ -30,7 +29,6 @@ AMBIENT = 0.42
 
 CUT_COLOUR = "#b9bcc1"
 PIXELS = 1100  #: Width of a rendering, about twice the width of its panel: shrinking it smooths the edges.
-TEXT_in = 0.16  #: Height of the line of text below the rulers.
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,8 @@ def scars_in_3d(results: Sequence[RunResult]) -> Figure:
     scars = [scar for row in rows for scar in row]
     half_length = 1.3 * max(worn_half_extent(scars))
     radii = [scar.radius_um for scar in scars if np.isfinite(scar.radius_um) and np.isinf(scar.diameter_along_mm)]
-    half_strip = max(LEAST_STRIP * max(radii, default=0.0), 0.8 * half_length)
+    # Half-width of the strip of cylinder that is shown, in radii, at least.
+    half_strip = max(0.75 * max(radii, default=0.0), 0.8 * half_length)
     norm = Normalize(0.0, deepest(rows))
     pictures = [[_render(scar, half_length, half_strip, norm.vmax or 1.0) for scar in row] for row in rows]
     left, right, bottom, top = (
@@ -72,7 +71,8 @@ def scars_in_3d(results: Sequence[RunResult]) -> Figure:
         for place, extreme in enumerate((min, max, min, max))
     )
     panel_width_in = 0.44 * WIDTH_in
-    text_um = TEXT_in * (right - left) / panel_width_in
+    # Height of the line of text below the rulers.
+    text_um = 0.16 * (right - left) / panel_width_in
     bottom -= text_um
     figure = new_figure(len(rows) * (panel_width_in * (top - bottom) / (right - left) + 0.35))
     grid = figure.subplots(len(rows), 2, squeeze=False)

@@ -27,20 +27,17 @@ MOST_LOOPS = 6
 POINTS, CLOSED_FROM = 400, 5
 
 Mask = BoolArray
+MaskedField = np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]
 
 RINGS = 2  #: Rings of points around the area that get a value.
 _RIDGE = 1e-10  #: What keeps points determined that no difference reaches, as a share of the largest weight.
-_LEAST_POINTS = 400  #: Points that a picture needs along each axis of a scar's grid, at least.
 _LEAST_SHARE = 0.01  #: What lies below this share of the largest pressure or slip is drawn as nothing.
 
 # A scar's edge lies between a ninth and nearly all of the way from its last point: the depth is taken to go on from
 # there to minus this many times its value at the next point.
 _BELOW = (0.05, 8.0)
 
-_ROUNDING = 1.0  # By how many grid points the corners of an outline are rounded.
 
-# Points that round-off alone puts on either side of an outline lie outside.
-_ON_THE_LINE = 1e-9
 _NEIGHBOURS = [(a, t) for a in (-1, 0, 1) for t in (-1, 0, 1) if (a, t) != (0, 0)]
 
 
@@ -145,7 +142,7 @@ def smooth_scar(scar: Scar) -> Scar:
     return replace(scar, axial_um=axial, transverse_um=transverse, **fields)
 
 
-def smooth_field(scar: Scar, field: str, over_um: float = 0.0) -> tuple[Array, Array, np.ma.MaskedArray[Any, Any]]:
+def smooth_field(scar: Scar, field: str, over_um: float = 0.0) -> tuple[Array, Array, MaskedField]:
     """Finer grid lines (n_a,), (n_t,) in µm and a field of the scar on them, masked outside the area where it is.
 
     Unlike a depth, a pressure or a slip need not vanish at the edge: the area has an outline of its own. The field is
@@ -159,7 +156,9 @@ def smooth_field(scar: Scar, field: str, over_um: float = 0.0) -> tuple[Array, A
     axial, transverse = _finer(scar.axial_um), _finer(scar.transverse_um)
     steps = [(fine.size - 1) / (values.shape[k] - 1) for k, fine in enumerate((axial, transverse))]
     area = _interpolated(scar, np.where(inside, 1.0, -1.0), axial, transverse)
-    outside = gaussian_filter(area, [_ROUNDING * step for step in steps]) <= _ON_THE_LINE
+    # The corners of an outline are rounded by a grid point; points that round-off alone puts on either side of it lie
+    # outside.
+    outside = gaussian_filter(area, steps) <= 1e-9
     shown = _interpolated(scar, extended, axial, transverse)
     lengths = scar.wire_coordinates(over_um, 0.0)
     spans = zip(lengths, (axial, transverse), strict=True)
@@ -184,7 +183,8 @@ def worn_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
 
 def _finer(line: Array) -> Array:
     """The line's points and others evenly between them."""
-    parts = int(np.ceil(_LEAST_POINTS / (line.size - 1)))
+    # Points that a picture needs along each axis of a scar's grid, at least.
+    parts = int(np.ceil(400 / (line.size - 1)))
     between = line[:-1, None] + np.diff(line)[:, None] * (np.arange(parts) / parts)
     return np.append(between.ravel(), line[-1])
 

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import matplotlib as mpl
 import numpy as np
@@ -17,20 +17,37 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, LinearSegmentedColormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.typing import ColorType, LineStyleType
 
 from geometry.arrays import Array
 from wirewear.base import frame
 from wirewear.base.errors import ResultError, counted
 from wirewear.base.writing import in_one_step, writing
 
+
+class LineLook(TypedDict, total=False):
+    """How a line looks, in matplotlib's words."""
+
+    color: ColorType
+    linestyle: LineStyleType
+    linewidth: float
+
+
+class AreaLook(TypedDict, total=False):
+    """How an area looks, in matplotlib's words."""
+
+    color: ColorType
+    alpha: float
+
+
 GREY = "#8a8a8a"
 
 VARIANT_COLOURS = frame.VARIANT_COLOURS
-VARIANT_DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (6, 1.5, 1, 1.5)), (0, (3, 1)), (0, (8, 2)))
+_LENGTHS = (5, 1.5), (1, 1), (6, 1.5, 1, 1.5), (3, 1), (8, 2)  #: Of dashes and gaps.
+VARIANT_DASHES: tuple[LineStyleType, ...] = ("-", *((0, lengths) for lengths in _LENGTHS))
 
 DEPTH_COLOURS: Colormap = LinearSegmentedColormap.from_list("depth", np.divide(frame.DEPTH_SHADES, 255.0))
 _RAISED = LinearSegmentedColormap.from_list("raised", ["#fcf4b6", "#8fd0c5", "#12807c", "#07403e"])
-_FAINT_TO = 0.25  #: What is raised by this share of the largest depth has the darkest colour, at the latest.
 
 #: Pressure and slip: uniform as well, and neither to be taken for a depth.
 PRESSURE_COLOURS: Colormap = LinearSegmentedColormap.from_list(
@@ -41,9 +58,7 @@ SLIP_COLOURS: Colormap = LinearSegmentedColormap.from_list("slip", colormaps["ci
 
 #: Text width of a page, both columns of a journal [inch]: every picture's; and one column, of a single panel on paper.
 WIDTH_in, COLUMN_in = 7.5, 3.54
-SHOWN_DOTS_PER_INCH = 110
 
-DECADE_in = 0.36  #: Room that the number of a decade takes on an axis of cycles.
 
 _TABLES = tomllib.loads(Path(__file__).with_name("style.toml").read_text(encoding="utf-8"))
 _SETTINGS: Any = _TABLES["house"]
@@ -76,7 +91,7 @@ class HouseFigure(Figure):
     def _repr_png_(self) -> bytes:
         image = BytesIO()
         with styled():
-            self.savefig(image, format="png", dpi=SHOWN_DOTS_PER_INCH)
+            self.savefig(image, format="png", dpi=110)
         return image.getvalue()
 
 
@@ -115,7 +130,7 @@ def svg(draw: Callable[[], Figure]) -> bytes:
     return image.getvalue()
 
 
-def variant_style(index: int) -> dict[str, Any]:
+def variant_style(index: int) -> LineLook:
     """Line colour and dashes of the variant at that place."""
     return {
         "color": VARIANT_COLOURS[index % len(VARIANT_COLOURS)],
@@ -135,7 +150,8 @@ def depth_scale(depths_um: Iterable[Array]) -> tuple[Colormap, Normalize]:
     deepest = max([1e-6, *(float(np.nanmax(depth)) for depth in fields)])
     lowest = min([0.0, *(float(np.nanmin(depth)) for depth in fields)])
     at = np.linspace(lowest, deepest, 1024)
-    raised = _RAISED(np.clip(-at / max(-lowest, _FAINT_TO * deepest), 0.0, 1.0))
+    # What is raised by a quarter of the largest depth has the darkest colour, at the latest.
+    raised = _RAISED(np.clip(-at / max(-lowest, 0.25 * deepest), 0.0, 1.0))
     colours = np.where((at < 0.0)[:, None], raised, DEPTH_COLOURS(np.clip(at / deepest, 0.0, 1.0)))
     return ListedColormap(colours), Normalize(lowest, deepest)
 
@@ -159,7 +175,8 @@ def _narrow(axes: Axes) -> bool:
     """Whether numbers at all decades up to the last cycle would touch."""
     figure = axes.get_figure(root=True)
     width_in = axes.get_position().width * (figure.get_figwidth() if figure is not None else WIDTH_in)
-    return width_in < DECADE_in * (math.log10(max(axes.get_xlim()[1], 1.0)) + 1.0)
+    # Room that the number of a decade takes on an axis of cycles.
+    return width_in < 0.36 * (math.log10(max(axes.get_xlim()[1], 1.0)) + 1.0)
 
 
 def panel_letters(panels: Sequence[Axes]) -> None:

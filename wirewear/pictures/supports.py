@@ -18,10 +18,6 @@ _ARROW = {"arrowstyle": "-|>", "linewidth": 1.6, "mutation_scale": 12, "shrinkA"
 _MOST_LINES = 15  #: At most so many lines are drawn from a reference node to what it holds.
 
 
-#: A section lies so far beside its plane [mm]: mirror planes are full of facets that would be cut twice.
-_BESIDE_mm = 1e-6
-
-
 @dataclass(frozen=True, eq=False)
 class HeldBody:
     """A body in one section: its edge and the part of it that is held, as lines (k, 2, 2) in mm."""
@@ -184,7 +180,8 @@ def _cut(points: Array, facets: IntArray, axis: int) -> Array:
 
     faces = np.column_stack([np.full(len(facets), 4), facets]).ravel()
     normal = np.eye(3)[axis]
-    cut = pyvista.PolyData(points, faces).slice(normal=tuple(normal), origin=tuple(_BESIDE_mm * normal))
+    # A section lies so far beside its plane [mm]: mirror planes are full of facets that would be cut twice.
+    cut = pyvista.PolyData(points, faces).slice(normal=tuple(normal), origin=tuple(1e-6 * normal))
     if not cut.n_cells:
         return np.zeros((0, 2, 2))
     lines = np.asarray(cut.lines).reshape(-1, 3)[:, 1:]

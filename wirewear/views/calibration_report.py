@@ -1,7 +1,5 @@
 """The calibration of a sensor by loaded contacts: as JSON and as a table."""
 
-from typing import Any
-
 import numpy as np
 from rich import box
 from rich.console import Group, RenderableType
@@ -13,7 +11,7 @@ from wirewear.loops import Measured
 from wirewear.views.loops_report import rounded
 
 
-def calibration_json(study: str, calibration: Calibration, correction: "Correction | None") -> dict[str, Any]:
+def calibration_json(study: str, calibration: Calibration, correction: "Correction | None") -> dict[str, object]:
     """The calibration as JSON; `record` is null where none was corrected."""
     polynomial = calibration.polynomial
     return {
@@ -49,7 +47,7 @@ def calibration_json(study: str, calibration: Calibration, correction: "Correcti
     }
 
 
-def _measured_json(measured: Measured) -> dict[str, Any]:
+def _measured_json(measured: Measured) -> dict[str, object]:
     return {"value": measured.value, "interval95": list(measured.interval95)}
 
 

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from rich import box
@@ -134,7 +133,7 @@ def sentence(worst: Sequence[Difference]) -> str:
     )
 
 
-def page_data(comparison: RecordComparison) -> dict[str, Any]:
+def page_data(comparison: RecordComparison) -> dict[str, object]:
     """Loops, evolution and sections as plain values."""
     return {
         "loops": [_loop(pair) for pair in comparison.loops],
@@ -151,7 +150,7 @@ def page_data(comparison: RecordComparison) -> dict[str, Any]:
     }
 
 
-def _loop(pair: LoopPair) -> dict[str, Any]:
+def _loop(pair: LoopPair) -> dict[str, object]:
     return {
         "cycle": pair.cycle,
         "simulated": [frame.numbers(values[::EVERY_PHASE]) for values in pair.simulated],
@@ -185,7 +184,7 @@ def _of_loops(pairs: Sequence[LoopPair], repeat: int, name: str) -> tuple[Array,
     return columns[:, 0], columns[:, 1]
 
 
-def _friction(pairs: Sequence[LoopPair], name: str) -> dict[str, Any]:
+def _friction(pairs: Sequence[LoopPair], name: str) -> dict[str, object]:
     simulated = [(pair.cycle, getattr(pair.simulated_figures, name)) for pair in pairs]
     known = [(cycle, figure.value) for cycle, figure in simulated if figure is not None]
     repeats = sorted({repeat for pair in pairs for repeat in pair.repeats})
@@ -195,7 +194,7 @@ def _friction(pairs: Sequence[LoopPair], name: str) -> dict[str, Any]:
     }
 
 
-def _sections(pair: ScarPair) -> dict[str, Any]:
+def _sections(pair: ScarPair) -> dict[str, object]:
     cuts = [("along", "x", pair.x_um, pair.section_along), ("across", "y", pair.y_um, pair.section_across)]
     return {
         "wire": pair.wire,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -60,7 +60,6 @@ STRIP = 0.1  #: Share of the scar's width about its middle over which a section 
 MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
 CURVES = ("model", MODEL), ("explained", WITH)
 MOST_LOOPS = 12  #: Cycles whose loops are shown at most.
-MOST_ZONES = 5  #: Zones whose size is shown at most.
 
 #: From so many scatters on, a cell of the map has the next colour, pale to dark red, and the next ink.
 SHADES = (
@@ -127,18 +126,13 @@ def ten_lines(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict != "no_gap":
         places = [f"  where: {one.text} ({share(one.share)} of the gap)" for one in diagnosis.where[:2]]
         lines += places or ["  where: no zone alone is beyond chance, many together are"]
-        lines.append(
-            f"  check on what the fit did not use ({_left_out(diagnosis.shrink)}): {_checked(diagnosis.shrink)}"
-        )
+        cycles, shrink = ", ".join(map(counted, diagnosis.shrink.held_out)), diagnosis.shrink
+        unused = f"{shrink.scar_words}cycle{'s' if len(shrink.held_out) > 1 else ''} {cycles}" if cycles else "nothing"
+        lines.append(f"  check on what the fit did not use ({unused}): {_checked(shrink)}")
     lines += [f"  {what}: {text}" for what, text in steps(diagnosis)]
     if diagnosis.undetectable:
         lines.append(f"  could not be seen here: {', '.join(plain(name) for name in diagnosis.undetectable)}")
     return "\n".join(lines[:10])
-
-
-def _left_out(shrink: Shrink) -> str:
-    cycles = ", ".join(map(counted, shrink.held_out))
-    return f"{shrink.scar_words}cycle{'s' if len(shrink.held_out) > 1 else ''} {cycles}" if cycles else "nothing"
 
 
 def _checked(shrink: Shrink) -> str:
@@ -232,7 +226,7 @@ def bowl(figures: Array, places: int = 41) -> tuple[Array, Array]:
     return x, depth * (1.0 - (x / max(half, 1e-9)) ** 2)
 
 
-def loops(diagnosed: Diagnosed) -> dict[str, Any]:
+def loops(diagnosed: Diagnosed) -> dict[str, object]:
     """Measured and computed loops as plain values."""
     known = sorted({loop.cycle for loop in diagnosed.observed.loops})
     kept = np.unique(np.linspace(0, len(known) - 1, min(MOST_LOOPS, len(known))).round().astype(int))
@@ -282,9 +276,9 @@ def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
     return max((place for place, cycle in enumerate(cycles) if cycle <= last), default=len(cycles) - 1)
 
 
-def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, PredictedLoops]]) -> list[dict[str, Any]]:
+def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, PredictedLoops]]) -> list[dict[str, object]]:
     """Worn bodies along the motion, measured and computed: profiles, or bowls of the computed depth and length."""
-    found = []
+    found: list[dict[str, object]] = []
     for place, body in enumerate(diagnosed.record.tables.body_names):
         scars, courses = diagnosed.record.scars_of(body), [course for _, _, course in curves]
         if courses[0].profiles:
@@ -319,7 +313,8 @@ def zone_bars(diagnosed: Diagnosed) -> list[tuple[str, bool, list[Bar]]]:
         zone: [float(np.sqrt(np.mean([one.in_scatter**2 for one in row if one.zone == zone]))) for row in rows]
         for zone in {place.zone for place in rows[0]}
     }
-    most = sorted(sizes, key=lambda zone: (zone not in beyond, -sizes[zone][0]))[:MOST_ZONES]
+    # Zones whose size is shown at most.
+    most = sorted(sizes, key=lambda zone: (zone not in beyond, -sizes[zone][0]))[:5]
     longest = max(max(sizes[zone]) for zone in most)
     bars = {
         zone: _bars([(*one, size) for one, size in zip(CURVES, sizes[zone], strict=False)], longest) for zone in most

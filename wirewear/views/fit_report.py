@@ -1,7 +1,6 @@
 """A fit as a table, as JSON, as a study file and as a record's `[stated]`."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from rich import box
@@ -103,7 +102,7 @@ def check_table(checked: CheckedRun) -> Table:
     return table
 
 
-def fit_json(fitted: FittedTest, checked: CheckedRun | None) -> dict[str, Any]:
+def fit_json(fitted: FittedTest, checked: CheckedRun | None) -> dict[str, object]:
     """``{"record", "parameters": {name: {"value", "interval95", "unit", "repeats"}}, "found", "check", "notes"}``."""
     check = None
     if checked is not None:
@@ -117,7 +116,7 @@ def fit_json(fitted: FittedTest, checked: CheckedRun | None) -> dict[str, Any]:
     }
 
 
-def _json(found: FittedParameter) -> dict[str, Any]:
+def _json(found: FittedParameter) -> dict[str, object]:
     return {
         "value": found.value,
         "interval95": list(found.interval95),

@@ -32,7 +32,6 @@ MARKS = {
 }
 COLOURED = ("dissipated_energy_mJ", VOLUME, LIFE)  #: Figures that are drawn over load and stroke, where they vary.
 LINE = 61  #: Loads of a boundary.
-MOST_TICKS = 8  #: Of an axis.
 
 
 def is_map(result: SweepResult) -> bool:
@@ -109,7 +108,7 @@ def _unit(name: str) -> str:
 def _ticks(axis: Axis, values: Array) -> None:
     """Ticks at the values of a grid, and at round ones of other designs, as numbers."""
     own = np.unique(values)
-    axis.set_major_locator(FixedLocator(own.tolist()) if own.size <= MOST_TICKS else LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_locator(FixedLocator(own.tolist()) if own.size <= 8 else LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: written(value)))
     axis.set_minor_locator(NullLocator())
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -77,10 +76,10 @@ def life_json(lives: Sequence[BodyLife]) -> str:
     return json_text({"lives": [_plain(life) for life in lives]})
 
 
-def _plain(life: BodyLife) -> dict[str, Any]:
+def _plain(life: BodyLife) -> dict[str, object]:
     low, high = life.interval
     initiation = life.initiation
-    found: dict[str, Any] = {
+    found: dict[str, object] = {
         "body": life.body,
         "sentence": sentence(life),
         "criterion": life.table.criterion,

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -93,14 +92,14 @@ def _analysed(loop: SampledLoop) -> AnalysedLoop:
     return AnalysedLoop(loop, figures)
 
 
-def loops_json(source: str, analysed: Sequence[AnalysedLoop]) -> dict[str, Any]:
+def loops_json(source: str, analysed: Sequence[AnalysedLoop]) -> dict[str, object]:
     """``{"source", "regime", "loops": [{"repeat", "cycle", figure: {"value", "interval95"} or null, "notes", …}]}``."""
     regime = regime_of(item.figures for item in analysed if item.figures is not None)
     return {"source": source, "regime": regime, "loops": [_json(item) for item in analysed]}
 
 
-def _json(item: AnalysedLoop) -> dict[str, Any]:
-    found: dict[str, Any] = {"repeat": item.loop.repeat, "cycle": item.loop.cycle}
+def _json(item: AnalysedLoop) -> dict[str, object]:
+    found: dict[str, object] = {"repeat": item.loop.repeat, "cycle": item.loop.cycle}
     if item.figures is None:
         return found | {"refused": item.refusal}
     figures = item.figures
@@ -121,7 +120,7 @@ def _json(item: AnalysedLoop) -> dict[str, Any]:
     return found | {"outlier_samples": list(figures.outlier_samples), "notes": [*item.loop.notes, *figures.notes]}
 
 
-def _stick_slip_json(chatter: StickSlip | None) -> dict[str, Any] | None:
+def _stick_slip_json(chatter: StickSlip | None) -> dict[str, object] | None:
     if chatter is None:
         return None
     return {
@@ -133,7 +132,7 @@ def _stick_slip_json(chatter: StickSlip | None) -> dict[str, Any] | None:
     }
 
 
-def _measured_json(measured: Measured | None) -> dict[str, Any] | None:
+def _measured_json(measured: Measured | None) -> dict[str, object] | None:
     """Null for what is not known: a figure, the value of one that is only bounded, an end of an interval."""
     if measured is None:
         return None

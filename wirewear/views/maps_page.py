@@ -59,7 +59,7 @@ def columns_of(tests: Sequence[MappedTest]) -> tuple[tuple[str, str, int], ...]:
     return tuple((*PER_MM.get(name, (name, heading)), digits) for name, heading, digits in COLUMNS)
 
 
-def row_of(test: MappedTest) -> dict[str, Any]:
+def row_of(test: MappedTest) -> dict[str, object]:
     """One test by the names of its columns; slip and criteria are those of the last cycle, None where not known."""
     last = test.sliding[-1]
     row = {
@@ -128,7 +128,7 @@ def _interval(line: RegressionLine) -> str:
     return f"{figure(line.slope_mm3_per_J)}{within} mm³/J"
 
 
-def maps_json(tests: Sequence[MappedTest]) -> dict[str, Any]:
+def maps_json(tests: Sequence[MappedTest]) -> dict[str, object]:
     """``{"tests": [row_of(test), ...], "through_origin": {...}, "with_threshold": {...}}``; lines may be null."""
     through, threshold = lines_of(tests)
     return {
@@ -138,7 +138,7 @@ def maps_json(tests: Sequence[MappedTest]) -> dict[str, Any]:
     }
 
 
-def _line_json(line: RegressionLine | None) -> dict[str, Any] | None:
+def _line_json(line: RegressionLine | None) -> dict[str, object] | None:
     if line is None:
         return None
     known = line.tests > 1
@@ -193,7 +193,7 @@ def maps_page(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = Non
     )
 
 
-def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = None) -> dict[str, Any]:
+def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = None) -> dict[str, object]:
     """Everything that the page draws."""
     through, threshold = lines_of(tests)
     contacts = groups(tests)
@@ -258,7 +258,7 @@ def _runs(numbers: Sequence[int]) -> str:
     return ", ".join(f"{run[0]}–{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
 
 
-def _test(label: str, test: MappedTest) -> dict[str, Any]:
+def _test(label: str, test: MappedTest) -> dict[str, object]:
     return {
         "label": label,
         "name": test.name,
@@ -276,7 +276,7 @@ def _test(label: str, test: MappedTest) -> dict[str, Any]:
 
 def _boundaries(
     contact: FreshContact, reach: tuple[float, float], loads: tuple[float, float], limit_MPa: float | None
-) -> dict[str, Any]:
+) -> dict[str, object]:
     slides = transition(contact, np.geomspace(*loads, POINTS))
     tensions = tension_lines(contact, reach[1], loads, () if limit_MPa is None else (limit_MPa,))
     rig = "rigid rig" if contact.rig_um_per_N < 1e-3 else f"rig {frame.figure(1e3 / contact.rig_um_per_N)} N/mm"

@@ -59,7 +59,7 @@ HERE = Path(__file__).parent
 _SCRIPTS = ("fretting_log", "slider", "run")
 
 
-def pressure_courses(evolution: Mapping[str, Array], settings: Mapping[str, Any]) -> tuple[Course, ...]:
+def pressure_courses(evolution: Mapping[str, Array], settings: Mapping[str, object]) -> tuple[Course, ...]:
     """The largest pressure of the cycle and that about mid-stroke, of a run's evolution and settings."""
     if PRESSURE_LENGTH not in settings:
         return _OF_NODES
@@ -71,7 +71,7 @@ def pressure_courses(evolution: Mapping[str, Array], settings: Mapping[str, Any]
     return found if all(name in evolution for name, _, _ in found) else _OF_NODES
 
 
-def page_data(results: Iterable[RunResult]) -> dict[str, Any]:
+def page_data(results: Iterable[RunResult]) -> dict[str, object]:
     """Everything that the page of these runs draws."""
     return {"runs": [_data_of_run(result, index) for index, result in enumerate(results)], "shades": DEPTH_SHADES}
 
@@ -96,7 +96,7 @@ def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
     return line_through_origin(energy_J, volume_mm3).slope_mm3_per_J if dissipated else float("nan")
 
 
-def _data_of_run(result: RunResult, index: int) -> dict[str, Any]:
+def _data_of_run(result: RunResult, index: int) -> dict[str, object]:
     """What a page shows of a run; of a line contact per mm of its length."""
     conditions = running_conditions(result.study)
     per, worn, worn_unit = ("", 1e3, "10⁻³ mm³") if not result.length_mm else ("/mm", 1e6, "µm²")
@@ -133,7 +133,7 @@ def _data_of_run(result: RunResult, index: int) -> dict[str, Any]:
     }
 
 
-def _tensions(result: RunResult) -> list[dict[str, Any]]:
+def _tensions(result: RunResult) -> list[dict[str, object]]:
     """Lines of equal tension about the test, none where too little is stated."""
     contact = fresh_contact(result.study)
     if contact is None:
@@ -146,7 +146,7 @@ def _tensions(result: RunResult) -> list[dict[str, Any]]:
     ]
 
 
-def _loop(loop: Loop) -> dict[str, Any]:
+def _loop(loop: Loop) -> dict[str, object]:
     x, q = smooth_loop(loop, LOOP_POINTS)
     return {"cycle": loop.cycle, "x": numbers(x), "q": numbers(q)}
 
@@ -161,14 +161,14 @@ def _friction(result: RunResult) -> dict[str, list[float | None]]:
     return columns
 
 
-def _scars(result: RunResult, body: str) -> dict[str, Any]:
+def _scars(result: RunResult, body: str) -> dict[str, object]:
     """The scars of a body on one grid in the sliding frame, and their sections along the motion.
 
     Of a line contact they are sections alone, with pressure and slip amplitude.
     """
     cycles = chosen_cycles(result.scar_cycles(), MOST_SCARS)
     scars = [result.scar(cycle, body) for cycle in cycles]
-    own: dict[str, Any] = {"cycles": list(cycles), "called": result.called(body)}
+    own: dict[str, object] = {"cycles": list(cycles), "called": result.called(body)}
     if result.length_mm:
         x, smooth = scars[-1].axial_um, scars
         deepest = max(scar.max_depth_um for scar in scars)
@@ -182,7 +182,9 @@ def _scars(result: RunResult, body: str) -> dict[str, Any]:
         depths = [scar.sampled(lines, lines) for scar in smooth]
         deepest = max(float(depth.max()) for depth in depths) or 1.0
         own["lines"] = numbers(lines)
-        own["depths"] = [_packed(depth, deepest) for depth in depths]
+        # As shares of the deepest, in little-endian 16-bit integers.
+        shares = (np.round(65535.0 * depth / deepest).astype("<u2") for depth in depths)
+        own["depths"] = [base64.b64encode(one.tobytes()).decode("ascii") for one in shares]
         own["unworn"] = [numbers(row) for row in _heights(scars[-1], lines[:, None], lines[None, :])]
     section = {
         "x": numbers(x),
@@ -198,11 +200,6 @@ def _heights(scar: Scar, x: Array, y: Array) -> Array:
     places, flanks = scar.wire_coordinates(x, y), scar.flanks_um
     inside = (np.abs(places[0]) < flanks[0]) & (np.abs(places[1]) < flanks[1])
     return np.where(inside, scar.unworn_height_um(*places), np.nan)
-
-
-def _packed(depth: Array, deepest: float) -> str:
-    """Depths as shares of the deepest, in little-endian 16-bit integers."""
-    return base64.b64encode(np.round(65535.0 * depth / deepest).astype("<u2").tobytes()).decode("ascii")
 
 
 def sentence(result: RunResult) -> str:
@@ -316,7 +313,7 @@ def balance(result: RunResult) -> list[tuple[str, str]]:
     return rows
 
 
-def settings_rows(values: Mapping[str, Any], place: str = "") -> list[tuple[str, str]]:
+def settings_rows(values: Mapping[str, object], place: str = "") -> list[tuple[str, str]]:
     """Nested settings as rows of dotted names; numbers to six digits, lists as long as they are."""
     rows: list[tuple[str, str]] = []
     for key, value in values.items():
@@ -355,7 +352,6 @@ def run_page(results: Sequence[RunResult]) -> str:
     shown = [result for result in results if len(result.evolution["cycle"])]
     if not shown:
         raise ResultError("nothing is measured yet, so there is nothing to report")
-    data = page_data(shown)
     scripts = (frame.HERE / "charts.js", frame.HERE / "surface.js", *(HERE / f"{one}.js" for one in _SCRIPTS))
     return frame.rendered(
         HERE / "run.html",
@@ -363,7 +359,7 @@ def run_page(results: Sequence[RunResult]) -> str:
             "name": shown[0].name,
             "fidelity": shown[0].fidelity,
             "results": shown,
-            "maps": bool(data["runs"][0]["conditions"]),
+            "maps": running_conditions(shown[0].study) is not None,
             "sentences": [sentence(result) for result in results],
             "complete": all(result.status == "complete" for result in results),
             "balance": [balance(result) for result in shown],
@@ -371,7 +367,7 @@ def run_page(results: Sequence[RunResult]) -> str:
             "health": health(shown),
             "study": [settings_rows(result.study) for result in shown],
             "settings": [settings_rows(result.settings) for result in shown],
-            "data": frame.embedded(data),
+            "data": frame.embedded(page_data(shown)),
             "script": frame.script(*scripts),
         },
     )

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 from textwrap import fill
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,13 +11,23 @@ from matplotlib.lines import Line2D
 from wirewear.effects.parameter import plain
 from wirewear.pictures.loop import draw_loop, name_axes
 from wirewear.pictures.smooth import smooth_loop, smooth_scar
-from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_axis, cycle_name, new_figure, panel_letters, save
+from wirewear.pictures.style import (
+    GREY,
+    INK,
+    VARIANT_COLOURS,
+    LineLook,
+    cycle_axis,
+    cycle_name,
+    new_figure,
+    panel_letters,
+    save,
+)
 from wirewear.results import Loop, Scar
 from wirewear.sweeps.signature import Signature
 
 #: Lines of runs without and with the effect.
-NOMINAL: dict[str, Any] = {"color": INK, "linestyle": (0, (4, 1.5)), "linewidth": 1.2}
-CHANGED: dict[str, Any] = {"color": VARIANT_COLOURS[1], "linestyle": "-", "linewidth": 1.6}
+NOMINAL: LineLook = {"color": INK, "linestyle": (0, (4, 1.5)), "linewidth": 1.2}
+CHANGED: LineLook = {"color": VARIANT_COLOURS[1], "linestyle": "-", "linewidth": 1.6}
 _FIGURES = {
     "slip_amplitude_um": ("slip amplitude δ0", "o"),
     "dissipated_energy_mJ": ("energy per cycle", "s"),
@@ -103,7 +112,7 @@ def _sections(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
     for (moving, fixed), style in zip(scars, (NOMINAL, CHANGED), strict=True):
         for scar, width in ((moving, _THIN), (fixed, style["linewidth"])):
             x, depth = scar.section_along_motion()
-            axes.plot(x, -depth, **{**style, "linewidth": width})
+            axes.plot(x, -depth, color=style["color"], linestyle=style["linestyle"], linewidth=width)
     reach = 1.1 * max(_reach(scar) for pair in scars for scar in pair)
     axes.set_xlim(-reach, reach)
     # Room for the legend below the deepest point.

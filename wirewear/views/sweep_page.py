@@ -36,14 +36,11 @@ _DRAWN = ("max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um",
 #: The figure that should be large in the last picture; the depth of the held body should be small.
 SLIP = "slip_amplitude_um"
 
-GROUPS = 8  #: Medians of so many groups of runs show the trend.
 FEWEST = 5  #: Runs of a group, at least; fewer show no trend.
 
 TABLE, FAILURES = "table", "failures.csv"
 COMPLETE, FAILED = "complete", "failed"
 PAGE = "sweep.html"
-VARIES = 1e-6  #: A figure that varies by less than this share over all runs is not drawn.
-MOST_NAMED = 12  #: Failures that the page names; the others stand in failures.csv.
 HERE = Path(__file__).parent
 
 
@@ -105,7 +102,8 @@ def _lines(points: Array, column: int, y: Array) -> list[tuple[Array, Array]]:
 
 
 def _medians(x: Array, y: Array) -> tuple[Array, Array]:
-    groups = min(GROUPS, x.size // FEWEST)
+    # Medians of so many groups of runs show the trend.
+    groups = min(8, x.size // FEWEST)
     if groups < 2:
         return np.empty(0), np.empty(0)
     parts = np.array_split(np.argsort(x, kind="stable"), groups)
@@ -238,7 +236,7 @@ def page(result: SweepResult, tests: Sequence[MappedTest] = ()) -> str:
         {
             "sweep": result.sweep,
             "count": len(result.rows),
-            "failures": result.failures[:MOST_NAMED],
+            "failures": result.failures[:12],  # the others stand in failures.csv
             "failed": len(result.failures),
             "sentences": sentences(result, found),
             "pictures": _pictures(result, figures, found, tests),
@@ -258,7 +256,8 @@ def varying_figures(result: SweepResult) -> dict[str, Array]:
         numbers = [None if row is None or row.figures is None else row.figures.get(name) for row in rows]
         values = np.array([np.nan if number is None else number for number in numbers], dtype=float)
         known = values[np.isfinite(values)]
-        if known.size > 1 and np.ptp(known) > VARIES * np.abs(known).max():
+        # A figure that varies by less than this share over all runs is not drawn.
+        if known.size > 1 and np.ptp(known) > 1e-6 * np.abs(known).max():
             found[name] = values
     return found
 
@@ -304,6 +303,6 @@ def _pictures(
     return [(head, words, frame.inline_svg(image, f"p{n}")) for n, (head, words, image) in enumerate(made)]
 
 
-def _range(name: str, values: Array) -> dict[str, Any]:
+def _range(name: str, values: Array) -> dict[str, object]:
     low, middle, high = np.nanpercentile(values, [2.5, 50.0, 97.5]).tolist()
     return {"name": name, "low": low, "middle": middle, "high": high}
