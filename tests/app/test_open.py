@@ -64,7 +64,7 @@ def asked(url: str, method: str = "GET", body: bytes = b"", **headers: str) -> t
 
 
 def step(workspace: Workspace, name: str) -> dict[str, Any]:
-    return next(one for one in workspace.state()["steps"] if one["name"] == name)
+    return next(one for one in json.loads(json.dumps(workspace.state()))["steps"] if one["name"] == name)
 
 
 def ended(workspace: Workspace, name: str, most_s: float = 200.0) -> dict[str, Any]:

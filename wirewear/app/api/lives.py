@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -16,7 +16,7 @@ def lives(
     result: RunResult,
     bodies: Sequence[str] = (),
     *,
-    values: Mapping[str, Any] | None = None,
+    values: Mapping[str, object] | None = None,
     wear_states: int | None = None,
     tell: Callable[[str, int], None] = lambda _body, _cycle: None,
 ) -> tuple[BodyLife, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from wirewear.base.errors import ResultError, counted, unit_of, words_of
 from wirewear.base.notebook import notebook_table
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     import pyvista
     import xarray
     from matplotlib.figure import Figure
-
-
-MOST_DIFFERENCES = 2  #: Of values that differ between runs, as many stand in the label of each.
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -141,7 +138,8 @@ def distinguished(results: Sequence[RunResult]) -> list[RunResult]:
     if len(set(labels)) == len(labels):
         return list(results)
     stated = [_stated(result.study) | {"fidelity": result.fidelity} for result in results]
-    differing = [key for key in stated[0] if len({one.get(key) for one in stated}) > 1][:MOST_DIFFERENCES]
+    # Of values that differ between runs, two stand in the label of each.
+    differing = [key for key in stated[0] if len({one.get(key) for one in stated}) > 1][:2]
     own: list[RunResult] = []
     for result, values in zip(results, stated, strict=True):
         known = [f"{words_of(key)} {values.get(key, '–')} {unit_of(key)}".removesuffix(" 1") for key in differing]
@@ -152,7 +150,7 @@ def distinguished(results: Sequence[RunResult]) -> list[RunResult]:
     return own
 
 
-def _stated(table: Mapping[str, Any]) -> dict[str, str]:
+def _stated(table: Mapping[str, object]) -> dict[str, str]:
     """Values of a study by their keys; the cycles recorded follow from the length of a test."""
     found: dict[str, str] = {}
     for key, value in table.items():

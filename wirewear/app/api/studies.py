@@ -1,17 +1,14 @@
-"""Studies and records to work with from Python: loaded, run, checked, compared, fitted, diagnosed; bars of progress."""
+"""Studies and records to work with from Python: loaded, run, checked, compared, fitted, diagnosed."""
 
 from __future__ import annotations
 
-import sys
-import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, fields
-from html import escape
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
+from wirewear.app.api.progress import watched
 from wirewear.app.api.run import Run
 from wirewear.base.errors import StudyError, counted
 from wirewear.base.files import parsed_toml
@@ -19,7 +16,7 @@ from wirewear.base.notebook import notebook_table
 from wirewear.kinds import any_study, load_any_study
 from wirewear.records import AnyRecord, ExperimentRecord, RecordReport, check_record
 from wirewear.records import read_record as read_plain
-from wirewear.simulation import Moment, Observer, ProgressBar, run_study, simulate
+from wirewear.simulation import run_study, simulate
 from wirewear.test.any_study import alone
 
 if TYPE_CHECKING:
@@ -27,9 +24,7 @@ if TYPE_CHECKING:
     from wirewear.diagnosis import Diagnosed
     from wirewear.diagnosis.fit import FittedTest
     from wirewear.results import RunResult
-    from wirewear.test import AnyStudy
-
-LEAST_PAUSE_s = 0.3  #: Seconds between two drawings of the bar.
+    from wirewear.test import LineStudy, Study
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,7 +86,7 @@ class Record(ExperimentRecord[Any, Any]):
     def diagnose(
         self,
         *,
-        model: AnyStudy[Any] | None = None,
+        model: Study | LineStudy | None = None,
         further: Sequence[AnyRecord] = (),
         without: Sequence[str] = (),
         progress: bool = True,
@@ -120,95 +115,19 @@ def read_record(folder: str | Path) -> Record:
     return Record.of(read_plain(folder))
 
 
-def in_notebook() -> bool:
-    """Whether the program runs in a notebook's kernel."""
-    ipython = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython is not None else None
-    return type(shell).__name__ == "ZMQInteractiveShell"
-
-
-class NotebookBar(Observer):
-    """A bar that a notebook draws again in its place. Use as a context manager."""
-
-    def __init__(self, label: str) -> None:
-        """Prepare a bar with a label; it appears when it is entered."""
-        self._label, self._notes = label, list[str]()
-        self._handle: Any = None
-        self._drawn = -LEAST_PAUSE_s
-        self._last = (0.0, "")
-
-    def __enter__(self) -> NotebookBar:
-        from IPython.display import HTML, display
-
-        self._handle = display(HTML(self.html()), display_id=True)
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._draw()
-
-    def stage(self, text: str) -> None:
-        """Show what is being prepared."""
-        self._last = (0.0, text)
-        self._draw()
-
-    def moved(self, moment: Moment) -> None:
-        """Show cycles, energy and depth, if the last drawing is long enough ago."""
-        depth = f"{moment.max_depth_um:.2f} µm deep"
-        self._last = (
-            moment.fraction,
-            f"cycle {counted(moment.cycle)} of {counted(moment.cycles)}, {moment.energy_J:.3g} J, {depth}",
-        )
-        if time.monotonic() - self._drawn >= LEAST_PAUSE_s:
-            self._draw()
-
-    def logged(self, result: object) -> None:
-        """Nothing more to show."""
-
-    def note(self, sentence: str) -> None:
-        """Write the sentence below the bar."""
-        self._notes.append(sentence)
-        self._draw()
-
-    def html(self) -> str:
-        """The bar as it stands."""
-        share, state = self._last
-        notes = "".join(f"<br><small>{escape(note)}</small>" for note in self._notes)
-        return f"{escape(self._label)} <progress value='{share:.4f}' max='1'></progress> {escape(state)}{notes}"
-
-    def _draw(self) -> None:
-        from IPython.display import HTML
-
-        self._drawn = time.monotonic()
-        if self._handle is not None:
-            self._handle.update(HTML(self.html()))
-
-
-@contextmanager
-def watched(label: str, *, shown: bool) -> Iterator[Observer]:
-    """A bar for a run, where it is to be shown: of the notebook, or of the terminal."""
-    if not shown:
-        yield Observer()
-    elif in_notebook():
-        with NotebookBar(label) as bar:
-            yield bar
-    else:
-        with ProgressBar(label) as terminal:
-            yield terminal
-
-
-def load(source: str | Path) -> Any:
+def load(source: str | Path) -> Study | LineStudy:
     """Read a study of any kind of contact from a file, or from text that is one: TOML of more than one line.
     Raises StudyError, in one sentence, if there is no such file, or it is no valid study.
     """
     if isinstance(source, str) and "\n" in source.strip():
-        return any_study(parsed_toml(source, "the text given", StudyError), "the text given")
-    return load_any_study(source)
+        study: Study | LineStudy = any_study(parsed_toml(source, "the text given", StudyError), "the text given")
+    else:
+        study = load_any_study(source)
+    return study
 
 
 def run(
-    study: AnyStudy[Any],
+    study: Study | LineStudy,
     *,
     fidelity: str = "standard",
     output: str | Path | None = None,
@@ -232,13 +151,13 @@ def run(
             return Run.of(simulate(study, fidelity=fidelity, observer=observer))
     with watched(label, shown=progress) as observer:
         results = run_study(
-            study, fidelity=fidelity, output=Path(output), resume=resume, observer_of=lambda _: _left_open(observer)
+            study, fidelity=fidelity, output=Path(output), resume=resume, observer_of=lambda _: nullcontext(observer)
         )
     return Run.of(results[0])
 
 
 def run_variants(
-    study: AnyStudy[Any], *, fidelity: str = "standard", output: str | Path | None = None, progress: bool = True
+    study: Study | LineStudy, *, fidelity: str = "standard", output: str | Path | None = None, progress: bool = True
 ) -> dict[str, Run]:
     """Simulate all variants of a study, by their names; with `output`, each in a folder of its own.
     Raises StudyError if the study has no variants, and whatever `run` raises.
@@ -252,9 +171,3 @@ def run_variants(
         )
         for name in study.variant_names
     }
-
-
-@contextmanager
-def _left_open(observer: Observer) -> Iterator[Observer]:
-    """For a run that closes what it is given; its owner closes it."""
-    yield observer

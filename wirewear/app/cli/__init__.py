@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["cli", "default_output", "main"]
 
-# A run makes and drops thousands of small objects an increment, next to none of them in circles: Python's default of
-# 700 looks for circles all the time.
-_OBJECTS_BETWEEN_COLLECTIONS = 50_000
 
 _SHOWS_TRACEBACK = "WIREWEAR_TRACEBACK"  #: The variable that has faults of the program itself shown in full.
 _QUIET = "WIREWEAR_QUIET"  #: The variable that has commands say no more than what they find.
@@ -66,7 +63,9 @@ def main() -> None:
         sys.exit(130)
     gc.freeze()
     atexit.register(gc.freeze)
-    gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)
+    # A run makes and drops thousands of small objects an increment, next to none of them in circles: Python's default
+    # of 700 looks for circles all the time.
+    gc.set_threshold(50_000)
     gc.enable()
     try:
         cli(prog_name="wirewear")

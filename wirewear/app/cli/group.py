@@ -22,8 +22,6 @@ from wirewear.base.memory import MOST_MEMORY_GB
 from wirewear.base.recognising import example
 from wirewear.base.writing import usable_file, usable_folder, why_not_written
 
-INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
-
 #: What can be said of a command that was interrupted.
 GOES_ON = {
     "run": "--resume goes on from the last checkpoint",
@@ -81,7 +79,7 @@ class Given(click.Path):
         """Any path."""
         super().__init__(path_type=Path)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+    def convert(self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path; that of the example where there is no such file."""
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
         return path if path.exists() else example(str(value)) or path
@@ -95,7 +93,7 @@ class OutputFolder(click.Path):
         super().__init__(path_type=Path)
         self.of_record = of_record
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+    def convert(self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path; RunError where no files can be written to it, or it is a record."""
         path = usable_folder(Path(os.fsdecode(super().convert(value, param, ctx))))
         if not self.of_record and (path / TABLE_FILE_NAME).exists():
@@ -110,7 +108,7 @@ class OutputFile(click.Path):
         """Any path that is no folder."""
         super().__init__(dir_okay=False, path_type=Path)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+    def convert(self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path; RunError where it cannot be written."""
         return usable_file(Path(os.fsdecode(super().convert(value, param, ctx))))
 
@@ -209,7 +207,7 @@ class Commands(_Listed):
             if not isinstance(error.__cause__ or error, KeyboardInterrupt):
                 raise
             click.echo(f"wirewear: interrupted; {self.goes_on.get(ctx.invoked_subcommand or '', WHOLE)}.", err=True)
-            ctx.exit(INTERRUPTED)
+            ctx.exit(130)  # what shells report for a program ended by Ctrl-C
         except WirewearError as error:
             raise _OneSentence(str(error)) from error
 

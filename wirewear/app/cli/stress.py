@@ -14,9 +14,8 @@ from wirewear.base.writing import usable_folder
 from wirewear.results import POSITIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
-    from wirewear.kinds import Contacts
     from wirewear.results import ContactForces, RunResult
     from wirewear.stress.strength import Strength, StrengthAsked
 
@@ -74,7 +73,9 @@ def fields(
         result = one_run(result_path)
         contacts = contacts_of(result)
         given = {"--integration-points": integration_points, "--no-pictures": no_pictures, "--animate": animate}
-        _require_known(result_path, contacts, result.contact_kind, given)
+        for option in (one for one, is_given in given.items() if is_given and one not in contacts.inside_options):
+            name = result.contact_kind.replace("-", " ")
+            raise ResultError(f"{option} does not apply to {result_path}, which is a {name}.")
         bodies = asked_bodies(body, result.label, result.bodies)
         _report_taken(cycle, result, bodies)
         usable_folder(folder)
@@ -98,12 +99,6 @@ def asked_bodies(body: str, where: str, bodies: tuple[str, ...]) -> tuple[str, .
     from wirewear.results.scar import body_named
 
     return bodies if body == "both" else (body_named(body, where, bodies),)
-
-
-def _require_known(path: Path, contacts: Contacts, name: str, given: Mapping[str, bool]) -> None:
-    """Raise ResultError if an option is given that results of a kind of that name do not know."""
-    for option in (one for one, is_given in given.items() if is_given and one not in contacts.inside_options):
-        raise ResultError(f"{option} does not apply to {path}, which is a {name.replace('-', ' ')}.")
 
 
 @cli.command()

@@ -15,7 +15,7 @@ from wirewear.base.writing import json_text, usable_folder
 from wirewear.test import FIDELITIES
 
 if TYPE_CHECKING:
-    from wirewear.test import AnyStudy
+    pass
 
 #: Options that say what is plotted, how and where, and their parameters.
 _OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity", "--output": "output"}
@@ -188,7 +188,9 @@ def run(
         _require_nothing_lost(folder)
     study = load_any_study(study_path)
     if variant is None:
-        _report_unused(study)
+        for table, key, value in study.unused_values():
+            said = f"[{table}] {key} = {value} is used by no variant, as each sets its own in [variants.*.{table}]."
+            click.echo(f"wirewear: {said}", err=True)
     else:
         study = study.variant(variant)
     if record_path is not None:
@@ -244,15 +246,6 @@ def _status_of(path: Path) -> str | None:
     with suppress(WirewearError):
         return read_result(path).status
     return None
-
-
-def _report_unused(study: AnyStudy[Any]) -> None:
-    """Say which of a study's own values no variant takes over: editing them changes nothing."""
-    for table, key, value in study.unused_values():
-        click.echo(
-            f"wirewear: [{table}] {key} = {value} is used by no variant, as each sets its own in [variants.*.{table}].",
-            err=True,
-        )
 
 
 def _cycles_of(record_path: Path, last: int) -> tuple[int, ...]:

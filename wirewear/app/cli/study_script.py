@@ -28,7 +28,7 @@ class StudyScript(click.Command):
         with _one_sentence(ctx):
             return super().parse_args(ctx, args)
 
-    def invoke(self, ctx: click.Context) -> Any:
+    def invoke(self, ctx: click.Context) -> object:
         """Run the script."""
         with _one_sentence(ctx):
             return super().invoke(ctx)

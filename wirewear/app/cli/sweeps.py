@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from wirewear.sweeps.sweep import SweepRow
     from wirewear.test import Study
 
-_BETWEEN_LINES_s = 2.0  #: Off a terminal, lines on the progress of many runs are no closer.
-
 
 @group.cli.command()
 @click.argument("paths", metavar="RECORD_OR_RESULT...", nargs=-1, required=True, type=click.Path(path_type=Path))
@@ -131,7 +129,8 @@ def observer_of(runs: int) -> Iterator[SweepObserver]:
 
             def done(self, _row: SweepRow, rows: int, of: int) -> None:
                 bar.update(task, completed=rows)
-                if bar.disable and monotonic() - self.said_s > _BETWEEN_LINES_s:
+                # Off a terminal, lines on the progress of many runs are no closer.
+                if bar.disable and monotonic() - self.said_s > 2.0:
                     self.said_s = monotonic()
                     self.note(f"run {counted(rows)} of {counted(of)} is done")
 

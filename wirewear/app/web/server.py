@@ -19,7 +19,6 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import BoundedSemaphore, Timer
-from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from wirewear.app.web.workspace import CHUNK, Workspace
@@ -30,9 +29,9 @@ from wirewear.base.writing import writing
 LOOPBACK = "127.0.0.1"
 #: Of one file that is dropped: what an import reads at most; and of what a page sends itself.
 _MOST_BYTES, _MOST_TEXT = 500_000_000, 10_000_000
-_MOST_CONNECTIONS = 200
 #: Until a request's head is there, and the whole of it; for a single read or write; to read what nobody asked for.
 _HEAD_s, _WHOLE_s, _STEP_s, _REST_s = 10.0, 600.0, 30.0, 1.0
+Request = socket.socket | tuple[bytes, socket.socket]  #: As the standard library hands them over.
 _DOOR = "open_in_browser.html"
 _HERE = Path(__file__).parent
 
@@ -51,7 +50,7 @@ class WorkspaceServer(ThreadingHTTPServer):
         ):
             super().__init__((LOOPBACK, port), _Handler)
         self.secret = secrets.token_urlsafe(16)
-        self._free = BoundedSemaphore(_MOST_CONNECTIONS)
+        self._free = BoundedSemaphore(200)
         #: Whoever has not yet said the address, the first to come first.
         self.strangers: dict[_Handler, None] = {}
 
@@ -77,7 +76,7 @@ class WorkspaceServer(ThreadingHTTPServer):
         with suppress(OSError):
             (self.workspace.folder / _DOOR).unlink(missing_ok=True)
 
-    def process_request(self, request: Any, client_address: Any) -> None:
+    def process_request(self, request: Request, client_address: object) -> None:
         """Answer a request, unless too many are answered already; who has long not said the address gives way."""
         if not self._free.acquire(blocking=False):
             for waiting in [*self.strangers][:1]:
@@ -87,14 +86,14 @@ class WorkspaceServer(ThreadingHTTPServer):
                 return
         super().process_request(request, client_address)
 
-    def process_request_thread(self, request: Any, client_address: Any) -> None:
+    def process_request_thread(self, request: Request, client_address: object) -> None:
         """Answer a request in a thread of its own."""
         try:
             super().process_request_thread(request, client_address)
         finally:
             self._free.release()
 
-    def handle_error(self, request: Any, client_address: Any) -> None:
+    def handle_error(self, request: Request, client_address: object) -> None:
         """Say in one sentence what is a fault of the program; a connection that broke is none."""
         del request, client_address
         error = sys.exception()
@@ -138,7 +137,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._unread = 1
         self._answered(self._put)
 
-    def log_message(self, *_: Any) -> None:
+    def log_message(self, *_: object) -> None:
         """Nothing: the terminal shows the address alone."""
 
     def _answered(self, answer: Callable[[list[str]], None]) -> None:
@@ -181,7 +180,11 @@ class _Handler(BaseHTTPRequestHandler):
             case ["mapping"]:
                 workspace.write_mapping(b"".join(self._body(_MOST_TEXT)).decode("utf-8"))
             case ["steps", name]:
-                workspace.start(name, _options(b"".join(self._body(_MOST_TEXT))))
+                try:
+                    chosen = json.loads(b"".join(self._body(_MOST_TEXT)) or b"{}")
+                except RecursionError:
+                    raise ValueError("The options are nested too deep.") from None
+                workspace.start(name, chosen)
             case ["stop"]:
                 workspace.stop()
             case _:
@@ -245,10 +248,3 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_header(name, value)
         self.end_headers()
         self.wfile.write(content)
-
-
-def _options(body: bytes) -> Any:
-    try:
-        return json.loads(body or b"{}")
-    except RecursionError:
-        raise ValueError("The options are nested too deep.") from None

@@ -17,7 +17,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from threading import RLock, Thread
-from typing import Any
 
 import click
 
@@ -35,7 +34,6 @@ _MOST_BYTES_OF_NAME, _MOST_SIGNS = (
     200,
     1_000,
 )  #: Of a file's name, which gets a number when it is put aside; of a value.
-_HURRY_s = 3.0  #: After which a step that was interrupted is killed.
 _MOST_LINES = 400  #: Lines of what a step prints that are kept.
 _SHOWN = (".html", ".png")
 _COMING = ".coming."  #: Begins the name of a file until all of it is there.
@@ -68,7 +66,7 @@ class Step:
     leaves: str
 
     @property
-    def options(self) -> list[dict[str, Any]]:
+    def options(self) -> list[dict[str, object]]:
         """What can be chosen: flag, help, and a list of choices, or a hint at the value; a flag has neither."""
         return [_described(one) for one in _options_of(self.command)]
 
@@ -159,7 +157,7 @@ class Workspace:
             self._put_aside(self.folder / MAPPING)
             write_text(self.folder / MAPPING, text)
 
-    def start(self, name: str, chosen: Mapping[str, Any]) -> None:
+    def start(self, name: str, chosen: Mapping[str, object]) -> None:
         """Begin a step with options by their flags.
         Raises RunError while another runs, or what it needs is missing; ValueError if an option is none of the step's.
         """
@@ -203,7 +201,7 @@ class Workspace:
                 if job.process.returncode is None:
                     os.killpg(job.process.pid, signal.SIGINT)
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> dict[str, object]:
         """All that a page shows: files, mapping, and of each step whether it can begin, what it said and left."""
         mapping = self.folder / MAPPING
         return {
@@ -237,7 +235,7 @@ class Workspace:
             job.lines.append(as_sentence(f"its pictures stay in {self.folder}: {problem}"))
         job.ended = time.monotonic()
 
-    def _described(self, step: Step) -> dict[str, Any]:
+    def _described(self, step: Step) -> dict[str, object]:
         job = self._jobs.get(step.name)
         left = [] if not step.leaves else [str(path.relative_to(self.folder)) for path in self._left(step)]
         return {
@@ -281,13 +279,13 @@ def _options_of(command: str) -> list[click.Option]:
     return [one for one in given if one.name not in _NOT_ASKED and not one.multiple]
 
 
-def _described(option: click.Option) -> dict[str, Any]:
+def _described(option: click.Option) -> dict[str, object]:
     choices = list(option.type.choices) if isinstance(option.type, click.Choice) else None
     hint = None if option.is_flag else option.metavar or option.type.name
     return {"flag": option.opts[0], "help": option.help or "", "hint": hint, "choices": choices}
 
 
-def _typed(step: Step, chosen: Mapping[str, Any]) -> list[str]:
+def _typed(step: Step, chosen: Mapping[str, object]) -> list[str]:
     """Options as they are typed; those that the command does not have, and empty ones, are left out.
     Raises ValueError if they are no table of texts and truths, or the command does not take a value.
     """
@@ -324,7 +322,7 @@ def end_with_input() -> None:
 def _wait_and_end() -> None:
     while os.read(0, CHUNK):
         pass
-    # A step is a group of processes of its own.
+    # A step is a group of processes of its own, which is interrupted, and killed if it goes on.
     for end in (signal.SIGINT, signal.SIGKILL):
         os.killpg(0, end)
-        time.sleep(_HURRY_s)
+        time.sleep(3.0)
