@@ -1,7 +1,6 @@
 """A simulation and an experiment record side by side: matched loops and scars, and the table of differences."""
 
 from dataclasses import asdict, dataclass
-from typing import Any
 
 from wirewear.base.errors import RecordError, counted
 from wirewear.comparison.differences import (
@@ -43,7 +42,7 @@ class RecordComparison:
             f"{len(self.scars)} scars, {len(self.differences)} differences>"
         )
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """Table, registrations and notes as plain values."""
         return {
             "format": 1,

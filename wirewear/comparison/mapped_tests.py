@@ -33,8 +33,6 @@ from wirewear.results import RunResult, read_loops, read_results
 
 REGIMES: tuple[RegimeOfTest, ...] = ("partial slip", "mixed", "gross slip")
 
-LEAST_SPREAD = 1.5  #: Energies of tests must differ by this factor for a threshold to exceed their scatter.
-
 
 @dataclass(frozen=True)
 class SlidingMap:
@@ -95,7 +93,8 @@ def lines_of(tests: Iterable[MappedTest]) -> tuple[RegressionLine | None, Regres
     if not worn:
         return None, None
     energy, volume = (np.array([getattr(one, name) for one in worn]) for name in ("energy_J", "volume_mm3"))
-    spread = energy.size >= 3 and float(energy.max() / energy.min()) > LEAST_SPREAD
+    # Energies of tests must differ by this factor for a threshold to exceed their scatter.
+    spread = energy.size >= 3 and float(energy.max() / energy.min()) > 1.5
     return line_through_origin(energy, volume), line_with_threshold(energy, volume) if spread else None
 
 

@@ -13,7 +13,6 @@ Worn volume follows friction energy as a straight line, by least squares, with S
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import radians
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,7 +36,6 @@ FULL = 0.85  #: No loop in partial slip fills so much of the box of its slip and
 
 #: Shares of the sliding force at which the tension is computed; it begins with a vertical tangent.
 SHARES = np.linspace(0.0, 1.0, 61) ** 3
-FROM_SHARE = 0.5  #: Where none is asked for, lines begin at the tension of this share under the lowest load.
 POINTS, MOST_LINES = 41, 5  #: Loads of a line in partial slip; lines at most, where none is asked for.
 
 
@@ -74,7 +72,7 @@ class RunningConditions:
     test_um: Array
 
 
-def fresh_contact(study: Mapping[str, Any]) -> FreshContact | None:
+def fresh_contact(study: Mapping[str, object]) -> FreshContact | None:
     """The contact of a resolved study; None where it states too little, or nothing rubs."""
     try:
         stated = point_study(study, "the study")
@@ -93,7 +91,7 @@ def fresh_contact(study: Mapping[str, Any]) -> FreshContact | None:
     return FreshContact(bodies, (small, large), friction, compliance, load)
 
 
-def running_conditions(study: Mapping[str, Any]) -> RunningConditions | None:
+def running_conditions(study: Mapping[str, object]) -> RunningConditions | None:
     """The transition of a resolved study; None where it states too little, or nothing rubs."""
     contact = fresh_contact(study)
     return None if contact is None else transition(contact, contact.normal_load_N * LOADS)
@@ -175,7 +173,8 @@ def tension_lines(
     """
     shape = edge_tension(contact)
     peaks = [contact.at(load)[1] for load in loads_N]
-    least = float(np.interp(FROM_SHARE, SHARES, shape))
+    # Where none is asked for, lines begin at the tension of this share under the lowest load.
+    least = float(np.interp(0.5, SHARES, shape))
     values = tensions_MPa or _round_values(peaks[0] * least, peaks[1] * float(shape[-1]))
     return [line for value in values if (line := _line(contact, shape, value, reach_um, loads_N)) is not None]
 

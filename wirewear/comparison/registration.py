@@ -14,8 +14,6 @@ from wirewear.records import AnyRecord, MeasuredProfile, MeasuredScar
 from wirewear.results import RunResult, Scar
 from wirewear.results.scar import called
 
-VAGUE_deg = 4.0  #: The deviation of a rotation from which on a scar is too round to have one.
-
 #: Rotations from which the search starts: a scar is much the same after half a turn.
 STARTS_deg = np.arange(-75.0, 91.0, 15.0)
 
@@ -67,7 +65,8 @@ def register(measured: MeasuredScar | MeasuredProfile, simulated: Scar) -> Regis
     if lines_y.size == 1 or _is_round(simulated, x, y):
         return held
     turned = _fit(simulated, (x, y, depth), start, 3)
-    return held if turned.rotation_deviation_deg > VAGUE_deg else turned
+    # The deviation of a rotation from which on a scar is too round to have one.
+    return held if turned.rotation_deviation_deg > 4.0 else turned
 
 
 def onto_simulated(

@@ -11,20 +11,12 @@ from wirewear.loops import LoopError, LoopFigures
 from wirewear.records.remarks import CheckedRecord, Remark, listed, plural
 from wirewear.records.values import AnyRecord, MeasuredEvolution, MeasuredLoop
 
-#: Relative difference from the loops, as a median, from which on a figure is another one. In forty records of other
-#: solvers, with noise, hum, drift and steps of sensors, figures of the same definition differ by at most 0.025 (0.002
-#: but for the largest force), a plateau's force and a rectangle's slip by 0.09.
-OTHERWISE = 0.04
-
-FEWEST_LOOPS = 3  #: Loops that must have their figure in the evolution to say so.
 DRIFT, OFFSET_DRIFT = 0.05, 0.05  #: What counts as notable: drifts over the test, of amplitudes or load and of means.
 
 #: The same of a loop's area beside the other repeats', and of a stated energy beside its loop's area. Of this factor
 #: fresh specimens do not differ, and no definition of the energy does.
 ODD_REPEAT, ODD_ENERGY, OTHER_ENERGY = 0.25, 0.1, 2.0
 
-#: A loop's energy exceeds that of the rectangle around it by no more than what figures scatter, or hooks rise.
-RECTANGLE = 1.2
 
 _EVOLVING = {
     "displacement_amplitude_um": "displacement amplitude",
@@ -65,8 +57,12 @@ def other_definitions(
                     if np.isfinite(stated) and stated > 0.0 and min(own) > 0.0:
                         away = np.log(stated / np.array(own))
                         shares.setdefault(column, []).append(float(away[np.abs(away).argmin()]))
-    medians = {column: float(np.median(away)) for column, away in shares.items() if len(away) >= FEWEST_LOOPS}
-    found = {column: float(np.expm1(away)) for column, away in medians.items() if abs(away) > OTHERWISE}
+    # Loops that must have their figure in the evolution to say so.
+    medians = {column: float(np.median(away)) for column, away in shares.items() if len(away) >= 3}
+    # Relative difference from the loops, as a median, from which on a figure is another one. In forty records of other
+    # solvers, with noise, hum, drift and steps of sensors, figures of the same definition differ by at most 0.025
+    # (0.002 but for the largest force), a plateau's force and a rectangle's slip by 0.09.
+    found = {column: float(np.expm1(away)) for column, away in medians.items() if abs(away) > 0.04}
     return tuple(OtherDefinition(column, share) for column, share in found.items())
 
 
@@ -199,7 +195,9 @@ def impossible_evolution(checked: CheckedRecord) -> Iterator[Remark]:
         if columns.keys() >= {"dissipated_energy_mJ", "max_tangential_force_N", "displacement_amplitude_um"}:
             most = 4e-3 * np.abs(columns["displacement_amplitude_um"] * columns["max_tangential_force_N"])
             energy = columns["dissipated_energy_mJ"]
-            beyond = energy > RECTANGLE * most
+            # A loop's energy exceeds that of the rectangle around it by no more than what figures scatter, or hooks
+            # rise.
+            beyond = energy > 1.2 * most
             if beyond.any():
                 place = int(np.argmax(beyond))
                 text = (

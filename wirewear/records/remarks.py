@@ -1,12 +1,11 @@
 """What a check says of a record and what single checks look at: figures of all loops by plain array arithmetic."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.base.errors import counted
@@ -84,9 +83,12 @@ def loop_statistics(loops: Sequence[MeasuredLoop]) -> LoopStatistics:
     complete = [loop.complete for loop in loops]
     samples = np.array([loop.time_s.size for loop in complete], dtype=np.int64)
     columns = {name: np.full(len(loops), np.nan) for name in _COMPUTED}
-    for places in _alike(samples):
-        for name, values in _chunk([complete[place] for place in places]).items():
-            columns[name][places] = values
+    for size in np.unique(samples[samples >= FEWEST_SAMPLES]):
+        alike = np.flatnonzero(samples == size)
+        for start in range(0, alike.size, CHUNK):
+            places = alike[start : start + CHUNK]
+            for name, values in _chunk([complete[place] for place in places]).items():
+                columns[name][places] = values
     return LoopStatistics(
         repeat=np.array([loop.repeat for loop in loops], dtype=np.int64),
         cycle=np.array([loop.cycle for loop in loops], dtype=np.int64),
@@ -99,14 +101,6 @@ def loop_statistics(loops: Sequence[MeasuredLoop]) -> LoopStatistics:
 _COMPUTED = tuple(
     name for name in LoopStatistics.__annotations__ if name not in ("repeat", "cycle", "samples", "missing")
 )
-
-
-def _alike(samples: IntArray) -> Iterator[NDArray[np.intp]]:
-    """Places of loops of equal length, a chunk at a time."""
-    for size in np.unique(samples[samples >= FEWEST_SAMPLES]):
-        places = np.flatnonzero(samples == size)
-        for start in range(0, places.size, CHUNK):
-            yield places[start : start + CHUNK]
 
 
 def _chunk(loops: Sequence[MeasuredLoop]) -> dict[str, Array]:

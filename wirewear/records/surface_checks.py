@@ -15,14 +15,13 @@ A cylinder in a flat touches it over x² = 2R·d_t. The pad's scar is as long; t
 parabola the second moment is 3/20 of its squared half width.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from geometry import Elastic
 from geometry.arrays import Array
-from wirewear.loops import LoopFigures
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.remarks import CheckedRecord, Remark, listed
@@ -218,21 +217,16 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
 def profile_remarks(checked: CheckedRecord) -> Iterator[Remark]:
     """Remarks on friction, bodies and profiles of a line contact's record."""
     record: LineRecord = checked.record
-    yield from _friction_remarks(record, checked.figures.values())
+    if (friction := record.tables.stated.friction) is not None:
+        known = (one.friction_max.value for one in checked.figures.values() if one.friction_max is not None)
+        if (largest := max(known, default=0.0)) > 3.0 * max(friction, 0.01):
+            text = f"the largest force over load is {largest:.3g}, three times the stated friction: is one per mm?"
+            yield Remark("problem", "friction", text)
     yield from _bodies_remarks(record)
     for profile in record.scars:
         yield from _profile_remarks(record, profile)
     for text in unlike_profiles(record):
         yield Remark("problem", "profiles", text)
-
-
-def _friction_remarks(record: LineRecord, figures: Iterable[LoopFigures]) -> Iterator[Remark]:
-    if record.tables.stated.friction is not None:
-        known = (one.friction_max.value for one in figures if one.friction_max is not None)
-        largest = max(known, default=0.0)
-        if largest > 3.0 * max(record.tables.stated.friction, 0.01):
-            text = f"the largest force over load is {largest:.3g}, three times the stated friction: is one per mm?"
-            yield Remark("problem", "friction", text)
 
 
 def _bodies_remarks(record: LineRecord) -> list[Remark]:

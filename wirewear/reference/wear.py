@@ -20,8 +20,6 @@ from geometry import Profile
 from geometry.arrays import Array
 from wirewear.reference.hertz import LineContact, PointContact, require_positive
 
-# The worn annulus ends within this multiple of the contact radius √(dR) unless next to nothing sticks.
-_FARTHEST = 100.0
 _POINTS, _PLACES = 400, 300
 _LEAST = 1e-6
 
@@ -130,7 +128,8 @@ class LimitingShape:
         from scipy.optimize import brentq
 
         contact = sqrt(self.approach_mm * self.sphere_radius_mm)
-        return float(brentq(lambda r: float(self._opening(r)), contact, _FARTHEST * contact, xtol=1e-15))
+        # The worn annulus ends within this multiple of the contact radius √(dR) unless next to nothing sticks.
+        return float(brentq(lambda r: float(self._opening(r)), contact, 100.0 * contact, xtol=1e-15))
 
     @cached_property
     def volume_mm3(self) -> float:

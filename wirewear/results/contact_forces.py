@@ -20,9 +20,6 @@ from wirewear.base.errors import ResultError
 from wirewear.results.positions import POSITIONS
 from wirewear.results.scar import float_array, require_finite
 
-#: Pairs of a node and a cell weighed at once, some 100 MB: wide discs pair every node with every cell of a scar.
-_PAIRS_AT_ONCE = 1_000_000
-
 POSITION_COLUMNS = ("phase", "drive_um", "holder_x_um", "holder_z_um", "tangential_force_N")
 
 
@@ -73,7 +70,8 @@ def averaging(
     come in order, those of some lines of nodes at a time.
     """
     a, t = _near(axial, along, length), _near(transverse, across, length)
-    at_once = max(1, _PAIRS_AT_ONCE // max(1, a.count * len(t.about)))
+    # Pairs of a node and a cell weighed at once, some 100 MB: wide discs pair every node with every cell of a scar.
+    at_once = max(1, 1_000_000 // max(1, a.count * len(t.about)))
     for first in range(0, a.count, at_once):
         yield _weights(a.of_lines(first, min(first + at_once, a.count)), t, plane=len(transverse) > 1)
 

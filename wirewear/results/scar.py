@@ -56,8 +56,6 @@ _CALLED = {body: f"{body} wire" for body in WIRES} | {body: f"{body} body" for b
 _BY_PLACE = (("lower", "driven", "moving"), ("upper", "held", "fixed"))
 GRID_COLUMNS = ("axial_um", "transverse_um")
 FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_distance_um")
-DEPTH_ROUND_OFF_um = 1e-6  #: Depths may undershoot zero by round-off of an interpolation, not by more.
-_EDGE = 0.01  # Depth, relative to the deepest point, that bounds a profile's scar.
 
 #: A scar's depth is that of its fifth deepest point, its length and width those of sections at a share of their
 #: height.
@@ -273,7 +271,8 @@ class Scar:
                 raise ResultError(f"{where}: {name} must have the shape of the grid {shape}, not {values.shape}")
             require_finite(f"{where}: {name}", values)
             object.__setattr__(self, name, values)
-        if (self.depth_um < -DEPTH_ROUND_OFF_um).any():
+        # Depths may undershoot zero by round-off of an interpolation, not by more.
+        if (self.depth_um < -1e-6).any():
             raise ResultError(f"{where}: depth_um must not be negative, but {self.depth_um.min():g} is")
 
     @property
@@ -307,7 +306,8 @@ class Scar:
     def edges_um(self) -> tuple[float, float]:
         """Ends along x of a line contact's scar, where it is 1 % as deep as at its deepest; NaN if nothing is worn."""
         x, depth = self.axial_um, self.depth_um[:, 0]
-        return crossings(x, depth, _EDGE * float(depth.max())) if depth.any() else (float("nan"), float("nan"))
+        # Depth, relative to the deepest point, that bounds a profile's scar.
+        return crossings(x, depth, 0.01 * float(depth.max())) if depth.any() else (float("nan"), float("nan"))
 
     def wire_coordinates(self, x_um: ArrayLike, y_um: ArrayLike) -> tuple[Array, Array]:
         """(axial, transverse) coordinates [µm] of points (x, y) in the sliding frame; shapes broadcast."""

@@ -24,7 +24,6 @@ from wirewear.sweeps.sweep import Sweep, SweepRow, run_case
 POWER = 1.3
 
 POWERS = (0.0, 2.5)  #: Powers beyond these come from runs that are too alike in size to show it.
-MOST_PLANNED = 200  #: Runs that are planned to know the sizes of all.
 
 #: Bytes of a row in journal and tables, and of a kept result for each unknown; measured.
 ROW_BYTES, RESULT_BYTES = 1_500, 60.0
@@ -61,7 +60,8 @@ class Forecast:
 def sizes_of(sweep: Sweep) -> np.ndarray:
     """Unknowns of every run; of a large sweep interpolated between some. NaN for what cannot be."""
     count = len(sweep)
-    planned = np.unique(np.linspace(0, count - 1, min(count, MOST_PLANNED)).round().astype(int))
+    # Runs that are planned to know the sizes of all.
+    planned = np.unique(np.linspace(0, count - 1, min(count, 200)).round().astype(int))
     found = np.array([_size(sweep, int(place)) for place in planned])
     known = np.isfinite(found)
     if not known.any():
@@ -133,7 +133,10 @@ class Journal:
                 rows = {row.number: row for row in map(_row, lines) if row is not None}
             else:
                 note = f"{self.path.parent} holds rows that another version of the program made: they are made again."
-        kept = [{"sweep": str(self._identity)}, *(rows[number].to_json() for number in sorted(rows))]
+        kept: list[dict[str, object]] = [
+            {"sweep": str(self._identity)},
+            *(rows[number].to_json() for number in sorted(rows)),
+        ]
         with writing(RunError, f"cannot write {self.path}"):
             write_text(self.path, "".join(_line(one) for one in kept))
         return rows, note
@@ -166,7 +169,7 @@ class Journal:
                     yield found["of"]
 
 
-def _line(values: dict[str, Any]) -> str:
+def _line(values: Mapping[str, object]) -> str:
     return json.dumps({"of": values, "check": digest(values)}, ensure_ascii=False) + "\n"
 
 

@@ -87,7 +87,7 @@ class Design:
         return tuple(factor.key for factor in self.factors)
 
     @cached_property
-    def problem(self) -> dict[str, Any]:
+    def problem(self) -> dict[str, object]:
         """The factors as SALib describes them, in shares."""
         count = len(self.factors)
         return {"num_vars": count, "names": list(self.keys), "bounds": [[0.0, 1.0]] * count}
@@ -189,7 +189,7 @@ class SweepRow:
     def failed(self) -> bool:
         return self.figures is None
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """The row as plain values."""
         return dict(vars(self))
 

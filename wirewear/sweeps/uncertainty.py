@@ -21,12 +21,9 @@ from wirewear.test import Study
 
 RUNS = 30  #: Runs beside the one in the middle; a second degree of five inputs has 21 terms.
 FARTHEST = 3.0  #: Inputs farther than so many standard deviations from the middle are not drawn.
-DRAWS = 4000  #: Draws from the polynomials: intervals then scatter by some hundredths of their width.
 SEED = 1  #: Of all that is drawn.
 PHASES = 240  #: Phases of the loop that intervals are given at.
 
-#: Share of the loops' variance that principal components may leave out.
-LEFT_OUT = 1e-4
 PERCENTILES = (2.5, 50.0, 97.5)
 
 
@@ -191,7 +188,8 @@ def run_uncertain(study: Study, output: Path, engine: Engine, observer: SweepObs
     if len(complete) < 2 * (deviations.shape[1] + 1):
         raise StudyError(f"only {len(complete)} of {len(rows)} runs came to an end, which gives no interval.")
     at = deviations[[number - 1 for number in complete]]
-    drawn = np.clip(np.random.default_rng(SEED).standard_normal((DRAWS, at.shape[1])), -FARTHEST, FARTHEST)
+    # Draws from the polynomials: intervals then scatter by some hundredths of their width.
+    drawn = np.clip(np.random.default_rng(SEED).standard_normal((4000, at.shape[1])), -FARTHEST, FARTHEST)
     results = [output / RESULTS / f"{number:06d}" / RESULT_FILE_NAME for number in complete]
     return Uncertainty(
         study,
@@ -249,7 +247,8 @@ def _band(cycle: int, displacement_um: Array, forces: Array, at: Array, drawn: A
     """The band by principal components of the loops, each with a polynomial of its own."""
     mean = forces.mean(axis=0)
     left, size, shapes = np.linalg.svd(forces - mean, full_matrices=False)
-    kept = int(np.searchsorted(np.cumsum(size**2) / max(float(np.sum(size**2)), 1e-300), 1.0 - LEFT_OUT)) + 1
+    # Share of the loops' variance that principal components may leave out.
+    kept = int(np.searchsorted(np.cumsum(size**2) / max(float(np.sum(size**2)), 1e-300), 1.0 - 1e-4)) + 1
     total = np.tile(mean, (len(drawn), 1))
     for place in range(min(kept, size.size)):
         model = fitted(at, left[:, place] * size[place])

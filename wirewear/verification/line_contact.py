@@ -23,10 +23,8 @@ from wirewear import reference
 from wirewear.simulation import mean_pressures
 from wirewear.verification.rows import Level, Row, compared
 
-HALF_WIDTH_mm = 0.1
 DEPTH_mm = 1.0
 _BLOCK_mm = 60.0
-_FAR_mm = 3.0
 
 
 RADIUS_mm = 6.0
@@ -35,7 +33,6 @@ FRICTION = 0.6
 MATERIAL = Elastic(200_000.0, 0.3)
 _SHARE = 0.5
 _TOLERANCE = 0.02
-_STEP_mm = 2e-4
 _MOST_STEPS = 60
 
 _SURFACE_SHARE = 0.64
@@ -47,9 +44,9 @@ _BULK_SHARE = 0.8
 
 def stuck_line_rows(level: Level) -> tuple[Row, ...]:
     """Stiffness per length between points 1 mm deep under a contact 0.2 mm wide."""
-    a = HALF_WIDTH_mm
+    a = 0.1
     along = GradedAxis(a / level.line_resolution, 1.2 * a, a, 3.0 * a)
-    block = build_planar(PlanarGeometry(Flat(), _BLOCK_mm, _BLOCK_mm, along, _FAR_mm, 1.2))
+    block = build_planar(PlanarGeometry(Flat(), _BLOCK_mm, _BLOCK_mm, along, 3.0, 1.2))
     material = Elastic(MATERIAL.youngs_modulus_MPa, MATERIAL.poissons_ratio)
     computed = solvers.move_stuck(block, block, material, material, a).stiffness_between(DEPTH_mm)
     exact = reference.half_plane_line_stiffness(MATERIAL, MATERIAL, a, 1.0, DEPTH_mm)
@@ -121,7 +118,7 @@ def to_force(
     Raises ValueError when the force is not reached, as beyond µP.
     """
     start = tangential_force(state)
-    step = float(np.copysign(_STEP_mm, force_N_per_mm - start))
+    step = float(np.copysign(2e-4, force_N_per_mm - start))
     for _ in range(_MOST_STEPS):
         ahead, _reports = solvers.advance(problem, state, state.drive + step, 0.0)
         before, after = tangential_force(state), tangential_force(ahead)

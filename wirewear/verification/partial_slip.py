@@ -36,7 +36,6 @@ from wirewear.verification.hertz import (
 from wirewear.verification.rows import Level, Row, compared
 
 _MIRROR_TOLERANCE = 0.02
-_PRESSURE_TOLERANCE = 0.05
 _JUMP_TOLERANCE = 0.005
 #: Columns of the evolution.
 _PRESSURES = {"mid_stroke_pressure_MPa": "pressure at mid-stroke", "max_mean_pressure_MPa": "largest mean pressure"}
@@ -60,7 +59,6 @@ _DEPTH_TOLERANCE = 0.5
 
 FRICTION = 0.6
 _SHARES = (0.5, 0.9)
-_INITIAL_SHARE = 0.01
 _COMPLIANCE_TOLERANCE = 0.04
 
 
@@ -73,9 +71,7 @@ def worn_pressure_rows(level: Level) -> tuple[Row, ...]:
     )
     finer = {what: _worn(cycles, mesh) for what, mesh in _FINER.items()}
     pressures = (
-        compared(
-            name, f"{quantity} [MPa], exact: {what}", last_of(column)(own), last_of(column)(other), _PRESSURE_TOLERANCE
-        )
+        compared(name, f"{quantity} [MPa], exact: {what}", last_of(column)(own), last_of(column)(other), 0.05)
         for what, other in finer.items()
         for column, quantity in _PRESSURES.items()
     )
@@ -176,7 +172,7 @@ def _initial_compliance(
     bulk: float,
     of: str,
 ) -> Row:
-    force = _INITIAL_SHARE * exact.limit_N
+    force = 0.01 * exact.limit_N
     drive = float(reference.loading_displacement(exact, force)) + bulk * force
     state, _ = solvers.advance(problem, pressed, drive, 0.0)
     computed = _tangential(state)

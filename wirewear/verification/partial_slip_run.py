@@ -35,8 +35,6 @@ _DEPTH_TOLERANCE = 0.15
 _LOAD_N = 100.0
 _SHARE = 0.7
 
-#: Half of what slides, at which runs mesh for a centre that sticks.
-_STICKING_um = 1.5
 _WEAR = {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.5}
 _FLAT: dict[str, Any] = {"shape": "flat"}
 _BALL: dict[str, Any] = {"shape": "ball", "diameter_mm": 12.7}
@@ -164,7 +162,8 @@ def block_rows(level: Level) -> tuple[Row, ...]:
         study = study_of(lower, upper)
         exact = hertz_of(_LOAD_N, *study.bodies)
         rows += hertz.pressed_rows(name, *_meshed(study, level), exact, study.crossing_angle_deg, level)
-    study = study_of(_FLAT, _BALL, _STICKING_um, wear=_WEAR)
+    # Half of what slides, at which runs mesh for a centre that sticks.
+    study = study_of(_FLAT, _BALL, 1.5, wear=_WEAR)
     flat, ball = _meshed(study, level)
     radius_mm = hertz_of(_LOAD_N, *study.bodies).contact_radius_mm
     bulk = sum(hertz.bulk_compliance(body, 0, radius_mm) for body in (flat, ball))

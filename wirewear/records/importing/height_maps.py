@@ -37,7 +37,6 @@ MAPS = frozenset(
 
 #: Lines of a text on which SurfaceTopography is tried before it reads the whole, which takes it 160 bytes a byte.
 HEAD_LINES, TEXT_EXPANSION = 200, 160.0
-ZIP_EXPANSION = 4.0  #: A zipped map takes its parts, their numbers in floating point, and a copy of them.
 
 #: No profilometer sees so far, in µm: NanoFocus files state their points' distance in nm where millimetres are read.
 WIDEST_um = 1e6
@@ -344,7 +343,8 @@ def _require_room(file: Path) -> bytes | None:
     data = file.read_bytes()
     if data.startswith(b"PK\x03\x04"):
         with zipfile.ZipFile(io.BytesIO(data)) as parts:
-            require_room(file, ZIP_EXPANSION * sum(part.file_size for part in parts.infolist()), RecordError)
+            # A zipped map takes its parts, their numbers in floating point, and a copy of them.
+            require_room(file, 4.0 * sum(part.file_size for part in parts.infolist()), RecordError)
         return None
     lines = data[:1_000_000].split(b"\n", HEAD_LINES)
     if b"\0" in data[:1000] or len(lines) <= HEAD_LINES:

@@ -24,9 +24,6 @@ from wirewear.records.normal_force import pressing
 from wirewear.records.reading import EVOLUTION_COLUMNS, read_tables, tables_of_file
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 
-#: A cycle cut off at a file's end is left out if it has fewer samples than this share of the usual one.
-WHOLE_CYCLE = 0.9
-
 #: A loop whose area against the motion is this share of the box around it has a force of the other sign.
 AGAINST_MOTION = 0.05
 
@@ -180,7 +177,8 @@ def loops_of(
     parts = np.split(order, changes)
     if "cycle" not in columns and "cycle" not in named and time is not None:
         usual = float(np.median([part.size for part in parts]))
-        parts = [part for part in parts if part.size >= WHOLE_CYCLE * usual]
+        # A cycle cut off at a file's end is left out if it has fewer samples than this share of the usual one.
+        parts = [part for part in parts if part.size >= 0.9 * usual]
     loops = []
     for part in parts:
         own = np.arange(part.size) / (part.size * frequency) if time is None else time[part] - time[part[0]]

@@ -29,8 +29,6 @@ _COMPRESSED, _MATRIX = 15, 14  #: Type of an element that holds another one comp
 #: Classes of arrays whose numbers are kept in as many bytes; others hold arrays of their own.
 _BYTES = {6: 8, 7: 4, 8: 1, 9: 1, 10: 2, 11: 2, 12: 4, 13: 4, 14: 8, 15: 8}
 
-#: What an array, a text or a structure within others takes, beside the bytes of the file: an object of its own.
-INSIDE_OTHERS = 16
 
 _CHUNK = 1 << 20
 
@@ -94,7 +92,8 @@ def _taken(head: bytes, whole: int, order: str) -> float:
     except struct.error:
         return float(whole)
     if kind not in _BYTES:
-        return float(INSIDE_OTHERS * whole)
+        # What an array, a text or a structure within others takes, beside the bytes of the file: an object of its own.
+        return float(16 * whole)
     count = 1.0
     for own in dimensions:
         count *= max(own, 0)

@@ -21,10 +21,6 @@ from wirewear.records.tables import PointRecordTables
 from wirewear.records.values import AnyRecord, MeasuredLoop
 from wirewear.results.scar import called
 
-FEW = 5
-
-MOST_DRAWN = 3  #: Scars of one wire, or profiles of one body, that are drawn.
-
 
 def import_text(record: AnyRecord) -> str:
     """What would be imported, the first samples of the first loop and its figures, and those of worn surfaces."""
@@ -50,7 +46,7 @@ def loop_lines(loop: MeasuredLoop, normal_load_N: float) -> list[str]:
     ]
     normal = np.full(loop.time_s.size, np.nan) if loop.normal_force_N is None else loop.normal_force_N
     channels = (loop.time_s, loop.displacement_um, loop.tangential_force_N, normal)
-    rows = zip(*(channel[:FEW].tolist() for channel in channels), strict=True)
+    rows = zip(*(channel[:5].tolist() for channel in channels), strict=True)
     lines += [f"{time:12.6g} {x:16.6g} {q:19.6g} {p:15.6g}" for time, x, q, p in rows]
     try:
         figures = loop.figures(normal_load_N)
@@ -74,7 +70,8 @@ def draw_import(record: AnyRecord, output: Path) -> list[Path]:
         drawn.append(save(lambda: _picture(record.loops[0]), output.with_name(f"{output.name}_first_loop.png")))
     name = record.tables.worn.name
     for body in record.tables.body_names:
-        if own := record.scars_of(body)[:MOST_DRAWN]:
+        # Scars of one wire, or profiles of one body, that are drawn.
+        if own := record.scars_of(body)[:3]:
             path = output.with_name(f"{output.name}_{name}_{body}.png")
             drawn.append(save(partial(_PICTURES[name], own, body, record.tables), path))
     return drawn
