@@ -27,6 +27,7 @@ from wirewear.simulation import run_study, simulate
 from wirewear.simulation.convergence import LINES, converge, convergence_table
 from wirewear.simulation.line_model import farthest_contact, line_plan
 from wirewear.simulation.store import CHECKPOINT_FILE_NAME
+from wirewear.test import LineStudy
 from wirewear.verification.line_contact import (
     MATERIAL,
     LOAD_N_per_mm,
@@ -355,3 +356,45 @@ def test_a_run_of_any_length_that_was_killed_and_resumed_ends_as_one_of_a_millim
     assert (tmp_path / "result.h5").read_bytes() == complete
     with pytest.raises(RunError, match="another study"):
         run_study(line_study(), fidelity="quick", output=tmp_path, resume=True)
+
+
+def sticking(share: float, stress_MPa: float = 0.0) -> LineStudy:
+    """A steel cylinder of 25 mm under 150 N/mm, by a drive that holds a share of the sliding force."""
+    own, held = {"youngs_modulus_MPa": 210_000.0, "height_mm": 10.0}, share * 0.6 * 150.0
+    bulk = {"bulk": {"axial_stress_amplitude_MPa": stress_MPa}} if stress_MPa else {}
+    conditions = {"normal_load_N_per_mm": 150.0, "displacement_amplitude_um": 20.0, "cycles": 1}
+    return line_study(
+        pad={"radius_mm": 25.0, "half_width_mm": 6.0, **own},
+        specimen={"half_width_mm": 15.0, **own, **bulk},
+        conditions=conditions | {"held_tangential_force_N_per_mm": held},
+        wear=None,
+        mesh=None,
+        log=None,
+    )
+
+
+@pytest.mark.parametrize(
+    ("share", "stress_MPa", "energy_uJ"),
+    [
+        (0.15, 0.0, 0.054425),
+        (0.5, 0.0, 2.5408),
+        (0.95, 0.0, 31.191),
+        pytest.param(0.3, 60.0, 0.62828, marks=pytest.mark.seconds),
+        pytest.param(0.3, 400.0, 7.450, marks=pytest.mark.seconds),
+    ],
+)
+def test_energy_in_partial_slip_is_that_of_cattaneo_and_of_nowell_and_hills(
+    share: float, stress_MPa: float, energy_uJ: float
+) -> None:
+    """Of half-planes: W = 2(1-ν)/πG (µP)² [2(1-q) ln(1-q) + 2q - q²] without bulk stress, the last one by numbers."""
+    loop = simulate(sticking(share, stress_MPa), fidelity="quick").loops[0]
+    assert 1e3 * float(loop.friction_work_mJ[-1]) == pytest.approx(energy_uJ, rel=0.02)
+
+
+def test_a_line_contact_that_bodies_or_rig_let_stick_has_elements_that_shrink_towards_its_rim() -> None:
+    given = sticking(0.5).with_values({"conditions.held_tangential_force_N_per_mm": None})
+    for height_mm, amplitude_um, sticks in ((10.0, 3.5, True), (4.0, 3.5, False), (10.0, 6.0, False)):
+        values = {"conditions.displacement_amplitude_um": amplitude_um}
+        heights = {f"{body}.height_mm": height_mm for body in ("pad", "specimen")}
+        axis = line_plan(given.with_values(values | heights), "quick").pad.along
+        assert isinstance(axis, geometry.RimGradedAxis) == sticks

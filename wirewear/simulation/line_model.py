@@ -1,7 +1,9 @@
 """From a study of a line contact to meshes, steps and the contact problem."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from math import ceil, pi, sqrt
+from functools import partial
+from math import ceil, log, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,7 @@ from geometry import (
     Flat,
     GradedAxis,
     PlanarGeometry,
+    RimGradedAxis,
     RoundedFlat,
     TabledProfile,
     build_planar,
@@ -24,8 +27,10 @@ from wirewear.base.memory import free_memory
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_contact import wear_factors
 from wirewear.simulation.problem import laws_of, measured, too_much
+from wirewear.simulation.sliding_onset import SlidingOnset, expected_to_stick
 from wirewear.test.faces import Face, WIDEST_mm, half_width_of
 from wirewear.test.fidelity import LINE_LEVELS, level_of
+from wirewear.test.programme import held_by
 from wirewear.test.study import LineStudy
 from wirewear.test.surfaces import StatedSurface
 from wirewear.test.tables import HolderTable
@@ -34,7 +39,7 @@ from wirewear.test.tables import HolderTable
 _MIDDLE = 5.0
 _LEAST_MIDDLE = 0.25
 
-_MARGIN, _UNWORN_MARGIN = 1.3, 1.15
+_MARGIN, _UNWORN_MARGIN, _STUCK_MARGIN = 1.3, 1.15, 1.6
 
 # Pressures of worn surfaces have a kink where neighbouring elements differ in size: 4 % of their mean at 1.2.
 _GROWTH = 1.05
@@ -127,7 +132,12 @@ def line_plan(study: LineStudy, fidelity: str) -> LinePlan:
     the stroke can tilt it, with a margin; on the specimen the stroke as well.
     Raises StudyError if the patch does not fit on a body.
     """
-    study = study.of_length(1.0).driven.envelope
+    driven = study.of_length(1.0).driven
+    return _planned(driven.envelope, fidelity, [_sticks(own.study) for own in driven.schedule.stretches])
+
+
+def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LinePlan:
+    """Those of a millimetre of an envelope; sticking: whether the contact sticks in its middle, of each block."""
     level, mesh, conditions, stated = level_of(LINE_LEVELS, fidelity), study.mesh, study.conditions, study.pad.profile
     face = stated.even if isinstance(stated, TabledProfile) else stated
     load = conditions.drive.load.largest * conditions.normal_load_N
@@ -141,18 +151,24 @@ def line_plan(study: LineStudy, fidelity: str) -> LinePlan:
     except ValueError as problem:
         raise StudyError(f"the pad is too narrow for this test: {problem}; give it more half_width_mm.") from None
     tilted = farthest_contact(face, reach, _largest_tilt(study.holder, stroke), fresh)
-    wears = max(study.energy_coefficients()) > 0.0 or _lacking(study) > 0.0
+    wears, fits = max(study.energy_coefficients()) > 0.0 or _lacking(study) > 0.0, _lacking(study) == 0.0
+    sticks = all(sticking) and fits and mesh.contact_mesh_um is None
+    per_contact = level.to_rim if any(sticking) and fits else level.per_contact
     if mesh.scar_half_width_um is not None:
         half = 1e-3 * mesh.scar_half_width_um
     elif isinstance(face, RoundedFlat):
         half = face.half_width_mm + _UNWORN_MARGIN * (tilted - face.half_width_mm)
-        half = max(half, predicted) if wears else half
+        half = max(half, predicted) if wears and not sticks else half
+    elif sticks:
+        half = (_UNWORN_MARGIN if not wears else _STUCK_MARGIN) * tilted
     else:
         half = max(predicted, _UNWORN_MARGIN * tilted) if wears else _UNWORN_MARGIN * tilted
     finer = mesh.mesh_refinement
-    fine = (1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else reach / level.per_contact) / finer
+    fine = (1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else reach / per_contact) / finer
 
-    def along(moved: float) -> GradedAxis | EdgeGradedAxis:
+    def along(moved: float) -> GradedAxis | EdgeGradedAxis | RimGradedAxis:
+        if sticks and not isinstance(face, RoundedFlat) and tilted == fresh.half_width_mm:
+            return RimGradedAxis(tilted, round(finer * level.to_rim), half + moved)
         if isinstance(face, RoundedFlat):
             return EdgeGradedAxis(fine, _MIDDLE * fine, middle_of(face, reach, moved), half + moved)
         if not wears:
@@ -201,13 +217,28 @@ def bodies_stiffness_N_per_mm2(study: LineStudy) -> float:
     Both are sheared evenly over the width of the fresh contact.
     Raises StudyError if the patch does not fit on a body.
     """
-    meshes = line_plan(study, "quick")
+    meshes = _planned(study.of_length(1.0).driven.envelope, "quick", (False,))
     compliance = 0.0
     for body in bodies(study, meshes):
         share = body.node_areas * (np.abs(body.node_positions[:, 0]) <= meshes.hertz.half_width_mm)
         share = share / share.sum()
         compliance += float(share @ body.compliance[::3, ::3] @ share)
     return 1.0 / compliance
+
+
+def _sticks(study: LineStudy) -> bool:
+    """Whether a millimetre of a contact under the conditions of one block is expected to stick in its middle."""
+    return expected_to_stick(study, partial(_onset, study))
+
+
+def _onset(study: LineStudy, friction_N: float) -> SlidingOnset:
+    """A cylinder's, of half-planes but for how far the bodies move where they are held."""
+    own = study.pad.elastic, study.specimen.elastic
+    spread = friction_N / pi * sum((1.0 - each.poissons_ratio) / each.shear_modulus_MPa for each in own)
+    motion = 0.0
+    if held_by(study.conditions) is None or study.conditions.held_motion_um or study.conditions.held_reading_um:
+        motion = friction_N / bodies_stiffness_N_per_mm2(study)
+    return SlidingOnset(friction_N, motion, 0.5 * log(2.0) * spread, friction_N * spread)
 
 
 def line_problem(study: LineStudy, pad: PlacedBody, specimen: PlacedBody) -> ContactProblem:
@@ -280,6 +311,8 @@ def _nodes(meshes: LinePlan) -> int:
 def _fine_nodes(body: PlanarGeometry) -> int:
     """Nodes in the fine zone of a body's contact; those beyond are fewer."""
     along = body.along
+    if isinstance(along, RimGradedAxis):
+        return len(along.lines())
     if isinstance(along, EdgeGradedAxis):
         fine_mm = along.half_extent_mm - along.fine_from_mm
     else:
