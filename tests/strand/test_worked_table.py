@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from geometry import Elastic
 from geometry.arrays import Array
 from tests.strand.ropes import conductor, nineteen_wires, rope, seven_wires, strands_of_seven
 from wirewear import strand_contacts
 from wirewear.strand.bending import BentLayer, slip_courses
-from wirewear.strand.construction import Strand
-from wirewear.strand.estimates import ContactEstimate
+from wirewear.strand.construction import Layer, RopeWire, Strand
+from wirewear.strand.contacts import Bend, contacts_of
+from wirewear.strand.estimates import ContactEstimate, estimated
 from wirewear.strand.found import RopeContacts
 from wirewear.strand.helix import DoubleHelix, Helix, least_radius_mm, radial_share
 
@@ -68,6 +70,18 @@ def test_wires_begin_to_slip_and_slip_throughout_at_the_radii_of_papailiou(
     slips = [course.slip_mm(one) for one in curvatures]
     assert np.all(np.diff(slips) >= 0.0)
     assert np.diff(slips).max() < 0.05 * slips[-1]
+
+
+def test_formulas_alone_give_the_figures_of_a_layer_that_would_not_have_room() -> None:
+    wire = RopeWire(2.9, Elastic(200_000.0, 0.3))
+    strand = Strand(RopeWire(3.0, wire.elastic), (Layer(6, wire, Helix(2.95, 60.0, 1), 0.0, 1.0),))
+    (contact,) = contacts_of(strand, 20_000.0, Bend(1.0 / 500.0, pulsating=False, friction=0.15))
+    assert 1e-6 * strand.stiffness_N == near(8.327)
+    assert (contact.upper.tension_N, strand.core_tension_N(20_000.0)) == near((2896.5, 3395.5))
+    assert 1e-3 * strand.torque_N_mm(20_000.0) == near(15.13)
+    assert (contact.upper.axial_MPa, contact.load_N) == near((438.5, 85.54))
+    assert estimated(contact, 0.15, 0.0, 1, None).peak_pressure_MPa == near(2014.0)
+    assert (1e3 * contact.free_slip_mm, 1e3 * contact.slip_amplitude_mm) == near((53.83, 52.61))
 
 
 def test_a_layer_that_has_no_room_arches_and_its_wires_press_on_one_another() -> None:

@@ -10,7 +10,7 @@ from typing import Any
 from geometry import Elastic
 from wirewear.base.errors import StudyError, counted
 from wirewear.strand.construction import Strand
-from wirewear.strand.contacts import Bend, SheaveGroove, contacts_of
+from wirewear.strand.contacts import Bend, LoadedWire, SheaveGroove, contacts_of
 from wirewear.strand.estimates import ContactEstimate, estimates
 from wirewear.strand.studies import file_name, has_study, notes, studies_of
 from wirewear.strand.tables import RopeTables, load_rope, rope_of
@@ -104,6 +104,7 @@ def strand_contacts(rope: str | Path | dict[str, Any]) -> RopeContacts:
 
 def _row(one: ContactEstimate) -> dict[str, Any]:
     contact, wire = one.contact, one.contact.upper
+    below = contact.lower if isinstance(contact.lower, LoadedWire) else None
     along, across = contact.along_across_mm
     lower, upper = one.lives
     values = {
@@ -126,6 +127,8 @@ def _row(one: ContactEstimate) -> dict[str, Any]:
         "mean_stress_MPa": wire.mean_MPa,
         "axial_stress_amplitude_MPa": wire.axial_amplitude_MPa,
         "bending_stress_amplitude_MPa": wire.bending_amplitude_MPa,
+        "lower_mean_stress_MPa": below.mean_MPa if below else nan,
+        "lower_stress_amplitude_MPa": below.amplitude_MPa if below else nan,
         "friction_energy_mJ": one.energy_mJ,
         "worn_volume_per_cycle_mm3": one.worn_mm3,
         "worn_depth_um": 1e3 * one.worn_depth_mm,
