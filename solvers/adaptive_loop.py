@@ -17,7 +17,8 @@ from solvers.contact import ContactProblem, advance
 from solvers.contact.problem import sliding_force
 from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
 from solvers.drive import Drive, phases
-from solvers.fretting import CycleTrace, Watch, closed_cycle, settled
+from solvers.fretting import CycleTrace, Watch, closed_cycle, last_stroke, settled
+from solvers.wear_path import forced_path
 from solvers.wear_step.symmetry import Mirror, kept_by, mirrored, symmetry_of
 
 #: Allowed distance of the force from the straight lines between increments, over the friction force.
@@ -61,13 +62,16 @@ def closed_adaptive_cycle(
     friction, over a share of the load.  moved: a cycle, or half of one, with the wear frozen that ends where the loop
     is to start; else half a cycle is moved first.
 
-    Bodies of which a part has stuck ever since they were pressed together go both ways, for strokes do not wipe out
-    what it remembers, in as many increments as given: their force bends evenly, see `forced_path`.
+    Bodies of which a part has stuck ever since they were pressed together take as many increments as given: their force
+    bends evenly, see `forced_path`.
     """
     trace = moved or settled(problem, state, drive, settling_increments or increments, watch, guide)[1]
     state = trace.states[-1]
+    mirror = kept_by(symmetry_of(problem), state).half_cycle
     if state.core.any():
-        return closed_cycle(problem, state, drive, increments, watch, moved=trace)
+        if mirror is None or not drive.steady:
+            return closed_cycle(problem, state, drive, increments, watch, moved=trace)
+        return _closed_by_mirror(problem, drive, increments, watch, trace, mirror)
     friction = sliding_force(problem, state)
     largest, way = float(np.abs(trace.tangential_force).max()), np.abs(np.diff(trace.drive, prepend=trace.start.drive))
     # Of a rectangular loop that is its half height.
@@ -79,7 +83,6 @@ def closed_adaptive_cycle(
         tolerance * (height if min(friction, largest) > least else max(height, least)),
         increments,
     )
-    mirror = kept_by(symmetry_of(problem), state).half_cycle
     there = back = None
     for _ in range(_MOST_REPEATS):
         start = state
@@ -91,15 +94,48 @@ def closed_adaptive_cycle(
             home = walk.stroke(out[-1].after, there if back is None else back)
             back = np.array([step.end for step in home])
             solved = steps = [*out, *home]
-        state = steps[-1].after
-        if watch is not None:
-            for step in solved:
-                for report in step.reports:
-                    watch(step.after, report)
-        trace = _trace(start, steps, drive)
-        if abs(_force(state) - _force(start)) <= _CLOSURE * float(np.abs(trace.tangential_force).max()):
+        _show(solved, watch)
+        state, trace = steps[-1].after, _trace(start, steps, drive)
+        if _closes(trace):
             break
     return state, trace
+
+
+def _closed_by_mirror(
+    problem: ContactProblem, drive: Drive, increments: int, watch: Watch | None, moved: CycleTrace, mirror: Mirror
+) -> tuple[ContactState, CycleTrace]:
+    """A closed loop of bodies of which a part sticks for good, after a cycle or a part of one; its way back is the
+    mirror image of its way out.
+    """
+    for _ in range(_MOST_REPEATS):
+        start = moved.states[-1]
+        side = 1.0 if start.drive > 0.0 else -1.0
+        places = forced_path(drive, side, increments, *last_stroke(moved)).drive[: increments // 2]
+        out, state, begin = list[_Step](), start, 0.0
+        for place in places:
+            after, reports = advance(problem, state, float(place), 0.0)
+            end = abs(float(place) - start.drive)
+            out.append(_Step(state, after, begin, end, tuple(reports)))
+            state, begin = after, end
+        _show(out, watch)
+        moved = _trace(start, [*out, *_mirrored(out, mirror)], drive)
+        if _closes(moved):
+            break
+    return moved.states[-1], moved
+
+
+def _show(steps: "Sequence[_Step]", watch: Watch | None) -> None:
+    """Report all increments of steps."""
+    if watch is not None:
+        for step in steps:
+            for report in step.reports:
+                watch(step.after, report)
+
+
+def _closes(trace: CycleTrace) -> bool:
+    """Whether a loop ends with the force with which it starts."""
+    change = abs(_force(trace.states[-1]) - _force(trace.start))
+    return change <= _CLOSURE * float(np.abs(trace.tangential_force).max())
 
 
 @dataclass(frozen=True)

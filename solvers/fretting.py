@@ -161,7 +161,7 @@ def closed_cycle(
         before = float(trace.tangential_force[-1])
         followed = drive.steady or guide is not None
         if drive.steady and state.core.any():
-            path = forced_path(drive, _side(state), increments, *_last_stroke(trace))
+            path = forced_path(drive, _side(state), increments, *last_stroke(trace))
         else:
             path = loop_path(drive, _side(state), increments, guide)
         state, trace = _follow(problem, state, path, 0.0, watch, guide)
@@ -171,7 +171,7 @@ def closed_cycle(
     return state, trace
 
 
-def _last_stroke(trace: CycleTrace) -> tuple[Array, Array]:
+def last_stroke(trace: CycleTrace) -> tuple[Array, Array]:
     """Drive in mm and force in N along the last stroke of a trace, its start included."""
     every = (trace.start, *trace.states)
     drives = np.array([state.drive for state in every])

@@ -14,8 +14,8 @@ from solvers.contact.problem import ContactProblem
 from solvers.contact_conditions import ContactGuess, ContactOutcome, Linearisation
 from solvers.contact_state import ContactState
 from solvers.elasticity.compliance import ACROSS, MirroredCompliance, PairedCompliance
-from solvers.elasticity.mirrors import known_images
 from solvers.elasticity.pairing import Pairing
+from solvers.elasticity.placement import known_images
 
 _TOLERANCE = 1e-6  # Of the largest traction or depth: what differs by less from its mirror image is its own.
 _FEWEST = 120  # Loaded nodes: fewer are solved for as fast as halved.

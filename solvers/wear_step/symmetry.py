@@ -15,7 +15,7 @@ from geometry.arrays import Array, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState, Guide
 from solvers.drive import Drive
-from solvers.elasticity.mirrors import known_images
+from solvers.elasticity.placement import known_images
 
 # Worn depths, relative to the deepest: those of runs that kept the symmetry differ by what Newton's method leaves.
 _DEPTH_TOLERANCE = 1e-6

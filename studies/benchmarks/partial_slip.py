@@ -1,0 +1,173 @@
+"""The picture of docs/partial_slip.md, and errors of loops' energies in partial slip at each level.
+
+Usage: python -m studies.benchmarks.partial_slip [--level quick --level standard] [--output DIR]
+
+A ball of 12.7 mm on a flat and wires of 0.45 mm at 90° are pressed on the meshes of their runs and loaded until they
+all but slide. Loops of every amplitude follow from the first loading, twice as large (Masing), and are compared with
+Mindlin and Deresiewicz at the same force.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+from matplotlib.patches import Circle
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from wirewear import reference
+from wirewear.app.cli.study_script import StudyScript
+from wirewear.pictures import style
+from wirewear.simulation.workbench import (
+    ContactProblem,
+    ContactState,
+    advance,
+    contact_problem,
+    discretise,
+    press,
+    unloaded_state,
+)
+from wirewear.test import Study, study_from_tables
+from wirewear.test.bodies import hertz_of
+from wirewear.test.fidelity import FIDELITIES
+
+SHARES = (0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.7, 0.85, 0.95)
+DRAWN = 0.5  #: Share of µP at which the annulus is drawn.
+_STEPS, _LAST = 40, 0.985
+_STEEL: dict[str, Any] = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
+_KINDS: dict[str, tuple[float, float, dict[str, Any]]] = {
+    "ball": (
+        40.0,
+        0.6,
+        {
+            "kind": "point-contact",
+            "bodies": {"lower": {"shape": "flat", **_STEEL}, "upper": {"shape": "ball", "diameter_mm": 12.7, **_STEEL}},
+        },
+    ),
+    "wires at 90°": (
+        2.0,
+        0.62,
+        {"kind": "crossed-wires", "wires": {"diameter_mm": 0.45, "crossing_angle_deg": 90.0, **_STEEL}},
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Loading:
+    """A first loading: displacement in mm and force in N at its steps, and the states there."""
+
+    problem: ContactProblem
+    exact: reference.PartialSlipPoint
+    displacement: NDArray[np.float64]
+    force: NDArray[np.float64]
+    states: tuple[ContactState, ...]
+
+    @property
+    def shares(self) -> NDArray[np.float64]:
+        """Force over µP."""
+        return self.force / self.exact.limit_N
+
+    def energy_errors(self) -> NDArray[np.float64]:
+        """Relative errors of the energies of loops up to each step's force."""
+        curve = CubicSpline(self.displacement, self.force)
+        below = np.array([curve.integrate(0.0, end) for end in self.displacement[1:]])
+        energy = 8.0 * below - 4.0 * self.force[1:] * self.displacement[1:]
+        return np.array(energy / [reference.energy_per_cycle(self.exact, force) for force in self.force[1:]] - 1.0)
+
+
+def study_of(kind: str, held_N: float) -> Study:
+    """One cycle of a contact under a held force."""
+    load, friction, bodies = _KINDS[kind]
+    conditions = {"normal_load_N": load, "displacement_amplitude_um": 30.0, "frequency_Hz": 1.0, "cycles": 1}
+    tables = {
+        "format": 1,
+        "name": kind,
+        **bodies,
+        "contact": {"friction": friction},
+        "conditions": conditions | {"held_tangential_force_N": held_N},
+    }
+    study: Study = study_from_tables(tables, kind)
+    return study
+
+
+def loaded(kind: str, level: str) -> Loading:
+    """The first loading of a contact on the meshes of a level, until it all but slides."""
+    load, friction, _ = _KINDS[kind]
+    study = study_of(kind, 0.5 * friction * load)
+    problem = contact_problem(study, discretise(study, level), lambda _stage: None)
+    modulus = reference.tangential_contact_modulus(*(body.material for body in study.bodies))
+    radius = hertz_of(load, *study.bodies).contact_radius_mm
+    exact = reference.partial_slip_point(load, friction, radius, modulus)
+    pressed, _ = press(problem, unloaded_state(problem))
+    stiffness = exact.stiffness_N_per_mm
+    tiny = advance(problem, pressed, 1e-6 * exact.limit_N / stiffness, 0.0)[0]
+    bulk = tiny.drive / _force(tiny) - 1.0 / stiffness
+    forces = exact.limit_N * np.linspace(0.0, _LAST, _STEPS + 1)
+    displacement = reference.loading_displacement(exact, forces) + bulk * forces
+    states = [pressed]
+    for place in displacement[1:]:
+        states.append(advance(problem, states[-1], float(place), 0.0)[0])
+    return Loading(problem, exact, displacement, np.array([_force(state) for state in states]), tuple(states))
+
+
+def _force(state: ContactState) -> float:
+    return abs(float(state.primary_force[:, 0].sum()))
+
+
+def rows(loadings: dict[tuple[str, str], Loading]) -> list[str]:
+    """Lines of the table in the docs: errors at the steps nearest to the shares of µP, in percent."""
+    found = {
+        kind_level: [f"{100.0 * one.energy_errors()[np.argmin(np.abs(one.shares[1:] - q))]:+.1f}" for q in SHARES]
+        for kind_level, one in loadings.items()
+    }
+    return [f"| {kind}, {level} | {' | '.join(each)} |".replace("-", "−") for (kind, level), each in found.items()]
+
+
+def picture(loadings: dict[tuple[str, str], Loading]) -> Any:
+    """What sticks and what slips of the first contact's nodes, and errors of all over the force."""
+    figure = style.new_figure(3.2)
+    above, errors = figure.subplots(1, 2)
+    (_, level), first = next(iter(loadings.items()))
+    step = int(np.argmin(np.abs(first.shares - DRAWN)))
+    state, start, radius = first.states[step], first.states[0], 1e3 * first.exact.contact_radius_mm
+    touches = state.traction[:, 2] > 0.0
+    sticks = touches & (state.primary_slid == start.primary_slid)
+    x, y = 1e3 * first.problem.primary.node_positions.T
+    for which, name, colour in ((sticks, "sticks", style.INK), (touches & ~sticks, "slips", style.VARIANT_COLOURS[1])):
+        above.plot(x[which], y[which], linestyle="", marker="o", markersize=2.0, color=colour, label=name)
+    inner = radius * (1.0 - float(first.shares[step])) ** (1.0 / 3.0)
+    for size in (radius, inner):
+        above.add_patch(Circle((0.0, 0.0), size, fill=False, color="grey", linewidth=0.8))
+    above.set(title=f"Q/µP = {DRAWN:g}, {level}", xlabel="along the motion [µm]", ylabel="across [µm]", aspect="equal")
+    above.legend(loc="upper right")
+    for index, ((kind, at), one) in enumerate(loadings.items()):
+        look = {"marker": "osd^"[index % 4], "markersize": 2.5, "linewidth": 0.8}
+        wide = one.shares[1:] > 0.9 * SHARES[0]
+        errors.plot(
+            one.shares[1:][wide],
+            100.0 * one.energy_errors()[wide],
+            color=style.VARIANT_COLOURS[index],
+            label=f"{kind}, {at}",
+            **look,
+        )
+    errors.axhline(0.0, color=style.INK, linewidth=0.8)
+    errors.set(title="energy of a loop", xlabel="Q/µP", ylabel="error [%]")
+    errors.legend()
+    style.panel_letters([above, errors])
+    return figure
+
+
+@click.command(cls=StudyScript)
+@click.option("--level", "levels", multiple=True, type=click.Choice(FIDELITIES), default=FIDELITIES[:2])
+@click.option("--output", type=click.Path(path_type=Path), default=Path("runs/partial_slip"), show_default=True)
+def main(levels: tuple[str, ...], output: Path) -> None:
+    """Load both contacts at each level, draw partial_slip.png and print the rows."""
+    loadings = {(kind, level): loaded(kind, level) for kind in _KINDS for level in levels}
+    click.echo(style.save(lambda: picture(loadings), output / "partial_slip.png"))
+    click.echo("\n".join(rows(loadings)))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
