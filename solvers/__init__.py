@@ -54,23 +54,34 @@ if TYPE_CHECKING:
         WornCycle,
         wear_laws,
     )
+    from solvers.laws.yielding import PressureLimit
     from solvers.stress.interior import StuckMotion, move_stuck
     from solvers.transfer import flattened, remeshed, transferred, transferred_wear
     from solvers.wear import OxygenSupply, WearRates
-    from solvers.wear_step import CycleJump, Symmetry, closed_trace, jump_cycles, kept_by, mirror_error, symmetry_of
+    from solvers.wear_step import (
+        CycleJump,
+        Symmetry,
+        closed_trace,
+        jump_cycles,
+        kept_by,
+        mirror_error,
+        mirrored_prints,
+        symmetry_of,
+    )
 
 __all__ = [
     "Archard", "BulkStress", "Compliance", "CondensedBody", "ContactBody", "ContactLayer", "ContactProblem",
     "ContactState", "Coulomb", "CycleJump", "CycleTrace", "Drive", "DriveTiming", "EnergyLaw", "EnergyThreshold",
     "Friction", "FrictionLaw", "Guide", "Holder", "HolderElements", "IncrementReport", "JumpController", "JumpStep",
     "LoadCycle", "LocalField", "LocalState", "LogarithmicRate", "NotConvergedError", "OxygenDistance", "OxygenSupply",
-    "PatchLeftError", "PlacedBody", "PowerOfPressure", "PowerReduced", "Rate", "RoughLayer", "RunningIn",
-    "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer", "Symmetry", "ThirdBody", "Waveform", "WearLaw",
-    "WearRates", "WearState", "WornCycle", "advance", "bare_depth", "bulk_work", "change_by_work",
+    "PatchLeftError", "PlacedBody", "PowerOfPressure", "PowerReduced", "PressureLimit", "Rate", "RoughLayer",
+    "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer", "Symmetry", "ThirdBody", "Waveform",
+    "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "bare_depth", "bulk_work", "change_by_work",
     "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened",
-    "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error", "misaligned", "move_stuck", "place",
-    "press", "remeshed", "restarted", "run_cycle", "settled", "sticks_throughout", "symmetry_of", "take_step",
-    "traced_quarter", "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_laws",
+    "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error", "mirrored_prints", "misaligned",
+    "move_stuck", "place", "press", "remeshed", "restarted", "run_cycle", "settled", "sticks_throughout",
+    "symmetry_of", "take_step", "traced_quarter", "transferred", "transferred_wear", "trapezoidal", "triangular",
+    "unloaded_state", "wear_laws",
 ]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

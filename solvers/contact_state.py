@@ -24,9 +24,11 @@ class WearState:
     energy_mJ: float = 0.0
     primary_volume_mm3: float = 0.0
     secondary_volume_mm3: float = 0.0
-    #: Depth (n_a, n_t) of the print that forces have left on a body that yields, mm; None of an elastic one.
+    #: Depth (n_a, n_t) of the print that forces have left on a body that yields, mm; None of an elastic one. It is no
+    #: wear: depths, energies and volumes above are without it.
     primary_print: Array | None = None
     secondary_print: Array | None = None
+    plastic_mJ: float = 0.0  #: Work that has gone into the prints of bodies whose pressure is limited.
 
     @property
     def depths(self) -> tuple[Array, Array]:

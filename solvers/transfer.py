@@ -68,7 +68,10 @@ def transferred_wear(
 
 
 def _transferred_print(depth: Array | None, old: ContactPatch, new: ContactPatch) -> Array | None:
-    return None if depth is None else transferred(depth, old, new)
+    if depth is None:
+        return None
+    # Beside a print it may stand out a little.
+    return transferred(np.maximum(depth, 0.0), old, new) - transferred(np.maximum(-depth, 0.0), old, new)
 
 
 def transferred(field: Array, old: ContactPatch, new: ContactPatch) -> Array:

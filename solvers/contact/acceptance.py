@@ -19,13 +19,16 @@ import numpy as np
 from geometry.arrays import Array, IntArray
 from solvers.contact.problem import ContactProblem, facing_offset, law_at, layers_between, levers, normal_of
 from solvers.contact_conditions import ContactOutcome, Linearisation
-from solvers.contact_state import ContactState, IncrementReport
+from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity.pairing import Pairing
 from solvers.errors import PatchLeftError
 from solvers.jit_cache import compiled
 from solvers.laws.friction_law import Friction
 from solvers.laws.layers import LayersAtNodes
+from solvers.laws.yielding import YieldAtNodes
 from solvers.wear import Sliding, deposited
+
+_SPREAD = 3  #: Times that a print on the secondary is corrected for what its elements have spread of it.
 
 
 def slid(
@@ -61,7 +64,7 @@ def slid(
         offset = facing_offset(problem, state, state.drive, state.holder_x)
         slip += problem.stretched(state.bulk_step, start.nodes, offset)
     closed: float | Array = 0.0
-    if problem.layers:
+    if system.layers is not None:
         layers, old_layers = (layers_between(problem, state, start, loads) for loads in (after, before))
         slip += layers.old_displacement - old_layers.old_displacement
         closed = _closed(layers, after, start) - _closed(layers, before, start)
@@ -165,6 +168,8 @@ def accepted(
     parts = slid(problem, state, system, outcome, drive, traction, forces)
     primary_slid, secondary_slid = _slid_so_far(problem, state, parts)
     wear = deposited(state.wear, parts, cycles, problem.wear, (problem.primary, problem.secondary))
+    if system.layers is not None and system.layers.yielding is not None:
+        wear = printed(problem, wear, pairing, system.layers.yielding, normal_of(outcome.traction, pairing.frames))
     new = replace(
         state,
         wear=wear,
@@ -184,6 +189,35 @@ def accepted(
     )
     friction_work = sum(part.friction_work for part in parts)
     return new, _report(problem, drive, pairing, outcome, friction_work, iterations, pairings)
+
+
+def printed(
+    problem: ContactProblem, wear: WearState, pairing: Pairing, yielding: YieldAtNodes, pressure: Array
+) -> WearState:
+    """The wear state with the prints that pressures (k,) at paired nodes leave on both bodies.
+
+    On the body that faces the tractions they are spread over elements; where both yield the other one takes what that
+    lacks or has too much, so that just the gaps stay in which nodes bear what they do.
+    """
+    closure, _ = yielding.closure(pressure)
+    own, other = wear.prints
+    if not closure.any() or problem.limit is None or own is None or other is None:
+        return wear
+    upright = closure / pairing.frames[:, 0, 2]
+    share = problem.limit.upper_share if problem.primary_is_upper else 1.0 - problem.limit.upper_share
+    spread, wanted = np.zeros(problem.secondary.patch.size), (1.0 - share) * upright
+    for _ in range(_SPREAD):
+        lacking = wanted - pairing.depths.averaged(spread) / pairing.areas
+        spread = spread + pairing.opposite.spread(lacking) / problem.secondary.node_areas
+    rest = np.zeros(problem.primary.patch.size)
+    if share > 0.0:
+        rest[pairing.nodes] = upright - pairing.depths.averaged(spread) / pairing.areas
+    return replace(
+        wear,
+        primary_print=own + rest.reshape(own.shape),
+        secondary_print=other + spread.reshape(other.shape),
+        plastic_mJ=wear.plastic_mJ + float(pairing.areas @ (0.5 * (yielding.limit + pressure) * closure)),
+    )
 
 
 def _slid_so_far(problem: ContactProblem, state: ContactState, parts: Sequence[Sliding]) -> tuple[Array, Array]:

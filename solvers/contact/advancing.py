@@ -35,6 +35,7 @@ _FOLLOWED = 6  # Pairings in which friction follows the speed of sliding.
 _CANDIDATE_MARGIN = 1.15
 _LEAST, _FEW = 12, 128  # Nodes searched at the least, and how many are put in order at first to find them.
 _MOST_CUTS = 8
+_BEARING = 1.2  # Of the area that bears the load with surfaces that yield all over.
 _BARELY = 0.01  # Of a held approach.
 _NO_LOAD = 0.01  # Of the normal load: less presses nothing, for a fresh contact of so little is less than an element.
 
@@ -46,16 +47,32 @@ def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, I
         lowered = replace(state, holder_z=-problem.holder.approach_mm, pressed_z=-problem.holder.approach_mm)
         held, report = solve_increment(frictionless, lowered, state.drive, 0.0)
         return _stuck(held), report
-    height = _height_under_load(frictionless, state)
+    height = min(_height_under_load(frictionless, state), _height_that_bears(problem, state))
     start = replace(state, holder_z=height, pressed_z=height)
     rigid = replace(frictionless, holder=replace(problem.holder, normal_stiffness_N_per_mm=0.0))
-    pressed, report = solve_increment(rigid, start, state.drive, 0.0)
+    try:
+        pressed, report = solve_increment(rigid, start, state.drive, 0.0)
+    except IncrementFailedError:
+        if problem.limit is None:
+            raise
+        # What yields almost all over is loaded bit by bit.
+        unloaded = replace(start, load_share=0.0)
+        pressed, (*_, report) = advance(rigid, unloaded, state.drive, 0.0, load_share=state.load_share)
     return _stuck(replace(pressed, pressed_z=pressed.holder_z)), report
 
 
 def _stuck(state: ContactState) -> ContactState:
     """The state of bodies that stick to each other from here on wherever they touch."""
     return replace(state, core=state.traction[:, 2] > 0.0, pressed_ahead=state.drive - state.holder_x)
+
+
+def _height_that_bears(problem: ContactProblem, state: ContactState) -> float:
+    """Height of the holder at which surfaces that yield overlap on as much as bears the load, as a first guess."""
+    if problem.limit is None:
+        return 0.0
+    load = problem.holder.under(state.load_share).normal_load_N
+    gap, areas = vertical_gaps(problem, state, state.drive, state.holder_x), problem.surface.areas
+    return -float(gap[_closest(gap, areas, _BEARING * load / float(problem.limit.limit_MPa(load)))].max(initial=0.0))
 
 
 def _height_under_load(problem: ContactProblem, state: ContactState) -> float:

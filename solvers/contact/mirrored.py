@@ -32,7 +32,8 @@ def images_across(problem: ContactProblem, state: ContactState) -> IntArray | No
     images, opposite = (known_images(body, (1.0, -1.0)) for body in (problem.primary, problem.secondary))
     if images is None or opposite is None or (state.core != state.core[images]).any():
         return None
-    depths = ((depth.ravel()[:, None], of) for depth, of in zip(state.wear.depths, (images, opposite), strict=True))
+    surfaces = zip((*state.wear.depths, *state.wear.prints), 2 * (images, opposite), strict=True)
+    depths = ((depth.ravel()[:, None], of) for depth, of in surfaces if depth is not None)
     fields = ((state.traction, state.traction[images] * ACROSS), *((depth, depth[of]) for depth, of in depths))
     alike = all(np.abs(field - image).max() <= _TOLERANCE * np.abs(field).max() for field, image in fields)
     return images if alike else None
@@ -56,6 +57,7 @@ def solved_on_one_side(
         old_displacement=system.old_displacement[kept],
         friction=system.friction.among(kept),
         lever=system.lever[kept],
+        layers=None if system.layers is None else system.layers.among(kept),
     )
     found = problem.algorithm.solve_contact(
         side, guess._replace(traction=guess.traction[kept], active=guess.active[kept])

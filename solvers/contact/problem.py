@@ -20,6 +20,7 @@ from solvers.jit_cache import compiled
 from solvers.laws.friction_law import Coulomb, Friction, FrictionLaw
 from solvers.laws.layers import ContactLayer, LayersAtNodes, layers_at_nodes, open_share
 from solvers.laws.local_state import LocalField, LocalState
+from solvers.laws.yielding import PressureLimit, YieldAtNodes
 from solvers.newton import SemismoothNewton
 from solvers.wear import WearRates
 
@@ -48,6 +49,7 @@ class ContactProblem:
     #: `layer_mm_per_MPa` soft in all directions, whose compliance is a small share of a node's own.
     formulation: Formulation = "augmented-lagrangian"
     layers: tuple[ContactLayer, ...] = ()  #: Physical ones between the surfaces, in series.
+    limit: PressureLimit | None = None  #: What the surfaces bear before they yield; None of elastic bodies.
     friction_law: FrictionLaw = field(default_factory=Coulomb)  #: What it is the coefficient of.
     timing: DriveTiming = field(default_factory=DriveTiming)  #: Of the drive, for laws that ask for speeds.
     fields: Mapping[str, LocalField] = field(default_factory=dict)  #: That laws may ask for, see `LocalState`.
@@ -132,8 +134,8 @@ def unloaded_state(problem: ContactProblem) -> ContactState:
         secondary_depth=np.zeros(secondary.shape),
         primary_energy=np.zeros(primary.shape),
         secondary_energy=np.zeros(secondary.shape),
-        primary_print=None if problem.primary.yielding is None else np.zeros(primary.shape),
-        secondary_print=None if problem.secondary.yielding is None else np.zeros(secondary.shape),
+        primary_print=np.zeros(primary.shape) if problem.limit or problem.primary.yielding else None,
+        secondary_print=np.zeros(secondary.shape) if problem.limit or problem.secondary.yielding else None,
     )
     return ContactState(
         wear=wear,
@@ -301,7 +303,7 @@ def linearised(
         old_place_in_play=holder.place_in_play_mm(
             state.holder_x, state.holder_tilt, float(state.primary_force[:, 0].sum())
         ),
-        layers=layers_between(problem, state, pairing, traction) if problem.layers else None,
+        layers=layers_between(problem, state, pairing, traction) if problem.layers or problem.limit else None,
     )
 
 
@@ -348,7 +350,17 @@ def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairin
     """The layers at k paired nodes, after tractions (k, 3) on them."""
     own = state.wear.primary_depth.ravel()[pairing.nodes]
     other = pairing.opposite.averaged(state.wear.secondary_depth.ravel()) / pairing.areas
-    return layers_at_nodes(problem.layers, own + other, traction, pairing.frames[:, 0, :])
+    yielding = yield_between(problem, state, pairing)
+    return layers_at_nodes(problem.layers, own + other, traction, pairing.frames[:, 0, :], yielding)
+
+
+def yield_between(problem: ContactProblem, state: ContactState, pairing: Pairing) -> YieldAtNodes | None:
+    """What k paired nodes bear; None where nothing yields."""
+    primary, secondary = state.wear.prints
+    if problem.limit is None or primary is None or secondary is None:
+        return None
+    printed = primary.ravel()[pairing.nodes] + pairing.depths.averaged(secondary.ravel()) / pairing.areas
+    return problem.limit.at_nodes(problem.holder.under(state.load_share).normal_load_N, printed)
 
 
 @compiled

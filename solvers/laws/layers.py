@@ -15,9 +15,10 @@ from typing import Protocol
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, IntArray
 from solvers.errors import SolverError
 from solvers.laws.local_state import LocalState
+from solvers.laws.yielding import YieldAtNodes
 
 _LEAST_SHARE = 1e-6  # Share of the engagement pressure below which a rough layer is as it is at first touch.
 
@@ -100,28 +101,44 @@ class ThirdBody:
 
 @dataclass(frozen=True)
 class LayersAtNodes:
-    """All layers in series at k paired nodes during an increment."""
+    """All layers in series at k paired nodes during an increment, and what of the surfaces yields."""
 
     layers: tuple[ContactLayer, ...]
     worn: Array  #: (k,) depth of both bodies together, mm.
     old_displacement: Array  #: (k, 3) by which old tractions shear the layers, mm.
+    yielding: YieldAtNodes | None = None
 
     def closure(self, pressure: Array) -> tuple[Array, Array]:
         """Closure (k,) in mm of all layers under the pressure, and its derivative."""
-        return _sum([layer.closure(pressure, self.worn) for layer in self.layers])
+        parts = [layer.closure(pressure, self.worn) for layer in self.layers]
+        return _sum(parts if self.yielding is None else [*parts, self.yielding.closure(pressure)])
+
+    def among(self, nodes: IntArray) -> "LayersAtNodes":
+        """What lies at some of the nodes."""
+        yielding = None if self.yielding is None else self.yielding.among(nodes)
+        return LayersAtNodes(self.layers, self.worn[nodes], self.old_displacement[nodes], yielding)
 
     def shear_compliance(self, pressure: Array) -> tuple[Array, Array]:
         """Tangential displacement over traction (k,) of all layers, mm per MPa, and its derivative by the pressure."""
-        return _sum([layer.shear_compliance(pressure, self.worn) for layer in self.layers])
+        return _sheared(self.layers, pressure, self.worn)
 
 
 def layers_at_nodes(
-    layers: tuple[ContactLayer, ...], worn: Array, old_traction: Array, normals: Array
+    layers: tuple[ContactLayer, ...],
+    worn: Array,
+    old_traction: Array,
+    normals: Array,
+    yielding: YieldAtNodes | None = None,
 ) -> LayersAtNodes:
     """The layers where both bodies together have worn by `worn` (k,), after tractions (k, 3) across normals (k, 3)."""
     pressure = np.einsum("ij,ij->i", old_traction, normals)
-    compliance, _ = _sum([layer.shear_compliance(pressure, worn) for layer in layers])
-    return LayersAtNodes(layers, worn, compliance[:, None] * old_traction)
+    compliance, _ = _sheared(layers, pressure, worn)
+    return LayersAtNodes(layers, worn, compliance[:, None] * old_traction, yielding)
+
+
+def _sheared(layers: Sequence[ContactLayer], pressure: Array, worn: Array) -> tuple[Array, Array]:
+    none = np.zeros_like(pressure)
+    return _sum([(none, none), *(layer.shear_compliance(pressure, worn) for layer in layers)])
 
 
 def _sum(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:

@@ -95,19 +95,29 @@ class ContactConditions:
         return self.judged(solution, NEAR_STICK, before, given=True)[0]
 
     def judged(
-        self, solution: Solution, near_stick: float, before: tuple[BoolArray, BoolArray, Array], *, given: bool = False
+        self,
+        solution: Solution,
+        near_stick: float,
+        before: tuple[BoolArray, BoolArray, Array],
+        *,
+        about: Array | None = None,
+        given: bool = False,
     ) -> tuple[Iterate, Changes]:
         """The state that a solution makes: gaps and slips, which nodes are pressed or overlap, which of them stick, and
         where friction points; and what has changed.
 
         near_stick: see `NEAR_STICK`.  before: of the state before, which nodes were in contact (k,) and which of them
-        stuck (k,), and where friction pointed (k, 2).  given: whether nodes stay in contact that were.
+        stuck (k,), and where friction pointed (k, 2).  about: pressures (k,) about which the solution was linearised.
+        given: whether nodes stay in contact that were.
         """
         layers, friction, normal = self.system.layers, self.system.friction, solution.normal
         if layers is None:
             closure = softness = shear = self._laws.shear
         else:
             (closure, softness), (shear, _) = layers.closure(normal), layers.shear_compliance(normal)
+            if layers.yielding is not None and about is not None:
+                # What yielded in a step that went too far bears elastically again before it opens.
+                softness = np.maximum(softness, layers.yielding.closure(about)[1])
         compliance = self.system.compliance
         return _judged(
             compliance.displaced(solution.force),

@@ -228,7 +228,8 @@ class SemismoothNewton:
             if solution is None:
                 singular = f"the contact's equations became singular with {before.touching} nodes in contact"
                 return failed_outcome(conditions, state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
-            state, changes = conditions.judged(solution, near_stick, (before.active, before.stick, before.direction))
+            held = before.active, before.stick, before.direction
+            state, changes = conditions.judged(solution, near_stick, held, about=linear)
             change = _Change.of(changes, conditions, before, state, linear)
             linear = np.maximum(state.normal, _LARGEST_FALL * linear)
             if change.converged:

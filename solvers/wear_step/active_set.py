@@ -15,6 +15,7 @@ from solvers.errors import NotConvergedError
 from solvers.jit_cache import compiled, inlined
 from solvers.laws.friction_law import Friction
 from solvers.laws.layers import LayersAtNodes, layers_at_nodes, open_share
+from solvers.laws.yielding import YieldAtNodes
 from solvers.wear_step.coupled import Coupled
 from solvers.wear_step.orbits import Opening, scaled_rows
 from solvers.wear_step.surfaces import Cycle, Depths, Facing, moved_along
@@ -47,6 +48,7 @@ class CycleEquations:
     cycles: Array  #: (N,) for which each unknown wears.
     worn: Depths  #: Depths of surfaces as on which layers are.
     friction: Friction  #: The law at the unknowns.
+    yielding: YieldAtNodes | None = None  #: What they bear.
 
     @cached_property
     def _layers(self) -> LayersAtNodes | None:
@@ -105,7 +107,8 @@ class CycleEquations:
             raise NotConvergedError("the pressures of a cycle on the surface that they wear are not determined")
         new, gap = np.zeros(len(active)), _gaps(terms, facing, moved, solution)
         new[on] = solution[: len(on)]
-        linear = self._layers is None and not constant.any() and not work_constant.any()
+        straight = not constant.any() and not work_constant.any() and self._stays(about, new)
+        linear = self._layers is None and straight
         return new, solution[len(on) :], gap, linear
 
     def _coupled(self, terms: "_Terms", moved: Array) -> Coupled:
@@ -126,12 +129,18 @@ class CycleEquations:
         opened, worked = scaled_rows(self.opening.faced[on], terms.opened[on]), self.opening.worked[on]
         return Coupled(blocks, opened, scaled_rows(worked, terms.worn[on]))
 
+    def _stays(self, about: Array, new: Array) -> bool:
+        """Whether what yields is the same under both pressures (N,)."""
+        limit = np.inf if self.yielding is None else self.yielding.limit
+        return bool(((about > limit) == (new > limit)).all())
+
     def _closure(self, pressure: Array) -> tuple[Array, Array]:
         """Closure (N,) of what lies between the surfaces, and its derivative by the pressure."""
         penalty = np.full(len(pressure), self.problem.layer_mm_per_MPa)
-        if self._layers is None:
+        parts = [layers.closure(pressure) for layers in (self._layers, self.yielding) if layers is not None]
+        if not parts:
             return penalty * pressure, penalty
-        closure, softness = self._layers.closure(pressure)
+        closure, softness = (sum(part) for part in zip(*parts, strict=True))
         return closure + penalty * pressure, softness + penalty
 
 

@@ -31,6 +31,7 @@ from solvers.laws.layers import ContactLayer, layers_at_nodes, open_share
 from solvers.wear import Recession, after_work
 from solvers.wear_step.active_set import CycleEquations
 from solvers.wear_step.orbits import Orbits
+from solvers.wear_step.prints import yield_at
 from solvers.wear_step.strokes import ends_of_strokes
 from solvers.wear_step.surfaces import Cycle, Depths, Facing
 
@@ -195,7 +196,7 @@ def solve_stage(
     recession = problem.wear.recession(before, nothing, problem.primary_is_upper)
     base, share = cycle.gaps(problem, before.depths), open_share(problem.layers)
     worn, active, cycles, seen = before, pressure > 0.0, lasting(pressure), before.depths
-    every = np.ones(cycle.orbits.count)
+    every, yielding = np.ones(cycle.orbits.count), yield_at(problem, cycle)
     stretch = every, every
     friction = cycle.law_at(problem, before, _slip_lengths(cycle, stretch), pressure)
     for iteration in range(1, _MOST_ITERATIONS + 1):
@@ -209,7 +210,8 @@ def solve_stage(
             cycles = lasting(pressure)
         opening, beyond = cycle.orbits.opening_by(recession.tangent), recession.beyond
         gaps = base if beyond is None else base + share * cycle.orbits.opening(*beyond)
-        equations = CycleEquations(problem, cycle, facing, gaps, opening, slip, cycles, worn.depths, friction)
+        known_by = problem, cycle, facing, gaps, opening, slip, cycles, worn.depths, friction
+        equations = CycleEquations(*known_by, yielding)
         found = equations.improved(pressure, active)
         change = float(np.abs(found.pressure - pressure).max())
         pressure, active = found.pressure, found.active

@@ -22,6 +22,7 @@ from solvers.fretting import CycleTrace
 from solvers.wear_step.influence import Influences
 from solvers.wear_step.orbits import Orbits, Position, facing_nodes, orbits_of, positions_of
 from solvers.wear_step.places import WearStop, stops_of
+from solvers.wear_step.prints import as_printed, printed_by
 from solvers.wear_step.stage import StageSolution, solve_stage, worn_by
 from solvers.wear_step.strokes import mean_slip
 from solvers.wear_step.surfaces import Cycle
@@ -213,6 +214,7 @@ def jump_cycles(
     Raises NotConvergedError if no pressures were found that fit, and PatchLeftError if the contact has reached the edge
     of either patch.
     """
+    start, trace = as_printed(start, trace, symmetry)
     problem, across = problem_at(done, start.wear.energy_mJ), symmetry.across
     passed = stops_of(start, trace, symmetry.half_cycle)
     nodes = [_with_images(facing_nodes(problem, stop.state, _MARGIN), across) for stop in passed]
@@ -220,6 +222,8 @@ def jump_cycles(
     for _ in range(_MOST_SEARCHES):
         kept, cycle = _cycle(problem, start.wear, passed, nodes, symmetry, work)
         stages = two_stages(problem_at, cycle, start, trace, done, cycles)
+        wear = printed_by(stages.problem, cycle, symmetry, stages.wear, stages.last.pressure)
+        stages = replace(stages, wear=wear)
         worn = [state_at(stages, cycle, index) for index in range(len(cycle.positions))]
         missing = [_missing(stages.problem, of.nodes, state) for of, state in zip(cycle.positions, worn, strict=True)]
         if not any(len(found) for found in missing):

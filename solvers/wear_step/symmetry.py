@@ -19,6 +19,7 @@ from solvers.elasticity.placement import known_images
 
 # Worn depths, relative to the deepest: those of runs that kept the symmetry differ by what Newton's method leaves.
 _DEPTH_TOLERANCE = 1e-6
+_PRINT_TOLERANCE = 0.05  # The same of prints, which one half of a cycle leaves a little before the other.
 _SAME_DRIVE = 1e-9  # Drives closer than this, relative to the amplitude, are the same.
 
 
@@ -88,11 +89,12 @@ def kept_by(symmetry: Symmetry, state: ContactState) -> Symmetry:
     def kept(mirror: Mirror | None) -> Mirror | None:
         if mirror is None:
             return None
-        every = zip((*state.wear.depths, *state.wear.prints), 2 * (mirror.primary, mirror.secondary), strict=True)
-        for depth, images in every:
-            flat = np.zeros(len(images)) if depth is None else depth.ravel()
-            if np.abs(flat - flat[images]).max() > _DEPTH_TOLERANCE * float(np.abs(flat).max()):
-                return None
+        images = mirror.primary, mirror.secondary
+        for depths, tolerance in ((state.wear.depths, _DEPTH_TOLERANCE), (state.wear.prints, _PRINT_TOLERANCE)):
+            for depth, there in zip(depths, images, strict=True):
+                flat = np.zeros(len(there)) if depth is None else depth.ravel()
+                if np.abs(flat - flat[there]).max() > tolerance * float(np.abs(flat).max()):
+                    return None
         return mirror
 
     return Symmetry(kept(symmetry.across), kept(symmetry.half_cycle))

@@ -236,7 +236,9 @@ class Cycler:
         if self._latest is not None and self.goes_on_from(problem, state):
             return self._latest
         current, motion = self.aged(problem, state, done), self.motion
-        symmetry = solvers.kept_by(solvers.symmetry_of(current).under(motion.drive), state)
+        symmetry = solvers.symmetry_of(current).under(motion.drive)
+        begins = solvers.mirrored_prints(state, symmetry)
+        symmetry = solvers.kept_by(symmetry, begins)
         reports = list[solvers.IncrementReport]()
 
         def watch(passed: solvers.ContactState, report: solvers.IncrementReport) -> None:
@@ -252,7 +254,7 @@ class Cycler:
             return solvers.closed_trace(current, begin, drive, motion.wear_increments, symmetry, watch, guide)
 
         probe = forced if motion.drive.steady else None
-        start, trace, _ = self._holding(current, state, self._drive(state), cycle, watch, probe)
+        start, trace, _ = self._holding(current, begins, self._drive(state), cycle, watch, probe)
         self.sticks = solvers.sticks_throughout(trace.start, trace.states[-1])
         self._latest = _Traced(problem, state, symmetry, start, trace, reports)
         return self._latest
