@@ -265,8 +265,8 @@ friction = => frction =
 [contact] => moving_share = 0.5\n[contact]
     unknown key 'moving_share' in [conditions] of s.toml: it belongs in [wear].
 friction = 0.62 => friction = 0.62\ncolour = 1
-    unknown key 'colour' in [contact] of s.toml: the keys known there are friction, friction_law, formulation,
-    primary_wire.
+    unknown key 'colour' in [contact] of s.toml: the keys known there are friction, friction_law, plasticity,
+    formulation, primary_wire.
 cycles = 700 => cycles = 7.5
     cycles in [conditions] of s.toml is 7.5, but must be a whole number between 1 and 1000000000 cycles.
 displacement_amplitude_um = 60.0 => stroke_um = 120
@@ -274,7 +274,7 @@ displacement_amplitude_um = 60.0 => stroke_um = 120
     amplitude, half the stroke.
 friction = 0.62 => frction = 0.62\ncolour = 1
     unknown key 'frction' in [contact] of s.toml: did you mean 'friction'? Unknown key 'colour' in [contact] of s.toml:
-    the keys known there are friction, friction_law, formulation, primary_wire.
+    the keys known there are friction, friction_law, plasticity, formulation, primary_wire.
 friction = 0.62 => friction = 0,62
     s.toml is not valid TOML: expected newline or end of document after a statement (at line 15, column 13); the decimal
     sign is a point: friction = 0.62.

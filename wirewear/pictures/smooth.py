@@ -125,7 +125,7 @@ def _rows(points: list[NDArray[np.int_]], weights: list[Array], size: int) -> sp
 
 
 def smooth_scar(scar: Scar) -> Scar:
-    """The scar's depth on a finer grid that contains its own; the other fields are zero there.
+    """The scar's worn depth on a finer grid that contains its own; the other fields are zero there, and no print is.
 
     The scar ends where the depth, carried on from inside, vanishes.
     """
@@ -139,7 +139,7 @@ def smooth_scar(scar: Scar) -> Scar:
     axial, transverse = _finer(scar.axial_um), _finer(scar.transverse_um)
     finer = np.maximum(_interpolated(scar, depth, axial, transverse), 0.0)
     fields: Mapping[str, Any] = dict.fromkeys(FIELD_COLUMNS, np.zeros_like(finer)) | {"depth_um": finer}
-    return replace(scar, axial_um=axial, transverse_um=transverse, **fields)
+    return replace(scar, axial_um=axial, transverse_um=transverse, print_um=None, **fields)
 
 
 def smooth_field(scar: Scar, field: str, over_um: float = 0.0) -> tuple[Array, Array, MaskedField]:

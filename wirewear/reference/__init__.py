@@ -3,6 +3,7 @@
 
 from geometry import Elastic
 from wirewear.reference.cattaneo_mindlin import *
+from wirewear.reference.first_yield import first_yield_ratio
 from wirewear.reference.half_space import *
 from wirewear.reference.hertz import *
 from wirewear.reference.slider import *
@@ -13,7 +14,8 @@ __all__ = [
     "CrossedWireScar", "Elastic", "HysteresisLoop", "LimitingShape", "LineContact", "LineScar", "PartialSlipPoint",
     "PointContact", "SliderLoop", "SlidingBall", "WearingContact", "branch_force", "closed_loop", "contact_modulus",
     "crossed_wire_scar", "displacement_after_reversal", "dissipated_energy", "energy_per_cycle", "even_line_contact",
-    "even_line_load", "even_line_scar", "explicit_stability_limit", "first_loading_force", "force_amplitude",
+    "even_line_load", "even_line_scar", "explicit_stability_limit", "first_loading_force",
+    "first_yield_ratio", "force_amplitude",
     "gap_curvatures", "half_plane_line_stiffness", "hertz_bodies", "hertz_crossed_cylinders", "hertz_elliptic",
     "hertz_line", "hertz_point", "hertz_stress", "line_contact_scar", "line_loading_traction",
     "line_partial_slip_stress", "line_stick_ratio", "line_stick_ratio_after_reversal", "line_stick_shift",

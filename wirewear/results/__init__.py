@@ -21,6 +21,9 @@ if TYPE_CHECKING:
         EVOLUTION_COLUMNS,
         LATER_COLUMNS,
         LAYERS_OF_BODIES,
+        OVER_YIELD,
+        PLASTIC_VOLUME,
+        PLASTIC_WORK,
         PLAY_TRAVEL,
         PRESSURE_LENGTH,
         SPRING_TRAVEL,
@@ -34,7 +37,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BODIES", "BORNE", "BORNE_IS", "BULK_WORK", "COLUMN_MEANINGS", "EVOLUTION_COLUMNS", "LATER_COLUMNS",
-    "LAYERS_OF_BODIES", "PLAY_TRAVEL", "POSITIONS", "PRESSURE_LENGTH", "RESULT_FILE_NAME", "SPRING_TRAVEL",
+    "LAYERS_OF_BODIES", "OVER_YIELD", "PLASTIC_VOLUME", "PLASTIC_WORK", "PLAY_TRAVEL", "POSITIONS",
+    "PRESSURE_LENGTH", "RESULT_FILE_NAME", "SPRING_TRAVEL",
     "ContactForces", "Evolution", "Loop", "RunResult", "Scar", "age_at", "largest_mean_pressure_MPa",
     "largest_means", "read_loops", "read_result", "read_results", "sensor_of", "write_result",
 ]  # fmt: skip

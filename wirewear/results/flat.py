@@ -73,7 +73,7 @@ def worn_points(scar: Scar, *, upper: bool) -> Array:
     axial, transverse = np.meshgrid(scar.axial_um, scar.transverse_um, indexing="ij")
     x, y = scar.sliding_coordinates(axial, transverse)
     upward = -1.0 if upper else 1.0
-    z = upward * (scar.unworn_height_um(axial, transverse) - scar.depth_um)
+    z = upward * (scar.unworn_height_um(axial, transverse) - scar.measured_depth_um)
     return np.stack([x, y, z], axis=-1)
 
 
@@ -83,7 +83,7 @@ def surface_mesh(scar: Scar, *, upper: bool) -> pyvista.StructuredGrid:
 
     points = worn_points(scar, upper=upper)
     mesh = pyvista.StructuredGrid(*np.moveaxis(points, -1, 0))
-    for name in FIELD_COLUMNS:
+    for name in scar.field_columns:
         mesh.point_data[name] = getattr(scar, name).ravel(order="F")
     return mesh
 
@@ -97,7 +97,7 @@ def _write_surface(path: Path, scar: Scar, *, upper: bool) -> None:
     mesh = meshio.Mesh(
         worn_points(scar, upper=upper).reshape(-1, 3),
         [("quad", quads)],
-        point_data={name: getattr(scar, name).ravel() for name in FIELD_COLUMNS},
+        point_data={name: getattr(scar, name).ravel() for name in scar.field_columns},
     )
     with in_one_step(path) as partial:
         meshio.write(partial, mesh)
@@ -174,7 +174,7 @@ def _loops(loops: Iterable[Loop]) -> Any:
 def _scar(scar: Scar) -> Any:
     x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
     grid = ("axial_um", "transverse_um")
-    fields = {name: (grid, np.array(getattr(scar, name)), _attributes(name)) for name in FIELD_COLUMNS}
+    fields = {name: (grid, np.array(getattr(scar, name)), _attributes(name)) for name in scar.field_columns}
     coordinates = {name: (name, np.array(getattr(scar, name)), _attributes(name)) for name in grid}
     places = {
         name: (grid, np.array(np.broadcast_to(values, scar.depth_um.shape)), _attributes(name))
@@ -250,7 +250,8 @@ def scars_table(result: RunResult) -> pl.DataFrame:
         "x_um": _joined([np.broadcast_to(x, s.depth_um.shape) for s, (x, _) in zip(result.scars, places, strict=True)]),
         "y_um": _joined([np.broadcast_to(y, s.depth_um.shape) for s, (_, y) in zip(result.scars, places, strict=True)]),
     }
-    return pl.DataFrame(columns | {name: _joined([getattr(s, name) for s in result.scars]) for name in FIELD_COLUMNS})
+    fields = result.scars[0].field_columns if result.scars else FIELD_COLUMNS
+    return pl.DataFrame(columns | {name: _joined([getattr(s, name) for s in result.scars]) for name in fields})
 
 
 def profiles_table(result: RunResult) -> pl.DataFrame:

@@ -12,7 +12,7 @@ Layout (format 3; format 1 has no checksum behind it); every name carries its un
     /scars/NNNN                  one logged scar, attributes: cycle, body, diameter_mm, axis_angle_deg,
                                  length_mm of a line contact, diameter_along_mm where curved along; data sets
                                  axial_um (n_a,), transverse_um (n_t,), depth_um, energy_density_mJ_per_mm2,
-                                 pressure_MPa, slip_distance_um (n_a, n_t)
+                                 pressure_MPa, slip_distance_um, of bodies that yield print_um (n_a, n_t)
     /contact_forces/NNNN         forces on a body in a logged cycle, attributes: cycle, body, axis_angle_deg,
                                  of maps geometry (JSON), youngs_modulus_MPa, poissons_ratio; data sets phase,
                                  drive_um, holder_x_um, holder_z_um, tangential_force_N (k,), nodes (m,) of integers,
@@ -43,7 +43,7 @@ from wirewear.base.recognising import Held, require_no_other
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import format_1 as earlier_lines
 from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, geometry_of
-from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
+from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, PRINT_COLUMN, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
 from wirewear.test.lengths import whole_test
 
@@ -130,7 +130,7 @@ def _fill(file: h5py.File, result: RunResult, tables: Mapping[str, str]) -> None
         for name, usual in _SELDOM.items():
             if (value := getattr(scar, name)) != usual:
                 group.attrs[name] = value
-        write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
+        write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + scar.field_columns})
 
     # While a run goes on, its file is written again after every loop, and compressing takes longer than the rest.
     compression = {} if result.status == "running" else {"compression": "gzip", "shuffle": True}
@@ -222,6 +222,7 @@ def _scar(group: h5py.Group) -> Scar:
     # Files of older versions lack a field; it is then unknown, which is shown as nothing.
     missing = np.zeros(group["depth_um"].shape)
     fields |= {name: group[name][()] if name in group else missing for name in FIELD_COLUMNS}
+    fields |= {PRINT_COLUMN: group[PRINT_COLUMN][()]} if PRINT_COLUMN in group else {}
     return Scar(
         cycle=int(attributes["cycle"]),
         body=_body(attributes),

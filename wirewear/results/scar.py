@@ -56,6 +56,7 @@ _CALLED = {body: f"{body} wire" for body in WIRES} | {body: f"{body} body" for b
 _BY_PLACE = (("lower", "driven", "moving"), ("upper", "held", "fixed"))
 GRID_COLUMNS = ("axial_um", "transverse_um")
 FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_distance_um")
+PRINT_COLUMN = "print_um"  #: The field of bodies that yield.
 
 #: A scar's depth is that of its fifth deepest point, its length and width those of sections at a share of their
 #: height.
@@ -252,6 +253,8 @@ class Scar:
     slip_distance_um: Array
     length_mm: float | None = None
     diameter_along_mm: float = float("inf")
+    #: Depth (n_a, n_t) of the print that pressure has left, beside the worn one; None where bodies do not yield.
+    print_um: Array | None = None
 
     def __post_init__(self) -> None:
         where = f"scar of the {called(self.body)} at cycle {self.cycle}"
@@ -265,7 +268,7 @@ class Scar:
                 raise ResultError(f"{where}: {name} must have at least two grid lines")
             object.__setattr__(self, name, line)
         shape = (self.axial_um.size, self.transverse_um.size)
-        for name in FIELD_COLUMNS:
+        for name in self.field_columns:
             values = float_array(f"{where}: {name}", getattr(self, name), 2)
             if values.shape != shape:
                 raise ResultError(f"{where}: {name} must have the shape of the grid {shape}, not {values.shape}")
@@ -274,6 +277,16 @@ class Scar:
         # Depths may undershoot zero by round-off of an interpolation, not by more.
         if (self.depth_um < -1e-6).any():
             raise ResultError(f"{where}: depth_um must not be negative, but {self.depth_um.min():g} is")
+
+    @property
+    def field_columns(self) -> tuple[str, ...]:
+        """Names of its fields."""
+        return FIELD_COLUMNS if self.print_um is None else (*FIELD_COLUMNS, PRINT_COLUMN)
+
+    @property
+    def measured_depth_um(self) -> Array:
+        """How far the surface lies below the unworn one, as an instrument finds it: worn depth and print (n_a, n_t)."""
+        return self.depth_um if self.print_um is None else self.depth_um + self.print_um
 
     @property
     def radius_um(self) -> float:
@@ -322,22 +335,23 @@ class Scar:
         return axial * cosine - transverse * sine, axial * sine + transverse * cosine
 
     def depth_at(self, x_um: ArrayLike, y_um: ArrayLike) -> Array:
-        """Depth [µm] at points of the sliding frame, bilinear between grid points, zero outside; shapes broadcast.
+        """Depth [µm], as measured, at points of the sliding frame, bilinear between grid points, zero outside; shapes
+        broadcast.
 
         A single line across stands for all of them.
         """
         shape = np.broadcast_shapes(np.shape(x_um), np.shape(y_um))
         nodes, weights, _ = self._located(x_um, y_um)
-        return np.asarray(np.einsum("ij,ij->i", weights, self.depth_um.ravel()[nodes])).reshape(shape)
+        return np.asarray(np.einsum("ij,ij->i", weights, self.measured_depth_um.ravel()[nodes])).reshape(shape)
 
     def sampled(self, x_um: ArrayLike, y_um: ArrayLike) -> Array:
-        """Depth [µm] on the grid of lines `x_um` (n_x,) and `y_um` (n_y,) in the sliding frame, shape (n_x, n_y)."""
+        """Depth [µm], as measured, on the grid of lines `x_um` (n_x,) and `y_um` (n_y,) in the sliding frame."""
         return self.depth_at(np.asarray(x_um)[:, None], np.asarray(y_um)[None, :])
 
     def section_along_motion(self) -> tuple[Array, Array]:
-        """(x_um, depth_um), each (n,), on the line y = 0, at every crossing with a grid line."""
+        """(x_um, depth_um as measured), each (n,), on the line y = 0, at every crossing with a grid line."""
         if self.transverse_um.size == 1:
-            return self.axial_um, self.depth_um[:, 0]
+            return self.axial_um, self.measured_depth_um[:, 0]
         cosine, sine = _cosine_sine(self.axis_angle_deg)
         crossings = []
         if abs(cosine) > 1e-12:

@@ -51,6 +51,9 @@ SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
 BORNE, BORNE_IS = "borne_pressure_MPa", "borne_pressure_is"
 BULK_WORK = "bulk_work_mJ"  #: The column of tests whose bodies are pulled, bent or twisted.
 
+#: Columns of bodies that yield: volume of the prints and work in them, largest mean pressure over the yield stress.
+PLASTIC_VOLUME, PLASTIC_WORK, OVER_YIELD = "print_volume_mm3", "plastic_work_mJ", "mean_pressure_over_yield"
+
 #: Columns that results of earlier versions lack, which are then NaN: unknown.
 LATER_COLUMNS = ("mid_stroke_pressure_MPa", "mirror_error", "max_mean_pressure_MPa", "mid_stroke_mean_pressure_MPa")
 
@@ -61,6 +64,9 @@ COLUMN_MEANINGS = {
     "max_mean_pressure_MPa": f"largest mean pressure of the cycle over discs of {PRESSURE_LENGTH} of the settings, "
     "of line contacts over segments",
     "mid_stroke_mean_pressure_MPa": "median over mid-stroke of the largest such mean",
+    PLASTIC_VOLUME: "volume of the prints that pressure has left on both bodies, beside what has worn",
+    PLASTIC_WORK: "work that has gone into the prints",
+    OVER_YIELD: "largest mean pressure of the cycle, load over contact area, over the softer body's yield stress",
     BULK_WORK: "work of the bulk stresses on the contact, which a loop's area holds beside the friction work",
 }
 T = TypeVar("T")

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
-from math import ceil, log, pi, sqrt
+from math import ceil, inf, log, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from geometry import (
     TabledProfile,
     build_planar,
 )
-from solvers import ContactProblem, PlacedBody, condense, place
+from solvers import ContactProblem, PlacedBody, PressureLimit, condense, place
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.base.memory import free_memory
@@ -28,6 +28,7 @@ from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_contact import wear_factors
 from wirewear.simulation.problem import laws_of, measured, too_much
 from wirewear.simulation.sliding_onset import SlidingOnset, expected_to_stick
+from wirewear.simulation.yielding import pressure_limit
 from wirewear.test.faces import Face, WIDEST_mm, half_width_of
 from wirewear.test.fidelity import LINE_LEVELS, level_of
 from wirewear.test.programme import held_by
@@ -239,6 +240,13 @@ def _onset(study: LineStudy, friction_N: float) -> SlidingOnset:
     if held_by(study.conditions) is None or study.conditions.held_motion_um or study.conditions.held_reading_um:
         motion = friction_N / bodies_stiffness_N_per_mm2(study)
     return SlidingOnset(friction_N, motion, 0.5 * log(2.0) * spread, friction_N * spread)
+
+
+def limit_of_lines(study: LineStudy, plan: LinePlan) -> PressureLimit | None:
+    """What the surfaces of a study of one millimetre bear before they yield; None of elastic ones."""
+    conditions, hertz = study.envelope.conditions, plan.hertz
+    load = conditions.drive.load.largest * conditions.normal_load_N
+    return pressure_limit(study, load, hertz.peak_pressure_MPa, (hertz.half_width_mm, inf), power=2.0)
 
 
 def line_problem(study: LineStudy, pad: PlacedBody, specimen: PlacedBody) -> ContactProblem:

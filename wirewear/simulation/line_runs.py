@@ -1,7 +1,7 @@
 """Runs of line contacts: the cycles and solvers are those of contacts at a point, in plane strain."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,6 +16,7 @@ from wirewear.simulation.cycler import FrettingTest
 from wirewear.simulation.line_model import (
     LinePlan,
     bodies,
+    limit_of_lines,
     line_plan,
     line_problem,
     needed_memory,
@@ -56,6 +57,7 @@ class LineRunRecord(Recorded):
 
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
         """Profiles with the pressure at mid-stroke."""
+        worn = worn_bodies(problem, trace)
         specimen, pad = (
             Scar(
                 cycle=cycle,
@@ -69,8 +71,9 @@ class LineRunRecord(Recorded):
                 pressure_MPa=(force[:, 2] / body.patch.node_areas())[:, None],
                 slip_distance_um=1e3 * np.reshape(slid, depth.shape),
                 length_mm=self.length_mm,
+                print_um=None if pressed is None else 1e3 * pressed,
             )
-            for name, (body, depth, energy, force, slid) in zip(self.bodies, worn_bodies(problem, trace), strict=True)
+            for name, (body, depth, energy, force, slid, pressed) in zip(self.bodies, worn, strict=True)
         )
         return specimen, pad
 
@@ -127,7 +130,8 @@ class LineRun(PlannedRun):
             }
 
         milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, study.conditions.cycles}))
-        mesh = OneMesh(lambda: line_problem(driven, *bodies(driven, self.planned)))
+        limit = limit_of_lines(driven, self.planned)
+        mesh = OneMesh(lambda: replace(line_problem(driven, *bodies(driven, self.planned)), limit=limit))
         return self.tested(motion, mesh, milestones, self.planned.jump_tolerance)
 
     def require_affordable(self) -> None:

@@ -29,6 +29,7 @@ from wirewear.base.memory import size_text
 from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results.scar import called
+from wirewear.simulation.yielding import limit_of_points
 from wirewear.test import AnyStudy, Study
 from wirewear.test.surfaces import StatedSurface
 
@@ -126,6 +127,7 @@ def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], Non
         **laws_of(study),
         primary_is_upper=study.contact.primary_wire == "fixed",
         formulation=study.contact.formulation,
+        limit=limit_of_points(study),
     )
 
 

@@ -29,6 +29,9 @@ from wirewear.results import (
     BORNE,
     BULK_WORK,
     LAYERS_OF_BODIES,
+    OVER_YIELD,
+    PLASTIC_VOLUME,
+    PLASTIC_WORK,
     PLAY_TRAVEL,
     SPRING_TRAVEL,
     ContactForces,
@@ -44,11 +47,12 @@ from wirewear.simulation.measures import dissipated_energy_mJ, slip_amplitude_mm
 from wirewear.simulation.problem import worn_depths
 from wirewear.simulation.statistics import Tally, judge, mirrored_mismatch
 from wirewear.simulation.store import MeshHistory
+from wirewear.simulation.yielding import limit_settings
 from wirewear.test import Body, Study
 from wirewear.test.programme import held_keys
 from wirewear.test.surfaces import LayerTable
 
-Worn = tuple[PlacedBody, Array, Array, Array, Array]
+Worn = tuple[PlacedBody, Array, Array, Array, Array, Array | None]
 
 _LAW_ERROR = "fresh_law_error"
 
@@ -85,15 +89,17 @@ def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Stud
 
 
 def worn_bodies(problem: ContactProblem, trace: CycleTrace) -> tuple[Worn, Worn]:
-    """The lower body and the upper one at mid-stroke: depth, friction energy, forces, distance slid in the cycle.
+    """The lower body and the upper one at mid-stroke: depth, friction energy, forces, distance slid in the cycle, and
+    print.
 
     Forces are those of one field of tractions: what the solver hands on to the nodes of the other body is spread over
     its elements, and less by a tenth where two of them span a contact's radius.
     """
     state = trace.middle
     wear, (primary_slid, secondary_slid) = state.wear, trace.slid
-    primary = wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid
-    secondary = wear.secondary_depth, wear.secondary_energy, _faced_force(problem, state), secondary_slid
+    primary = wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid, wear.primary_print
+    force, left = _faced_force(problem, state), wear.secondary_print
+    secondary = wear.secondary_depth, wear.secondary_energy, force, secondary_slid, left
     lower, upper = (secondary, primary) if problem.primary_is_upper else (primary, secondary)
     return (problem.lower, *lower), (problem.upper, *upper)
 
@@ -120,7 +126,14 @@ def depth_spread(problem: ContactProblem, state: ContactState) -> float:
 
 
 def _scar(
-    body: PlacedBody, depth: Array, energy: Array, force: Array, slid: Array, cycle: int, described: Body
+    body: PlacedBody,
+    depth: Array,
+    energy: Array,
+    force: Array,
+    slid: Array,
+    pressed: Array | None,
+    cycle: int,
+    described: Body,
 ) -> Scar:
     patch = body.patch
     # An upper body's transverse axis runs backwards in the common frame.
@@ -141,6 +154,7 @@ def _scar(
         energy_density_mJ_per_mm2=energy[:, order],
         pressure_MPa=np.maximum(pressure, 0.0)[:, order],
         slip_distance_um=1e3 * slid.reshape(patch.shape)[:, order],
+        print_um=None if pressed is None else 1e3 * pressed[:, order],
     )
 
 
@@ -169,8 +183,28 @@ def evolution_row(
         **{f"max_depth_{scar.body}_um": scar.max_depth_um for scar in scars},
         "contact_half_width_um": 1e3 * max(report.half_width_x for report in trace.reports),
         **pressures,
+        **yielded(problem, state, trace, scars),
         "mirror_error": mirrored_mismatch(problem, trace),
         "jump_cycles": jump,
+    }
+
+
+def yielded(
+    problem: ContactProblem, state: ContactState, trace: CycleTrace, scars: tuple[Scar, Scar]
+) -> dict[str, float]:
+    """What a row of the evolution holds of bodies that yield, see `COLUMN_MEANINGS`; nothing of elastic ones."""
+    if problem.limit is None:
+        return {}
+    pressures = [report.normal_force / report.contact_area for report in trace.reports if report.contact_area > 0.0]
+    bodies, prints = (problem.primary, problem.secondary), state.wear.prints
+    volumes = (
+        float(body.node_areas @ depth.ravel()) for body, depth in zip(bodies, prints, strict=True) if depth is not None
+    )
+    return {
+        **{f"print_{scar.body}_um": float(scar.print_um.max()) for scar in scars if scar.print_um is not None},
+        PLASTIC_VOLUME: sum(volumes),
+        PLASTIC_WORK: state.wear.plastic_mJ,
+        OVER_YIELD: max(pressures, default=0.0) / problem.limit.yield_stress_MPa,
     }
 
 
@@ -246,6 +280,8 @@ class Recorded(ABC):
     def pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
         """Record the fresh contact under the normal load alone."""
         self.tally.fresh = {"fresh_max_pressure_MPa": report.max_pressure}
+        if problem.limit is not None:
+            self.tally.fresh |= limit_settings(problem, report)
         if not isnan(error := law_error(problem, state)):
             self.tally.fresh[_LAW_ERROR] = error
 

@@ -28,6 +28,9 @@ _FLATTEST = 1e-3  #: Gaps flatter one way than the other by this are those of li
 
 Found = TypeVar("Found")
 
+YIELDS = "stress at which its material yields in tension; without it that of the named material, or it stays elastic"
+HARDENS = "rise of that stress per plastic strain; without it the stress stays"
+
 
 class StatedBody(keys.Table):
     """What any body may state, in studies, records and mappings of all kinds."""
@@ -36,13 +39,15 @@ class StatedBody(keys.Table):
 
 
 class MaterialKeys(keys.OfMaterial):
-    """An elastic material."""
+    """An elastic material, or one that yields."""
 
     material: keys.MaterialName | None = Field(
         None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
     )
     youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
     poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+    yield_stress_MPa: keys.YieldStress | None = Field(None, description=YIELDS)
+    hardening_modulus_MPa: keys.Hardening | None = Field(None, description=HARDENS)
 
     @property
     def elastic(self) -> Elastic:
@@ -86,6 +91,8 @@ class Body(ABC):
     surface: StatedSurface | None = field(default=None, kw_only=True)
     layers: tuple[LayerTable, ...] = field(default=(), kw_only=True)  #: On it, outermost first.
     bulk: BulkTable | None = field(default=None, kw_only=True)  #: Stress that it carries beside the contact.
+    yield_stress_MPa: float | None = field(default=None, kw_only=True)  #: None of a body that stays elastic.
+    hardening_modulus_MPa: float | None = field(default=None, kw_only=True)
 
     @property
     def material(self) -> Elastic:
@@ -129,6 +136,11 @@ class Body(ABC):
         self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
     ) -> BodyGeometry:
         """The geometry that is meshed under a patch. Raises StudyError if the patch does not fit on it."""
+
+
+def yield_of(body: Body | MaterialKeys) -> tuple[float, float] | None:
+    """Yield stress and hardening modulus of a body in MPa, None of an elastic one."""
+    return None if body.yield_stress_MPa is None else (body.yield_stress_MPa, body.hardening_modulus_MPa or 0.0)
 
 
 OPEN = "?"  #: What stands in a guessed file for what only the user can say.

@@ -12,7 +12,7 @@ from wirewear.base import kinds
 from wirewear.base.errors import Quantity, RecordError, StudyError
 from wirewear.effects import Seam
 from wirewear.test import keys
-from wirewear.test.bodies import BodiesByOptions, MountedBody, StatedBodies
+from wirewear.test.bodies import BodiesByOptions, MountedBody, StatedBodies, yield_of
 from wirewear.test.drive import bulk_of
 from wirewear.test.faces import FACE_KEYS, PadFace, PadFaceOrFile
 from wirewear.test.keys import Inconsistency
@@ -199,6 +199,10 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
     def materials(self) -> dict[str, Elastic]:
         """Elastic constants of the specimen and of the pad."""
         return {"specimen": self.specimen.elastic, "pad": self.pad.elastic}
+
+    @property
+    def yields(self) -> dict[str, tuple[float, float] | None]:
+        return {"specimen": yield_of(self.specimen), "pad": yield_of(self.pad)}
 
     @property
     def drive(self) -> Drive:

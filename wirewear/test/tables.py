@@ -13,7 +13,7 @@ from solvers import Archard, Coulomb, Drive, EnergyLaw, FrictionLaw, Holder, Wav
 from wirewear.base import kinds
 from wirewear.base.errors import shown
 from wirewear.test import keys
-from wirewear.test.bodies import Body, Wire
+from wirewear.test.bodies import Body, Wire, yield_of
 from wirewear.test.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, bulk_of, drive_of
 from wirewear.test.life import LifeTable
 from wirewear.test.programme import CycleBlock
@@ -88,6 +88,12 @@ class FrictionTable(keys.Table):
     friction: keys.Friction = Field(description="coefficient of friction", examples=[0.62])
     friction_law: keys.FrictionLawKey = Field(
         Coulomb(), description='"coulomb", or a table of another law\'s name and parameters; friction is its start'
+    )
+    plasticity: Annotated[
+        Literal["limited pressure", "none"], PlainValidator(keys.one_of("limited pressure", "none"))
+    ] = Field(
+        "limited pressure",
+        description='what a body that states its yield_stress_MPa does: "limited pressure", or "none" to stay elastic',
     )
 
 
@@ -314,6 +320,11 @@ class CommonTables(StatesItsKind, ABC):
         """Elastic constants of the driven body and of the held one, by their names."""
 
     @property
+    def yields(self) -> dict[str, tuple[float, float] | None]:
+        """Yield stress and hardening modulus, MPa, of the driven body and of the held one; None where it is elastic."""
+        return {}
+
+    @property
     @abstractmethod
     def drive(self) -> Drive:
         """Displacement, load and bulk stresses in the course of a cycle."""
@@ -384,6 +395,10 @@ class ContactTables(CommonTables):
     def materials(self) -> dict[str, Elastic]:
         """Elastic constants of the driven body and of the held one."""
         return {body.name: body.material for body in self.bodies_of_test()}
+
+    @property
+    def yields(self) -> dict[str, tuple[float, float] | None]:
+        return {body.name: yield_of(body) for body in self.bodies_of_test()}
 
     @property
     def drive(self) -> Drive:

@@ -98,6 +98,8 @@ class WireOverride(SurfaceKeys, keys.OfMaterial):
     )
     youngs_modulus_MPa: keys.YoungsModulus | None = Field(None, description="Young's modulus of this wire")
     poissons_ratio: keys.PoissonsRatio | None = Field(None, description="Poisson's ratio of this wire")
+    yield_stress_MPa: keys.YieldStress | None = Field(None, description="yield stress of this wire")
+    hardening_modulus_MPa: keys.Hardening | None = Field(None, description="hardening modulus of this wire")
     grip_angle_deg: keys.GripAngle | None = Field(None, description="part of this wire's circumference that is held")
     grip_length_mm: keys.Length | None = Field(None, description="length over which this wire is held")
     grip_stiffness_N_per_mm3: keys.GripStiffness | None = Field(

@@ -1,0 +1,63 @@
+"""What the bodies of a study bear before they yield: the limit of their pressure, and what is recorded of it."""
+
+from typing import Any
+
+from solvers import ContactProblem, IncrementReport, PressureLimit
+from wirewear import reference
+from wirewear.test import AnyStudy, Study
+from wirewear.test.bodies import hertz_of
+
+_STRAIN = 0.2  #: Of an indentation, over a/R (Tabor, The Hardness of Metals (1951)).
+_ALIKE = 1e-6  #: Yield stresses that differ by less, relative, are equal.
+
+
+def limit_of_points(study: Study) -> PressureLimit | None:
+    """The limit of a contact at a point; None where no body yields, or the study asks for none."""
+    contact = hertz_of(study.conditions.normal_load_N, *study.bodies)
+    axes = contact.minor_semi_axis_mm, contact.major_semi_axis_mm
+    return pressure_limit(study, study.conditions.normal_load_N, contact.peak_pressure_MPa, axes, power=3.0)
+
+
+def pressure_limit(
+    study: AnyStudy[Any], load: float, pressure_MPa: float, semi_axes_mm: tuple[float, float], *, power: float
+) -> PressureLimit | None:
+    """The limit of the contact whose largest pressure and semi-axes, the minor one first, a load makes, N or N/mm.
+
+    power: of the largest pressure that the load goes with.
+    """
+    stated = {name: own for name, own in study.tables.yields.items() if own is not None}
+    if not stated or study.contact.plasticity == "none":
+        return None
+    (driven, held), materials = study.tables.materials, study.tables.materials
+    softer = min(stated, key=lambda name: stated[name][0])
+    stress, hardening = stated[softer]
+    alike = len(stated) == 2 and abs(stated[driven][0] - stated[held][0]) <= _ALIKE * stress
+    minor, major = semi_axes_mm
+    ratio = reference.first_yield_ratio(minor / major, materials[softer].poissons_ratio)
+    modulus = reference.contact_modulus(materials[driven], materials[held])
+    beyond = (pressure_MPa / (ratio * stress)) ** power
+    return PressureLimit(
+        yield_stress_MPa=stress,
+        first_yield_ratio=ratio,
+        first_yield_load=load / beyond,
+        overlap_mm=pressure_MPa * minor / modulus,
+        upper_share=0.5 if alike else float(softer == held),
+        hardening_MPa=hardening,
+        # Of Hertz' contacts a/R is about 1.6 p0/E*, of lines 2 p0/E*.
+        first_yield_strain=_STRAIN * (1.57 if power > 2.0 else 2.0) * ratio * stress / modulus,
+    )
+
+
+def limit_settings(problem: ContactProblem, pressed: IncrementReport) -> dict[str, float]:
+    """What a result records of the limit, and of the fresh contact under it."""
+    limit = problem.limit
+    if limit is None:
+        return {}
+    load = problem.holder.normal_load_N
+    return {
+        "yield_stress_MPa": limit.yield_stress_MPa,
+        "first_yield_load_N": limit.first_yield_load,
+        "pressure_limit_MPa": float(limit.limit_MPa(load)),
+        "fresh_mean_pressure_over_yield": pressed.normal_force / pressed.contact_area / limit.yield_stress_MPa,
+        "indentation_strain": limit.strain(load),
+    }
