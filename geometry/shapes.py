@@ -158,7 +158,7 @@ class PlanarGeometry:
     profile: Profile  #: The contact surface.
     half_width_mm: float  #: Of the body around the point of first contact.
     height_mm: float  #: Below that point.
-    along: GradedAxis | EdgeGradedAxis | RimGradedAxis  #: Mesh lines of the contact patch.
+    along: GradedAxis | EdgeGradedAxis  #: Mesh lines of the contact patch.
     far_mm: float = 1.0  #: Largest element far away.
     growth: float = 1.3  #: Of elements from one to the next on the way there.
     grip_half_width_mm: float | None = None  #: Of the held part of the back, about the middle; all without it.

@@ -27,6 +27,8 @@ from wirewear.simulation import run_study, simulate
 from wirewear.simulation.convergence import LINES, converge, convergence_table
 from wirewear.simulation.line_model import farthest_contact, line_plan
 from wirewear.simulation.store import CHECKPOINT_FILE_NAME
+from wirewear.stress.lines import INSIDE_LINES
+from wirewear.stress.strength import material_points
 from wirewear.test import LineStudy
 from wirewear.verification.line_contact import (
     MATERIAL,
@@ -391,10 +393,33 @@ def test_energy_in_partial_slip_is_that_of_cattaneo_and_of_nowell_and_hills(
     assert 1e3 * float(loop.friction_work_mJ[-1]) == pytest.approx(energy_uJ, rel=0.02)
 
 
-def test_a_line_contact_that_bodies_or_rig_let_stick_has_elements_that_shrink_towards_its_rim() -> None:
+@pytest.mark.seconds
+@pytest.mark.parametrize(("share", "stress_MPa"), [(0.3, 0.0), (0.5, 60.0)])
+def test_tension_at_the_trailing_edge_in_partial_slip_is_that_of_nowell_and_hills(
+    share: float, stress_MPa: float
+) -> None:
+    study, half_mm, pressure_MPa = sticking(share, stress_MPa), 0.203421, 469.434
+    result = simulate(study, fidelity="quick")
+    states = INSIDE_LINES.states(result, "specimen", 1, ["end-forward"], worn=False)
+    exact = stress_MPa + reference.line_partial_slip_stress(
+        -half_mm,
+        0.0,
+        half_width_mm=half_mm,
+        stick_half_width_mm=half_mm * np.sqrt(1.0 - share),
+        peak_pressure_MPa=pressure_MPa,
+        friction=0.6,
+        poissons_ratio=0.3,
+        stick_centre_mm=half_mm * stress_MPa / (4.0 * 0.6 * pressure_MPa),
+    )
+    found = material_points(states, states[0].patch_nodes).history[0, :, 0].max()
+    assert found == pytest.approx(float(exact[0]), rel=0.03)
+
+
+def test_a_line_contact_that_its_bodies_let_stick_has_more_elements_all_alike() -> None:
     given = sticking(0.5).with_values({"conditions.held_tangential_force_N_per_mm": None})
     for height_mm, amplitude_um, sticks in ((10.0, 3.5, True), (4.0, 3.5, False), (10.0, 6.0, False)):
         values = {"conditions.displacement_amplitude_um": amplitude_um}
         heights = {f"{body}.height_mm": height_mm for body in ("pad", "specimen")}
         axis = line_plan(given.with_values(values | heights), "quick").pad.along
-        assert isinstance(axis, geometry.RimGradedAxis) == sticks
+        a = line_plan(given, "quick").hertz.half_width_mm
+        assert a / np.diff(axis.half_lines()) == pytest.approx(40.0 if sticks else 8.0, rel=0.1)

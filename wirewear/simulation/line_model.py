@@ -15,7 +15,6 @@ from geometry import (
     Flat,
     GradedAxis,
     PlanarGeometry,
-    RimGradedAxis,
     RoundedFlat,
     TabledProfile,
     build_planar,
@@ -167,12 +166,10 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
     finer = mesh.mesh_refinement
     fine = (1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else reach / per_contact) / finer
 
-    def along(moved: float) -> GradedAxis | EdgeGradedAxis | RimGradedAxis:
-        if sticks and not isinstance(face, RoundedFlat) and tilted == fresh.half_width_mm:
-            return RimGradedAxis(tilted, round(finer * level.to_rim), half + moved)
+    def along(moved: float) -> GradedAxis | EdgeGradedAxis:
         if isinstance(face, RoundedFlat):
             return EdgeGradedAxis(fine, _MIDDLE * fine, middle_of(face, reach, moved), half + moved)
-        if not wears:
+        if not wears or sticks:
             return GradedAxis(fine, half + moved, fine, half + moved)
         fine_to = min(1.5 * fresh.half_width_mm + moved, half + moved)
         return GradedAxis(fine, fine_to, max(fine, half / (finer * level.per_scar)), half + moved, _GROWTH)
@@ -319,8 +316,6 @@ def _nodes(meshes: LinePlan) -> int:
 def _fine_nodes(body: PlanarGeometry) -> int:
     """Nodes in the fine zone of a body's contact; those beyond are fewer."""
     along = body.along
-    if isinstance(along, RimGradedAxis):
-        return len(along.lines())
     if isinstance(along, EdgeGradedAxis):
         fine_mm = along.half_extent_mm - along.fine_from_mm
     else:
