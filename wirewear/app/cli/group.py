@@ -27,6 +27,7 @@ GOES_ON = {
     "run": "--resume goes on from the last checkpoint",
     "converge": "the same command goes on",
     "sweep": "the same command goes on",
+    "strand": "the same command goes on",
     "diagnose": "nothing was written",
 }
 WHOLE = "no file is left half written"
