@@ -10,7 +10,7 @@ from wirewear.loops.clock import read_clock
 from wirewear.loops.cycles import MOST_CYCLES, WHOLE, cycle_starts, cycles_between, outline, signal_among, turns_of
 from wirewear.loops.drive import Drift, drift_of, rough, smooth_periodic
 from wirewear.loops.figures import LoopError
-from wirewear.loops.noise import clipped, outliers, sample_noise
+from wirewear.loops.noise import clipped, outliers, sample_noise, step_of
 from wirewear.loops.sensor import enclosed_area
 
 FEWEST_SAMPLES = 16
@@ -34,6 +34,12 @@ OPENS = (
     "the normal force falls to zero within the cycle, where the contact opens: coefficients of friction are left out"
 )
 
+
+HOLDS = "the {} keeps each reading for {:.2g} samples: the first of each is taken, and the others are left out"
+
+#: A channel is kept for some samples at a time if it is for so many as a mean, if runs that are as long but for a
+#: sample have that share of all samples, and if it goes farther than so many of its steps from one to the next.
+KEPT, ALIKE, FARTHER = 1.4, 0.9, 2.5
 
 DRIFTS = "the displacement drifts by {:.3g} µm within the loop, {:.1%} of its stroke: that was taken out"
 
@@ -123,7 +129,8 @@ def clean_loop(
         time = clock.time_s
     _require_change(time - time[0], "time_s")
 
-    notes = [*([clock.note] if clock.note else []), *_clipping_notes(displacement, force)]
+    read, displacement, force, kept = _read_anew(displacement, force)
+    notes = [one for one in (clock.note, kept) if one] + _clipping_notes(displacement[read], force[read])
     if normal is not None and clipped(normal, beside=displacement) is not None:
         normal, notes = None, [*notes, NORMAL_CLIPPED]
     joined = outline(displacement, force) if time_s is None else None
@@ -132,6 +139,7 @@ def clean_loop(
         time[joined] = np.arange(count, dtype=float)
     order = np.argsort(time, kind="stable")
     order = order[np.concatenate([[True], np.diff(time[order]) > 0.0])]
+    order = order[np.isin(order, read)]
     _require_enough(order, count)
     past, drift = 0, Drift()
     if joined is None:
@@ -167,7 +175,7 @@ def clean_loop(
         smoothed=drive.smoothed,
         force_noise_N=sample_noise(force[order], time[order]),
         normal_noise_N=normal_noise,
-        outliers=tuple(sorted(set(range(count)) - set(order.tolist()))),
+        outliers=tuple(sorted(set(read.tolist()) - set(order.tolist()))),
         past=past,
         may_drift_by=drift.rate if drive.smoothed and not drift.certain else 0.0,
         notes=(
@@ -199,6 +207,36 @@ def _channel(values: ArrayLike, name: str, length: int | None = None) -> Array:
         limit = "finite" if not np.isfinite(channel[broken[0]]) else f"below {LARGEST:g} in size, as any sensor reads"
         raise LoopError(f"{name} must be {limit}, but sample {broken[0]} is {channel[broken[0]]:g}")
     return channel
+
+
+def _read_anew(displacement: Array, force: Array) -> tuple[NDArray[np.intp], Array, Array, str | None]:
+    """The samples at which a channel that a logger keeps for some samples at a time is read, both channels, and what is
+    said of it. Of two such channels it is the one that is read less often, and the other one runs straight from reading
+    to reading. Else all samples.
+    """
+    channels = {"displacement": displacement, "tangential force": force}
+    found = {name: read for name, values in channels.items() if (read := _readings(values)) is not None}
+    every = np.arange(force.size)
+    if not found:
+        return every, displacement, force, None
+    name, read = min(found.items(), key=lambda one: one[1].size)
+    channels |= {other: np.interp(every, at, channels[other][at]) for other, at in found.items() if other != name}
+    return read, channels["displacement"], channels["tangential force"], HOLDS.format(name, force.size / read.size)
+
+
+def _readings(values: Array) -> NDArray[np.intp] | None:
+    """Where a channel (n,) that keeps its readings is read; None if it does not, or is only read in coarse steps."""
+    starts = np.flatnonzero(np.diff(values, prepend=np.nan) != 0.0)
+    runs = np.diff(np.append(starts, values.size))
+    if starts.size < FEWEST_SAMPLES or values.size < KEPT * starts.size:
+        return None
+    usual = int(np.median(runs))
+    alike = np.abs(runs - usual) <= 1
+    far = float(np.quantile(np.abs(np.diff(values[starts])), ALIKE))
+    if runs[alike].sum() < ALIKE * values.size or far < FARTHER * step_of(values):
+        return None
+    # A shorter run at the beginning was read before.
+    return starts if runs[0] >= usual else starts[1:]
 
 
 def _normal_channel(values: ArrayLike | None, length: int) -> tuple[Array | None, bool]:
