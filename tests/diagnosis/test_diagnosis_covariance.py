@@ -211,7 +211,7 @@ def test_errors_of_readings_grow_with_the_correlation_of_the_noise() -> None:
     random = np.random.default_rng(11)
     errors = {}
     for correlation in (0.0, 0.7):
-        loops = [reduced_loop(noisy_loop(cycle, correlation, random), Noise()) for cycle in range(1, 9)]
+        loops = [reduced_loop(noisy_loop(cycle, correlation, random), Noise(), 2.0) for cycle in range(1, 9)]
         errors[correlation] = [
             float(np.median([getattr(loop, name) for loop in loops]))
             for name in ("sample_noise_N", "force_noise_N", "normal_error_N")

@@ -63,7 +63,7 @@ def test_load_coupling_is_named_whether_or_not_the_reading_runs_back(linear: flo
 def test_the_branches_of_a_reading_that_runs_back_begin_at_the_reversal() -> None:
     one = leaning(-3.2)
     for loop in one.loops:
-        for branch in reduced_loop(loop, one.tables.noise).branches:
+        for branch in reduced_loop(loop, one.tables.noise, 2.0).branches:
             assert branch.force_N[0] < -0.5 * branch.force_N.max()
             assert branch.displacement_um[branch.knee] < branch.displacement_um[0] - 4.0
 

@@ -1,7 +1,6 @@
 """Programmes of blocks, drives that hold a figure of the loop by their amplitude, tests that stop at a stated wear."""
 
 import pickle
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -349,12 +348,6 @@ def test_a_record_states_a_load_that_varies_and_what_the_drive_holds_which_is_no
         RecordError, match="has a load that varies within the cycle, which the fast model does not cover"
     ):
         fit_record(record)
-    steady = record.tables.conditions.model_copy(update={"load_cycle": None})
-    steady = steady.model_copy(update={"held_energy_mJ": None, "held_tangential_force_N": 1.0})
-    with pytest.raises(
-        RecordError, match=r"holds its tangential force, which says nothing of how far the bodies slide"
-    ):
-        fit_record(replace(record, tables=record.tables.model_copy(update={"conditions": steady})))
 
 
 def test_an_unknown_key_of_a_block_is_passed_over_with_its_line(measured: ExperimentRecord, tmp_path: Path) -> None:

@@ -113,12 +113,14 @@ def derivatives(states: WearStates, setup: SurrogateInputs, layout: Layout, size
 
 
 def _bent(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Array:
-    """What a straight line in the order of micro-slip misses (n, 1), root of the mean square.
+    """What a straight line in the order of micro-slip misses (n, 1 or 0), root of the mean square.
 
     Laws of friction from Mindlin's to Dahl's lie so far apart that a knee shows them only beyond a standard deviation,
     where a contact as soft as its rig yields over much of the stroke. f(z) = f(0) + f'z + c z²/4, and E z⁴ = 3.
     """
     size = states.freedoms.get("micro_slip", 0.0)
+    if size == 0.0:
+        return np.zeros((len(layout), 0))
     far, none, *both = layout.computed(
         states, *(moved(setup, "micro_slip", share * size) for share in (2.0, 0.0, 0.5, -0.5))
     )

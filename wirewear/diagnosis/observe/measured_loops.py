@@ -110,6 +110,7 @@ class ReducedLoop:
     normal_N: tuple[float, float] | None
     normal_error_N: float
     harmonics: ComplexArray
+    sticks: bool = False  #: Whether the contact sticks in its middle throughout.
 
     @property
     def correlation(self) -> float:
@@ -133,9 +134,9 @@ class ReducedLoop:
         return -0.5 * sum(crossings)
 
 
-def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
+def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) -> ReducedLoop:
     """A measured loop made ready; its noise is taken from its samples, or as stated where these are few.
-    Raises LoopError if it cannot be read, or does not slide as a whole.
+    Raises LoopError if it cannot be read, or slides as a whole at the ends of its stroke alone.
     """
     loop = measured.complete
     clean = clean_loop(loop.displacement_um, loop.tangential_force_N, None, time_s=loop.time_s)
@@ -148,10 +149,15 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     ]
     lines = [force_at(branch, 0.0, 2.0 * POSITION_WINDOW * amplitude) for branch in branches]
     mid = float(np.mean([np.nan if line is None else line.value for line in lines]))
+    shown, sticks = [branch.knee for branch in branches], False
     if not mid > 0.0 or any(branch.knee_um > LATEST_KNEE * amplitude for branch in branches):
-        raise LoopError("it does not slide as a whole over most of the stroke, as a diagnosis needs.")
-    normal = [branch.normal_N[branch.knee :] for branch in branches if branch.normal_N is not None]
-    sliding = [(branch.displacement_um[branch.knee :], branch.force_N[branch.knee :]) for branch in branches]
+        if loop.figures(normal_load_N).regime == "gross slip":
+            raise LoopError("it slides as a whole over a small part of the stroke alone, which hides how.")
+        branches, mid, shown = [_sticking(branch) for branch in branches], 0.5 * float(np.ptp(clean.force_N)), [0, 0]
+        sticks = True
+    pairs = [*zip(branches, shown, strict=True)]
+    normal = [branch.normal_N[first:] for branch, first in pairs if branch.normal_N is not None]
+    sliding = [(branch.displacement_um[first:], branch.force_N[first:]) for branch, first in pairs]
     rounding_um, rounding_N = (
         rounding_noise(step_of(values)) for values in (loop.displacement_um, loop.tangential_force_N)
     )
@@ -175,6 +181,7 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
         sample_noise_N=noise_q,
         normal_N=means,
         normal_error_N=normal_error,
+        sticks=sticks,
         harmonics=harmonics_of(clean.time, period_of(clean.time, clean.raw_displacement_um), clean.raw_displacement_um),
     )
 
@@ -219,6 +226,11 @@ def _branch(
     reversal = -float(other.force_N[-LAST_SAMPLES:].max())
     knee = knee_index(branch.travel_um, q, float(np.median(q[np.abs(x) < MIDDLE * amplitude])), amplitude, reversal)
     return ObservedBranch(sign, x, q, knee, None if normal_N is None else normal_N[branch.samples], reversal)
+
+
+def _sticking(branch: ObservedBranch) -> ObservedBranch:
+    """A branch all of which belongs to stick, up to its largest force."""
+    return replace(branch, knee=int(np.argmax(branch.force_N)))
 
 
 def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tuple[tuple[float, float] | None, float]:

@@ -144,7 +144,7 @@ def _loops(record: AnyRecord, notes: list[str]) -> Iterator[ReducedLoop]:
     for cycle in spread_cycles([cycle for cycle in record.cycles if cycle > 0], MOST_CYCLES):
         for loop in (one for one in record.loops if one.cycle == cycle):
             try:
-                yield reduced_loop(loop, record.tables.noise)
+                yield reduced_loop(loop, record.tables.noise, record.tables.conditions.normal_load_N)
             except (LoopError, ValueError, IndexError) as error:
                 notes.append(f"the loop of {loop.name} was left out: {error}")
 

@@ -38,6 +38,9 @@ _ODD = np.stack([sensing.POSITIONS**power for power in ODD_POWERS])
 _EVEN = np.stack([sensing.POSITIONS**power for power in EVEN_POWERS])
 _LIFT = np.stack([sensing.POSITIONS**power for power in LIFT_POWERS])
 
+#: Contacts that slide less than this share of the amplitude stick in their middle; halvings of what is reached.
+_LEAST_SLIP, _HALVINGS = 0.02, 32
+
 #: What is steeper towards the ends of the stroke, without a mean over it.
 _ENDS = sensing.POSITIONS**4 - 0.2
 
@@ -94,7 +97,7 @@ class _Layer:
     def of(cls, states: WearStates, chain: Chain, slip: Array) -> _Layer | None:
         """The layer of a chain from the first cycle on, at slip amplitudes (n,); None where there is none."""
         spread_um = chain.rough_um + chain.bed_um
-        if not (spread_um.any() and states.has_layers):
+        if states.sticks or not (spread_um.any() and states.has_layers):
             return None
         wires, unit = states.layered(), states.radius_um / slip**2
         under = remembered(spread_um, chain.worn_um3, LAYER_MEMORY)
@@ -141,18 +144,19 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     """The same under several setups of one test and one drive, which differ in their effects and numbers."""
     last = max(setups[0].cycles, float(cycles[-1]))
     nodes = np.unique(np.concatenate([np.geomspace(0.5, last, _NODES), cycles]))
-    chains, slip, energy = _wear_path(states, setups, nodes)
+    chains, slip, energy, share = _wear_path(states, setups, nodes)
     layer = _Layer.of_all(states, chains, slip)
     first = nodes.size * np.arange(len(setups))
     at, ends = (first[:, None] + np.searchsorted(nodes, cycles)).ravel(), first + nodes.size - 1
     whole, setup = Chain.joined(chains), _columns(setups, cycles.size)
     chain, end = whole.taken(at), whole.taken(ends)
-    contact = _contact(states, setup, chain, slip[at], layer and layer.taken(at))
-    loops = sensing.read_by_sensors(setup, chain, *sensing.branch_of(contact, chain, slip[at]), contact.load_N)
+    contact = replace(_contact(states, setup, chain, slip[at], layer and layer.taken(at)), share=share[at])
+    loops = sensing.read_by_sensors(setup, chain, *sensing.branch_of(contact, chain, slip[at]), contact)
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
-    scars, skews = _scars(states, end, slip[ends], under), _skews(states, end, slip[ends])
+    reach = states.reach(slip[ends])
+    scars, skews = _scars(states, end, reach, under), _skews(states, end, reach)
     profiles = [
-        states.profiles(one, end.taken(np.array([place])), float(slip[ends[place]])) for place, one in enumerate(setups)
+        states.profiles(one, end.taken(np.array([place])), float(reach[place])) for place, one in enumerate(setups)
     ]
     columns = (np.split(column, len(setups)) for column in (*loops, slip[at], energy[at], chain.worn_um3))
     return [PredictedLoops(cycles, *own) for own in zip(*columns, scars, skews, profiles, strict=True)]
@@ -166,8 +170,10 @@ def _columns(setups: Sequence[SurrogateInputs], moments: int) -> SurrogateInputs
 
 def _wear_path(
     states: WearStates, setups: Sequence[SurrogateInputs], cycles: Array
-) -> tuple[list[Chain], Array, Array]:
-    """Each setup's chain with its worn volume at cycles (n,), and slip amplitudes and loop energies of all, joined."""
+) -> tuple[list[Chain], Array, Array, Array]:
+    """Each setup's chain with its worn volume at cycles (n,), and slip amplitudes, loop energies and shares of the
+    friction that are reached, of all, joined.
+    """
     count, setup = len(setups), _columns(setups, cycles.size)
     wearing = setups[0].wearing_cycles(cycles)
     steps = np.diff(wearing, prepend=0.0)
@@ -190,9 +196,10 @@ def _wear_path(
         layer, chain = _Layer.of_all(states, chains, slip), Chain.joined(chains)
         for _ in range(_SLIP_SWEEPS):
             contact = _contact(states, setup, chain, slip, layer)
-            slip = np.maximum(slip + _missing_slip(setup, chain, contact, slip), 0.02 * setup.amplitude_um)
+            slip, share = _driven(setup, chain, contact, slip)
+        contact = replace(contact, share=share)
         energy = sensing.loop_energy(contact, slip)
-    return chains, slip, energy
+    return chains, slip, energy, share
 
 
 def _summed(per_cycle: Array, steps: Array) -> Array:
@@ -205,6 +212,7 @@ def _contact(
     states: WearStates, setup: SurrogateInputs, chain: Chain, slip: Array, layer: _Layer | None
 ) -> sensing.SlidingContact:
     """The contact's force curve at a slip amplitude, from the state of equal V R/δ⁴."""
+    slip = states.reach(np.maximum(slip, _LEAST_SLIP * setup.amplitude_um))
     own = setup.stretch * slip
     similarity = states.similar(states.open_share(chain) * chain.worn_um3, own)
     row, share = _places(states, similarity)
@@ -219,7 +227,7 @@ def _contact(
     unstretched = similarity * setup.stretch**4
     drop, lift = states.loads(*_places(states, unstretched), slip)
     stiffness = setup.stick_factor * np.exp(setup.stick_trend * decades) * stiffness_N_per_um
-    if (at := np.flatnonzero(chain.flattening_um)).size:
+    if not states.sticks and (at := np.flatnonzero(chain.flattening_um)).size:
         wires, unit = states.flattened(), slip[at] ** 2 / states.radius_um
         # The foundation cuts walls where they are: only the run's own states are stretched.
         flat = wires.at(chain.flattening_um[at] / unit, unstretched[at])
@@ -236,7 +244,8 @@ def _contact(
     along = load[:, None] + lift @ _LIFT
     force = along * np.tan(np.minimum(np.maximum(theta + angle, -1.2), 1.2))
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
-    return sensing.SlidingContact(along, force, stiffness, springs, states.full_slip * np.exp(setup.micro_slip))
+    order = states.order_between(row, share) * np.exp(setup.micro_slip)
+    return sensing.SlidingContact(along, force, stiffness, springs, order, np.ones_like(stiffness))
 
 
 @cache
@@ -253,6 +262,46 @@ def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
     share = (wanted - known[row]) / (known[row + 1] - known[row])
     # Beyond the last state, the trend of the last two goes on for a while.
     return row, np.minimum(np.maximum(share, 0.0), 3.0)
+
+
+def _driven(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> tuple[Array, Array]:
+    """Slip amplitudes (n,) by which a drive holds what it holds, and shares (n,) of the friction that are reached."""
+    share, least = np.ones_like(slip), _LEAST_SLIP * setup.amplitude_um
+    wanted = slip + _missing_slip(setup, chain, contact, slip)
+    if (at := np.flatnonzero(wanted < least)).size:
+        numbers: dict[str, Any] = {name: np.take(getattr(setup, name), at) for name in _NUMBERS}
+        share[at] = _sticking_share(replace(setup, **numbers), chain.taken(at), contact.taken(at))
+    return np.where(share < 1.0, 0.0, np.maximum(wanted, least)), share
+
+
+def _sticking_share(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact) -> Array:
+    """Share (n,) of the friction with which a contact that sticks in its middle holds what a drive holds; one where it
+    slides. By bisection: all that is held grows with it.
+    """
+    tip, held = contact.force_N[:, sensing.END], setup.held if np.isnan(chain.amplitude_um).all() else ""
+    target = np.asarray(setup.held_share * setup.amplitude_um) if held else chain.amplitude_um
+    gain, coupling = (chain.gain, chain.linear_um_per_N) if setup.drive == "sensor" and not held else (1.0, 0.0)
+
+    def reached(share: Array) -> Array:
+        own = replace(contact, share=share)
+        if held == "energy":
+            return sensing.loop_energy(own, np.zeros_like(share))
+        if held == "slip":
+            return sensing.slip_amplitude(own, np.zeros_like(share))
+        if held == "tangential":
+            return share * tip
+        springs = contact.springs_um_per_N * share * tip + 0.5 * chain.free_play_um
+        if held == "motion":
+            springs = springs - chain.compliance_um_per_N * share * tip - 0.5 * chain.free_play_um
+        return np.asarray(gain * (sensing.micro_slip(own) + springs) + coupling * share * tip)
+
+    low, high = np.zeros_like(tip), np.full_like(tip, 1.0 - 1e-9)
+    whole = reached(high) <= target
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        above = reached(middle) > target
+        low, high = np.where(above, low, middle), np.where(above, middle, high)
+    return np.where(whole, 1.0, np.maximum(low, 1e-4))
 
 
 def _missing_slip(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
@@ -275,6 +324,8 @@ def _missing_slip(setup: SurrogateInputs, chain: Chain, contact: sensing.Sliding
 def _missing_held(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
     """The same of a drive that holds a figure of the loop in place of its amplitude."""
     target, tip = setup.held_share * setup.amplitude_um, contact.force_N[:, sensing.END]
+    if setup.held == "tangential":
+        return target - tip  # Less than friction: it sticks in its middle.
     if setup.held == "energy":
         per_um = 2e-3 * np.trapezoid(contact.force_N, sensing.POSITIONS, axis=1)
         return np.asarray((target - sensing.loop_energy(contact, slip)) / per_um)
@@ -306,7 +357,7 @@ def _scars(states: WearStates, last: Chain, slip: Array, worn_under_um: Array) -
     scaled[:, :, 0] *= np.divide(last.worn_um3, total, out=np.ones_like(total), where=total > 0.0)[:, None]
     unit = states.radius_um / slip**2
     similarity = last.worn_um3 * unit / slip**2
-    if (at := np.flatnonzero(last.flattening_um)).size:
+    if not states.sticks and (at := np.flatnonzero(last.flattening_um)).size:
         flat = states.flattened().at(last.flattening_um[at] * unit[at], similarity[at])
         scaled[at, :, 0] += flat.volume * (slip[at] ** 2 / unit[at])[:, None]
         scaled[at, :, 1] += flat.depth / unit[at, None]

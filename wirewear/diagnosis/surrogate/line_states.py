@@ -20,6 +20,7 @@ from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate import loop_states
 from wirewear.diagnosis.surrogate.line_wear import WornLine, WornLineContact, between, transformed, worn_line
+from wirewear.diagnosis.surrogate.sticking import sticking_states, sticks
 from wirewear.diagnosis.surrogate.wear_states import NUMERICAL, WearStates
 from wirewear.reference import Elastic, contact_modulus
 from wirewear.test.faces import Face
@@ -86,7 +87,7 @@ class LineStates(WearStates):
     has_layers = False
     #: None: the bodies as a whole give way, whatever the load.
     stiffening: ClassVar[float] = 0.0
-    freedoms = LINE_FREEDOMS
+    sliding_freedoms = LINE_FREEDOMS
 
     length_um: float = 0.0
     contact: WornLineContact | None = None
@@ -106,11 +107,16 @@ class LineStates(WearStates):
         study = result.study
         friction = float(study["contact"]["friction"])
         load = float(study["conditions"]["normal_load_N"])
-        cycles, full, *columns = loop_states.sliding(result, lambda loop: _row(loop, friction))
-        evolution, length_um = result.evolution, 1e3 * length_mm
-        areas = 1e6 * result.worn_volume_mm3 / length_mm
-        volume = length_um * np.interp(cycles, evolution["cycle"], areas)
-        radius = 1e3 * _radius_mm(face)
+        length_um, areas = 1e3 * length_mm, 1e6 * result.worn_volume_mm3 / length_mm
+        radius, scars = 1e3 * _radius_mm(face), np.zeros((len(result.loops), 2, 4))
+        full, slip = np.ones(1), 1.0
+        if sticks(result):
+            states = sticking_states(result, friction, has_maps=False)
+        else:
+            cycles, full, *columns = loop_states.sliding(result, lambda loop: _row(loop, friction))
+            volume = length_um * np.interp(cycles, result.evolution["cycle"], areas)
+            similarity, slip = volume / length_um * radius / columns[0] ** 3, float(columns[0][-1])
+            states = loop_states.states_of(result, load, volume, similarity, *columns) | {"scars": scars}
         hertz = 1e-3 * float(result.settings["hertz_half_width_um"])
         contact = WornLineContact(
             face=face,
@@ -125,12 +131,11 @@ class LineStates(WearStates):
             friction=friction,
             normal_load_N=load,
             fresh_area_um2=2e3 * hertz * length_um,
-            scars=np.zeros((volume.size, 2, 4)),
             length_um=length_um,
             full_slip=float(np.median(full)),
             contact=contact,
-            bodies={body: _worn(result, body, contact, float(columns[0][-1])) for body in BODIES},
-            **loop_states.states_of(result, load, volume, volume / length_um * radius / columns[0] ** 3, *columns),
+            bodies={body: _worn(result, body, contact, slip) for body in BODIES},
+            **states,
         )
 
     @property
@@ -148,6 +153,8 @@ class LineStates(WearStates):
 
     def similar(self, worn_um3: Array, slip_um: Array) -> Array:
         """A R/δ³."""
+        if self.sticks:
+            return super().similar(worn_um3, slip_um)
         return np.asarray(worn_um3 / self.length_um * self.radius_um / slip_um**3)
 
     def wearing(self, setup: SurrogateInputs, chain: Chain, slip_um: Array) -> Array:
@@ -172,7 +179,7 @@ class LineStates(WearStates):
             raise RunError("a line contact's states lack its contact")
         # W over 1/s, N·µm/(N·mm) make the supply one of pressure times length squared.
         power = 4e-6 * float(np.mean(chain.friction * slip_um)) * setup.frequency_Hz
-        supply = float(chain.oxygen_W[-1]) / power if chain.oxygen_W.any() else 0.0
+        supply = float(chain.oxygen_W[-1]) / max(power, 1e-12) if chain.oxygen_W.any() else 0.0
         values = {
             "retained_fraction": min(float(chain.retained_fraction[-1]), 0.97),
             "modulus_MPa": float(chain.bed_MPa[-1]),

@@ -90,7 +90,7 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
         sign = np.where(forward, 1.0, -1.0)
         slope, angle = fitted_angles(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
         stiffness = _stick_stiffness(x, q, p, travel, forward, slope, angle, friction, stiffness)
-    scars, skews = zip(*(_scar_figures(result, loop.cycle, body) for body in result.bodies), strict=True)
+    scars, skews = zip(*(scar_figures_of(result, loop.cycle, body) for body in result.bodies), strict=True)
     return volume, slip, slope, angle, stiffness, *fitted_load(s[slides] / slip, p[slides]), scars, skews
 
 
@@ -174,7 +174,8 @@ def _stick_stiffness(
     return float(np.median(FULL_SLIP * whole * (1.0 - (1.0 - done[near]) ** (2.0 / 3.0)) / travel[near]))
 
 
-def _scar_figures(result: RunResult, cycle: int, body: str) -> tuple[list[float], float]:
+def scar_figures_of(result: RunResult, cycle: int, body: str) -> tuple[list[float], float]:
+    """`SCAR_FIGURES` of a body after a cycle and the skew of its scar; zeros and NaN where none was logged."""
     try:
         scar = result.scar(cycle, body)
     except ResultError:

@@ -20,7 +20,6 @@ from wirewear.records.values import stated_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
 from wirewear.test import AnyStudy, LineStudy, Study
 from wirewear.test.bodies import Gap
-from wirewear.test.programme import held_by
 from wirewear.test.tables import Wear
 
 Result = TypeVar("Result")
@@ -87,17 +86,12 @@ def kept_or_made(
 
 def require_supported(record: AnyRecord) -> None:
     """See that the fast model predicts the loops that are looked at of a record.
-    Raises RecordError if its load varies within the cycle, its drive holds another figure than the stroke, or they are
-    of a block whose stroke is shorter than another's.
+    Raises RecordError if its load varies within the cycle, or they are of a block whose stroke is shorter than
+    another's.
     """
-    asked, held = record.tables.conditions, held_by(record.tables.conditions)
+    asked = record.tables.conditions
     if asked.load_cycle is not None:
         raise RecordError(f"the record {record.name!r} has a load that varies within the cycle{_UNSUPPORTED}.")
-    if held is not None and held.figure == "tangential":
-        raise RecordError(
-            f"the drive of {record.name!r} holds its tangential force, which says nothing of how far the bodies slide"
-            f"{_UNSUPPORTED}."
-        )
     if record.within_longer_strokes:
         raise RecordError(
             f"block {record.block} of the programme of {record.name!r} slides in scars of longer strokes, which the "

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar, TypeVar, cast
 
-from wirewear.base.errors import RecordError, StudyError
+from wirewear.base.errors import RecordError, RunError, StudyError
 from wirewear.diagnosis.surrogate import nominal
 from wirewear.diagnosis.surrogate.candidates import nominal_inputs, nominal_line_setup
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
@@ -22,7 +22,7 @@ from wirewear.results.scar import called
 from wirewear.test import AnyStudy, LineStudy, Study
 from wirewear.test.bodies import Gap
 from wirewear.test.kinds import kind_of
-from wirewear.test.programme import held_keys
+from wirewear.test.programme import held_by, held_keys
 
 
 @dataclass(frozen=True)
@@ -50,11 +50,12 @@ class PointModel:
 
     def states(self, _tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
         """Wear states of the quick run of the study, which an observer may watch, and what limits them, in sentences.
-        Raises StudyError or SolverError if the study cannot be run, RunError if no loop of it slides as a whole.
+        Raises StudyError or SolverError if the study cannot be run, RunError if its drive holds a force that slides
+        the bodies.
         """
         Gap.of(*self.study.bodies)  # refused before it is run
         result = nominal.nominal_run(self.study, observer_of)
-        return WearStates.of_run(result), nominal.limits_of(result, self.study)
+        return _driven(WearStates.of_run(result), self.study), nominal.limits_of(result, self.study)
 
     def inputs(self, tables: Any) -> SurrogateInputs:
         """The circumstances that the study states, with the surrogate's numerical freedoms as expected."""
@@ -102,7 +103,7 @@ class LineModel:
     def states(self, tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
         """As of a point contact; wear states are of the whole contact."""
         result = nominal.nominal_run(self.study, observer_of, nominal.line_run)
-        states = LineStates.of_line(result, self.study.pad.profile, tables.length_mm)
+        states = _driven(LineStates.of_line(result, self.study.pad.profile, tables.length_mm), self.study)
         return states, nominal.limits_of(result, self.study)
 
     def inputs(self, tables: Any) -> SurrogateInputs:
@@ -113,6 +114,20 @@ class LineModel:
         """The study with further effects and another amplitude."""
         every = (*self.study.effects, *effects)
         return self.study.changed({"effects": every, "conditions": {"displacement_amplitude_um": amplitude_um}})
+
+
+States = TypeVar("States", bound=WearStates)
+
+
+def _driven(states: States, study: AnyStudy[Any]) -> States:
+    """The states. Raises RunError if the drive holds a force under which the bodies slide."""
+    held = held_by(study.conditions)
+    if held is not None and held.figure == "tangential" and not states.sticks:
+        raise RunError(
+            f"the drive of {study.name!r} holds its tangential force, under which the bodies slide as a whole: nothing "
+            "but the scar's walls says how far, which can be checked and compared, but neither fitted nor diagnosed."
+        )
+    return states
 
 
 NominalModel = PointModel | LineModel

@@ -40,6 +40,7 @@ class SlidingContact:
     stiffness_N_per_um: Array
     springs_um_per_N: Array
     order: Array
+    share: Array  #: Of the friction that the force comes to, one where the contact slides.
 
     def taken(self, moments: NDArray[np.intp]) -> "SlidingContact":
         """Some moments only."""
@@ -59,9 +60,10 @@ def elastic_of(contact: SlidingContact) -> Array:
 def loop_energy(contact: SlidingContact, slip: Array) -> Array:
     """Friction energy of a loop in mJ: twice the work along the branch, and that of micro-slip."""
     sliding = 2.0 * slip * np.trapezoid(contact.force_N, POSITIONS, axis=1)
-    # Four times what the branch of micro-slip (`branch_of`) encloses with its chord.
-    share = 4.0 * (contact.order - 1.0) / (contact.order + 1.0)
-    return 1e-3 * (sliding + share * contact.force_N[:, 0] ** 2 * contact.yielding_um_per_N)
+    # Twice what the branch of micro-slip (`branch_of`) encloses with its chord.
+    power, left = 1.0 / contact.order, 1.0 - contact.share
+    inside = (1.0 - left ** (power + 1.0)) / (power + 1.0) - 0.5 * contact.share * (1.0 + left**power)
+    return 1e-3 * (sliding + 8.0 * inside * contact.force_N[:, 0] ** 2 * contact.yielding_um_per_N)
 
 
 def slip_amplitude(contact: SlidingContact, slip: Array) -> Array:
@@ -69,21 +71,33 @@ def slip_amplitude(contact: SlidingContact, slip: Array) -> Array:
     tip = contact.force_N[:, END]
     rise = np.maximum(contact.force_N[:, 0] + tip, 1e-6)
     stuck = 1.0 - np.minimum(tip / rise, 1.0)
-    return np.asarray(slip + contact.yielding_um_per_N * (tip - rise * (1.0 - stuck ** (1.0 / contact.order))))
+    whole = slip + contact.yielding_um_per_N * (tip - rise * (1.0 - stuck ** (1.0 / contact.order)))
+    part = micro_slip(contact) - 2.0 * contact.yielding_um_per_N * tip * (
+        1.0 - (1.0 - 0.5 * contact.share) ** (1.0 / contact.order)
+    )
+    return np.asarray(np.where(contact.share < 1.0, part, whole))
+
+
+def micro_slip(contact: SlidingContact) -> Array:
+    """Half of the travel (n,) of a contact that sticks in its middle: Mindlin's by Masing's rule, of any order."""
+    left = 1.0 - contact.share
+    return np.asarray(contact.yielding_um_per_N * contact.force_N[:, END] * (1.0 - left ** (1.0 / contact.order)))
 
 
 def branch_of(contact: SlidingContact, chain: Chain, slip: Array) -> tuple[Array, Array]:
     """True displacement and force (n, m) along the branch towards +x, from reversal to reversal.
 
     Micro-slip takes n Q/K (1 − (1 − Q/µP)^(1/n)) of travel: Mindlin's with n = 3/2, softer knees with higher orders.
+    A contact that sticks in its middle goes so far of it as its share says, and stays there.
     """
-    force, tip = contact.force_N, contact.force_N[:, END]
+    force, tip, share = contact.force_N, contact.force_N[:, END], contact.share[:, None]
     rise = np.maximum(force[:, :1] + tip[:, None], 1e-6)
-    stick = rise * STICK - tip[:, None]
-    q = np.concatenate([stick, force[:, 1:]], axis=1)
-    full = contact.yielding_um_per_N[:, None]
-    micro = full * rise * (1.0 - (1.0 - STICK) ** (1.0 / contact.order[:, None])) - full * tip[:, None] - slip[:, None]
-    sliding = slip[:, None] * POSITIONS[1:] + full * force[:, 1:]
+    stick = share * (rise * STICK - tip[:, None])
+    full, sticks = contact.yielding_um_per_N[:, None], share < 1.0
+    before = np.where(sticks, micro_slip(contact)[:, None], full * tip[:, None] + slip[:, None])
+    micro = full * rise * (1.0 - (1.0 - share * STICK) ** (1.0 / contact.order[:, None])) - before
+    q = np.concatenate([stick, np.where(sticks, stick[:, -1:], force[:, 1:])], axis=1)
+    sliding = np.where(sticks, micro[:, -1:], slip[:, None] * POSITIONS[1:] + full * force[:, 1:])
     springs = contact.springs_um_per_N[:, None]
     x = np.concatenate([micro, sliding], axis=1) + springs * q
     return x + 0.5 * chain.free_play_um[:, None] * np.minimum(np.maximum(q / PLAY_FORCE_N, -1.0), 1.0), q
@@ -108,9 +122,10 @@ def read_along(known: Array, values: Array, row: NDArray[np.intp], at: Array) ->
 
 
 def read_by_sensors(
-    setup: SurrogateInputs, chain: Chain, x: Array, q: Array, load: Array
+    setup: SurrogateInputs, chain: Chain, x: Array, q: Array, contact: SlidingContact
 ) -> tuple[Array, Array, Array]:
-    """Both branches (n, 2, m) as the sensors read them, and the normal force; `load` (n, k) of those that slide."""
+    """Both branches (n, 2, m) as the sensors read them, and the normal force."""
+    load, slides = contact.load_N, contact.share[:, None, None] >= 1.0
     # A branch sticks under the load of the end where it begins; the other way the load is the same, mirrored.
     there = np.concatenate([np.repeat(load[:, :1], STICK.size, axis=1), load[:, 1:]], axis=1)
     x = np.stack([x, -x], axis=1)
@@ -135,8 +150,8 @@ def read_by_sensors(
         relative = x - holder * q
         share = 1.0 + normal_spring * np.tan(tilt) * relative / p
         p, q = share * p, share * q
-        # Q = P tan(φ ± β): climbing on one stroke, descending on the other.
-        q = q + np.tan(tilt) * (p + q**2 / p)
+        # Q = P tan(φ ± β): climbing on one stroke, descending on the other. What sticks carries the load's part alone.
+        q = q + np.tan(tilt) * (p + slides * q**2 / p)
         x = relative + holder * q
     read = gain * x + linear * q + quadratic * q**2
     # A time, the same at all moments of a test, is a phase of the drive.

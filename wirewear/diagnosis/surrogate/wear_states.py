@@ -28,6 +28,7 @@ from wirewear.diagnosis.surrogate.layered_wires import (
     layered_wires,
 )
 from wirewear.diagnosis.surrogate.loop_states import FULL_SLIP, ODD_POWERS, sliding, state_of, states_of
+from wirewear.diagnosis.surrogate.sticking import FREEDOMS, sticking_states, sticks
 from wirewear.test import study_from_tables
 from wirewear.test.bodies import Gap, hertz_of, unworn_stiffness_N_per_um
 
@@ -55,8 +56,8 @@ class WearStates:
 
     has_layers: ClassVar[bool] = True  #: Whether layers of rough or loose material between such bodies are computed.
     stiffening: ClassVar[float] = 1.0 / 3.0  #: Power of the load with which the contact stiffens (Mindlin).
-    #: Standard deviations of the fast model's numerical freedoms on these states.
-    freedoms: ClassVar[Mapping[str, float]] = NUMERICAL
+    #: Standard deviations of the fast model's numerical freedoms where contacts slide.
+    sliding_freedoms: ClassVar[Mapping[str, float]] = NUMERICAL
 
     radius_um: float  #: Of the gap across the motion (`Gap`), that of wires.
     friction: float  #: Coefficient of friction of the run.
@@ -77,6 +78,8 @@ class WearStates:
     extra_skew: Array = field(default_factory=lambda: np.zeros((1, 2)))
     full_slip: float = FULL_SLIP  #: Elastic displacement of the sliding contact over Q/K_c.
     along: float = 1.0  #: Curvature of the gap along the motion over that across (`Gap`).
+    #: (n,) order of micro-slip of a contact that sticks in its middle, whose states follow the worn volume alone.
+    orders: Array = field(default_factory=lambda: np.zeros(0))
     #: Relative standard deviations of what nobody has stated of the test, by the names of its scatter.
     unknown: Mapping[str, float] = field(default_factory=dict)
 
@@ -87,6 +90,12 @@ class WearStates:
         bodies = study_from_tables(result.study, result.label).bodies
         gap, fresh = Gap.of(*bodies), unworn_stiffness_N_per_um(load, *bodies)
         radius = 1e3 * gap.radius_mm
+        if sticks(result):
+            return cls(
+                radius_um=radius, friction=friction, normal_load_N=load, along=gap.along,
+                fresh_area_um2=1e6 * float(np.pi) * hertz_of(load, *bodies).contact_radius_mm ** 2,
+                **sticking_states(result, friction),
+            )  # fmt: skip
         volume, *columns, scars, skews = sliding(result, lambda loop: state_of(result, loop, friction, fresh))
         return cls(
             radius_um=radius,
@@ -100,6 +109,16 @@ class WearStates:
         )
 
     @property
+    def sticks(self) -> bool:
+        """Whether the contact sticks in its middle, all through the nominal run."""
+        return self.orders.size > 0
+
+    @property
+    def freedoms(self) -> Mapping[str, float]:
+        """Standard deviations of the fast model's numerical freedoms on these states."""
+        return FREEDOMS if self.sticks else self.sliding_freedoms
+
+    @property
     def doubts(self) -> Mapping[str, float]:
         """Standard deviations of what is not stated and the same in all repeats."""
         return self.unknown
@@ -108,9 +127,19 @@ class WearStates:
         """How far the fast model is off with an effect, relative to the change that it makes."""
         return kind.model_error
 
+    def reach(self, slip_um: Array) -> Array:
+        """Slip amplitudes (n,) by which states are similar: one where a contact sticks, whatever slips around it."""
+        return np.ones_like(slip_um) if self.sticks else slip_um
+
+    def order_between(self, row: NDArray[np.intp], share: Array) -> Array:
+        """Order of micro-slip (k,) on shares of the way from rows to the next."""
+        if not self.sticks:
+            return np.full(row.size, self.full_slip)
+        return np.asarray(self.orders[row] + np.minimum(share, 1.0) * (self.orders[row + 1] - self.orders[row]))
+
     def similar(self, worn_um3: Array, slip_um: Array) -> Array:
         """What contacts (n,) that are geometrically similar have in common: V R/δ⁴."""
-        return np.asarray(worn_um3 * self.radius_um / slip_um**4)
+        return worn_um3 if self.sticks else np.asarray(worn_um3 * self.radius_um / slip_um**4)
 
     @property
     def spot_radius_um(self) -> float:

@@ -1,0 +1,128 @@
+"""Contacts that stick in their middle: loops of the fast model beside closed forms, and records of a ball.
+
+Reference figures: Ø12.7 mm steel ball on a flat under 40 N, µ = 0.6, K = 22461.5 N/mm (Mindlin and Deresiewicz 1953).
+"""
+
+from copy import deepcopy
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geometry.arrays import Array
+from tests.diagnosis.diagnosis_cases import nominal, with_effect
+from tests.simulation.test_point_contacts import STEEL
+from wirewear import record_of_result
+from wirewear.diagnosis import diagnose
+from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
+from wirewear.diagnosis.surrogate.wear_states import WearStates
+from wirewear.loops.sensor import Sensor, SensorNoise
+from wirewear.records import AnyRecord
+from wirewear.simulation import run_study
+from wirewear.test import study_from_tables
+
+LOAD_N, FRICTION, STIFFNESS_N_per_um = 40.0, 0.6, 22.4615
+FRICTION_N = FRICTION * LOAD_N
+#: Share of the friction, displacement amplitude in µm and energy in µJ.
+CASES = ((0.30, 0.33918, 0.19297), (0.50, 0.59308, 1.0837), (0.70, 0.88449, 3.8421), (0.95, 1.3852, 17.375))
+CYCLES = np.array([1.0, 100.0])
+
+
+def ball(orders: float = 1.5) -> WearStates:
+    flat, none = np.array([0.0, 1e3]), np.zeros((2, 2))
+    return WearStates(
+        radius_um=6350.0, friction=FRICTION, normal_load_N=LOAD_N, fresh_area_um2=43886.0, volume_um3=flat,
+        slip_um=np.ones(2), similarity=flat, slope=np.zeros((2, 5)), angle=none,
+        stiffness_N_per_um=np.full(2, STIFFNESS_N_per_um), load_drop_N=np.zeros(2), lift_N=none,
+        scars=np.zeros((2, 2, 4)), orders=np.full(2, orders),
+    )  # fmt: skip
+
+
+def circumstances(amplitude_um: float, **changes: Any) -> SurrogateInputs:
+    test = replace(
+        nominal(), amplitude_um=amplitude_um, load_N=LOAD_N, friction=FRICTION, compliance_um_per_N=0.0,
+        wear_um3_per_mJ=0.0, normal_spring_N_per_um=0.0, crossing_error_rad=0.0,
+    )  # fmt: skip
+    return replace(test, **changes)
+
+
+def largest(course: PredictedLoops) -> Array:
+    return np.asarray(course.tangential_force_N.max(axis=(1, 2)))
+
+
+@pytest.mark.parametrize(("share", "amplitude_um", "energy_uJ"), CASES)
+def test_a_loop_that_sticks_has_the_force_and_energy_of_mindlin(
+    share: float, amplitude_um: float, energy_uJ: float
+) -> None:
+    course = simulate(ball(), circumstances(amplitude_um), CYCLES)
+    assert largest(course) == pytest.approx(share * FRICTION_N, rel=1e-3)
+    assert 1e3 * course.energy_mJ == pytest.approx(energy_uJ, rel=3e-3)
+    x, q = course.displacement_um[0].ravel(), course.tangential_force_N[0].ravel()
+    area = 0.5 * abs(float(x @ np.roll(q, -1) - q @ np.roll(x, -1)))
+    assert area == pytest.approx(energy_uJ, rel=0.02)
+
+
+def test_friction_and_load_change_a_sticking_loop_by_the_law_of_jaeger() -> None:
+    """Force over friction is a function of the travel's share of that of full slip, which a load raises by P^(2/3)."""
+    _, amplitude_um, energy_uJ = CASES[1]
+    slippery = with_effect(circumstances(1.2 * amplitude_um), "friction_offset", {"friction": 1.2 * FRICTION})
+    course = simulate(ball(), slippery, CYCLES)
+    assert largest(course) == pytest.approx(1.2 * 0.5 * FRICTION_N, rel=1e-3)
+    assert 1e3 * course.energy_mJ == pytest.approx(1.2**2 * energy_uJ, rel=3e-3)
+    heavier = simulate(ball(), circumstances(1.1 ** (2 / 3) * amplitude_um, load_factor=1.1), CYCLES)
+    assert largest(heavier) == pytest.approx(1.1 * 0.5 * FRICTION_N, rel=1e-3)
+
+
+def test_springs_and_play_take_their_part_of_a_stroke_and_a_held_force_needs_it() -> None:
+    _, amplitude_um, energy_uJ = CASES[1]
+    springs_um_per_N, play_um = 0.05, 0.4
+    stroke = amplitude_um + springs_um_per_N * 0.5 * FRICTION_N + 0.5 * play_um
+    played = circumstances(stroke, compliance_um_per_N=springs_um_per_N)
+    played = with_effect(played, "free_play", {"gap_um": play_um})
+    held = replace(played, held="tangential", held_share=0.5 * FRICTION_N / stroke)
+    for one in (simulate(ball(), played, CYCLES), simulate(ball(), held, CYCLES)):
+        assert largest(one) == pytest.approx(0.5 * FRICTION_N, rel=1e-3)
+        assert 1e3 * one.energy_mJ == pytest.approx(energy_uJ, rel=3e-3)
+        assert 0.5 * np.ptp(one.displacement_um, axis=(1, 2)) == pytest.approx(stroke, rel=1e-3)
+
+
+def test_a_contact_that_sticks_slides_where_its_stroke_is_beyond_full_slip() -> None:
+    full_um = 1.5 * FRICTION_N / STIFFNESS_N_per_um
+    course = simulate(ball(), circumstances(full_um + 2.0), CYCLES)
+    assert course.slip_um == pytest.approx(2.0, rel=1e-3)
+    assert largest(course) == pytest.approx(FRICTION_N, rel=1e-6)
+
+
+def ball_record(folder: Path, conditions: dict[str, Any], *effects: dict[str, Any]) -> AnyRecord:
+    """A simulated test of a ball that sticks in its middle, on another mesh than diagnoses have, read by a rig."""
+    asked = {"normal_load_N": LOAD_N, "displacement_amplitude_um": 2.0, "frequency_Hz": 10.0, "cycles": 2000}
+    tables = {
+        "format": 1, "name": "ball", "kind": "ball-on-flat", "conditions": asked | conditions,
+        "bodies": {"ball": {"diameter_mm": 12.7, **STEEL}, "flat": STEEL},
+        "contact": {"friction": FRICTION}, "wear": {"energy_wear_coefficient_mm3_per_J": 2e-5},
+        "holder": {"tangential_stiffness_N_per_mm": 20000.0}, "log": {"loop_cycles": [1, 30, 300, 1000, 2000]},
+        "fidelity": {"quick": {"increments_per_cycle": 72, "mesh_refinement": 1.1}}, "effects": list(effects),
+    }  # fmt: skip
+    (run,) = run_study(study_from_tables(deepcopy(tables), "s"), fidelity="quick", output=folder)
+    noise = SensorNoise(displacement_um=0.01, tangential_force_N=0.1, normal_force_N=0.1)
+    return record_of_result(run, sensor=Sensor(noise=noise), repeats=2, seed=5, samples=300)
+
+
+@pytest.mark.slow
+def test_a_test_in_partial_slip_has_no_gap_or_its_cause(tmp_path: Path) -> None:
+    assert diagnose(ball_record(tmp_path / "sound", {})).diagnosis.verdict == "no_gap"
+    stiffness, key = 40000.0, "stiffness_N_per_mm"
+    found = diagnose(ball_record(tmp_path / "soft", {}, {"name": "tangential_compliance", key: stiffness})).diagnosis
+    assert found.verdict == "explained"
+    cause = next(one for one in found.causes if one.effect == "tangential_compliance")
+    low, high = cause.parameters[key].interval95
+    assert low < stiffness < high
+
+
+@pytest.mark.slow
+def test_a_drive_that_holds_its_force_is_diagnosed(tmp_path: Path) -> None:
+    held = {"held_tangential_force_N": 14.0, "displacement_amplitude_um": 6.0}
+    assert diagnose(ball_record(tmp_path, held)).diagnosis.verdict == "no_gap"

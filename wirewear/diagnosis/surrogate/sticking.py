@@ -1,0 +1,100 @@
+"""Wear states of a nominal run whose contact sticks in its middle: stiffness and order of micro-slip at each volume.
+
+A branch travels n Q/K (1 − (1 − ΔQ/2µP)^(1/n)): Mindlin's with n = 3/2, by Masing's rule twice the first loading. What
+is loaded under another load or friction follows the law of Ciavarella (1998) and Jäger: force over friction is a
+function of the travel's share of that of full slip. K and n of a loop are those of its travel and its energy.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wirewear.base.errors import RunError
+from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.surrogate.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS, scar_figures_of, smoothed
+from wirewear.results import Loop, RunResult
+
+if TYPE_CHECKING:
+    from geometry.arrays import Array
+
+_KNOWN = constants("model.sticking")
+
+#: Standard deviations of the fast model's numerical freedoms where a contact sticks in its middle: meshes that are made
+#: for what slips know its stiffness, and its order, as well as those of lines do.
+FREEDOMS = dict.fromkeys(("stick_factor", "micro_slip"), constants("model.line_states").number("stick_factor"))
+
+#: Orders that a contact may have, and shares of the friction at which a loop shows one.
+_ORDERS, _SHARES = _KNOWN.pair("orders"), _KNOWN.pair("shares")
+
+
+def sticks(result: RunResult) -> bool:
+    """Whether no loop of a run comes to slide as a whole."""
+    friction = float(result.study["contact"]["friction"])
+    return all(_share(loop, friction) < _SHARES[1] for loop in result.loops)
+
+
+def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -> dict[str, Any]:
+    """Columns of wear states, a row for each loop, over the worn volume of both bodies in µm³.
+
+    has_maps: whether worn surfaces are maps, not profiles.
+    Raises RunError if no loop carries a force.
+    """
+    rows = [row for loop in result.loops if (row := _row(loop, friction)) is not None]
+    if not rows:
+        raise RunError(f"no loop of the nominal run {result.name!r} carries a tangential force.")
+    cycles, stiffness, order = np.array(rows).T
+    if cycles.size == 1:
+        # A test that is logged once goes on as it is.
+        cycles, stiffness, order = (np.append(values, values[-1]) for values in (cycles, stiffness, order))
+    volume = 1e9 * np.interp(cycles, result.evolution["cycle"], result.worn_volume_mm3)
+    volume = np.maximum.accumulate(volume + 1e-9 * np.arange(volume.size) * max(float(volume[-1]), 1.0))
+    count = volume.size
+    return {
+        "volume_um3": volume,
+        "similarity": volume,
+        "slip_um": np.ones(count),
+        "slope": np.zeros((count, len(ODD_POWERS))),
+        "angle": np.zeros((count, len(EVEN_POWERS))),
+        "stiffness_N_per_um": smoothed(volume, stiffness[:, None])[:, 0],
+        "load_drop_N": np.zeros(count),
+        "lift_N": np.zeros((count, len(LIFT_POWERS))),
+        "stroke_um": max(0.5 * float(np.ptp(loop.displacement_um)) for loop in result.loops),
+        "scars": np.array([[_figures(result, cycle, body) for body in result.bodies] for cycle in cycles])
+        if has_maps
+        else np.zeros((count, 2, 4)),
+        "orders": np.clip(smoothed(volume, order[:, None])[:, 0], *_ORDERS),
+    }
+
+
+def _figures(result: RunResult, cycle: float, body: str) -> list[float]:
+    return scar_figures_of(result, int(cycle), body)[0]
+
+
+def _share(loop: Loop, friction: float) -> float:
+    return float(0.5 * np.ptp(loop.tangential_force_N) / (friction * loop.normal_force_N.mean()))
+
+
+def _row(loop: Loop, friction: float) -> tuple[float, float, float] | None:
+    """Cycle, stiffness in N/µm and order of a loop."""
+    x, q = loop.relative_displacement_um, loop.tangential_force_N
+    share, half = min(_share(loop, friction), _SHARES[1]), 0.5 * float(np.ptp(x))
+    if not half > 0.0 or share <= 0.0:
+        return None
+    force = 0.5 * float(np.ptp(q))
+    order = 1.5
+    if share > _SHARES[0]:
+        # Energy over 4 Q δ, which hardly slips at all.
+        shown = float(loop.friction_work_mJ[-1]) / (4e-3 * force * half)
+        orders = np.geomspace(*_ORDERS, 400)
+        order = float(np.interp(shown, _energies(orders, share), orders))
+    full = order * (1.0 - (1.0 - share) ** (1.0 / order)) / share
+    return float(loop.cycle), full * force / half, order
+
+
+def _energies(orders: Array, share: float) -> Array:
+    """Energies of loops over 4 Q δ, growing with the order."""
+    power, left = 1.0 / orders, 1.0 - share
+    inside = (1.0 - left ** (power + 1.0)) / (power + 1.0) - 0.5 * share * (1.0 + left**power)
+    return np.asarray(2.0 * inside / (share * (1.0 - left**power)))
