@@ -63,15 +63,29 @@ class SurfaceStress:
         return cls(wire.mesh, wire.patch, material, wire.geometry.layers)
 
     @cached_property
-    def window(self) -> tuple[slice, slice]:
-        """The patch's lines between which elements are alike."""
-        return alike(self.patch.axial_mm), alike(self.patch.transverse_mm)
+    def lines(self) -> tuple[Array, Array]:
+        """Evenly spaced lines along and across, in mm, of the window in which stresses are corrected."""
+        return even_lines(self.patch.axial_mm), even_lines(self.patch.transverse_mm)
 
     @property
     def spacing_mm(self) -> tuple[float, float]:
-        """Size of these elements along and across."""
-        lines = (self.patch.axial_mm[self.window[0]], self.patch.transverse_mm[self.window[1]])
-        return float(np.diff(lines[0]).mean()), float(np.diff(lines[1]).mean())
+        """Size of elements between them along and across."""
+        along, across = (float(np.diff(lines).mean()) for lines in self.lines)
+        return along, across
+
+    def on_lines(self, nodal: Array) -> Array:
+        """Values (n_a, n_t, ...) at the patch's nodes, at the nodes of these lines."""
+        for axis, (known, wanted) in enumerate(
+            zip((self.patch.axial_mm, self.patch.transverse_mm), self.lines, strict=True)
+        ):
+            nodal = np.moveaxis(between(known, np.moveaxis(nodal, axis, 0), wanted), 0, axis)
+        return nodal
+
+    @cached_property
+    def window_normals(self) -> Array:
+        """Outward normals (m_a, m_t, 3) at the window's nodes."""
+        found = self.on_lines(self.normals)
+        return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
 
     @cached_property
     def normals(self) -> Array:
@@ -94,13 +108,13 @@ class SurfaceStress:
         """A size (rows, columns) in which the stencil reaches the whole window, and its Fourier transform of that size,
         (rows, columns / 2 + 1, 6, 3).
         """
-        rows, columns = (next_fast_len(len(self.stencil) + w.stop - w.start - 1, real=True) for w in self.window)
+        rows, columns = (next_fast_len(len(self.stencil) + len(lines) - 1, real=True) for lines in self.lines)
         return (rows, columns), np.fft.rfft2(self.stencil, (rows, columns), axes=(0, 1))
 
     @cached_property
     def is_symmetric(self) -> bool:
         """Whether the window is its own mirror image about y = 0."""
-        across, normals = self.patch.transverse_mm[self.window[1]], self.normals[self.window]
+        across, normals = self.lines[1], self.window_normals
         alike_lines = np.allclose(across, -across[::-1], rtol=0.0, atol=_MIRRORED * self.spacing_mm[1])
         return bool(alike_lines and np.abs(normals - normals[:, ::-1] * [1.0, -1.0, 1.0]).max() < _MIRRORED)
 
@@ -110,9 +124,9 @@ class SurfaceStress:
         plane = force_N.reshape(*patch.shape, 3)
         for axis, lines in enumerate((patch.axial_mm, patch.transverse_mm)):
             plane = np.moveaxis(unspread(lines, np.moveaxis(plane, axis, 0)), 0, axis)
-        frames = _frames(self.normals[self.window])
+        frames = _frames(self.window_normals)
         # Of a tilted surface there is more than of the plane beneath it.
-        local = np.einsum("ijab,ijb->ija", frames, plane[self.window]) * frames[..., 2, 2, None]
+        local = np.einsum("ijab,ijb->ija", frames, self.on_lines(plane)) * frames[..., 2, 2, None]
         return LoadedSurface(self, local)
 
 
@@ -175,7 +189,7 @@ class LoadedSurface:
         normal = np.zeros((len(places), 3))
         for weight, corner in zip(weights, corners, strict=True):
             local -= weight[:, None] * self._of_elements[corner]
-            normal += weight[:, None] * self.surface.normals[self.surface.window][corner]
+            normal += weight[:, None] * self.surface.window_normals[corner]
         frames = _frames(normal / np.linalg.norm(normal, axis=-1, keepdims=True))
         return components(np.swapaxes(frames, -1, -2) @ tensors(local) @ frames)
 
@@ -195,20 +209,18 @@ class LoadedSurface:
 
     def _numbers(self, points_mm: Array) -> Array:
         """Places in elements from the window's first node."""
-        axes = (self.surface.patch.axial_mm, self.surface.patch.transverse_mm)
         return np.column_stack(
             [
-                np.interp(points_mm[:, k], axes[k][w], np.arange(float(len(axes[k][w]))), -1.0, 1e9)
-                for k, w in enumerate(self.surface.window)
+                np.interp(points_mm[:, k], lines, np.arange(float(len(lines))), -1.0, 1e9)
+                for k, lines in enumerate(self.surface.lines)
             ]
         )
 
     def _places(self, numbers: Array) -> Array:
-        axes = (self.surface.patch.axial_mm, self.surface.patch.transverse_mm)
         return np.column_stack(
             [
-                np.interp(numbers[:, k], np.arange(float(len(axes[k][w]))), axes[k][w])
-                for k, w in enumerate(self.surface.window)
+                np.interp(numbers[:, k], np.arange(float(len(lines))), lines)
+                for k, lines in enumerate(self.surface.lines)
             ]
         )
 
@@ -254,6 +266,26 @@ def alike(lines: Array) -> slice:
     first = int(other[other < middle].max(initial=-1)) + 1
     last = int(other[other > middle].min(initial=len(spacing)))
     return slice(first, last + 1)
+
+
+def even_lines(lines: Array) -> Array:
+    """Those of a grid about its middle between which elements are alike; where elements shrink away from the middle,
+    towards the rim of a contact that sticks, evenly spaced ones over all of it, as near as the nearest.
+    """
+    spacing = np.diff(lines)
+    finest = float(spacing.min())
+    if finest > (1.0 - _ALIKE) * spacing[len(spacing) // 2]:
+        return lines[alike(lines)]
+    return np.linspace(lines[0], lines[-1], 2 * round(0.5 * (lines[-1] - lines[0]) / finest) + 1)
+
+
+def between(known: Array, values: Array, wanted: Array) -> Array:
+    """Values (n, ...) at known lines (n,), linearly between them at wanted ones."""
+    if np.isin(wanted, known).all():
+        return np.asarray(values[np.isin(known, wanted)])
+    cell = np.clip(np.searchsorted(known, wanted, side="right") - 1, 0, len(known) - 2)
+    share = ((wanted - known[cell]) / np.diff(known)[cell]).reshape(-1, *(1,) * (values.ndim - 1))
+    return np.asarray((1.0 - share) * values[cell] + share * values[cell + 1])
 
 
 def unspread(lines: Array, force: Array) -> Array:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geometry import Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, build_planar
+from geometry import Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, RimGradedAxis, build_planar
 from geometry.arrays import Array
 from solvers import PlacedBody, facing, place
 from solvers.elasticity.patch_compliance import Bricks, half_space_response, missing_displacement, reach
@@ -13,7 +13,7 @@ from solvers.elasticity.strain import integration_points
 from solvers.stress.interior import Interior
 from solvers.stress.line_surface_stress import LineSurfaceStress, LoadedLine
 from solvers.stress.subgrid_traction import SubgridTraction
-from solvers.stress.surface_stress import LoadedSurface, SurfaceStress, half_space_stress
+from solvers.stress.surface_stress import LoadedSurface, SurfaceStress, between, even_lines, half_space_stress
 from solvers.transfer import hat_products
 from tests import bodies
 from tests.bodies import STEEL
@@ -286,3 +286,15 @@ def test_the_tension_behind_a_sliding_and_a_slipping_cylinder_is_mcewens_and_cat
     rows = line_surface_rows(FULL)
     assert len(rows) == 4
     assert [row for row in rows if not row.passed] == []
+
+
+def test_stresses_are_corrected_as_far_as_the_rim_on_lines_that_are_finest_there() -> None:
+    """On evenly spaced lines over the whole patch, between which the elements' bilinear tractions stay as they are."""
+    graded = RimGradedAxis(1.0, 12, 1.3).lines()
+    even, fine = even_lines(graded), GradedAxis(0.1, 0.5, 0.3, 2.0).lines()
+    assert (even[0], even[-1]) == (graded[0], graded[-1])
+    assert np.diff(even) == pytest.approx(np.diff(graded).min(), rel=0.02)
+    np.testing.assert_allclose(between(graded, 3.0 * graded[:, None] - 1.0, even), 3.0 * even[:, None] - 1.0)
+    inner = even_lines(fine)
+    assert inner[-1] == pytest.approx(0.5, rel=0.01)
+    np.testing.assert_array_equal(between(fine, fine**2, inner), inner**2)
