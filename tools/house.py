@@ -108,30 +108,67 @@ def rooms_among(modules: Mapping[str, Path]) -> Graph:
 #: Names of kinds, and classes and questions that distinguish one kind of contact from another.
 _NAMES = {"crossed-wires", "line-contact"}
 _KINDS = {
-    "ExperimentRecord", "LineRecord", "LineStates", "LineStudy", "Study",
-    "is_line_record",
+    "ExperimentRecord", "JointStudy", "JointTables", "LineRecord", "LineRecordTables", "LineStates", "LineStudy",
+    "LineTables", "PointRecordTables", "Study", "is_line_record",
 }  # fmt: skip
+_LENGTHS = {"length_mm", "per_mm", "length_um"}  #: What only a line contact has, or has above 0.
+_PAIRS = {"WIRES", "BODIES"}  #: Names of the bodies of one kind.
+#: Where kinds are described, and where plane and space are distinguished: meshes, runs, surrogate, pictures.
+_MAY_ASK = {"kinds", "surrogate", "simulation", "pictures", "verification", "test"}
 
 
 def branches_on_kinds(files: Iterable[Path]) -> int:
-    """How often code asks which kind of contact it has before it."""
-    return sum(_asks(node) for file in files for node in nodes_of(file))
+    """How often code asks which kind of contact it has before it, by whatever word."""
+    return len(questions(files))
+
+
+def questions(files: Iterable[Path]) -> list[tuple[Path, int]]:
+    """Files and lines that ask for the kind of contact."""
+    return sorted((file, getattr(node, "lineno", 0)) for file in files for node in nodes_of(file) if _asks(node))
 
 
 def _asks(node: ast.AST) -> bool:
+    asked: list[ast.AST] = []
     match node:
-        case ast.Call(func=ast.Name(id="isinstance"), args=[_, kinds]):
-            asked = {name.id for name in ast.walk(kinds) if isinstance(name, ast.Name)}
-        case ast.Compare(left=ast.Attribute(attr="length_mm"), comparators=[ast.Constant(value=None)]):
-            # Only a line contact has a length.
-            return True
+        case ast.Call(func=ast.Name(id="isinstance" | "issubclass"), args=[_, kinds]):
+            return bool({name.id for name in ast.walk(kinds) if isinstance(name, ast.Name)} & _KINDS)
         case ast.Compare(left=left, comparators=others):
-            return any(isinstance(one, ast.Constant) and one.value in _NAMES for one in (left, *others))
-        case ast.MatchClass(cls=ast.Name(id=name)) | ast.Call(func=ast.Name(id=name)) | ast.Attribute(attr=name):
-            asked = {name} if name.startswith("is_") or isinstance(node, ast.MatchClass) else set()
-        case _:
-            return False
-    return bool(asked & _KINDS)
+            asked = [left]
+            if any(map(_is_word_of_a_kind, (left, *others))):
+                return True
+        case ast.BoolOp(values=values) | ast.comprehension(ifs=values):
+            asked = [*values]
+        case ast.If(test=test) | ast.IfExp(test=test) | ast.While(test=test):
+            asked = [test]
+        case ast.UnaryOp(op=ast.Not(), operand=one) | ast.Call(func=ast.Name(id="bool"), args=[one]):
+            asked = [one]
+        case ast.MatchClass(cls=ast.Name(id=name)):
+            return name in _KINDS
+        case ast.Call(func=ast.Name(id=name)) | ast.Attribute(attr=name):
+            return name in _KINDS and name.startswith("is_")
+    return any(map(_is_length, asked))
+
+
+def _is_length(node: ast.AST) -> bool:
+    """Whether a node is a length that other contacts do not have."""
+    match node:
+        case ast.Name(id=name) | ast.Attribute(attr=name):
+            return name in _LENGTHS
+    return False
+
+
+def _is_word_of_a_kind(node: ast.AST) -> bool:
+    """Whether a node is a name of a kind, of its bodies, or the dimension of what its bodies are meshed of."""
+    match node:
+        case ast.Constant(value=value):
+            return value in _NAMES
+        case ast.Name(id=name):
+            return name in _PAIRS
+        case ast.Attribute(value=ast.Name(id="kinds")):
+            return True
+        case ast.Subscript(value=ast.Attribute(value=ast.Attribute(attr="points"), attr="shape")):
+            return True
+    return False
 
 
 def weights(root: Path) -> dict[str, float]:
@@ -155,7 +192,7 @@ def weights(root: Path) -> dict[str, float]:
         "rooms of wirewear": len(rooms),
         "arrows between rooms": sum(map(len, rooms.values())),
         "questions for the kind of contact": branches_on_kinds(
-            file for file in code["wirewear"] if not {"kinds", "surrogate"} & {*file.parts}
+            file for file in code["wirewear"] if not _MAY_ASK & {*file.parts}
         ),
         "lines of wirewear that import, per cent": round(100.0 * importing / lines["wirewear"], 1),
     }

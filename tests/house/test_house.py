@@ -280,6 +280,23 @@ def test_questions_for_the_kind_of_contact_are_counted(tmp_path: Path) -> None:
     assert branches_on_kinds([asking]) == 4
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        "per = 1.0 / (record.tables.length_mm or 1.0)",
+        "plane = mesh.points.shape[1] == 2",
+        "what = 'wire' if result.bodies == WIRES else 'body'",
+        "if chain.length_um == 0.0: pass",
+        "unit = 'J/mm' if test.per_mm else 'J'",
+        "if length_mm is not None: pass",
+        "lines = record.contact_kind == kinds.LINE_CONTACT",
+    ],
+)
+def test_a_question_for_the_kind_in_other_words_is_counted(tmp_path: Path, line: str) -> None:
+    (asking := tmp_path / "asking.py").write_text(line, encoding="utf-8")
+    assert branches_on_kinds([asking]) > 0
+
+
 def test_no_class_has_the_name_of_another() -> None:
     named = Counter(
         node.name

@@ -70,8 +70,7 @@ def compare(result: RunResult, record: AnyRecord) -> RecordComparison:
     problems = problems_of(record)
     if result.status != "complete":
         problems = (f"The run {result.label!r} is not complete ({result.message}).", *problems)
-    if record.tables.length_mm:
-        result = result.of_length(record.tables.length_mm)
+    result = result.of_extent(record.tables.extent)
     loops, loop_notes = loop_pairs(result, record)
     scars, scar_notes = scar_pairs(result, record)
     if not loops and (record.tables.needs_loops or not scars):

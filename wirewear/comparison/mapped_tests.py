@@ -30,6 +30,7 @@ from wirewear.records.exporting import true_loop
 from wirewear.records.test_tables import Source
 from wirewear.records.values import MeasuredLoop
 from wirewear.results import RunResult, read_loops, read_results
+from wirewear.test.lengths import WHOLE, Extent
 
 REGIMES: tuple[RegimeOfTest, ...] = ("partial slip", "mixed", "gross slip")
 
@@ -67,7 +68,7 @@ class MappedTest:
     cracks: str | None = None  #: "found" or "none", where the test's owner looked for them.
     contact: FreshContact | None = None  #: The fresh contact behind its rig; None where too little is known of it.
     friction: float = float("nan")  #: Coefficient by geometry, mean of all loops; NaN where none slides.
-    per_mm: bool = False  #: Whether load, energies and volumes are those of a millimetre of a line contact.
+    extent: Extent = WHOLE  #: Of the contact; load, energies and volumes are of a millimetre of a line contact.
 
     @property
     def repeats(self) -> int:
@@ -124,7 +125,7 @@ def fretting_tests(path: Path) -> list[MappedTest]:
 
 
 def _of_record(record: AnyRecord, path: Path) -> tuple[MappedTest, list[tuple[int, LoopFigures]]]:
-    asked, length_mm = record.tables.conditions, record.tables.length_mm
+    asked, extent = record.tables.conditions, record.tables.extent
     loops = _figures(record.loops, asked.normal_load_N)
     loads = [float(np.nanmedian(one.normal_force_N)) for one in record.loops if one.normal_force_N is not None]
     load = float(np.mean(loads)) if loads else asked.normal_load_N
@@ -135,19 +136,19 @@ def _of_record(record: AnyRecord, path: Path) -> tuple[MappedTest, list[tuple[in
         name=record.name,
         source=record.tables.metadata.source or "record",
         path=str(path),
-        normal_load_N=load * record.tables.computed_share,
+        normal_load_N=load * extent.share,
         displacement_amplitude_um=asked.displacement_amplitude_um,
         worn=_worn(record),
         cracks=record.tables.metadata.cracks,
         contact=None if contact is None else _behind_measured_rig(contact, record, loops),
-        per_mm=bool(length_mm),
+        extent=extent,
     )
     return test, loops
 
 
 def _of_result(result: RunResult, path: Path) -> MappedTest:
     result = result.computed
-    evolution, per_mm = result.evolution, bool(result.length_mm)
+    evolution = result.evolution
     worn: tuple[WornTest, ...] = ()
     if evolution["cycle"].size and (volume := float(result.worn_volume_mm3[-1])) > 0.0:
         worn = (WornTest(float(evolution["accumulated_energy_J"][-1]), volume),)
@@ -162,7 +163,7 @@ def _of_result(result: RunResult, path: Path) -> MappedTest:
             displacement_amplitude_um=float(conditions.get("displacement_amplitude_um", np.nan)),
             worn=worn,
             contact=fresh_contact(result.study),
-            per_mm=per_mm,
+            extent=result.extent,
         ),
         _figures([true_loop(loop) for loop in read_loops(result)], load),
     )
@@ -193,7 +194,7 @@ def _sliding(cycle: int, loops: Sequence[LoopFigures]) -> SlidingMap:
 
 def _worn(record: AnyRecord) -> tuple[WornTest, ...]:
     """Repeats of which both bodies' scars and an energy are known, each per mm where the contact has a length."""
-    volumes, per = [*record.worn_volumes_mm3.values()], record.tables.computed_share
+    volumes, per = [*record.worn_volumes_mm3.values()], record.tables.extent.share
     return tuple(
         WornTest(per * energy, per * sum(body[repeat] for body in volumes))
         for repeat in (sorted(set.intersection(*map(set, volumes))) if volumes else ())

@@ -324,10 +324,7 @@ def of_the_record(
 
 def of_pairs(record: AnyRecord) -> tuple[str, ...]:
     """What the blind check taught of two effects at once, for the contacts where they are seldom both named."""
-    if record.tables.length_mm:
-        return ()
-    one, other = (record.tables.body(name).axis_angle_deg for name in record.tables.body_names)
-    if abs(one - other) % 180.0 == 90.0:
+    if not record.tables.crosses_askew:
         return ()
     said = (
         "two effects at once, such as a rig that yields and free play, are seldom both named on balls and oblique wires"

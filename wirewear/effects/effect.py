@@ -70,11 +70,13 @@ class Chain:
 
     @property
     def worn_area2_um4(self) -> Array:
-        """Square of the area (n,) as wear leaves it: π R V at a point, (2 L w)² of lines, w³ = 3 R V/(2 L)."""
-        if self.length_um == 0.0:
-            return pi * self.radius_um * self.worn_um3
-        half_width = np.cbrt(1.5 * self.radius_um * self.worn_um3 / self.length_um)
-        return np.asarray((2.0 * self.length_um * half_width) ** 2)
+        """Square of the area (n,) as wear leaves it at a point: π R V."""
+        return pi * self.radius_um * self.worn_um3
+
+    def with_oxygen(self, supply_W: float, starved_factor: float) -> "Chain":
+        """The chain with a supply of oxygen, which gets everywhere in the scars of a contact at a point."""
+        del supply_W, starved_factor
+        return self
 
     @property
     def ages(self) -> list[Age]:
@@ -90,6 +92,21 @@ class Chain:
     def taken(self, moments: NDArray[np.intp]) -> "Chain":
         """Some moments only."""
         return replace(self, **{name: getattr(self, name)[moments] for name in COLUMNS})
+
+
+@dataclass(frozen=True, eq=False)
+class LineChain(Chain):
+    """What a model of a line contact has at each moment."""
+
+    @property
+    def worn_area2_um4(self) -> Array:
+        """Square of the area (n,) as wear leaves it: (2 L w)², w³ = 3 R V/(2 L)."""
+        half_width = np.cbrt(1.5 * self.radius_um * self.worn_um3 / self.length_um)
+        return np.asarray((2.0 * self.length_um * half_width) ** 2)
+
+    def with_oxygen(self, supply_W: float, starved_factor: float) -> Chain:
+        supply, factor = (np.full_like(self.cycles, one) for one in (supply_W, starved_factor))
+        return replace(self, oxygen_W=supply, starved_factor=factor)
 
 
 #: What a chain has at each moment.

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from solvers import OxygenSupply, WearRates
 from wirewear.base import kinds
 from wirewear.base.course import Course
@@ -137,8 +135,5 @@ class ContactOxygenation(Effect[WearRates]):
         return replace(described, oxygen=OxygenSupply(self.supply_W, self.starved_factor))
 
     def foreseen(self, chain: Chain) -> Chain:
-        """The chain with that supply; in the scars of wires oxygen gets everywhere."""
-        if chain.length_um == 0.0 or self.starved_factor == 1.0:
-            return chain
-        supply, factor = (np.full_like(chain.cycles, one) for one in (self.supply_W, self.starved_factor))
-        return replace(chain, oxygen_W=supply, starved_factor=factor)
+        """The chain with that supply."""
+        return chain if self.starved_factor == 1.0 else chain.with_oxygen(self.supply_W, self.starved_factor)

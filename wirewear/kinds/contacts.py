@@ -53,6 +53,10 @@ class Contacts(ABC):
     def drawings(self, results: Sequence[RunResult]) -> Drawings:
         """Pictures of results."""
 
+    @abstractmethod
+    def overview(self, results: Sequence[RunResult]) -> Callable[[], Figure]:
+        """The picture that shows most of results."""
+
 
 class AtAPoint(Contacts):
     """Contacts whose bodies wear a scar that is about as wide as it is long."""
@@ -97,6 +101,11 @@ class AtAPoint(Contacts):
         from wirewear.pictures import drawings
 
         return drawings(results)
+
+    def overview(self, results: Sequence[RunResult]) -> Callable[[], Figure]:
+        from wirewear.pictures.gallery import overview
+
+        return lambda: overview(results)
 
 
 class AlongALine(Contacts):
@@ -149,3 +158,7 @@ class AlongALine(Contacts):
         from wirewear.pictures.lines import line_drawings
 
         return line_drawings(results)
+
+    def overview(self, results: Sequence[RunResult]) -> Callable[[], Figure]:
+        """Their profiles."""
+        return next(iter(self.drawings(results).values()))

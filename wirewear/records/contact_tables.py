@@ -112,19 +112,15 @@ class LineTest(OfRecord):
         return self.contact.length_mm
 
     @property
-    def computed_share(self) -> float:
-        return 1.0 / self.contact.length_mm
-
-    @property
     def depth_noise_um(self) -> float:
         return self.noise.depth_um or 0.0
 
     @classmethod
-    def length_of(cls, study: Mapping[str, Any], length_mm: float | None, label: str) -> float:
+    def length_of(cls, study: Mapping[str, Any], asked_mm: float | None, label: str) -> float:
         """The one that is given, or the study's unless that is the millimetre of a study without a length."""
-        if not length_mm and (own := stated_length_mm(study)) == 1.0:
+        if not asked_mm and (own := stated_length_mm(study)) == 1.0:
             raise RecordError(f"the forces of {label} are per millimetre: give its --length for a record.")
-        return length_mm or own
+        return asked_mm or own
 
     @classmethod
     def known(cls, data: dict[str, Any], where: str) -> dict[str, Any]:
@@ -204,7 +200,7 @@ class LineTest(OfRecord):
 
     def require_whole(self, where: str) -> None:
         """See that the pad has one face. Raises RecordError if it has none, or several."""
-        if (wanted := self.pad.missing_face(round_alone=self.contact.kind == kinds.CYLINDER_ON_FLAT)) is not None:
+        if (wanted := self.pad.missing_face(self.contact.kind)) is not None:
             raise RecordError(f"[pad] of {where} does not say which face the pad has: {wanted}.")
 
     @property

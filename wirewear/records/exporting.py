@@ -24,7 +24,7 @@ from wirewear.records.writing import frame_of, loops_frame
 from wirewear.results import BODIES, Loop, RunResult, Scar, age_at, sensor_of
 from wirewear.test.faces import FACE_KEYS, PadFace
 from wirewear.test.keys import Table
-from wirewear.test.lengths import lengthened
+from wirewear.test.lengths import extent_of, lengthened
 from wirewear.test.messages import validated
 from wirewear.test.surfaces import surfaces_in
 
@@ -137,7 +137,7 @@ def record_of_result(
         )
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
-    whole = result if length_mm is None else result.of_length(length_mm)
+    whole = result.of_extent(extent_of(length_mm))
     sensor = replace(sensor, **lengthened(vars(sensor), result.times(length_mm)))
     sensors = [sensor_of(whole.study, sensor, age_at(whole, loop.cycle)) for loop in whole.loops]
     tables = _tables(whole, sensors[0])

@@ -10,6 +10,7 @@ import numpy as np
 from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import FIELD_UNITS, RecordError
 from wirewear.records.values import MeasuredLoop
+from wirewear.test.lengths import extent_of
 
 OTHER_UNIT = 4.0  #: A load off by this factor is in another unit: the nearest one, the pound, is 4.45 N.
 SAME_UNIT = 0.2  #: By what share a load may have been set otherwise, or have changed, and its unit still be recognised.
@@ -78,8 +79,7 @@ def _unit(ratio: float, load_N: float, length_mm: float | None) -> str:
     """The beginning of a sentence on a load off by a factor, with the unit that it fits."""
     known = {f"{name} (unit = {unit!r} in a mapping)": FIELD_UNITS["N"][unit] for unit, name in _NAMES.items()}
     known["newtons where the load asked for is in kilograms"] = 1.0 / FIELD_UNITS["N"]["kgf"]
-    if length_mm is not None:
-        known = {"the force of a millimetre": length_mm} | known
+    known = extent_of(length_mm).units({"the force of a millimetre": 1.0}) | known
     fitting = (name for name, newtons in known.items() if abs(np.log(ratio * newtons)) < SAME_UNIT)
     return f"is {ratio:.3g} times the {load_N:g} N asked for: it looks like {next(fitting, 'another unit or channel')}"
 

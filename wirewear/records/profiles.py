@@ -9,6 +9,7 @@ from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.records.spikes import BORDER, as_measured, border_text, noise_um, spikes_text, without_spikes
 from wirewear.results.scar import Scar
+from wirewear.test.lengths import extent_of
 
 EDGE = 0.01  #: Depth, relative to the deepest point, that bounds the scar.
 
@@ -119,7 +120,7 @@ class MeasuredProfile:
 
     def volume_of(self, length_mm: float | None) -> float:
         """Worn volume [mm³] of a contact of that length."""
-        return 1e-6 * self.area_um2 * (length_mm or 0.0)
+        return 1e-6 * self.area_um2 / extent_of(length_mm).share
 
     @property
     def width_um(self) -> float:

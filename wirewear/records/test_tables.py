@@ -13,6 +13,7 @@ from wirewear.records.surfaces import WornSurfaces
 from wirewear.test.bodies import StatedBodies
 from wirewear.test.keys import FORMAT, Table, checked_format, checked_text, one_of
 from wirewear.test.kinds import KINDS
+from wirewear.test.lengths import Extent, extent_of
 from wirewear.test.programme import CycleBlock
 
 
@@ -43,9 +44,14 @@ class OfTest(Table):
         return None
 
     @property
-    def computed_share(self) -> float:
-        """How much of the contact is computed: of a line contact, a millimetre of its length."""
-        return 1.0
+    def extent(self) -> Extent:
+        """How far the contact reaches across its motion."""
+        return extent_of(self.length_mm)
+
+    @property
+    def crosses_askew(self) -> bool:
+        """Whether two bodies touch at a point, and not as wires at right angles."""
+        return False
 
     @property
     def depth_noise_um(self) -> float:
@@ -53,12 +59,12 @@ class OfTest(Table):
         return 0.0
 
     @classmethod
-    def length_of(cls, study: Mapping[str, Any], length_mm: float | None, label: str) -> float | None:
+    def length_of(cls, study: Mapping[str, Any], asked_mm: float | None, label: str) -> float | None:
         """Length of the contact that a record of a study's result is of, None of a contact at a point.
         Raises RecordError if one is given of such a contact, or none of another.
         """
         del study
-        if length_mm:
+        if asked_mm:
             raise RecordError(f"--length does not apply to {label}, which is a run of {cls.contact_kind}.")
         return None
 

@@ -17,7 +17,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.errors import ResultError, unit_of, words_of
 from wirewear.base.writing import in_one_step, require_absent, write_bytes, write_csv, writing
-from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
+from wirewear.results.scar import FIELD_COLUMNS, Scar, noun_of
 from wirewear.results.values import LOOP_COLUMNS, Loop, RunResult, extensive, scaled
 
 if TYPE_CHECKING:
@@ -180,11 +180,7 @@ def _scar(scar: Scar) -> Any:
         name: (grid, np.array(np.broadcast_to(values, scar.depth_um.shape)), _attributes(name))
         for name, values in (("x_um", x), ("y_um", y))
     }
-    attributes = {
-        "wire" if scar.body in WIRES else "body": scar.body,
-        "cycle": scar.cycle,
-        "diameter_mm": scar.diameter_mm,
-    }
+    attributes = {noun_of(scar.body): scar.body, "cycle": scar.cycle, "diameter_mm": scar.diameter_mm}
     return _xarray().Dataset(fields, coords=coordinates | places, attrs=attributes)
 
 
@@ -195,10 +191,10 @@ def _attributes(name: str) -> dict[str, str]:
 _um2_PER_mm2 = 1e6
 
 
-def per_mm(columns: Mapping[str, Array], length_mm: float) -> dict[str, Array]:
-    """Columns of a contact of that length per mm of it; in place of worn volumes stand areas."""
+def per_mm(columns: Mapping[str, Array], share: float) -> dict[str, Array]:
+    """Columns of a contact of which a millimetre is that share, per mm; in place of worn volumes stand areas."""
     found = {}
-    for name, column in scaled(columns, 1.0 / length_mm).items():
+    for name, column in scaled(columns, share).items():
         if own := _OF_A_BODY.match(name):
             what, body, unit = own.groups()
             area = unit == "mm3"
@@ -246,7 +242,7 @@ def scars_table(result: RunResult) -> pl.DataFrame:
     bodies = [np.full(scar.depth_um.size, scar.body) for scar in result.scars]
     columns = {
         "cycle": _joined([np.full(scar.depth_um.size, scar.cycle) for scar in result.scars], np.int64),
-        "wire" if result.bodies == WIRES else "body": np.concatenate(bodies) if bodies else np.empty(0, dtype=str),
+        noun_of(result.bodies[0]): np.concatenate(bodies) if bodies else np.empty(0, dtype=str),
         "x_um": _joined([np.broadcast_to(x, s.depth_um.shape) for s, (x, _) in zip(result.scars, places, strict=True)]),
         "y_um": _joined([np.broadcast_to(y, s.depth_um.shape) for s, (_, y) in zip(result.scars, places, strict=True)]),
     }
@@ -264,14 +260,22 @@ def profiles_table(result: RunResult) -> pl.DataFrame:
 
 def named_for_users(result: RunResult, columns: Mapping[str, Array]) -> Mapping[str, Array]:
     """Columns as tables and reports name them: those of a line contact per mm of its length."""
-    return per_mm(columns, result.length_mm) if result.length_mm else columns
+    return _NAMED[result.extent.suffix](columns, result.extent.share)
+
+
+#: Columns as users are shown them, by what is behind the names of those that grow with the contact.
+_NAMED: dict[str, Callable[[Mapping[str, Array], float], Mapping[str, Array]]] = {
+    "": lambda columns, _: columns,
+    "_per_mm": per_mm,
+}
+#: Tables of worn surfaces.
+_WORN: dict[str, Callable[[RunResult], pl.DataFrame]] = {"scars": scars_table, "profiles": profiles_table}
 
 
 def tables_of(result: RunResult) -> dict[str, Callable[[RunResult], pl.DataFrame]]:
     """The tables of a result by their file's name."""
-    worn: dict[str, Callable[[RunResult], pl.DataFrame]]
-    worn = {"profiles": profiles_table} if result.length_mm else {"scars": scars_table}
-    return {"evolution": evolution_table, "loops": loops_table, **worn}
+    worn = result.extent.worn
+    return {"evolution": evolution_table, "loops": loops_table, worn: _WORN[worn]}
 
 
 def write_flat_tables(result: RunResult, folder: Path, ending: str, *, overwrite: bool = True) -> list[Path]:

@@ -1,6 +1,6 @@
 """The worn surface of one body: a map, or of a line contact a profile; and how far a run's checks may be off."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -11,6 +11,7 @@ from geometry import Barrel
 from geometry.arrays import Array, BoolArray, IntArray
 from geometry.patch import located
 from wirewear.base.errors import ResultError
+from wirewear.test.lengths import extent_of
 
 ENERGIES_AGREE = 5e-3  #: Friction energies that differ by more than this share are not taken to agree.
 
@@ -50,6 +51,7 @@ WIRES = ("moving", "fixed")
 BODIES = ("pad", "specimen")  #: Bodies of a line contact.
 
 #: What bodies are called in sentences whose names say only how they stand.
+_NOUNS = dict.fromkeys(WIRES, "wire")
 _CALLED = {body: f"{body} wire" for body in WIRES} | {body: f"{body} body" for body in ("lower", "upper")}
 
 #: What any driven, lower body and any held, upper one may be called as well.
@@ -215,8 +217,14 @@ def body_named(name: str, where: str, bodies: Sequence[str]) -> str:
     for body, also in zip(bodies, _BY_PLACE, strict=True):
         if name == body or (name in also and name not in bodies):
             return body
-    what = "wire" if bodies == WIRES else "body"
-    raise ResultError(f"{where}: {what} must be one of {', '.join(bodies)}, or lower or upper, not {name!r}")
+    raise ResultError(
+        f"{where}: {noun_of(bodies[0])} must be one of {', '.join(bodies)}, or lower or upper, not {name!r}"
+    )
+
+
+def noun_of(body: str) -> str:
+    """What sort of body it is, as columns and messages name it."""
+    return _NOUNS.get(body, "body")
 
 
 def called(body: str) -> str:
@@ -260,11 +268,11 @@ class Scar:
         where = f"scar of the {called(self.body)} at cycle {self.cycle}"
         if not self.diameter_mm > 0.0:
             raise ResultError(f"{where}: diameter_mm must be positive, not {self.diameter_mm:g}")
-        for name in GRID_COLUMNS:
+        for name, fewest in zip(GRID_COLUMNS, (2, extent_of(self.length_mm).fewest_across), strict=True):
             line = float_array(f"{where}: {name}", getattr(self, name), 1)
             require_finite(f"{where}: {name}", line)
             require_increasing(f"{where}: {name}", line)
-            if line.size < 2 and not (name == "transverse_um" and self.length_mm):
+            if line.size < fewest:
                 raise ResultError(f"{where}: {name} must have at least two grid lines")
             object.__setattr__(self, name, line)
         shape = (self.axial_um.size, self.transverse_um.size)
@@ -307,9 +315,7 @@ class Scar:
     @property
     def volume_mm3(self) -> float:
         """Worn volume [mm³], of a line contact of all its length."""
-        if self.length_mm:
-            return 1e-6 * self.area_um2 * self.length_mm
-        return worn_volume_mm3(self.axial_um, self.transverse_um, self.depth_um)
+        return _VOLUMES[extent_of(self.length_mm).worn](self)
 
     @property
     def area_um2(self) -> float:
@@ -382,3 +388,10 @@ def _cosine_sine(angle_deg: float) -> tuple[float, float]:
     for _ in range(int(quarter) % 4):
         cosine, sine = -sine, cosine
     return cosine, sine
+
+
+#: Worn volumes by what is worn; a line contact's profile stands for all of its length.
+_VOLUMES: Mapping[str, Callable[[Scar], float]] = {
+    "scars": lambda scar: worn_volume_mm3(scar.axial_um, scar.transverse_um, scar.depth_um),
+    "profiles": lambda scar: 1e-6 * scar.area_um2 / extent_of(scar.length_mm).share,
+}

@@ -27,8 +27,8 @@ def summary(results: Sequence[RunResult]) -> RenderableType:
     if not results:
         raise ResultError("there are no results to sum up")
     table = Table(box=box.SIMPLE, pad_edge=False)
-    length = results[0].length_mm
-    of_length = "" if length is None else f", {length:g} mm of the contact"
+    said = results[0].extent.said
+    of_length = f", {said}" if said else ""
     table.add_column(Text(f"{results[0].name}, {results[0].fidelity} fidelity{of_length}"), overflow="fold")
     for result in results:
         table.add_column(Text(result.variant), justify="right", overflow="fold")

@@ -26,7 +26,7 @@ from wirewear.results.scar import (
     require_finite,
     require_increasing,
 )
-from wirewear.test.lengths import study_of_length
+from wirewear.test.lengths import Extent, extent_of, study_of_length
 
 _IDEAL = Sensor()
 _NEW = Age.new()
@@ -283,6 +283,11 @@ class RunResult:
                 raise ResultError(f"{self.label}: the bodies are {' and '.join(self.bodies)}, and {body!r} is none")
 
     @property
+    def extent(self) -> Extent:
+        """How far the contact reaches across its motion."""
+        return extent_of(self.length_mm)
+
+    @property
     def full_name(self) -> str:
         """What the result is called beside those of other studies."""
         return f"{self.name}, {self.variant}" if self.variant else self.name
@@ -293,7 +298,9 @@ class RunResult:
 
     def with_maps(self) -> Self:
         """The result itself; ResultError of a line contact, whose scars are no maps but profiles."""
-        return self if not self.length_mm else self._refused("a contact at a point, such as crossed wires,")
+        if self.extent.worn == "scars":
+            return self
+        return self._refused("a contact at a point, such as crossed wires,")
 
     def _refused(self, needed: str) -> NoReturn:
         own = self.contact_kind.replace("-", " ")
@@ -305,9 +312,9 @@ class RunResult:
 
     def times(self, length_mm: float | None) -> float:
         """How many times as long a line contact of another length is; 1 of a contact at a point, which has none."""
-        return 1.0 if length_mm is None else length_mm / (self.length_mm or length_mm)
+        return self.extent.share / extent_of(length_mm).share
 
-    def of_length(self, length_mm: float) -> RunResult:
+    def of_length(self, length_mm: float) -> Self:
         """The result of so much of a line contact."""
         factor = self.times(length_mm)
         return replace(
@@ -320,10 +327,14 @@ class RunResult:
             contact_forces=tuple(longer(one, factor) for one in self.contact_forces),
         )
 
+    def of_extent(self, extent: Extent) -> RunResult:
+        """The result of a contact of another extent; itself of one at a point."""
+        return extent.of_result(self)
+
     @property
     def computed(self) -> RunResult:
         """The result as it is computed: of a line contact, one millimetre of it."""
-        return self if self.length_mm in (None, 1.0) else self.of_length(1.0)
+        return self if self.extent.share == 1.0 else self.of_length(1.0)
 
     @property
     def worn_volume_mm3(self) -> Array:

@@ -57,7 +57,7 @@ def wear_state(
     """The damage per cycle of a body whose nodes stand in its surface, worn by (n_a, n_t)."""
     first = states[0]
     patch, mesh = first.body.patch, first.body.mesh
-    plane = mesh.points.shape[1] == 2
+    plane = first.body.plane
     loaded = first.places_mm[first.loaded_nodes]
     reach = averaging_radius_mm(table, plane=plane)
     margin = reach + _BESIDE * patch.smallest_element
@@ -236,7 +236,7 @@ def life_of(
         ordered = tuple(known[one] for one in sorted(known))
         damage = _damage(result, body, ordered, depths, course, last=max(known) == recorded[-1])
         initiation, low, high = damage.initiations(thresholds.tolist())
-        plane = first.body.mesh.points.shape[1] == 2
+        plane = first.body.plane
         found = BodyLife(body, table, ordered, damage, initiation, low, high, course, first.to_world, plane)
     if found is None:
         raise ResultError(f"{result.label}: no cycle of the {called(body)} is looked at")

@@ -14,6 +14,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from geometry import PlanarGeometry, PlanarMesh, build_planar
+from geometry.arrays import IntArray
 from solvers.stress.line_surface_stress import LineSurfaceStress
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_grid, writing
@@ -35,6 +36,12 @@ class LineBody(SolvedBody[PlanarMesh]):
     """Pad or specimen."""
 
     corrected = LineSurfaceStress
+    plane = True
+
+    @property
+    def outer_faces(self) -> IntArray:
+        """None: its surface is a line."""
+        return np.zeros((0, 4), dtype=np.int64)
 
 
 def _worn(result: RunResult, forces: ContactForces, worn: bool) -> LineBody:

@@ -43,6 +43,7 @@ class SolvedBody(Generic[M]):
 
     #: What corrects the stresses at its contact surface between the nodes.
     corrected: ClassVar[type[SurfaceStress] | type[LineSurfaceStress]]
+    plane: ClassVar[bool] = False  #: Whether it is one of plane strain.
     meshed: M
     material: Elastic
     interior: Interior
@@ -64,6 +65,12 @@ class SolvedBody(Generic[M]):
     def patch(self) -> ContactPatch:
         """Its contact patch."""
         return self.meshed.patch
+
+    @property
+    def outer_faces(self) -> IntArray:
+        """Corners (f, 4) of its elements' faces that may touch."""
+        faces: IntArray = self.mesh.surfaces["contact"]
+        return faces
 
     @cached_property
     def surface(self) -> Any:
@@ -208,16 +215,16 @@ def _beneath(points: Array) -> Array:
     return np.column_stack([points[:, 0], np.zeros(len(points)), points[:, 1]])
 
 
-def averaging(points_mm: Array, volumes_mm3: Array, chosen: IntArray, length_mm: float) -> csr_matrix:
-    """The matrix (k, n) of means over balls of diameter `length_mm` about chosen points (k,), weighted by volume (n,).
+def averaging(points_mm: Array, volumes_mm3: Array, chosen: IntArray, diameter_mm: float) -> csr_matrix:
+    """The matrix (k, n) of means over balls of `diameter_mm` about chosen points (k,), weighted by volume (n,).
 
     What gradients beneath a contact ask for: a material's crack needs stress over a length, not at a point (Taylor,
     Int. J. Fatigue 21 (1999) 413). A length of zero leaves values as they are.
     """
     size = len(points_mm)
-    if length_mm <= 0.0:
+    if diameter_mm <= 0.0:
         return csr_matrix((np.ones(len(chosen)), (np.arange(len(chosen)), chosen)), shape=(len(chosen), size))
-    near = cKDTree(points_mm).query_ball_point(points_mm[chosen], 0.5 * length_mm)
+    near = cKDTree(points_mm).query_ball_point(points_mm[chosen], 0.5 * diameter_mm)
     counts = np.array([len(each) for each in near])
     columns = np.concatenate([np.asarray(each, dtype=np.int64) for each in near])
     rows = np.repeat(np.arange(len(chosen)), counts)

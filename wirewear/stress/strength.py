@@ -135,13 +135,12 @@ def strength_of(
     chosen, patch = _near(first), first.body.patch
     averaged = asked.averaging_length_um > 0.0
     material = _averaged(states, chosen, asked.averaging_length_um) if averaged else material_points(states, chosen)
-    flat = first.body.mesh.points.shape[1] == 2
     shown = Shown(
         cycle=first.forces.cycle,
         wire=first.name,
         to_world=first.to_world,
         material=first.body.material,
-        surface=np.zeros((0, 4), dtype=np.int64) if flat else first.body.mesh.surfaces["contact"],
+        surface=first.body.outer_faces,
         grid=lambda position: inside.grid(states[position]),
         depth_mm=lambda point: float(patch.height(point[None, :2])[0] - point[2]),
     )
@@ -154,9 +153,9 @@ def assessable(
     """The cycle recorded nearest to `cycle`, seen without any computation to allow what is asked of a body.
     Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length.
     """
-    forces, length_um = result.forces(cycle, body), asked.averaging_length_um
-    if length_um > 1e3 * inside.least_extent_mm(result, forces):
-        over = f"stresses cannot be averaged over {length_um:g} µm"
+    forces, over_um = result.forces(cycle, body), asked.averaging_length_um
+    if over_um > 1e3 * inside.least_extent_mm(result, forces):
+        over = f"stresses cannot be averaged over {over_um:g} µm"
         raise ResultError(f"{over}: the {called(body)} is thinner than that.")
     return forces.cycle
 

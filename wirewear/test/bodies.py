@@ -154,6 +154,8 @@ class BodiesByOptions:
     remarks: tuple[str, ...] = ()
     bodies: tuple[Body, ...] = ()
     length_mm: float | None = None  #: Of a line contact, which has worn profiles in place of scars.
+    with_axis: tuple[str, ...] = ()  #: Names of those that have an axis whatever the options say.
+    needs_loops: bool = True  #: Whether there is no record of them without loops.
 
 
 class StatedBodies(keys.Table):

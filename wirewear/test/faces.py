@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from geometry import Cylinder, GeometryError, RoundedFlat, TabledProfile
+from wirewear.base import kinds
 from wirewear.base.errors import Quantity, RecordError, shown
 from wirewear.test.keys import Table, pairs_of
 
@@ -30,6 +31,13 @@ _FACES = (
     {"face_half_width_mm", "radius_mm"},
     {"profile_points_mm"},
 )
+
+
+_ANY_FACE = (
+    "give radius_mm, or face_half_width_mm with edge_radius_mm or with radius_mm, or profile_points_mm or profile_file"
+)
+#: Faces of the pads of some kinds, and what to give.
+_OF_KINDS = {kinds.CYLINDER_ON_FLAT: (_FACES[:1], "give radius_mm, the radius of the cylinder, and no other face")}
 
 
 def half_width_of(face: Face) -> float:
@@ -108,16 +116,14 @@ class PadFace(Table):
             )
         return Cylinder(self.radius_mm or 0.0, curved_along=True)
 
-    def missing_face(self, *, round_alone: bool = False) -> str | None:
-        """Which keys would give a pad one face, as the rest of a sentence; None where it has one."""
-        given = {key for key in FACE_KEYS if getattr(self, key) is not None}
-        if given not in ([{"radius_mm"}] if round_alone else _FACES):
-            if round_alone:
-                return "give radius_mm, the radius of the cylinder, and no other face"
-            return (
-                "give radius_mm, or face_half_width_mm with edge_radius_mm or with radius_mm, or profile_points_mm or "
-                "profile_file"
-            )
+    def missing_face(self, kind: str = kinds.LINE_CONTACT) -> str | None:
+        """Which keys would give a pad one face, as the rest of a sentence; None where it has one.
+
+        kind: as the file names its contact.
+        """
+        faces, wanted = _OF_KINDS.get(kind, (_FACES, _ANY_FACE))
+        if {key for key in FACE_KEYS if getattr(self, key) is not None} not in faces:
+            return wanted
         try:
             _ = self.profile
         except GeometryError as problem:

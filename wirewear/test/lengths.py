@@ -2,7 +2,8 @@
 
 import re
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from wirewear.base.errors import WirewearError
 
@@ -34,6 +35,86 @@ _RENAMED = {
         for law, unit in (("energy", "mm3_per_J"), ("archard", "mm3_per_N_m"))
     }
 }
+
+
+class HasLength(Protocol):
+    """A result, which may be of a line contact."""
+
+    def of_length(self, length_mm: float) -> Self:
+        """That of so much of the contact."""
+
+
+AnyResult = TypeVar("AnyResult", bound=HasLength)
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How far a contact reaches across its motion: one at a point is computed whole."""
+
+    length_mm: float | None = None
+    per: ClassVar[str] = ""  #: Behind the units of what is computed.
+    suffix: ClassVar[str] = ""  #: Behind the names of columns for users that grow with the contact.
+    worn: ClassVar[str] = "scars"  #: What its worn surfaces are.
+    fewest_across: ClassVar[int] = 2  #: Lines of such a surface across the motion.
+    wear_unit: ClassVar[tuple[float, str]] = 1e3, "10⁻³ mm³"  #: Of wear that is computed, with its factor on mm³.
+
+    @property
+    def share(self) -> float:
+        """How much of the contact is computed."""
+        return 1.0
+
+    @property
+    def said(self) -> str:
+        """What its forces and energies are of, in words; empty where they are of all of it."""
+        return ""
+
+    def of_result(self, result: AnyResult) -> AnyResult:
+        """A result of such a contact as one of this; itself at a point."""
+        return result
+
+    def units(self, per_length: Mapping[str, float]) -> dict[str, float]:
+        """Factors of units that are per length as those of the whole contact; none at a point."""
+        del per_length
+        return {}
+
+    def of(self, length_mm: float | None) -> "Extent":
+        """Such a contact of another length; itself at a point."""
+        del length_mm
+        return self
+
+
+@dataclass(frozen=True)
+class Length(Extent):
+    """A line contact, of which one millimetre is computed."""
+
+    length_mm: float = 1.0
+    per, suffix, worn, fewest_across = "/mm", "_per_mm", "profiles", 1
+    wear_unit = 1e6, "µm²"
+
+    @property
+    def share(self) -> float:
+        return 1.0 / self.length_mm
+
+    @property
+    def said(self) -> str:
+        return f"{self.length_mm:g} mm of the contact"
+
+    def of_result(self, result: AnyResult) -> AnyResult:
+        return result.of_length(self.length_mm)
+
+    def units(self, per_length: Mapping[str, float]) -> dict[str, float]:
+        return {unit: factor * self.length_mm for unit, factor in per_length.items()}
+
+    def of(self, length_mm: float | None) -> Extent:
+        return extent_of(length_mm or 1.0)
+
+
+WHOLE = Extent()  #: Of any contact at a point.
+
+
+def extent_of(length_mm: float | None) -> Extent:
+    """The extent of a contact by its length, None of one at a point."""
+    return Length(length_mm) if length_mm else WHOLE
 
 
 def whole_test(

@@ -162,7 +162,7 @@ class PadAndSpecimen(StatedBodies):
             "pad": face | dict(of_other),
             "specimen": dict(elastic),
         }
-        return BodiesByOptions(tables, length_mm=length)
+        return BodiesByOptions(tables, length_mm=length, needs_loops=False)
 
 
 class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
@@ -264,7 +264,7 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
         return self._of_bodies() or self._of_holder() or self._of_wear()
 
     def _of_bodies(self) -> Inconsistency | None:
-        if (wanted := self.pad.missing_face(round_alone=self.kind == kinds.CYLINDER_ON_FLAT)) is not None:
+        if (wanted := self.pad.missing_face(self.kind)) is not None:
             return Inconsistency(("pad",), f"does not say which face it has: {wanted}")
         for name in ("pad", "specimen"):
             if (bulk := getattr(self, name).bulk) is not None and (problem := bulk.unfit(is_round=False)):

@@ -143,7 +143,7 @@ class Wires(GripKeys, MaterialKeys, _DiameterOfWires, StatedBodies):
         angle = known.get("crossing_angle_deg", 90.0)
         wires = {"diameter_mm": known.get("diameter_mm", OPEN), "crossing_angle_deg": angle, **elastic}
         bodies = cls.model_validate(wires).of_test() if "diameter_mm" in known else ()
-        return BodiesByOptions({"wires": wires}, tuple(remarks), bodies)
+        return BodiesByOptions({"wires": wires}, tuple(remarks), bodies, with_axis=("moving", "fixed"))
 
     def of_test(self, motion_angle_deg: float = 0.0) -> tuple[Wire, Wire]:
         """The moving and the fixed wire, with such a motion where they state none."""

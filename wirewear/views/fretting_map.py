@@ -138,9 +138,9 @@ def _boundaries(axes: Axes, result: SweepResult, load: Array) -> None:
 
 def _measured(axes: Axes, result: SweepResult, tests: Sequence[MappedTest]) -> None:
     """Measured tests, in the colour and shape of their regimes, ringed."""
-    length = given_length_mm(result.sweep.study.resolved()) or 1.0
+    length = given_length_mm(result.sweep.study.resolved())
     for test in tests:
         colour, mark = MARKS[test.regime]
-        load = test.normal_load_N * (length if test.per_mm else 1.0)
+        load = test.normal_load_N / test.extent.of(length).share
         axes.plot(test.displacement_amplitude_um, load, mark, color=colour, markersize=8, markeredgecolor=INK,
                   markeredgewidth=1.4, linestyle="", label=f"measured: {test.regime}")  # fmt: skip

@@ -35,11 +35,14 @@ COLUMNS = (
 )
 
 
-#: What is given per millimetre of line contacts: its heading there, and here.
-PER_MM = {
-    "normal_load_N": ("normal_load_N_per_mm", "P [N/mm]"),
-    "energy_J": ("energy_J_per_mm", "ΣE_d [J/mm]"),
-    "volume_mm3": ("volume_mm3_per_mm", "V [mm³/mm]"),
+#: Names and headings of columns, by what is behind their units, where they are others than those of wires.
+PER: dict[str, dict[str, tuple[str, str]]] = {
+    "": {},
+    "/mm": {
+        "normal_load_N": ("normal_load_N_per_mm", "P [N/mm]"),
+        "energy_J": ("energy_J_per_mm", "ΣE_d [J/mm]"),
+        "volume_mm3": ("volume_mm3_per_mm", "V [mm³/mm]"),
+    },
 }
 
 HERE = Path(__file__).parent
@@ -54,9 +57,8 @@ NEAR = 0.06  #: Tests nearer to one another than this, relative to displacement 
 
 def columns_of(tests: Sequence[MappedTest]) -> tuple[tuple[str, str, int], ...]:
     """Rows of the table of tests that are all of one kind of contact."""
-    if not tests[0].per_mm:
-        return COLUMNS
-    return tuple((*PER_MM.get(name, (name, heading)), digits) for name, heading, digits in COLUMNS)
+    named = PER[tests[0].extent.per]
+    return tuple((*named.get(name, (name, heading)), digits) for name, heading, digits in COLUMNS)
 
 
 def row_of(test: MappedTest) -> dict[str, object]:
@@ -78,8 +80,8 @@ def row_of(test: MappedTest) -> dict[str, object]:
         "repeats": test.repeats,
         "cracks": test.cracks,
     }
-    if test.per_mm:
-        row = {PER_MM[key][0] if key in PER_MM else key: value for key, value in row.items()}
+    named = PER[test.extent.per]
+    row = {named[key][0] if key in named else key: value for key, value in row.items()}
     # NaN alone differs from itself.
     return {key: None if value != value else value for key, value in row.items()}  # noqa: PLR0124
 
@@ -116,7 +118,7 @@ def sentences(tests: Sequence[MappedTest]) -> list[str]:
     if threshold is not None:
         low, high = threshold.threshold_interval95
         what = "no threshold differs from zero" if low <= 0.0 <= high else "the threshold differs from zero"
-        unit = "J/mm" if tests[0].per_mm else "J"
+        unit = f"J{tests[0].extent.per}"
         energy = f"E_th {figure(threshold.threshold_J)} {unit} ({figure(low)} to {figure(high)})"
         said.append(f"With a threshold, V = {_interval(threshold)} · (ΣE_d − E_th), {energy}: {what}.")
     return said
@@ -160,7 +162,7 @@ def write_maps(tests: Sequence[MappedTest], folder: Path, fatigue_limit_MPa: flo
     """
     if not tests:
         raise ResultError("there is no test to draw.")
-    if len({test.per_mm for test in tests}) > 1:
+    if len({test.extent.per for test in tests}) > 1:
         raise ResultError(
             "tests of crossed wires and of line contacts share no map, as loads are in newtons there and in newtons "
             "per millimetre here: draw one of each kind."
@@ -180,7 +182,7 @@ def maps_page(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = Non
         {
             "tests": [row_of(test) for test in tests],
             "columns": columns_of(tests),
-            "per": "/mm" if tests[0].per_mm else "",
+            "per": tests[0].extent.per,
             "contacts": any(test.contact is not None for test in tests),
             "sentences": sentences(tests),
             "through": through,
@@ -200,7 +202,7 @@ def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = Non
     reach, loads = _extent(tests, contacts)
     labels = labels_of([(test.displacement_amplitude_um, test.normal_load_N) for test in tests])
     return {
-        "per": "/mm" if tests[0].per_mm else "",
+        "per": tests[0].extent.per,
         "tests": [_test(label, test) for label, test in zip(labels, tests, strict=True)],
         "regimes": {regime: {"color": colour, "shape": shape} for regime, (colour, shape) in MARKS.items()},
         "contacts": [_boundaries(contact, reach, loads, fatigue_limit_MPa) for contact in contacts],

@@ -1,7 +1,7 @@
 """The page of the runs of a study side by side, in one file, and what a run came to in sentences and rows."""
 
 import base64
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -99,7 +99,7 @@ def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
 def _data_of_run(result: RunResult, index: int) -> dict[str, object]:
     """What a page shows of a run; of a line contact per mm of its length."""
     conditions = running_conditions(result.study)
-    per, worn, worn_unit = ("", 1e3, "10⁻³ mm³") if not result.length_mm else ("/mm", 1e6, "µm²")
+    per, (worn, worn_unit) = result.extent.per, result.extent.wear_unit
     result = result.computed
     evolution = result.evolution
     columns = {
@@ -169,30 +169,46 @@ def _scars(result: RunResult, body: str) -> dict[str, object]:
     cycles = chosen_cycles(result.scar_cycles(), MOST_SCARS)
     scars = [result.scar(cycle, body) for cycle in cycles]
     own: dict[str, object] = {"cycles": list(cycles), "called": result.called(body)}
-    if result.length_mm:
-        x, smooth = scars[-1].axial_um, scars
-        deepest = max(scar.max_depth_um for scar in scars)
-        pressures = [numbers(scar.pressure_MPa[:, 0]) for scar in scars]
-        slips = [numbers(0.25 * scar.slip_distance_um[:, 0]) for scar in scars]
-        own["profiles"] = {"pressure_MPa": pressures, "slip_amplitude_um": slips}
-    else:
-        reach = MARGIN * max(worn_half_extent(scars))
-        lines, x = np.linspace(-reach, reach, LINES), np.linspace(-reach, reach, SECTION_POINTS)
-        smooth = [smooth_scar(scar) for scar in scars]
-        depths = [scar.sampled(lines, lines) for scar in smooth]
-        deepest = max(float(depth.max()) for depth in depths) or 1.0
-        own["lines"] = numbers(lines)
-        # As shares of the deepest, in little-endian 16-bit integers.
-        shares = (np.round(65535.0 * depth / deepest).astype("<u2") for depth in depths)
-        own["depths"] = [base64.b64encode(one.tobytes()).decode("ascii") for one in shares]
-        own["unworn"] = [numbers(row) for row in _heights(scars[-1], lines[:, None], lines[None, :])]
+    x, smooth, deepest, shown = _WORN[result.extent.worn](scars)
     section = {
         "x": numbers(x),
         "unworn": numbers(_heights(scars[-1], x, np.zeros(1))),
         "depths": [numbers(scar.sampled(x, np.zeros(1))[:, 0]) for scar in smooth],
         "layers": numbers(result.layer_faces_um(body)),
     }
-    return own | {"deepest": number(deepest), "section": section}
+    return {**own, **shown, "deepest": number(deepest), "section": section}
+
+
+#: Places along a section, the scars as sections show them, the deepest depth, and what else a page holds of scars.
+Worn = tuple[Array, Sequence[Scar], float, dict[str, object]]
+
+
+def _profiles(scars: Sequence[Scar]) -> Worn:
+    """Of a line contact: pressures and slip amplitudes."""
+    pressures = [numbers(scar.pressure_MPa[:, 0]) for scar in scars]
+    slips = [numbers(0.25 * scar.slip_distance_um[:, 0]) for scar in scars]
+    deepest = max(scar.max_depth_um for scar in scars)
+    return scars[-1].axial_um, scars, deepest, {"profiles": {"pressure_MPa": pressures, "slip_amplitude_um": slips}}
+
+
+def _maps(scars: Sequence[Scar]) -> Worn:
+    """Of a contact at a point: depths on one grid."""
+    reach = MARGIN * max(worn_half_extent(scars))
+    lines, x = np.linspace(-reach, reach, LINES), np.linspace(-reach, reach, SECTION_POINTS)
+    smooth = [smooth_scar(scar) for scar in scars]
+    depths = [scar.sampled(lines, lines) for scar in smooth]
+    deepest = max(float(depth.max()) for depth in depths) or 1.0
+    shares = (np.round(65535.0 * depth / deepest).astype("<u2") for depth in depths)
+    shown: dict[str, object] = {
+        "lines": numbers(lines),
+        # As shares of the deepest, in little-endian 16-bit integers.
+        "depths": [base64.b64encode(one.tobytes()).decode("ascii") for one in shares],
+        "unworn": [numbers(row) for row in _heights(scars[-1], lines[:, None], lines[None, :])],
+    }
+    return x, smooth, deepest, shown
+
+
+_WORN: dict[str, Callable[[Sequence[Scar]], Worn]] = {"scars": _maps, "profiles": _profiles}
 
 
 def _heights(scar: Scar, x: Array, y: Array) -> Array:
@@ -220,7 +236,7 @@ def sentence(result: RunResult) -> str:
         )
     )
     if worn > 0.0:
-        where = f" on {result.length_mm:g} mm of the contact" if result.length_mm else ""
+        where = f" on {said}" if (said := result.extent.said) else ""
         text += (
             f" {energy:.3g} J of friction{where} have worn {figure_volume(worn)}: {depths[other]:.3g} µm deep in the "
             f"{result.called(other)}, {depths[driven]:.3g} µm in the {result.called(driven)}."

@@ -37,13 +37,12 @@ class Run(RunResult):
         Raises ResultError if there is no such picture, or the run has recorded nothing to be drawn in it.
         """
         from wirewear.kinds import contacts_of
-        from wirewear.pictures.gallery import overview
         from wirewear.pictures.style import styled
 
         results = distinguished([self, *beside])
-        known = dict(contacts_of(self).drawings(results))
-        # The profiles of a line contact are its overview.
-        known["overview"] = next(iter(known.values())) if self.length_mm else lambda: overview(results)
+        contacts = contacts_of(self)
+        known = dict(contacts.drawings(results))
+        known["overview"] = contacts.overview(results)
         if what not in known:
             raise ResultError(f"there is no picture {what!r} of this run: choose one of {', '.join(known)}.")
         with styled():

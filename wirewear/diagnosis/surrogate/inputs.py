@@ -13,6 +13,7 @@ from wirewear.base import kinds
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.effects import COLUMNS, Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
+from wirewear.effects.effect import LineChain
 from wirewear.test import AnyStudy
 from wirewear.test.programme import Schedule, held_by, worked_course
 from wirewear.test.tables import compliance
@@ -178,7 +179,8 @@ class SurrogateInputs:
         }
         columns = {name: np.full_like(cycles, stated.get(name, 0.0)) for name in COLUMNS}
         columns.update(cycles=cycles, energy_J=energy_J, worn_um3=worn_um3)
-        chain = Chain(radius_um, fresh_area_um2, **columns, length_um=1e3 * self.length_mm)
+        made: type[Chain] = LineChain if self.length_mm else Chain
+        chain = made(radius_um, fresh_area_um2, **columns, length_um=1e3 * self.length_mm)
         for effect in self.effects:
             chain = effect.foreseen(chain)
         return replace(

@@ -22,7 +22,7 @@ from wirewear.records.importing.mapping import PROFILOMETER, LoopSource
 from wirewear.records.importing.profilometry import ASKEW_deg, grid_of_points
 from wirewear.records.levelling import direction_deg
 from wirewear.records.values import MeasuredLoop
-from wirewear.results.scar import WIRES, called
+from wirewear.results.scar import called
 from wirewear.test.bodies import OPEN, BodiesByOptions, Body
 from wirewear.test.kinds import KINDS
 
@@ -265,8 +265,8 @@ def scars_of(
 ) -> tuple[dict[str, Any], list[str]]:
     """The tables `[scars.*]` of texts of points and of maps of such bodies, and what was assumed."""
     scars: dict[str, Any] = {}
-    remarks = []
-    for text in points:
+    remarks = [f"{text.path.name} was left out: there are no bodies" for text in points if not touching.names]
+    for text in points if touching.names else ():
         if not {"x_um", "y_um"} <= text.columns.keys() or not {"depth_um", "height_um"} & text.columns.keys():
             remarks.append(f"{text.path.name} was left out: neither loops nor a scar were recognised in it")
             continue
@@ -288,7 +288,7 @@ def scars_of(
             scars[body] |= _noted(_laid(text.path, body, touching, surface), remarks)
         else:
             scars[body] |= _noted(_along_motion(text.path, body, touching, depths=True), remarks)
-    _add_maps(scars, maps, touching, remarks)
+    _add_maps(scars, maps if touching.names else (), touching, remarks)
     return scars, remarks
 
 
@@ -354,7 +354,7 @@ def _next(scars: dict[str, Any], touching: Touching) -> str:
 
 def _has_axis(name: str, touching: Touching) -> bool:
     body = touching.bodies.get(name)
-    return name in WIRES if body is None else body.has_axis
+    return name in touching.stated.with_axis if body is None else body.has_axis
 
 
 def _along_motion(path: Path, name: str, touching: Touching, *, depths: bool = False) -> tuple[dict[str, Any], str]:

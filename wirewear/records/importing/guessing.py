@@ -15,6 +15,7 @@ from wirewear.records.importing.height_maps import is_map, matrix_of
 from wirewear.records.importing.sources import name_pattern
 from wirewear.records.importing.text_reader import open_lines
 from wirewear.test.bodies import OPEN
+from wirewear.test.lengths import extent_of
 
 #: What only options state where no file holds loops.
 _OPTIONS = {
@@ -37,7 +38,7 @@ def asked_of(known: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def profiles_of(
-    texts: Sequence[GuessedFile], maps: Sequence[Path], bodies: Sequence[str]
+    texts: Sequence[GuessedFile], maps: Sequence[Path], touching: Touching
 ) -> tuple[dict[str, Any], list[str]]:
     """The tables `[profiles.*]` of texts of profiles and of maps, and what was assumed."""
     found: dict[str, Any] = {}
@@ -52,7 +53,7 @@ def profiles_of(
         ):
             remarks.append(f"{text.path.name} was left out: neither loops nor a profile were recognised in it")
             continue
-        body = body_of(text.path, bodies, "specimen", remarks)
+        body = body_of(text.path, touching.names, "specimen", remarks)
         if body not in found:
             columns, more = mapped_columns(text)
             remarks += more
@@ -61,7 +62,7 @@ def profiles_of(
                 found[body]["step_um"] = text.step_um or OPEN
         files.setdefault(body, []).append(text.path.name)
     for path in maps:
-        body = body_of(path, bodies, "specimen", remarks)
+        body = body_of(path, touching.names, "specimen", remarks)
         if body not in found:
             if (source := map_source(path, remarks)) is None:
                 continue
@@ -69,12 +70,16 @@ def profiles_of(
             remarks.append(f'{path.name}: axis = "x" says that the motion runs along the map\'s x; see the dry run')
         files.setdefault(body, []).append(path.name)
     sources = {}
-    for body in (one for one in bodies if one in found):
+    for body in (one for one in touching.names if one in found):
         names = sorted(files[body])
         pattern = name_pattern(names, has_cycle=True)
         of_files = {"files": names if len(names) > 1 else names[0]} | ({"name_pattern": pattern} if pattern else {})
         sources[body] = of_files | found[body]
     return sources, remarks
+
+
+#: What a mapping says of worn surfaces, by what they are.
+_WORN = {"scars": scars_of, "profiles": profiles_of}
 
 
 @dataclass(frozen=True)
@@ -92,29 +97,24 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touc
     files: loops, and perhaps an evolution and scars.  known: what the user says: keys of `[conditions]`, and `name`.
     touching: what the user says of the bodies.
     """
-    kinds, length = recognised_files(files), touching.stated.length_mm
-    worn: dict[str, Any] = {}
-    if not touching.names:
-        name, of_worn = "", left_out(kinds.surfaces)
-    elif length is None:
-        name, (worn, of_worn) = "scars", scars_of(kinds.surfaces, kinds.maps, touching)
-    else:
-        name, (worn, of_worn) = "profiles", profiles_of(kinds.surfaces, kinds.maps, touching.names)
-    evolution, of_evolution = evolution_source(kinds.evolution, per_length=length is not None)
-    loops = kinds.loops or (() if length and worn else kinds.unknown)
-    tables: dict[str, Any] = {"format": 1, "name": known.get("name", name_of_folder(files)), **touching.stated.tables}
+    found, stated = recognised_files(files), touching.stated
+    extent = extent_of(stated.length_mm)
+    name, (worn, of_worn) = extent.worn, _WORN[extent.worn](found.surfaces, found.maps, touching)
+    evolution, of_evolution = evolution_source(found.evolution, per_length=bool(extent.units({"N": 1.0})))
+    loops = found.loops or (() if worn and not stated.needs_loops else found.unknown)
+    tables: dict[str, Any] = {"format": 1, "name": known.get("name", name_of_folder(files)), **stated.tables}
     remarks: list[str] = []
     if loops:
-        source, tables["conditions"], remarks = loop_source(loops, known, length)
+        source, tables["conditions"], remarks = loop_source(loops, known, stated.length_mm)
         tables["loops"] = source
-    elif length and (worn or evolution):
+    elif not stated.needs_loops and (worn or evolution):
         tables["conditions"] = asked_of(known)
     else:
-        why = "; ".join(kinds.unread) or "a displacement and a force must be among the columns"
+        why = "; ".join(found.unread) or "a displacement and a force must be among the columns"
         raise RecordError(f"no file holds loops: {why}; name them in a mapping of your own (docs/records.md).")
     tables |= {key: own for key, own in ((name, worn), ("evolution", evolution)) if own}
-    left = [] if loops is kinds.unknown else left_out(kinds.unknown)
-    return GuessedMapping(tables, (*touching.stated.remarks, *remarks, *of_evolution, *of_worn, *left, *kinds.unread))
+    left = [] if loops is found.unknown else left_out(found.unknown)
+    return GuessedMapping(tables, (*stated.remarks, *remarks, *of_evolution, *of_worn, *left, *found.unread))
 
 
 @dataclass(frozen=True)
@@ -180,7 +180,7 @@ def loop_source(
     Raises RecordError, in one sentence, if something is not known that no file states.
     """
     first = loops[0]
-    columns, remarks = mapped_columns(first, per_length=length_mm is not None)
+    columns, remarks = mapped_columns(first, per_length=bool(extent_of(length_mm).units({"N": 1.0})))
     missing = [key for key in ("displacement_um", "tangential_force_N") if key not in columns]
     columns = {key: {"column": OPEN, "unit": OPEN} for key in missing} | columns
     if missing or remarks != [*first.remarks]:

@@ -282,7 +282,7 @@ def _record_loops(path: Path) -> tuple[SampledLoop, ...]:
 
 def _result_loops(path: Path, variant: str | None) -> tuple[SampledLoop, ...]:
     result = chosen_run(read_results(path), variant, path)
-    of = (f"the forces are those of {result.length_mm:g} mm of the contact",) if result.length_mm else ()
+    of = tuple(f"the forces are those of {said}" for said in (result.extent.said,) if said)
     return tuple(
         SampledLoop(1, loop.cycle, loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, loop.time_s, of)
         for loop in result.loops

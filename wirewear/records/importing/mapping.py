@@ -14,6 +14,7 @@ from wirewear.records.importing.loggers import readers
 from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, WiresTest
 from wirewear.records.test_tables import Metadata, of_kinds
 from wirewear.test.keys import CheckedFlag, Table, checked_text, one_of
+from wirewear.test.lengths import extent_of
 
 PROFILOMETER = "profilometer"  #: Kind of the files that hold a height map, which SurfaceTopography reads.
 
@@ -258,8 +259,7 @@ def unit_factor(name: str, mapping: ColumnMapping, length_mm: float | None = Non
             raise ValueError(f"{name} is in volts, so it needs a factor in {suffix} per volt")
         return mapping.factor
     known: dict[str, Any] = FIELD_UNITS.get(suffix, {})
-    if length_mm is not None:
-        known = known | {unit: factor * length_mm for unit, factor in UNITS_PER_LENGTH.get(suffix, {}).items()}
+    known = known | extent_of(length_mm).units(UNITS_PER_LENGTH.get(suffix, {}))
     if mapping.unit not in known:
         raise ValueError(f"{name} cannot be in {mapping.unit!r}: the units known there are {', '.join([*known, 'V'])}")
     return float(known[mapping.unit]) * mapping.factor
