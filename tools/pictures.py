@@ -52,6 +52,10 @@ DRAWN = {
         "python -m studies.benchmarks.partial_slip --output runs/pictures/partial_slip  # partial_slip.png",
     ),
     "scars_3d.png": (_STEEL, "wirewear show runs/pictures/steel  # pictures/scars_3d.png"),
+    "yielding_wires.png": (
+        "wirewear run studies/yielding_wires/study.toml --fidelity quick --output runs/pictures/yielding",
+        "python -m studies.yielding_wires.draw runs/pictures/yielding --output runs/drawn  # yielding_wires.png",
+    ),
     "tribometers.png": ("python -m studies.tribometers.article --output runs/pictures/tribometers  # tribometers.png",),
 }
 

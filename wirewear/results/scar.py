@@ -33,11 +33,12 @@ QUALITIES: Mapping[str, tuple[str, float]] = {
         "largest pressure against what the softer body bears, of which more is impossible",
         1.0,
     ),
+    "indentation_strain": ("strain of the print, 0.2 a/R, beyond which plasticity of small strains ends", 0.1),
     "mirror_error": ("pressures against their mirror image on the way back, relative", 2e-2),
 }
 
 #: Those that are of the test itself, and the same however finely it is solved.
-OF_THE_TEST = frozenset({"pressure_against_strength"})
+OF_THE_TEST = frozenset({"pressure_against_strength", "indentation_strain"})
 
 #: What lessens the others where they are more than their limit, as the end of a sentence.
 _OF_THE_PROGRAM = "is an error of the program: please report it with the study"

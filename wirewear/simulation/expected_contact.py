@@ -37,6 +37,8 @@ GapCurvatures = tuple[float, float, float]
 #: pressure exceeds anywhere by much.
 _FULLY_PLASTIC = 2.8
 
+_LITTLE_MORE = 1.1  #: Largest pressures of full plasticity over mean ones.
+
 #: Hardness over Young's modulus of the hardest metals: a steel of 1000 HV, 9.8 GPa, has 0.047.
 _HARDEST = 0.05
 
@@ -232,8 +234,11 @@ def _worn_volume(study: Study, factors: WearFactors) -> float:
 def borne_settings(study: AnyStudy[Any]) -> dict[str, float | str]:
     """What a result records of the pressure that the softer body of a study bears, and what that goes by.
 
-    By the strength that its table of life states, or else by its Young's modulus alone.
+    By its yield stress, the strength that its table of life states, or else by its Young's modulus alone.
     """
+    if yields := [own[0] for own in study.tables.yields.values() if own is not None]:
+        factor = _LITTLE_MORE * _FULLY_PLASTIC
+        return {BORNE: factor * min(yields), BORNE_IS: f"{factor:.3g} times the yield stress of {min(yields):g} MPa"}
     life: LifeTable | None = study.tables.life
     known = LifeTable() if life is None else life.of_material(None)
     for strength, words in (

@@ -47,7 +47,7 @@ from wirewear.simulation.measures import dissipated_energy_mJ, slip_amplitude_mm
 from wirewear.simulation.problem import worn_depths
 from wirewear.simulation.statistics import Tally, judge, mirrored_mismatch
 from wirewear.simulation.store import MeshHistory
-from wirewear.simulation.yielding import limit_settings
+from wirewear.simulation.yielding import STRAIN, limit_settings
 from wirewear.test import Body, Study
 from wirewear.test.programme import held_keys
 from wirewear.test.surfaces import LayerTable
@@ -375,8 +375,11 @@ class Recorded(ABC):
         tally = self.tally
         cycling_s, evolution = tally.cycling_s, Evolution.from_rows(self._rows)
         settings = self.settings(history) | layer_settings(self._study.layers) | borne_settings(self._study)
-        largest = float(np.fmax.reduce([settings["hertz_pressure_MPa"], *evolution["max_mean_pressure_MPa"]]))
+        # Under bodies that yield Hertz' pressure never is.
+        fresh = tally.fresh["fresh_max_pressure_MPa"] if STRAIN in tally.fresh else settings["hertz_pressure_MPa"]
+        largest = float(np.fmax.reduce([fresh, *evolution["max_mean_pressure_MPa"]]))
         known = {"pressure_against_strength": largest / settings[BORNE]}
+        known |= {"indentation_strain": tally.fresh[STRAIN]} if STRAIN in tally.fresh else {}
         known |= {"law_between_nodes": tally.fresh[_LAW_ERROR]} if _LAW_ERROR in tally.fresh else {}
         return RunResult(
             name=self._study.name,

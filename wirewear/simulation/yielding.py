@@ -7,6 +7,7 @@ from wirewear import reference
 from wirewear.test import AnyStudy, Study
 from wirewear.test.bodies import hertz_of
 
+STRAIN = "fresh_indentation_strain"  #: What a result calls 0.2 a/R of the fresh contact of bodies that yield.
 _STRAIN = 0.2  #: Of an indentation, over a/R (Tabor, The Hardness of Metals (1951)).
 _ALIKE = 1e-6  #: Yield stresses that differ by less, relative, are equal.
 
@@ -55,9 +56,9 @@ def limit_settings(problem: ContactProblem, pressed: IncrementReport) -> dict[st
         return {}
     load = problem.holder.normal_load_N
     return {
-        "yield_stress_MPa": limit.yield_stress_MPa,
-        "first_yield_load_N": limit.first_yield_load,
-        "pressure_limit_MPa": float(limit.limit_MPa(load)),
+        "fresh_yield_stress_MPa": limit.yield_stress_MPa,
+        "fresh_first_yield_load_N": limit.first_yield_load,
+        "fresh_pressure_limit_MPa": float(limit.limit_MPa(load)),
         "fresh_mean_pressure_over_yield": pressed.normal_force / pressed.contact_area / limit.yield_stress_MPa,
-        "indentation_strain": limit.strain(load),
+        STRAIN: limit.strain(load),
     }

@@ -1,0 +1,100 @@
+"""Studies whose bodies state where they yield: the limit of their pressure, their runs, and what results keep."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from wirewear.reference import first_yield_ratio
+from wirewear.results import RunResult, read_result, write_result
+from wirewear.simulation import simulate
+from wirewear.simulation.yielding import limit_of_points
+from wirewear.test import Study, study_from_tables
+
+
+def wires(crossing_angle_deg: float = 90.0, **further: Any) -> Study:
+    """Steel wires of 0.45 mm under 2 N."""
+    tables = {
+        "format": 1,
+        "name": "wires",
+        "kind": "crossed-wires",
+        "wires": {
+            "diameter_mm": 0.45, "youngs_modulus_MPa": 208_700.0, "poissons_ratio": 0.3,
+            "crossing_angle_deg": crossing_angle_deg,
+        } | further.pop("wires", {}),
+        "conditions": {"normal_load_N": 2.0, "displacement_amplitude_um": 20.0, "frequency_Hz": 3.0, "cycles": 2},
+        "contact": {"friction": 0.6} | further.pop("contact", {}),
+        "wear": {"energy_wear_coefficient_mm3_per_J": 3e-5},
+        **further,
+    }  # fmt: skip
+    study = study_from_tables(tables, "wires.toml")
+    assert isinstance(study, Study)
+    return study
+
+
+@pytest.mark.parametrize(
+    ("axis_ratio", "poissons_ratio", "expected"),
+    [(1.0, 0.25, 1.554), (1.0, 0.3, 1.613), (1.0, 0.4, 1.739), (0.4, 0.3, 1.653), (0.0, 0.3, 1.794)],
+)
+def test_bodies_yield_first_where_von_mises_stress_of_hertz_contacts_says(
+    axis_ratio: float, poissons_ratio: float, expected: float
+) -> None:
+    assert first_yield_ratio(axis_ratio, poissons_ratio) == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize(("crossing_angle_deg", "load_N"), [(90.0, 0.487), (45.0, 0.853), (20.0, 2.40)])
+def test_load_at_first_yield_is_that_of_the_ellipse_at_any_crossing_angle(
+    crossing_angle_deg: float, load_N: float
+) -> None:
+    limit = limit_of_points(wires(crossing_angle_deg, wires={"yield_stress_MPa": 1800.0}))
+    assert limit is not None
+    assert limit.first_yield_load == pytest.approx(load_N, rel=0.01)
+
+
+@pytest.mark.parametrize(("stress_MPa", "fresh_MPa"), [(1400.0, 2889.0), (1800.0, 3556.0), (2400.0, 4273.0)])
+def test_largest_pressure_of_fresh_wires_is_that_of_finite_elements(stress_MPa: float, fresh_MPa: float) -> None:
+    limit = limit_of_points(wires(wires={"yield_stress_MPa": stress_MPa}))
+    assert limit is not None
+    assert float(limit.limit_MPa(2.0)) == pytest.approx(fresh_MPa, rel=0.04)
+
+
+def test_the_softer_body_takes_the_print_and_one_key_keeps_bodies_elastic() -> None:
+    softer = {"yield_stress_MPa": 1800.0, "moving": {"yield_stress_MPa": 900.0}}
+    limits = [
+        limit_of_points(wires(wires=stated, contact=contact))
+        for stated, contact in (
+            ({"yield_stress_MPa": 900.0}, {}),
+            (softer, {}),
+            ({"fixed": {"yield_stress_MPa": 900.0}}, {}),
+            ({}, {}),
+            (softer, {"plasticity": "none"}),
+        )
+    ]
+    assert [None if limit is None else limit.upper_share for limit in limits] == [0.5, 0.0, 1.0, None, None]
+    assert {limit.yield_stress_MPa for limit in limits if limit is not None} == {900.0}
+
+
+@pytest.fixture(scope="module")
+def run() -> RunResult:
+    """Two cycles at coarse elements."""
+    return simulate(wires(wires={"yield_stress_MPa": 1400.0}), fidelity="quick")
+
+
+@pytest.mark.seconds
+def test_a_run_keeps_prints_beside_what_has_worn(run: RunResult, tmp_path: Path) -> None:
+    evolution, (moving, fixed) = run.evolution, run.scars[-2:]
+    limit = float(run.settings["fresh_pressure_limit_MPa"])
+    assert evolution["max_pressure_MPa"].max() == pytest.approx(limit, rel=0.02)
+    assert evolution["print_fixed_um"][0] > evolution["print_moving_um"][0] > 0.05
+    assert evolution["max_depth_fixed_um"][-1] < 0.05
+    assert run.quality["volume_against_energy"] < 1e-6
+    assert run.quality["pressure_against_strength"] < 1.0
+    assert fixed.print_um is not None
+    assert fixed.depth_at(0.0, 0.0) == pytest.approx(fixed.measured_depth_um.max(), rel=1e-6)
+    again = write_result(tmp_path / "result.h5", run)
+    assert again is not run
+    kept = read_result(tmp_path / "result.h5").scars[-1].print_um
+    assert kept is not None
+    assert np.array_equal(kept, fixed.print_um)
+    assert moving.print_um is not None
