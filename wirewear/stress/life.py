@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -107,6 +108,12 @@ class BodyLife:
     course: BlockCourse  #: The cycles of the run, and what would follow it.
     to_world: Array  #: From the body's axes to those of the test.
     plane: bool
+
+    @property
+    def begun(self) -> Initiation | None:
+        """What `initiation` was called in 1.0.0."""
+        warnings.warn("BodyLife.begun is now BodyLife.initiation", DeprecationWarning, stacklevel=2)
+        return self.initiation
 
     @property
     def called(self) -> str:
