@@ -16,6 +16,7 @@ from scipy.special import chdtrc
 
 from geometry.arrays import Array, IntArray
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.observe.along_branches import KneePeak
 from wirewear.diagnosis.observe.local_lines import OUTLYING
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.observable import ModelLoops, Scale
@@ -113,7 +114,7 @@ def derivatives(states: WearStates, setup: SurrogateInputs, layout: Layout, size
 
 
 def _bent(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Array:
-    """What a straight line in the order of micro-slip misses (n, 1 or 0), root of the mean square.
+    """What a straight line in the order of micro-slip misses of knees (n, 1 or 0), root of the mean square.
 
     Laws of friction from Mindlin's to Dahl's lie so far apart that a knee shows them only beyond a standard deviation,
     where a contact as soft as its rig yields over much of the stroke. f(z) = f(0) + f'z + c z²/4, and E z⁴ = 3.
@@ -125,7 +126,7 @@ def _bent(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Array:
         states, *(moved(setup, "micro_slip", share * size) for share in (2.0, 0.0, 0.5, -0.5))
     )
     missed: Array = np.nan_to_num(0.25 * 3.0**0.5 * (far - none - 2.0 * (both[0] - both[1])))
-    return missed[:, None]
+    return np.where(layout.of_kind(KneePeak), missed, 0.0)[:, None]
 
 
 def remainder(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Array:
