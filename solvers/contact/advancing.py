@@ -85,6 +85,7 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
     # Bodies with a depth from the outset touch below the height at which unworn ones would.
     touch = max(float(vertical_gaps(problem, state, state.drive, state.holder_x).min()), 0.0)
     approach = 0.1 * elastic
+    least = 1e-2 * approach
     for _ in range(60):
         height = -touch - approach
         guess = replace(state, holder_z=height, pressed_z=height)
@@ -94,8 +95,10 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
             # One node alone touches before its whole support, on average, does.
             approach *= 1.6
             continue
-        except (IncrementFailedError, PatchLeftError):
+        except (IncrementFailedError, PatchLeftError) as failure:
             # By a node's own compliance a fine mesh is soft: the first guess may press it beyond its patch.
+            if isinstance(failure, PatchLeftError) and approach < least:
+                raise
             approach *= 0.5
             continue
         force = float(pressed.primary_force[:, 2].sum())
