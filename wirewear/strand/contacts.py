@@ -120,7 +120,7 @@ class WireContact:
 
     @property
     def wires(self) -> list[LoadedWire]:
-        """Those of both bodies that are wires."""
+        """Bodies that are wires, one or both."""
         return [own for own in (self.lower, self.upper) if isinstance(own, LoadedWire)]
 
     @property
