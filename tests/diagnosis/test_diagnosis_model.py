@@ -34,6 +34,8 @@ from wirewear.diagnosis.wording import _one, explanations, of_pairs, sentence_of
 from wirewear.effects import Chain
 from wirewear.effects.contact import RoughnessCompliance, ThirdBodyLayer
 from wirewear.records import ExperimentRecord, RecordTables
+from wirewear.records.contact_tables import LineRecordTables
+from wirewear.records.tables import PointRecordTables
 from wirewear.views.diagnosis_page import ten_lines
 
 FORCE_N = 1.24  #: µP of the first loops, before the scar gives them slopes.
@@ -310,13 +312,12 @@ def test_a_check_that_shows_no_gap_claims_no_shrink() -> None:
 
 
 def test_of_balls_and_oblique_wires_an_answer_says_that_pairs_are_seldom_named() -> None:
-    def record(length_mm: float, *angles_deg: float) -> Any:
-        bodies = {name: SimpleNamespace(axis_angle_deg=angle) for name, angle in zip("ab", angles_deg, strict=True)}
-        return SimpleNamespace(
-            tables=SimpleNamespace(length_mm=length_mm, body=bodies.__getitem__, body_names=("a", "b"))
-        )
+    def record(tables: Any, *angles_deg: float) -> Any:
+        bodies = tuple(SimpleNamespace(axis_angle_deg=angle) for angle in angles_deg)
+        askew = tables.crosses_askew.__get__(SimpleNamespace(bodies_of_test=bodies))
+        return SimpleNamespace(tables=SimpleNamespace(crosses_askew=askew))
 
-    assert "seldom both named" in of_pairs(record(0.0, 0.0, 0.0))[0]
-    assert of_pairs(record(0.0, 0.0, 40.0))
-    assert not of_pairs(record(0.0, 0.0, 90.0))
-    assert not of_pairs(record(8.0, 0.0, 0.0))
+    assert "seldom both named" in of_pairs(record(PointRecordTables, 0.0, 0.0))[0]
+    assert of_pairs(record(PointRecordTables, 0.0, 40.0))
+    assert not of_pairs(record(PointRecordTables, 0.0, 90.0))
+    assert not of_pairs(record(LineRecordTables))
