@@ -13,6 +13,8 @@ from wirewear import RunResult, Study, parse_study, run_study
 from wirewear.effects import Effect
 from wirewear.test import LineStudy, study_from_tables
 
+EXAMPLES = Path(__file__).parents[1] / "studies" / "steel_wires" / "example_records"
+
 _STEEL_WIRES = """
 format = 1
 name = "{name}"
@@ -54,6 +56,8 @@ WEARING = """
 [wear]
 energy_wear_coefficient_mm3_per_J = 3.0e-5
 """
+LONG = COARSE.replace("cycles = 1\n", "cycles = 400\n") + WEARING
+
 
 TABLES: dict[str, Any] = {
     "format": 1, "name": "cylinder on flat", "kind": "cylinder-on-flat",
@@ -96,3 +100,7 @@ def require_equal_runs(mine: RunResult, theirs: RunResult) -> None:
     for loop, another in zip(mine.loops, theirs.loops, strict=True):
         np.testing.assert_array_equal(loop.tangential_force_N, another.tangential_force_N)
     assert mine.quality == theirs.quality
+
+
+def block(cycles: int, *values: str) -> str:
+    return "\n".join(("[[programme]]", f"cycles = {cycles}", *values, ""))

@@ -22,7 +22,7 @@ from wirewear.reference.cattaneo_mindlin import dissipated_energy, force_amplitu
 from wirewear.sweeps import Sweep, load_sweep
 from wirewear.sweeps.indices import Index, indices
 from wirewear.sweeps.sweep import FIRST, SweepRow
-from wirewear.test import Study
+from wirewear.test import LineStudy, Study
 
 SWEEP = Path(__file__).with_name("sweep.toml")
 
@@ -36,8 +36,10 @@ FIGURES = {
 Array = NDArray[np.float64]
 
 
-def closed_form(study: Study) -> dict[str, float]:
-    """Figures of the loop of a fresh contact."""
+def closed_form(study: Study | LineStudy) -> dict[str, float]:
+    """Figures of the loop of a fresh contact of crossed wires."""
+    if isinstance(study, LineStudy):
+        raise TypeError("the closed form is that of crossed wires")
     moving, fixed = study.bodies
     load, angle = study.conditions.normal_load_N, study.wires.crossing_angle_deg
     radii = moving.diameters_mm[1] / 2.0, fixed.diameters_mm[1] / 2.0

@@ -14,7 +14,7 @@ import pytest
 from click.testing import Result
 
 from tests.robustness.commands import STUDY
-from tests.simulation.test_simulate import coarse
+from tests.simulation.coarse_runs import coarse
 from wirewear import ResultError, read_result, run_study
 from wirewear.simulation import Observer
 

@@ -1,17 +1,14 @@
 """`wirewear open`: a workspace's steps are commands, pages are its owner's alone, and nothing that was made is lost."""
 
 import json
-import urllib.error
-import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
-from threading import Thread
 from time import monotonic, sleep
-from typing import Any
 
 import pytest
 
 import wirewear.app.cli.commands
+from tests.app.workspaces import asked, ended, step
 from tests.browser import TOO_WIDE, Page, browser, needs_browser
 from wirewear.app.cli import cli
 from wirewear.app.web.server import LOOPBACK, WorkspaceServer
@@ -22,21 +19,6 @@ from wirewear.base.recognising import example
 __all__ = ["wirewear"]
 RECORD = example("no_gap")
 HEADER = "Time (s);Displacement (um);Force (N)\n"
-
-
-@pytest.fixture
-def workspace(tmp_path: Path) -> Iterator[Workspace]:
-    made = Workspace(tmp_path / "workspace")
-    yield made
-    made.stop()
-
-
-@pytest.fixture
-def server(workspace: Workspace) -> Iterator[WorkspaceServer]:
-    with WorkspaceServer(workspace) as made:
-        Thread(target=made.serve_forever, args=(0.02,), daemon=True).start()
-        yield made
-        made.shutdown()
 
 
 @pytest.fixture(scope="module")
@@ -52,26 +34,6 @@ def page(chromium: Page, server: WorkspaceServer) -> Iterator[Page]:
     yield chromium
     assert not chromium.problems
     chromium.open("about:blank")
-
-
-def asked(url: str, method: str = "GET", body: bytes = b"", **headers: str) -> tuple[int, bytes]:
-    request = urllib.request.Request(url, body if method == "PUT" else None, headers, method=method)
-    try:
-        with urllib.request.urlopen(request) as answer:
-            return answer.status, answer.read()
-    except urllib.error.HTTPError as error:
-        return error.code, error.read()
-
-
-def step(workspace: Workspace, name: str) -> dict[str, Any]:
-    return next(one for one in json.loads(json.dumps(workspace.state()))["steps"] if one["name"] == name)
-
-
-def ended(workspace: Workspace, name: str, most_s: float = 200.0) -> dict[str, Any]:
-    began = monotonic()
-    while step(workspace, name)["state"] == "running" and monotonic() - began < most_s:
-        sleep(0.1)
-    return step(workspace, name)
 
 
 def logged() -> str:
@@ -187,7 +149,7 @@ def choose_kind(page: Page, kind: str) -> None:
 
 @pytest.mark.seconds
 @needs_browser
-def test_the_page_presets_no_kind_of_contact_names_units_and_speaks_of_no_option_of_a_command_line(
+def test_the_page_presets_no_kind_names_units_and_mentions_no_command_options(
     server: WorkspaceServer, page: Page
 ) -> None:
     server.workspace.add("test.csv", HEADER.encode())
@@ -209,9 +171,7 @@ def test_the_page_presets_no_kind_of_contact_names_units_and_speaks_of_no_option
 
 @pytest.mark.seconds
 @needs_browser
-def test_what_was_refused_stays_on_the_page_and_an_edit_that_was_not_saved_in_its_field(
-    server: WorkspaceServer, page: Page
-) -> None:
+def test_refusals_stay_on_the_page_and_unsaved_edits_in_their_field(server: WorkspaceServer, page: Page) -> None:
     page.open(server.url)
     page.value("put([new File(['1'], '.hidden'), new File(['1;2'], 'a.csv')])")
     wait_for(page, "find('files').textContent.includes('a.csv')")

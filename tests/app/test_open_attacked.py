@@ -17,12 +17,12 @@ from typing import Any
 
 import pytest
 
-from tests.app.test_open import asked, ended, server, step, workspace
+from tests.app.workspaces import asked, ended, server, step, workspace
 from tests.commands import wirewear
 from wirewear.app.web import server as server_module
 from wirewear.app.web import workspace as workspace_module
 from wirewear.app.web.server import LOOPBACK, WorkspaceServer
-from wirewear.app.web.workspace import _AS_STEP, Workspace
+from wirewear.app.web.workspace import AS_STEP, Workspace
 
 __all__ = ["server", "workspace"]
 
@@ -175,7 +175,7 @@ def test_a_port_that_is_taken_is_stated_in_one_sentence(server: WorkspaceServer,
 
 def test_a_step_that_is_stopped_while_it_starts_says_so(workspace: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
     loading = "import time; print('loading'); time.sleep(20)"
-    monkeypatch.setattr(workspace_module, "_AS_STEP", _AS_STEP.replace("from wirewear.app.cli import main", loading))
+    monkeypatch.setattr(workspace_module, "AS_STEP", AS_STEP.replace("from wirewear.app.cli import main", loading))
     workspace.add("a.csv", b"1;2\n")
     workspace.start("guess", {})
     while not step(workspace, "guess")["lines"]:
@@ -196,7 +196,7 @@ def test_names_that_are_no_text_and_such_a_mapping_leave_the_page_as_it_is(serve
 
 def test_a_step_that_has_ended_is_sent_no_signal(workspace: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
     """The system may have given its number to processes of somebody else."""
-    monkeypatch.setattr(workspace_module, "_AS_STEP", "print('done')")
+    monkeypatch.setattr(workspace_module, "AS_STEP", "print('done')")
     workspace.add("a.csv", b"1;2\n")
     workspace.start("guess", {})
     ended(workspace, "guess")
@@ -207,7 +207,7 @@ def test_a_step_that_has_ended_is_sent_no_signal(workspace: Workspace, monkeypat
 
 
 def test_a_look_whose_pictures_cannot_be_moved_ends(workspace: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workspace_module, "_AS_STEP", "open('record_first_loop.png', 'w'); open('first_look', 'w')")
+    monkeypatch.setattr(workspace_module, "AS_STEP", "open('record_first_loop.png', 'w'); open('first_look', 'w')")
     workspace.write_mapping("")
     workspace.start("look", {})
     assert "its pictures stay in" in ended(workspace, "look", 20.0)["lines"][-1]

@@ -17,7 +17,7 @@ import pytest
 
 from solvers import NotConvergedError
 from tests import synthetic_results
-from tests.simulation.test_simulate import coarse
+from tests.simulation.coarse_runs import coarse
 from wirewear import RunResult, Study, write_result
 from wirewear.base import cache
 from wirewear.base.cache import cache_directory, keep_within, mark_used

@@ -12,7 +12,7 @@ from wirewear.base.errors import RunError
 from wirewear.base.writing import usable_folder, write_grid
 
 
-def test_a_grid_for_which_a_disk_has_no_room_is_an_error_and_leaves_the_file_that_stood_there(tmp_path: Path) -> None:
+def test_a_grid_that_a_full_disk_refuses_leaves_the_earlier_file(tmp_path: Path) -> None:
     grid = pyvista.ImageData(dimensions=(9, 9, 9)).cast_to_unstructured_grid()
     grid.point_data["depth_um"] = np.random.default_rng(0).random(grid.n_points)
     path = write_grid(tmp_path / "grid.vtu", grid)

@@ -14,7 +14,7 @@ from tests.records.logger_files import CYLINDER, LOAD_N, DEPTHS_um, LENGTH_mm, l
 from tests.studies import minimal
 from tests.synthetic_loops import partial_slip_loop
 from tests.synthetic_results import result
-from wirewear.comparison.mapped_tests import _worn, fretting_tests
+from wirewear.comparison.mapped_tests import fretting_tests, worn_in
 from wirewear.comparison.maps import (
     FreshContact,
     RegressionLine,
@@ -103,10 +103,10 @@ def test_a_measured_test_is_known_by_its_loops_and_scars() -> None:
 
 def test_a_repeat_counts_for_wear_only_if_both_its_scars_are_known() -> None:
     record = read_record(EXAMPLES / "rigid_stated_compliant_rig")
-    whole = _worn(record)
+    whole = worn_in(record)
     less = dataclasses.replace(record, scars=record.scars[1:])
     assert len(whole) == 3
-    assert _worn(less) == whole[1:] == whole[-2:]
+    assert worn_in(less) == whole[1:] == whole[-2:]
 
 
 def test_a_simulated_test_has_the_wear_coefficient_of_its_study(tmp_path: Path) -> None:

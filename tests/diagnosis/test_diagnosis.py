@@ -17,7 +17,7 @@ from geometry.arrays import Array
 from tests.diagnosis.diagnosis_cases import CYCLES, NOISE_N, concluded, nominal, record
 from tests.exam.frozen_states import frozen_states, present_states
 from tests.exam.independent_records import independent_record
-from tests.records.test_records import EXAMPLES
+from tests.studies import EXAMPLES
 from tests.synthetic_results import result
 from wirewear.base.cache import code_hash
 from wirewear.diagnosis import Diagnosis, diagnose

@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 
 from geometry.arrays import Array
 from tests.diagnosis.diagnosis_cases import autoregressive, nominal, record, states
+from tests.diagnosis.layouts import SITES, layout
 from wirewear.diagnosis.infer.covariance import (
     EXPECTED_NUMBERS,
     Covariance,
@@ -22,12 +23,10 @@ from wirewear.diagnosis.infer.covariance import (
     tolerated,
 )
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.observe import Observable, Site, channels
-from wirewear.diagnosis.observe.along_branches import BEYOND, PEAK, KneePeak, PlateauForce, ShelfTravel, Stick, peak_N
-from wirewear.diagnosis.observe.channels import Energy, LargestForce, SlipAmplitude
+from wirewear.diagnosis.observe import Site, channels
+from wirewear.diagnosis.observe.along_branches import BEYOND, PEAK, PlateauForce, Stick, peak_N
 from wirewear.diagnosis.observe.measured_loops import _force_noise, _usual, reduced_loop
 from wirewear.diagnosis.observe.reduction import Layout, Observations, all_observables, reduce
-from wirewear.diagnosis.observe.scars import ProfileDepths, ScarFigures, ScarSkew
 from wirewear.loops.noise import (
     correlated_noise,
     correlation_of,
@@ -39,33 +38,6 @@ from wirewear.loops.noise import (
 )
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise, Tolerance
-
-CYCLES = (1, 300, 10_000, 100_000)
-#: Some numbers of every observable of loops.
-SITES: dict[type[Observable], list[Site]] = {
-    PlateauForce: [
-        Site(cycle, sign, sign * at) for cycle in CYCLES for sign in (1, -1) for at in (-20.0, 0.0, 46.0, 54.0)
-    ],
-    Stick: [Site(cycle, sign, force) for cycle in CYCLES for sign in (1, -1) for force in (-0.6, 0.0, 0.6)],
-    ShelfTravel: [Site(cycle, sign, 0.1) for cycle in CYCLES for sign in (1, -1)],
-    KneePeak: [Site(cycle, sign) for cycle in CYCLES for sign in (1, -1)],
-    channels.Amplitude: [Site(cycle) for cycle in CYCLES],
-    channels.NormalForce: [Site(cycle) for cycle in CYCLES],
-    channels.NormalForceByDirection: [Site(cycle) for cycle in CYCLES],
-    channels.NormalForceAtEnds: [Site(cycle) for cycle in CYCLES],
-    channels.NormalForceBySides: [Site(cycle) for cycle in CYCLES],
-    Energy: [Site(cycle) for cycle in CYCLES],
-    SlipAmplitude: [Site(cycle) for cycle in CYCLES],
-    LargestForce: [Site(cycle) for cycle in CYCLES],
-    ScarFigures: [Site(CYCLES[-1], wire=wire, figure="depth") for wire in ("moving", "fixed")],
-    ScarSkew: [Site(CYCLES[-1], wire=wire) for wire in ("moving", "fixed")],
-    # Wires have none.
-    ProfileDepths: [],
-}
-
-
-def layout(*kinds: type[Observable]) -> Layout:
-    return Layout.of_sites(*((one, SITES[type(one)]) for one in all_observables() if not kinds or type(one) in kinds))
 
 
 def covariance_of(observed: Observations) -> Covariance:

@@ -53,7 +53,7 @@ def test_debris_that_spreads_the_pressure_leaves_lower_hooks_than_debris_that_is
     assert abs(less[0]) < 0.1 * less.max()
 
 
-def test_wear_unloads_a_layer_which_then_lifts_the_wire_against_its_loading_spring_by_less_than_its_height() -> None:
+def test_a_layer_unloaded_by_wear_lifts_the_wire_by_less_than_its_height() -> None:
     stiff, soft = (
         course(replace(nominal(), normal_spring_N_per_um=spring), cycles=1e9).normal_force_N[:, 0, 0]
         for spring in (0.01, 0.0)

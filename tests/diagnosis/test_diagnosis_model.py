@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from geometry.arrays import Array
 from studies.blind.generators.independent.friction import LAWS
 from tests.diagnosis.diagnosis_cases import diagnosed, nominal, record, states, with_effect
-from tests.diagnosis.test_diagnosis_covariance import layout
+from tests.diagnosis.layouts import layout
 from tests.worked_examples import install_example
 from wirewear.base.course import Course
 from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate

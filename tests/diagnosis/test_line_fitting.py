@@ -239,7 +239,7 @@ def test_the_fresh_contact_of_the_profile_model_is_hertzs() -> None:
     assert np.abs(shape - ellipse).max() < 0.06
 
 
-def test_a_worn_scar_is_a_chord_of_the_cylinder_and_debris_narrows_it_as_a_smaller_radius() -> None:
+def test_a_worn_scar_is_a_chord_and_debris_narrows_it_by_radius() -> None:
     """Once wear is deep against the elastic approach, A = 2 w³/(3 R)."""
     worn = worn_line(WORN_STEEL)
     assert worn.half_width_at(AREA_mm2) == pytest.approx((1.5 * 6.0 * AREA_mm2) ** (1.0 / 3.0), rel=0.03)

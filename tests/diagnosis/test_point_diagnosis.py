@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.records.test_point_records import SHAPES, run_of
-from tests.simulation.test_point_contacts import STEEL, TEST
+from tests.records.point_records import SHAPES, run_of
+from tests.simulation.point_contacts import STEEL, TEST
 from wirewear import record_of_result
 from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis import diagnose
@@ -57,7 +57,7 @@ def test_a_ball_on_a_flat_and_crossed_cylinders_have_the_same_states_and_loops()
     assert loops[0].tangential_force_N == pytest.approx(loops[1].tangential_force_N, rel=1e-3, abs=1e-3)
 
 
-def test_effects_of_a_contact_at_a_point_are_considered_but_no_angle_of_axes_that_a_ball_has_not() -> None:
+def test_a_ball_considers_effects_of_point_contacts_but_no_angle_of_axes() -> None:
     names = {
         one.name for one in library(nominal_inputs(study_from_tables(run_of("ball-on-flat").study, "s"), "stroke"))
     }
@@ -102,7 +102,7 @@ def ball_record(folder: Path, *effects: dict[str, Any]) -> AnyRecord:
 
 
 @pytest.mark.slow
-def test_a_ball_on_a_flat_without_a_gap_has_none_and_a_soft_rig_is_named_and_fitted(tmp_path: Path) -> None:
+def test_a_ball_without_a_gap_has_none_and_a_soft_rig_is_named(tmp_path: Path) -> None:
     sound, soft = ball_record(tmp_path / "sound"), ball_record(tmp_path / "soft", COMPLIANCE)
     assert diagnose(sound).diagnosis.verdict == "no_gap"
     found = diagnose(soft).diagnosis

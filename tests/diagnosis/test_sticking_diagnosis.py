@@ -13,7 +13,7 @@ import pytest
 
 from geometry.arrays import Array
 from tests.diagnosis.diagnosis_cases import nominal, with_effect
-from tests.simulation.test_point_contacts import STEEL
+from tests.simulation.point_contacts import STEEL
 from wirewear import record_of_result
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate

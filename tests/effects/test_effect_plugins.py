@@ -12,7 +12,7 @@ import pytest
 
 from solvers import RoughLayer, ThirdBody
 from tests.diagnosis.diagnosis_cases import nominal
-from tests.records.test_import import HEAD, SAMPLES, FREQUENCY_Hz
+from tests.records.loop_files import HEAD, SAMPLES, FREQUENCY_Hz
 from tests.studies import COARSE, coarse
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from tests.worked_examples import install_example
@@ -298,7 +298,7 @@ def test_debris_softens_the_contact_the_more_the_larger_the_scar_and_a_layer_is_
     assert layer.decay_mm == pytest.approx(5e-3 * np.exp(-1.0))
 
 
-def test_debris_spreads_the_pressure_as_a_rough_layer_does_that_closes_as_much_under_the_mean_pressure() -> None:
+def test_debris_spreads_pressure_as_a_rough_layer_of_equal_closure_does() -> None:
     found = changes(effect("third_body", retained_fraction=0.4, modulus_MPa=500.0))
     own = chain()
     area_um2 = np.sqrt(own.worn_area2_um4)

@@ -36,7 +36,7 @@ SENSOR_ENERGY = {
 
 @pytest.mark.seconds
 @pytest.mark.parametrize("name", SENSOR_ENERGY)
-def test_an_effect_of_the_sensor_leaves_the_test_as_it_is_and_the_energy_as_the_theorem_says(name: str) -> None:
+def test_sensor_effects_leave_the_test_alone_and_the_energy_by_the_theorem(name: str) -> None:
     values, ratio = SENSOR_ENERGY[name]
     nominal, misread = result_with(), result_with(effect(name, **values))
     np.testing.assert_array_equal(misread.loops[0].tangential_force_N, nominal.loops[0].tangential_force_N)

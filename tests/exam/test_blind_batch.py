@@ -19,7 +19,7 @@ from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.owners import OwnersWhoKnow
 from studies.blind.sealing import fingerprint
 from tests.exam.blind_batches import PlainModel, contents, truth_in
-from tests.house.test_house import PROJECT, ROOT, imported_modules
+from tests.house.project import PROJECT, ROOT, imported_modules
 from wirewear import read_record
 from wirewear.base.errors import RunError
 
@@ -175,7 +175,7 @@ def test_a_plan_holds_every_kind_in_its_share_and_every_effect_about_as_often() 
     assert all(len(case.effects) == (2 if case.kind == "pair" else case.kind != "none") for case in cases)
 
 
-def test_cases_that_leave_their_effect_out_hide_among_others_that_leave_out_one_that_is_not_there() -> None:
+def test_cases_without_their_effect_hide_among_those_without_an_absent_one() -> None:
     cases = planned_cases(400, 1, LIBRARY_EFFECTS, OUTSIDE_KINDS)
     without_one = [case for case in cases if case.left_out]
     true = [case for case in without_one if case.kind == "left_out"]
@@ -201,7 +201,7 @@ def cases() -> list[Case]:
 
 
 @pytest.mark.slow
-def test_the_stated_share_of_records_states_all_of_the_scatter_and_the_others_are_as_they_were() -> None:
+def test_the_stated_share_of_records_states_all_scatter_others_are_unchanged() -> None:
     own = OwnersWhoKnow(MODEL, 0.5)
     stating = 0
     for case in cases():

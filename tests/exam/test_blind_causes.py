@@ -22,7 +22,7 @@ from studies.blind.generators.nominal import Nominal, drawn_nominals
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.sizes import drawn_parameters
 from tests.exam import blind_causes
-from tests.exam.test_blind_finite_element import a_loop, plain_nuisances
+from tests.exam.finite_element_cases import a_loop, plain_nuisances
 from wirewear.effects import Age, ContactLaw, Loading, Seam, applied
 
 QUIET = SpecimenDraw()

@@ -50,7 +50,7 @@ def test_a_guide_drags_with_its_force_and_takes_its_work() -> None:
     assert (dragged.normal_force_N == LOOP.normal_force_N).all()
 
 
-def test_a_sticking_lever_loads_one_way_more_and_takes_no_work_and_weights_bounce_twice_a_cycle() -> None:
+def test_a_sticking_lever_takes_no_work_and_weights_bounce_twice_a_cycle() -> None:
     stuck = seen("sticking_lever", share=0.1, over_um=6.0)
     assert stuck.normal_force_N[[0, 720]] == pytest.approx([2.2, 1.8])
     assert area_mJ(stuck) == pytest.approx(area_mJ(LOOP), rel=1e-6)

@@ -21,35 +21,17 @@ from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import Nuisances, Scatter, SpecimenDraw
 from studies.blind.generators.waveform import Waveform
 from tests.exam.blind_batches import PlainModel
+from tests.exam.finite_element_cases import a_case, a_loop, plain_nuisances
 from tests.synthetic_results import bowl, result
 from wirewear import read_record
 from wirewear.effects import Age, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.reference import gap_curvatures
-from wirewear.results import Loop, RunResult
+from wirewear.results import RunResult
 from wirewear.simulation import discretise
 from wirewear.simulation.expected_contact import scar_ellipse
 from wirewear.test import Study
 
-GENERATOR = generator_of("T1")
 QUIET = SpecimenDraw()
-
-
-def a_case(place: int = 0, number: int = 60, seed: int = 4) -> Case:
-    return planned_cases(number, seed, GENERATOR.library, GENERATOR.outside)[place]
-
-
-def a_loop(cycle: int = 100, increments: int = 40, height_N: float = 1.2) -> Loop:
-    """A trapezoid of 60 µm, sticking over the first 10 µm after each reversal, and a load that follows the place."""
-    phase = 2.0 * np.pi * np.arange(increments) / increments
-    place, rising = 60.0 * np.sin(phase), np.cos(phase) >= 0.0
-    stuck = np.clip(np.where(rising, place + 60.0, 60.0 - place) / 5.0 - 1.0, -1.0, 1.0)
-    force = height_N * np.where(rising, stuck, -stuck)
-    normal = 2.0 + 1e-3 * place
-    return Loop(cycle, phase / (6.0 * np.pi), place, place, force, normal, np.zeros(increments))
-
-
-def plain_nuisances() -> Nuisances:
-    return replace(a_case().nuisances, waveform=Waveform())
 
 
 def test_scatter_multiplies_what_the_effects_have_made_of_friction_load_and_angle() -> None:

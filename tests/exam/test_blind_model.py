@@ -190,7 +190,7 @@ def test_misalignment_and_crosstalk_shift_the_force_and_not_the_area(nominal: di
     assert crossed["dissipated_energy_mJ"] == pytest.approx(nominal["dissipated_energy_mJ"], rel=1e-3)
 
 
-def test_load_coupling_leaves_the_area_of_an_independent_stroke_and_the_drive_holds_what_the_sensor_reads() -> None:
+def test_load_coupling_keeps_the_area_and_the_drive_holds_what_is_read() -> None:
     world = replace(STEEL, drive=replace(STEEL.drive, held_on_sensor=False))
     true, false = figures(world, 100), figures(with_effect("displacement_load_coupling", world), 100)
     assert false["dissipated_energy_mJ"] == pytest.approx(true["dissipated_energy_mJ"], rel=2e-3)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.exam.test_frozen_blind import require_no_lower_score
+from tests.exam.frozen_scores import require_no_lower_score
 
 
 @pytest.mark.slow(minutes=4)

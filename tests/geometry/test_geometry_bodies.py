@@ -203,7 +203,7 @@ def _compliances(geometry: WireGeometry) -> np.ndarray:
 
 
 @pytest.mark.seconds
-def test_a_tube_of_a_narrow_bore_is_as_stiff_as_a_wire_and_of_a_wide_one_softer() -> None:
+def test_narrow_tubes_are_as_stiff_as_wires_and_wide_ones_softer() -> None:
     wire, narrow, wide = (_compliances(tube(bore_mm)) for bore_mm in (0.0, 0.06, 0.7))
     assert narrow == pytest.approx(wire, rel=0.01)
     assert np.all(wide > 1.3 * wire)
@@ -230,7 +230,7 @@ def test_a_tube_is_sound_symmetric_and_held_on_the_outside_of_its_back(meshed_tu
     assert mesh.points[mesh.surface_nodes("grip"), 2].max() < -0.5
 
 
-def test_a_tube_held_at_its_ends_is_held_all_over_them_and_one_all_bore_is_refused() -> None:
+def test_a_tube_is_held_all_over_its_ends_and_all_bore_is_refused() -> None:
     mesh = build_body(tube(0.5, gripped_at_ends=True)).mesh
     ends = np.abs(mesh.points[:, 0]) > 1.1 - 1e-12
     assert np.array_equal(mesh.surface_nodes("grip"), np.flatnonzero(ends))
@@ -264,7 +264,7 @@ def test_a_barrel_straight_one_way_is_a_cylinder(along: bool) -> None:
     assert barrel.slope(POINTS_mm) == pytest.approx(cylinder.slope(POINTS_mm))
 
 
-def test_slopes_of_a_barrel_are_those_of_its_height_and_a_patch_on_its_flank_is_refused() -> None:
+def test_slopes_of_a_barrel_follow_its_height_and_flank_patches_are_refused() -> None:
     barrel, step = Barrel(0.7, 1.1), 1e-6
     for axis in (0, 1):
         aside = step * np.eye(2)[axis]

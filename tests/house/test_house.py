@@ -4,9 +4,8 @@ import ast
 import re
 import subprocess
 import sys
-import tomllib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, metadata, version
@@ -16,10 +15,10 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
+from tests.house.project import PROJECT, ROOT, imported_modules
 from tools.house import branches_on_kinds, circles, imports_among, modules_of, nodes_of, rooms_among, weights
 
 pytestmark = pytest.mark.seconds
-ROOT = Path(__file__).parents[2]
 LAYERS = ("geometry", "solvers", "wirewear", "studies")
 MAY_IMPORT = {
     "geometry": {"geometry"},
@@ -55,21 +54,6 @@ ROOMS = (
 )
 APPLICATIONS = ("app",)
 MOST_AT_THE_ROOT = 1
-
-
-def imported_modules(nodes: Iterable[ast.AST]) -> Iterator[tuple[int, str]]:
-    """Line and dotted name of every absolute import, also those spelled importlib.import_module("name")."""
-    for node in nodes:
-        match node:
-            case ast.Import(names=names):
-                yield from ((node.lineno, alias.name) for alias in names)
-            case ast.ImportFrom(module=str(module), level=0):
-                yield node.lineno, module
-            case ast.Call(
-                func=ast.Name(id="import_module" | "__import__") | ast.Attribute(attr="import_module"),
-                args=[ast.Constant(value=str(name)), *_],
-            ):
-                yield node.lineno, name
 
 
 def climbs_out(node: ast.AST, depth: int) -> bool:
@@ -310,7 +294,6 @@ def test_no_class_has_the_name_of_another() -> None:
 
 
 CONSTRAINTS = ROOT / "constraints.txt"
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 OLDEST_PYTHON = PROJECT["requires-python"].removeprefix(">=")
 DISTRIBUTION_OF = {"skfem": "scikit-fem"}  #: What some packages bring along that are called otherwise when imported.
 #: Packages that others of the product bring along for certain: matplotlib, pydantic.

@@ -15,10 +15,11 @@ from tests.synthetic_loops import HOOKED, Recipe, SyntheticLoop, assert_known, d
 from wirewear.base.errors import WirewearError
 from wirewear.loops import LoopError, analyse_loop
 from wirewear.loops.cleaning import _readings, clean_loop
-from wirewear.loops.cycles import _continues_a_line, _shortened, _steps
+from wirewear.loops.cycles import continues_a_line
 from wirewear.loops.drive import Drift, drift_of, period_of
 from wirewear.loops.lag import is_certain, lag_of
 from wirewear.loops.noise import correlated_noise, rounding_noise, step_of
+from wirewear.loops.outline import shortened, step_lengths
 
 
 @pytest.mark.parametrize(("displacement_sign", "force_sign", "step"), [(1, -1, 1), (-1, 1, 1), (-1, -1, 1), (1, 1, -1)])
@@ -119,11 +120,11 @@ def test_outliers_near_each_other_do_not_hide_one_another() -> None:
     assert_known(figures)
 
 
-def test_the_tip_of_a_stick_goes_on_as_the_samples_before_it_and_an_outlier_does_not() -> None:
+def test_the_tip_of_a_stick_continues_its_samples_an_outlier_does_not() -> None:
     time = np.arange(20.0)
     for off, goes_on in ((0.0, True), (5.0, False)):
         force = np.where(time < 10.0, time, time - 9.5) + off * (time == 9.0)
-        assert _continues_a_line(time, force, 9, 0.0) is goes_on
+        assert continues_a_line(time, force, 9, 0.0) is goes_on
 
 
 def test_a_varying_normal_force_is_divided_out_sample_by_sample() -> None:
@@ -302,7 +303,7 @@ def test_a_displacement_that_drifts_is_noted_and_freed_from_it(noise: float, dri
     assert figures.slip_amplitude_um.value == pytest.approx(LOOP.slip_amplitude_um, rel=0.01)
 
 
-def test_what_may_be_a_drift_can_be_taken_away_and_a_cycle_that_ends_early_or_is_open_has_none() -> None:
+def test_a_possible_drift_is_removable_and_open_or_short_cycles_have_none() -> None:
     time = np.arange(60) / 60
     drive, force = 60.0 * np.sin(2.0 * np.pi * time), np.sign(np.cos(2.0 * np.pi * time))
     wandering = drive + 2.4 * time + 0.05 * np.random.default_rng(1).standard_normal(60)
@@ -318,7 +319,7 @@ def test_what_may_be_a_drift_can_be_taken_away_and_a_cycle_that_ends_early_or_is
 def test_the_shortest_tour_of_a_squares_corners_is_its_outline() -> None:
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     for order in permutations(range(4)):
-        assert _steps(corners, _shortened(corners, np.array(order))).sum() == pytest.approx(4.0)
+        assert step_lengths(corners, shortened(corners, np.array(order))).sum() == pytest.approx(4.0)
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.005])

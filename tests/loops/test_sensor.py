@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.bodies import crossed_wires
-from tests.simulation.test_simulate import COARSE
+from tests.simulation.coarse_runs import COARSE
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from tests.synthetic_results import result
 from wirewear import check_record, read_record, record_of_result, write_record

@@ -23,7 +23,7 @@ from tests.commands import wirewear
 from tests.synthetic_results import bowl, result
 from wirewear.pictures import loops_by_run, save, scar_sections, scars_from_above, style
 from wirewear.pictures.gallery import section_cycles
-from wirewear.pictures.mesh import PARTS, PIXELS, _Drawn, _elements, _show, round_facets
+from wirewear.pictures.mesh import PARTS, PIXELS, DrawnBodies, element_sizes, round_facets, show_bodies
 from wirewear.pictures.scar_maps import contact_maps, touched_half_extent
 from wirewear.pictures.scar_surfaces import worn_surface
 from wirewear.pictures.smooth import smooth_field, smooth_scar
@@ -97,9 +97,9 @@ def test_a_map_reaches_as_far_as_the_bodies_press_or_slide_on_each_other() -> No
 
 
 @pytest.mark.parametrize("mm_per_pixel", [0.0003, 0.004])
-def test_a_scale_bar_is_as_long_as_it_says_and_less_than_a_third_of_the_picture(mm_per_pixel: float) -> None:
+def test_a_scale_bar_has_its_length_below_a_third_of_the_picture(mm_per_pixel: float) -> None:
     axes = style.new_figure(2.0).subplots()
-    _show(axes, _Drawn(np.zeros((PIXELS, PIXELS, 3), np.uint8), mm_per_pixel, {}))
+    show_bodies(axes, DrawnBodies(np.zeros((PIXELS, PIXELS, 3), np.uint8), mm_per_pixel, {}))
     length = float(np.ptp(axes.lines[0].get_xdata()))
     said, unit = axes.texts[0].get_text().split()
     assert float(said) * {"mm": 1.0, "µm": 1e-3}[unit] == pytest.approx(length * mm_per_pixel)
@@ -118,7 +118,7 @@ def test_sections_show_the_worn_below_the_unworn_profile() -> None:
         assert np.all(profile <= circle)
 
 
-def test_sections_are_drawn_of_the_last_shared_cycle_and_of_one_whose_wear_is_well_seen_beside_it() -> None:
+def test_sections_show_the_last_shared_cycle_and_one_well_seen_beside_it() -> None:
     assert section_cycles([result(), result("rigid", milestones=(1, 100))])[-1] == 100
     assert section_cycles([result(milestones=(1, 10)), result(milestones=(1,))]) == (1,)
     run = result()
@@ -279,7 +279,7 @@ def shows(path: Path, *colours: object, part: float = 1.0) -> bool:
 def test_the_size_beside_a_mesh_is_said_to_be_that_of_its_elements() -> None:
     axis = {"axial": SimpleNamespace(fine_mm=0.0362), "transverse": SimpleNamespace(fine_mm=0.0117)}
     meshed: Any = SimpleNamespace(geometry=SimpleNamespace(**axis))
-    assert _elements(meshed) == "elements of 36.2 × 11.7 µm"
+    assert element_sizes(meshed) == "elements of 36.2 × 11.7 µm"
 
 
 def test_bodies_that_have_but_a_place_are_called_by_their_shape_in_pictures() -> None:

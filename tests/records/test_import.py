@@ -9,65 +9,12 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from tests.synthetic_loops import Recipe, SyntheticLoop
+from tests.records.loop_files import GERMAN, SAMPLES, FREQUENCY_Hz, german, mapped
 from wirewear import RecordError, check_record
 from wirewear.records.importing import import_record
 from wirewear.records.importing.loggers import kind_of
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.sources import read_source
-
-HEAD = """
-format = 1
-name = "test 3"
-[wires]
-diameter_mm = 0.45
-youngs_modulus_MPa = 210000.0
-poissons_ratio = 0.3
-[conditions]
-normal_load_N = 2.0
-displacement_amplitude_um = 60.0
-frequency_Hz = 4.0
-cycles = 1000
-"""
-SAMPLES, FREQUENCY_Hz = 128, 4.0
-
-
-@pytest.fixture(scope="module")
-def cycle() -> tuple[Any, Any, Any]:
-    """Time [s], displacement [µm] and force [N] of one cycle."""
-    time, displacement, force = SyntheticLoop(Recipe()).sampled(SAMPLES)
-    return time / FREQUENCY_Hz, displacement, force
-
-
-def mapped(folder: Path, loops: str) -> Path:
-    path = folder / "mapping.toml"
-    path.write_text(HEAD + loops, encoding="utf-8")
-    return path
-
-
-def german(time: Any, displacement: Any, force: Any) -> str:
-    """A logger's file: header, units, semicolons, decimal commas, mm and mN, the force's sign reversed."""
-    rows = [
-        f"{t:.6f};{1e-3 * x:.7f};{-1e3 * q:.4f}".replace(".", ",")
-        for t, x, q in zip(time, displacement, force, strict=True)
-    ]
-    return "\r\n".join(["Prüfstand 2", "a", "b", "c", "d", "Zeit;Weg;Kraft", "s;mm;mN", *rows, ""])
-
-
-GERMAN = """
-[loops]
-files = "cycle_*.txt"
-name_pattern = 'cycle_(?P<cycle>\\d+)_rep(?P<repeat>\\d+)'
-encoding = "latin-1"
-delimiter = "semicolon"
-decimal = ","
-header_lines = 5
-lines_after_names = 1
-[loops.columns]
-time_s = "Zeit"
-displacement_um = { column = "Weg", unit = "mm" }
-tangential_force_N = { column = "Kraft", unit = "mN", factor = -1.0 }
-"""
 
 
 def test_one_file_a_cycle_with_decimal_commas_other_units_and_encoding(tmp_path: Path, cycle: Any) -> None:

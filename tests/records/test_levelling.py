@@ -10,8 +10,8 @@ import pytest
 
 from geometry.arrays import Array
 from tests.comparison.worn_maps import PROFILE_HEIGHTS, SCAR_HEIGHTS, mapping, points
-from tests.test.test_pads import BALL as BALL_STUDY
-from tests.test.test_pads import study
+from tests.test.pads import BALL as BALL_STUDY
+from tests.test.pads import study
 from wirewear import read_record, write_record
 from wirewear.base.errors import StudyError
 from wirewear.diagnosis.observe.observable import Sites
@@ -104,7 +104,7 @@ PROFILE = Worn("cylinder-on-flat", "specimen", 1000.0, 0.8, "box", lines=401)
         (Worn("cylinder-on-flat", "specimen", 1000.0, 0.85, "box", lines=401), 5, 0.0),
     ],
 )
-def test_the_unworn_surface_is_found_under_a_scar_over_most_of_a_map_with_spikes_and_gaps(
+def test_the_unworn_surface_is_found_under_large_scars_with_spikes_and_gaps(
     tmp_path: Path, worn: Worn, spikes: int, missing: float
 ) -> None:
     path, volume = worn.written(tmp_path, spikes, missing)

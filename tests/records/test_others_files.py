@@ -12,8 +12,8 @@ from rich.console import Console
 from solvers import SolverError, friction_laws, wear_laws
 from solvers.laws import plugins
 from tests.diagnosis.diagnosis_cases import record
-from tests.records.test_import import GERMAN, german, mapped
-from tests.records.test_import import cycle as cycle_of
+from tests.records.loop_files import GERMAN, german, mapped
+from tests.records.loop_files import cycle as cycle_of
 from tests.studies import MINIMAL
 from wirewear import RecordError, StudyError, read_record, write_record
 from wirewear.base.ending import within

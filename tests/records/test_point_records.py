@@ -11,71 +11,16 @@ import polars as pl
 import pytest
 
 from tests.commands import wirewear
-from tests.simulation.test_point_contacts import STEEL
-from tests.synthetic_results import AMPLITUDE_um, bowl, result
+from tests.records.point_records import SHAPES, DEPTH_um, NOISE_um, RADIUS_mm, SPOT_um, run_of, run_of_wires
+from tests.simulation.point_contacts import STEEL
+from tests.synthetic_results import AMPLITUDE_um, bowl
 from wirewear import RecordError, read_record, record_of_result, write_record, write_result
 from wirewear.comparison.comparison import compare
 from wirewear.diagnosis.surrogate.nominal import nominal_study
 from wirewear.records import ExperimentRecord, MeasuredScar, RecordTables, check_record
 from wirewear.records.importing import import_record
 from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
-from wirewear.results import Evolution, RunResult, Scar
 from wirewear.test import study_from_tables
-
-RADIUS_mm, NOISE_um = 1.5, 0.02
-#: Both wear by so much; overlapping by the sum they touch within this radius.
-DEPTH_um = 2.0
-SPOT_um = float(np.sqrt(2e3 * RADIUS_mm * 2.0 * DEPTH_um))
-SHAPES: dict[str, dict[str, Any]] = {
-    "ball-on-flat": {"ball": {"diameter_mm": 2 * RADIUS_mm, **STEEL}, "flat": {"material": "steel"}},
-    "point-contact": {
-        "lower": {"shape": "cylinder", "diameter_mm": 2 * RADIUS_mm, "axis_angle_deg": 0.0, **STEEL},
-        "upper": {"shape": "cylinder", "diameter_mm": 2 * RADIUS_mm, "axis_angle_deg": 90.0, **STEEL},
-    },
-}
-
-
-def scar(body: str, driven: bool, radii_mm: tuple[float, float], axis_angle_deg: float) -> Scar:
-    """Worn by the other body, along the motion by the stroke longer if it is driven."""
-    length, width = SPOT_um + AMPLITUDE_um * driven, SPOT_um
-    sides = (width, length) if axis_angle_deg == 90.0 else (length, width)
-    plain = bowl(body, DEPTH_um, *sides, axis_angle_deg=axis_angle_deg)
-    return dataclasses.replace(plain, diameter_along_mm=2 * radii_mm[0], diameter_mm=2 * radii_mm[1])
-
-
-def run_of(kind: str) -> RunResult:
-    """A made-up run of bodies that make the same contact: a ball on a flat, or crossed cylinders of its radius."""
-    plain = result("", 2000.0)
-    energy = float(plain.evolution["accumulated_energy_J"][-1])
-    names = {"ball-on-flat": ("flat", "ball"), "point-contact": ("lower", "upper")}[kind]
-    scars = {
-        "ball-on-flat": (scar("flat", True, (np.inf, np.inf), 0.0), scar("ball", False, (RADIUS_mm, RADIUS_mm), 0.0)),
-        "point-contact": (scar("lower", True, (np.inf, RADIUS_mm), 0.0), scar("upper", False, (np.inf, RADIUS_mm), 90)),
-    }[kind]
-    worn = sum(one.volume_mm3 for one in scars)
-    tables = {
-        "format": 1,
-        "name": "made-up bodies",
-        "kind": kind,
-        "bodies": deepcopy(SHAPES[kind]),
-        "conditions": {
-            "normal_load_N": 2.0,
-            "displacement_amplitude_um": AMPLITUDE_um,
-            "frequency_Hz": 3.0,
-            "cycles": 100_000,
-        },
-        "contact": {"friction": 0.62},
-        "holder": {"tangential_stiffness_N_per_mm": 2000.0},
-        "wear": {"energy_wear_coefficient_mm3_per_J": worn / energy, "moving_share": scars[0].volume_mm3 / worn},
-    }
-    columns = {
-        name.replace("moving", names[0]).replace("fixed", names[1]): column
-        for name, column in plain.evolution.columns.items()
-    }
-    return dataclasses.replace(
-        plain, study=study_from_tables(tables, "s.toml").resolved(), contact_kind=kind, bodies=names, scars=scars,
-        evolution=Evolution(columns),
-    )  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", SHAPES)
@@ -248,17 +193,11 @@ def test_bodies_that_touch_along_a_line_are_no_record_of_a_point(tmp_path: Path)
         read_record(tmp_path)
 
 
-def run_of_wires(**wires: Any) -> RunResult:
-    scars = (bowl("moving", 6.0, 110.0, 60.0), bowl("fixed", 8.0, 60.0, 60.0, axis_angle_deg=90.0))
-    study = STUDY_OF_WIRES | {"wires": STUDY_OF_WIRES["wires"] | wires}
-    return dataclasses.replace(result("", 167.0), scars=scars, study=study)
-
-
 def test_a_record_without_a_kind_is_still_one_of_crossed_wires(tmp_path: Path) -> None:
     assert isinstance(read_record(write_record(tmp_path, record_of_result(run_of_wires()))).tables, RecordTables)
 
 
-def test_a_record_of_unlike_wires_at_a_small_angle_states_them_as_such_or_by_its_bodies(tmp_path: Path) -> None:
+def test_unlike_wires_at_a_small_angle_are_stated_as_such_or_as_bodies(tmp_path: Path) -> None:
     run = run_of_wires(crossing_angle_deg=10.0, motion_angle_deg=-5.0, fixed={"diameter_mm": 0.6, "material": "steel"})
     read = read_record(write_record(tmp_path, record_of_result(run)))
     assert [body.axis_angle_deg for body in read.tables.bodies_of_test] == [5.0, 15.0]
@@ -279,14 +218,6 @@ def test_a_record_of_unlike_wires_at_a_small_angle_states_them_as_such_or_by_its
     thick = again.tables.wires.model_copy(update={"diameter_mm": 0.5})
     other = dataclasses.replace(again, tables=again.tables.model_copy(update={"wires": thick}))
     assert "diameter_mm of the moving wire is 0.45 in the run and 0.5" in str(compare(run, other).unlike)
-
-
-STUDY_OF_WIRES: dict[str, Any] = {
-    "wires": {"diameter_mm": 0.45, "crossing_angle_deg": 90.0, **STEEL},
-    "conditions": {"normal_load_N": 2.0, "displacement_amplitude_um": 60.0, "frequency_Hz": 3.0, "cycles": 100_000},
-    "contact": {"friction": 0.62},
-    "wear": {"energy_wear_coefficient_mm3_per_J": 3.0e-5},
-}
 
 
 def test_an_exported_map_reaches_as_far_as_the_depth_between_coarse_nodes() -> None:

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from tests.commands import wirewear
-from tests.records.test_import import HEAD
-from tests.records.test_point_records import run_of_wires
+from tests.records.loop_files import HEAD
+from tests.records.point_records import run_of_wires
 from wirewear import RecordError, read_record, write_record, write_result
 from wirewear.records.importing import import_record
 from wirewear.results.flat import write_flat_tables
@@ -59,9 +59,7 @@ def contents(folder: Path) -> dict[str, bytes]:
         "new by_hand --output by_hand/experiment.toml",
     ],
 )
-def test_no_command_writes_into_its_input_or_a_record_that_was_not_made_in_the_same_way(
-    home: Path, command: str
-) -> None:
+def test_no_command_writes_into_its_input_or_a_record_made_otherwise(home: Path, command: str) -> None:
     before = contents(home)
     refused = wirewear(*command.split(), code=2)
     assert refused.stderr.count("\n") == 1
@@ -191,7 +189,7 @@ def test_what_was_there_stays_when_a_record_cannot_be_put_in_place(
         assert contents(home) == before
 
 
-def test_a_record_whose_writer_is_killed_between_two_steps_is_named_to_readers_and_put_back_by_the_next_writer(
+def test_readers_hear_of_a_killed_writers_record_and_the_next_writer_restores_it(
     home: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wirewear("import", "mapping.toml", "--output", "record")

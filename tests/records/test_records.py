@@ -13,11 +13,11 @@ import pytest
 from geometry.arrays import Array
 from tests.commands import wirewear
 from tests.robustness.record_mutations import small_record
+from tests.studies import EXAMPLES
 from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.records import MeasuredLoop
 from wirewear.records.remarks import loop_statistics
 
-EXAMPLES = Path(__file__).parents[2] / "studies" / "steel_wires" / "example_records"
 NAMES = ("no_gap", "rigid_stated_compliant_rig", "free_play_rig")
 
 

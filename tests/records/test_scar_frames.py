@@ -83,7 +83,7 @@ def test_heights_in_the_wires_frame_come_back_as_the_run_that_they_are_of(tmp_pa
         assert pair.measured_volumes_mm3[0] == pytest.approx(pair.simulated_volumes_mm3[0], rel=0.02)
 
 
-def test_heights_in_the_tests_frame_are_guessed_as_such_and_lose_the_wire_along_its_own_axis(tmp_path: Path) -> None:
+def test_heights_in_the_tests_frame_are_recognised_and_lose_the_wire(tmp_path: Path) -> None:
     run = run_at(60.0)
     exported(run, tmp_path, 60.0)
     path = tmp_path / "scar_fixed_1.csv"
@@ -157,7 +157,7 @@ def test_quarters_of_a_turn_keep_every_point() -> None:
     assert scar.turned(90.0).depth_um[-1, 2] == depth[2, 0]
 
 
-def test_noise_around_a_scar_adds_nothing_to_its_volume_which_is_the_same_wherever_it_is_given() -> None:
+def test_noise_around_a_scar_leaves_its_volume_the_same_everywhere_given() -> None:
     """Depths are never clipped: six maps of a noisy scar have the mean of the scar that they are of."""
     run = run_at(90.0)
     record: ExperimentRecord = record_of_result(run, depth_noise_um=0.3, repeats=6, seed=3)

@@ -11,6 +11,7 @@ import pytest
 
 from tests.records import strangers_files as strangers
 from tests.records import strangers_profiles
+from tests.records.loop_files import STEEL
 from tests.records.strangers_files import CHINESE, ENGLISH, FRENCH, GERMAN, SPANISH, Language, Written, energy_mJ, write
 from tests.records.strangers_loggers import LOGGERS
 from tests.records.strangers_maps import MAPS, DEPTH_um, volume_mm3
@@ -29,7 +30,6 @@ OTHERS = {
     "blank line before numbers": SPANISH, "no time and no cycle": FRENCH, "xlsx": SPANISH, "column of words": FRENCH,
     "units written out": FRENCH, "own signs in UTF-8": CHINESE, "own signs in GBK": CHINESE,
 }  # fmt: skip
-STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
 #: Columns of displacement and force as the command takes them; None is to be recognised.
 LOGGED: dict[str, tuple[str | None, str | None]] = {
     "xlsx": (None, None), "TDMS": (None, None), "LVM, one time": (None, None), "UMT export": (None, None),

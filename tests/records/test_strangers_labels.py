@@ -10,9 +10,8 @@ import openpyxl
 import pytest
 
 from geometry.arrays import Array
+from tests.records.loop_files import HEAD, STEEL
 from tests.records.strangers_files import STIFFNESS_N_per_um, loops
-from tests.records.test_import import HEAD
-from tests.records.test_strangers_files import STEEL
 from wirewear.base.blocks import counts_in
 from wirewear.base.errors import RecordError
 from wirewear.records.importing import guessing, import_record

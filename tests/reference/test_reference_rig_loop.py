@@ -91,7 +91,7 @@ def test_the_largest_von_mises_stress_lies_where_textbooks_say() -> None:
     assert z[long_one.argmax()] / A == pytest.approx(0.704, abs=5e-3)
 
 
-def test_in_partial_slip_the_shear_is_full_in_the_annulus_and_nothing_stretches_the_centre_of_a_line() -> None:
+def test_partial_slip_shears_the_annulus_fully_and_stretches_no_line_centre() -> None:
     c, friction = 0.6 * A, 0.5
     round_one = reference.partial_slip_stress(
         np.array([0.0, 0.8 * A]), 0.0, 0.0, contact_radius_mm=A, stick_radius_mm=c, peak_pressure_MPa=P0,

@@ -211,7 +211,7 @@ def test_no_jump_passes_the_end_of_a_block_and_every_block_is_entered_once(monke
 
 
 @pytest.mark.parametrize(("stop_after", "entered"), [(40.0, [(70.0, 1.0)]), (20.0, [(20.0, 2.0), (70.0, 1.0)])])
-def test_a_run_resumed_in_a_block_or_at_its_end_goes_on_as_if_it_had_not_stopped(
+def test_a_run_resumed_in_or_after_a_block_equals_the_unbroken_one(
     monkeypatch: pytest.MonkeyPatch, stop_after: float, entered: list[tuple[float, float]]
 ) -> None:
     store = Store()

@@ -10,7 +10,7 @@ import pytest
 from solvers import SolverError
 from tests.diagnosis.diagnosis_cases import record
 from tests.exam.frozen_states import frozen_states
-from tests.studies import COARSE, WEARING, coarse, line_study
+from tests.studies import COARSE, LONG, WEARING, block, coarse, line_study
 from wirewear import StudyError, load_study
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis import diagnose
@@ -110,7 +110,7 @@ def grown(figures: dict[float, float], target: float) -> Ending:
     return ending
 
 
-def test_the_end_is_predicted_of_a_power_of_the_cycles_and_its_interval_holds_a_power_that_changes() -> None:
+def test_the_interval_of_an_end_predicted_by_a_power_holds_changing_powers() -> None:
     ending = grown({float(n): 0.1 * n**0.5 for n in (1, 10, 100, 400, 1000, 2000, 4000)}, 20.0)
     assert ending.expected_end() == "; depth_um = 20 is expected after 40\u2009000 cycles (40\u2009000 to 40\u2009000)"
 
@@ -203,13 +203,6 @@ def test_a_rig_that_held_its_displacement_is_distinguished_from_one_that_held_th
         assert found.causes[0].parameters["displacement_amplitude_um"].value == pytest.approx(53.0, rel=0.01)
 
 
-LONG = COARSE.replace("cycles = 1\n", "cycles = 400\n") + WEARING
-
-
-def block(cycles: int, *values: str) -> str:
-    return "\n".join(("[[programme]]", f"cycles = {cycles}", *values, ""))
-
-
 SHORTER = block(100) + block(50, "conditions.displacement_amplitude_um = 12", "conditions.normal_load_N = 1.5")
 
 
@@ -228,7 +221,7 @@ def test_blocks_come_in_turn_up_to_the_tests_end_and_equal_neighbours_are_one() 
     assert {100, 150, 180, 330, 360, 400} <= set(of_three.log.loop_cycles)
 
 
-def test_meshes_are_for_the_largest_load_and_stroke_and_the_wear_of_all_blocks_in_any_process() -> None:
+def test_meshes_suit_the_largest_load_stroke_and_wear_of_all_blocks() -> None:
     largest = coarse(LONG + SHORTER).envelope
     assert largest.conditions.displacement_amplitude_um == 20.0
     assert largest.conditions.normal_load_N == 2.0

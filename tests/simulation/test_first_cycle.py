@@ -18,7 +18,7 @@ from wirewear.base.course import enclosed_energy
 from wirewear.loops.sensor import enclosed_area
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results import RunResult
-from wirewear.results.scar import flagged, health, limit_of
+from wirewear.results.health import flagged, health, limit_of
 from wirewear.results.summary import summary
 from wirewear.simulation import simulate
 from wirewear.views.run_page import sentence

@@ -16,7 +16,7 @@ import solvers
 from geometry import Cylinder, TabledProfile
 from solvers.elasticity.pairing import pair, primary_surface
 from solvers.elasticity.strain import stiffness_matrix
-from tests.simulation.test_simulate import Killer
+from tests.simulation.coarse_runs import Killer
 from tests.studies import line_study, require_equal_runs
 from wirewear import reference
 from wirewear.app.cli.study_script import wide_console

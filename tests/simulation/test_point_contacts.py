@@ -10,6 +10,7 @@ import pytest
 
 from geometry import WireGeometry, build_body
 from studies.benchmarks.random_draws import LARGEST_PRESSURE_MPa, draw_shapes
+from tests.simulation.point_contacts import FRICTION, LOAD_N, STEEL, TEST, RADIUS_mm
 from wirewear import parse_study, reference
 from wirewear.base.errors import AssumedWarning, StudyError
 from wirewear.results import RunResult, read_result
@@ -18,14 +19,6 @@ from wirewear.sweeps.sweep import figures_of
 from wirewear.test import Study, study_from_tables
 from wirewear.test.bodies import Wire, hertz_of
 
-STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
-RADIUS_mm, LOAD_N, FRICTION = 6.35, 50.0, 0.6
-TEST: dict[str, Any] = {
-    "format": 1, "name": "test",
-    "conditions": {"normal_load_N": LOAD_N, "displacement_amplitude_um": 40.0, "frequency_Hz": 5.0, "cycles": 20},
-    "contact": {"friction": FRICTION}, "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.3},
-    "log": {"loop_cycles": [1, 20]}, "fidelity": {"quick": {"increments_per_cycle": 16}},
-}  # fmt: skip
 BALL = {"kind": "ball-on-flat", "bodies": {"ball": {"diameter_mm": 2 * RADIUS_mm, **STEEL}, "flat": STEEL}}
 
 
@@ -219,7 +212,7 @@ def test_a_run_of_a_ball_wears_both_bodies_by_energy_and_is_its_own_mirror_image
 
 
 @pytest.mark.slow
-def test_a_result_of_a_ball_is_kept_with_its_unworn_shape_and_swept_by_its_bodies_names(ball: RunResult) -> None:
+def test_a_balls_result_keeps_its_unworn_shape_and_names_bodies_in_sweeps(ball: RunResult) -> None:
     assert ball.path is not None
     again = read_result(ball.path)
     assert again.scar(20, "ball").diameter_along_mm == again.scar(20, "ball").diameter_mm == 2 * RADIUS_mm
@@ -273,7 +266,7 @@ def test_a_flat_wears_to_what_a_ball_sunk_by_the_approach_sweeps(tmp_path: Path)
 
 
 @pytest.mark.slow
-def test_wires_at_a_small_angle_press_as_hertz_says_and_wear_by_the_energy_of_their_slip(tmp_path: Path) -> None:
+def test_wires_at_a_small_angle_press_by_hertz_and_wear_by_energy(tmp_path: Path) -> None:
     asked = TEST["conditions"] | {"normal_load_N": 2.0}
     (found,) = run_study(study(wires(0.0, 20.0), conditions=asked), fidelity="quick", output=tmp_path)
     last = {name: values[-1] for name, values in found.evolution.items()}

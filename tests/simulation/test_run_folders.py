@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests import synthetic_results
-from tests.simulation.test_simulate import COARSE, VARIANTS, Recorder, coarse
+from tests.simulation.coarse_runs import COARSE, VARIANTS, Recorder, coarse
 from tools.house import imports_among, modules_of
 from wirewear import RunError, RunResult, Study, run_study, write_result
 from wirewear.base import cache

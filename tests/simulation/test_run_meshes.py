@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.simulation.test_simulate import Killer, Recorder
+from tests.simulation.coarse_runs import Killer, Recorder
 from tests.studies import steel_wires
 from wirewear import parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result

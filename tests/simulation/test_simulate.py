@@ -8,63 +8,14 @@ import numpy as np
 import pytest
 
 from tests import synthetic_results
-from tests.studies import steel_wires
+from tests.simulation.coarse_runs import COARSE, VARIANTS, Recorder, coarse
 from wirewear import Study, parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
-from wirewear.simulation import Moment, Observer, run_study
+from wirewear.simulation import run_study
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.store import CHECKPOINT_FILE_NAME
 
 pytestmark = pytest.mark.seconds
-COARSE = f"""{steel_wires("coarse wires", amplitude_um=20.0, cycles=300)}[wear]
-energy_wear_coefficient_mm3_per_J = 3.0e-5
-moving_share = 0.3
-[holder]
-tangential_stiffness_N_per_mm = 167.0
-normal_spring_stiffness_N_per_mm = 1.0
-[log]
-loop_cycles = [1, 100, 300]
-[mesh]
-scar_half_width_um = 36.0
-[fidelity.quick]
-contact_mesh_um = 9.0
-outer_mesh_um = 18.0
-increments_per_cycle = 16
-jump_tolerance = 0.3
-"""
-
-
-class Recorder(Observer):
-    """Counts what it is called with, and interrupts the run after a number of logged jumps."""
-
-    def __init__(self, stop_after: int | None = None) -> None:
-        self.moments: list[Moment] = []
-        self.logged_runs = 0
-        self.stop_after = stop_after
-
-    def moved(self, moment: Moment) -> None:
-        self.moments.append(moment)
-
-    def note(self, sentence: str) -> None:
-        raise AssertionError(sentence)
-
-    def logged(self, result: RunResult) -> None:
-        assert result.status in ("running", "complete")
-        self.logged_runs += 1
-
-
-class Killer(Recorder):
-    """Interrupts in the middle of a cycle, some increments after a number of logged jumps."""
-
-    def moved(self, moment: Moment) -> None:
-        super().moved(moment)
-        if self.logged_runs == self.stop_after:
-            self.stop_after = None
-            raise KeyboardInterrupt
-
-
-def coarse(text: str = COARSE) -> Study:
-    return parse_study(text, "coarse.toml")
 
 
 def run(
@@ -108,14 +59,6 @@ def test_every_increment_is_solved_within_tolerance(unbroken: RunResult) -> None
     assert unbroken.quality["penetration"] < 1e-5
     # Friction's direction is settled to 1e-4; that of a slip next to nothing, at nodes about to stick, is less certain.
     assert unbroken.quality["slip_direction_error_rad"] < 1e-2
-
-
-VARIANTS = """
-[variants.compliant.holder]
-tangential_stiffness_N_per_mm = 167.0
-[variants.rigid.holder]
-tangential_stiffness_N_per_mm = "rigid"
-"""
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ from wirewear.reference import (
     slider_loop,
     tangential_contact_modulus,
 )
-from wirewear.results.scar import remedies
+from wirewear.results.health import remedies
 from wirewear.simulation import simulate
 from wirewear.test import Study, study_from_tables
 from wirewear.test.bodies import hertz_of
@@ -177,7 +177,7 @@ def test_places_of_a_shorter_stroke_lie_within_it() -> None:
     assert np.abs(places).max() <= 1.0
 
 
-def test_a_run_says_of_what_its_energy_is_short_and_what_is_an_error_of_the_program() -> None:
+def test_a_run_says_what_its_energy_lacks_and_what_the_program_errs() -> None:
     said = remedies({"energy_against_loops", "volume_against_energy", "penetration", "pressure_against_strength"})
     assert ["jump_tolerance" in one for one in said] == [True, False, False]
     assert ["report it" in one for one in said] == [False, True, False]

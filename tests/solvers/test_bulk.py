@@ -11,9 +11,8 @@ import solvers
 from geometry.arrays import Array
 from solvers.drive import section_stress
 from tests.bodies import STEEL, RADIUS_mm, crossed_wires
-from tests.simulation.test_drives_and_stops import LONG, block
 from tests.stress.interior_runs import CYCLE, run_with_forces
-from tests.studies import coarse, line_study, minimal
+from tests.studies import LONG, block, coarse, line_study, minimal
 from wirewear import StudyError
 from wirewear.diagnosis.surrogate.nominal import limits_of, require_supported
 from wirewear.records import read_record, record_of_result, write_record
@@ -97,7 +96,7 @@ def test_a_bulk_stress_shifts_the_stick_zone_as_nowell_and_hills_say(body: str, 
         assert 0.5 * (high - low) == pytest.approx(radius, abs=element)
 
 
-def test_stick_zone_and_tension_at_the_trailing_edge_of_a_pulled_flat_are_those_of_closed_forms() -> None:
+def test_a_pulled_flat_has_the_stick_zone_and_tension_of_closed_forms() -> None:
     assert [row for row in bulk_rows(QUICK) if not row.passed] == []
 
 

@@ -17,7 +17,7 @@ from solvers.fretting import first_quarter
 from solvers.laws.layers import RoughLayer, ThirdBody, layers_at_nodes, receded
 from solvers.wear import WearRates
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
-from tests.simulation.test_simulate import coarse
+from tests.simulation.coarse_runs import coarse
 from tests.solvers.wear_jumps import LINE_LOAD_N_per_mm, line_contact
 from tests.studies import line_study
 from wirewear import run_study

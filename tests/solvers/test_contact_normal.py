@@ -55,7 +55,7 @@ def test_a_loop_that_opens_has_all_figures_but_coefficients_of_friction() -> Non
 @pytest.mark.first_case
 @pytest.mark.seconds
 @pytest.mark.parametrize("samples", [40, 16, 24, 64, 96])
-def test_any_loop_of_a_contact_that_touches_for_a_part_of_the_stroke_is_analysed_or_refused(samples: int) -> None:
+def test_loops_of_contacts_that_part_within_the_stroke_are_analysed_or_refused(samples: int) -> None:
     phase = 2.0 * np.pi * np.arange(samples) / samples
     displacement = 60.0 * np.sin(phase)
     for beyond in range(0, 60, 5):

@@ -282,7 +282,7 @@ def test_the_half_planes_stress_by_these_tractions_is_mcewens() -> None:
 
 
 @pytest.mark.slow
-def test_the_tension_behind_a_sliding_and_a_slipping_cylinder_is_mcewens_and_cattaneos_on_a_fine_mesh() -> None:
+def test_fine_meshes_have_mcewens_and_cattaneos_tension_behind_a_cylinder() -> None:
     rows = line_surface_rows(FULL)
     assert len(rows) == 4
     assert [row for row in rows if not row.passed] == []

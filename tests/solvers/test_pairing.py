@@ -203,7 +203,7 @@ def test_bodies_pressed_again_around_worn_scars_leave_no_friction_on_what_sticks
 
 
 @pytest.mark.slow
-def test_wear_beside_a_core_does_not_open_it_where_the_nodes_of_both_bodies_do_not_meet() -> None:
+def test_wear_beside_a_core_opens_nothing_where_nodes_do_not_meet() -> None:
     upper, lower = crossed_wires(0.005, wear=RATES).upper, crossed_wires(0.0047).lower
     problem = replace(crossed_wires(0.005, wear=RATES), upper=upper, lower=lower)
     fresh = at_the_end(problem, STROKE_mm)
@@ -237,7 +237,7 @@ def test_where_the_rim_falls_between_nodes_does_not_show(edge: float) -> None:
 
 
 @pytest.mark.parametrize("shape", [(7, 6), (7, 1)])
-def test_a_peak_counts_as_it_is_between_nodes_that_touch_and_as_its_elements_mean_on_the_rim(shape: Any) -> None:
+def test_a_peak_counts_whole_inside_and_as_its_elements_mean_on_the_rim(shape: Any) -> None:
     for node in np.ndindex(shape):
         pressure = np.ones(shape)
         pressure[node] = 9.0

@@ -18,8 +18,7 @@ from wirewear.kinds import load_any_study
 from wirewear.strand.running import run_contacts, with_runs
 from wirewear.strand.studies import write_studies
 from wirewear.sweeps.sweep import SweepRow
-from wirewear.test import AnyStudy
-from wirewear.test.study import LineStudy
+from wirewear.test import LineStudy, Study
 
 EXAMPLES = Path(__file__).parents[2] / "studies" / "strand"
 STEEL = {"wires": {"material": "steel", "yield_stress_MPa": 1700.0}}
@@ -206,7 +205,9 @@ def test_runs_of_contacts_go_through_the_engine_of_sweeps_once_and_stand_in_the_
 ) -> None:
     made = []
 
-    def short(study: AnyStudy[Any], values: dict[str, float], fidelity: str, number: int, results: Path) -> SweepRow:
+    def short(
+        study: Study | LineStudy, values: dict[str, float], fidelity: str, number: int, results: Path
+    ) -> SweepRow:
         assert (values, fidelity, results.name) == ({}, "quick", "runs")
         made.append(study.name)
         return SweepRow(number, {"cycles_to_initiation": 100.0 * number}, cpu_s=1.0)

@@ -172,7 +172,7 @@ def test_the_amplitude_of_a_circular_path_is_its_radius_and_a_constant_stress_ha
     assert crossland(path[:1].repeat(5, axis=0)).amplitude_MPa[0] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_averages_keep_linear_fields_in_the_middle_and_a_length_of_zero_leaves_all_as_it_is() -> None:
+def test_averages_keep_linear_fields_and_a_length_of_zero_changes_nothing() -> None:
     lines = np.linspace(-1.0, 1.0, 21)
     points = np.stack(np.meshgrid(lines, lines, lines, indexing="ij"), axis=-1).reshape(-1, 3)
     volumes = np.ones(len(points))

@@ -11,7 +11,7 @@ from scipy.sparse import csr_matrix, vstack
 
 from geometry.arrays import Array
 from tests.studies import COARSE, WEARING, coarse
-from tests.sweeps.test_sweeps import InPlace
+from tests.sweeps.in_place import InPlace
 from wirewear import largest_mean_pressure_MPa
 from wirewear.results.contact_forces import averaging
 from wirewear.sweeps import uncertainty
@@ -128,7 +128,7 @@ def test_the_means_beside_the_middle_are_those_of_the_field_over_the_same_discs(
 
 
 @pytest.mark.parametrize("from_edge", [-6.0, -2.5, 0.0, 3.1, 7.5, 9.0])
-def test_a_disc_that_the_edge_of_a_punch_cuts_has_the_part_of_the_pressure_that_lies_inside(from_edge: float) -> None:
+def test_a_disc_cut_by_the_edge_of_a_punch_keeps_the_pressure_inside(from_edge: float) -> None:
     """An even pressure ends at a line between two nodes, where the rim's node carries what its cell has of it.
 
     The part of a disc of radius r on one side of a line at the distance d is (acos(-d/r) + (d/r) √(1 − d²/r²)) / π.

@@ -87,9 +87,7 @@ def test_a_run_that_begins_to_slide_is_mixed_and_one_without_slip_sticks(mapped:
     assert regime_of_run(wide | {"slip_amplitude_um": 0.0, "first_slip_amplitude_um": 0.0}, 3.0) == "stick"
 
 
-def test_the_page_of_a_sweep_over_load_and_stroke_has_a_map_with_boundary_and_measured_tests(
-    mapped: SweepResult,
-) -> None:
+def test_a_sweep_over_load_and_stroke_has_a_map_with_measured_tests(mapped: SweepResult) -> None:
     measured = MappedTest("a test", "measured", "", 40.0, 1.5, (), regime="mixed")
     labels = {text.get_text() for text in draw_fretting_map(mapped, [measured]).legends[0].get_texts()}
     assert labels == {"partial slip", "gross slip", "fresh contact, closed form", "measured: mixed"}

@@ -3,8 +3,7 @@
 import math
 import re
 import time
-from collections.abc import Callable, Iterator, Sequence
-from math import inf
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,45 +13,22 @@ from numba import njit
 
 from tests.browser import page_faults
 from tests.studies import COARSE, WEARING, line_study
+from tests.sweeps.in_place import InPlace
 from wirewear import lives
-from wirewear.base.engine import Done, Engine, Result
+from wirewear.base.engine import Engine
 from wirewear.base.errors import RunError, StudyError
 from wirewear.simulation import simulate
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
 from wirewear.sweeps.indices import indices
 from wirewear.sweeps.running import JOURNAL
 from wirewear.sweeps.sweep import Design, SweepRow, VariedInput, figures_named, run_case
-from wirewear.views.sweep_page import _lines, front, write_sweep, write_table
+from wirewear.views.sweep_page import front, lines_through, write_sweep, write_table
 
 HEAD = 'format = 1\nname = "a sweep"\nstudy = "study.toml"\n'
 STIFFNESS = '[[vary]]\nkey = "holder.tangential_stiffness_N_per_mm"\nlow = 50.0\nhigh = 5000.0\nscale = "logarithmic"\n'
 FRICTION = '[[vary]]\nkey = "contact.friction"\nlow = 0.3\nhigh = 0.8\n'
 PLAY = '[[vary]]\nkey = "effects.free_play.gap_um"\nlow = 0.5\nhigh = 3.0\n'
 HYPERCUBE = 'design = "latin-hypercube"\nsamples = 12\n'
-
-
-class InPlace(Engine):
-    """Does tasks here, one after another, in any order, and stops after some."""
-
-    words = "this process"
-
-    @property
-    def workers(self) -> int:
-        return 2
-
-    def __init__(self, most: float = inf, backwards: bool = False) -> None:
-        self.most, self.backwards, self.started = most, backwards, 0
-
-    def done(
-        self,
-        tasks: Sequence[Callable[[], Result]],
-        until: float = inf,  # noqa: ARG002
-    ) -> Iterator[Done[Result]]:
-        for place in reversed(range(len(tasks))) if self.backwards else range(len(tasks)):
-            if self.started >= self.most:
-                raise KeyboardInterrupt
-            self.started += 1
-            yield Done(place, tasks[place]())
 
 
 def spring_loop(study: object, values: dict[str, float], fidelity: str, number: int, results: Path | None) -> SweepRow:
@@ -218,15 +194,15 @@ def test_sobol_indices_are_those_of_the_closed_form() -> None:
     assert found[2].total == pytest.approx(0.2437, abs=0.03)
 
 
-def test_the_front_holds_runs_that_no_other_beats_and_lines_of_a_grid_go_through_its_runs() -> None:
+def test_the_front_holds_unbeaten_runs_and_lines_of_grids_pass_through_runs() -> None:
     slip, depth = np.array([1.0, 3.0, 2.0, 3.0]), np.array([1.0, 3.0, 2.5, 4.0])
     assert front(slip, depth).tolist() == [0, 2, 1]
     points = np.array([[x, z] for x in (1.0, 2.0, 3.0) for z in (0.0, 10.0)])
     y = points[:, 0] + points[:, 1]
-    lines = _lines(points, 0, y)
+    lines = lines_through(points, 0, y)
     assert [line[1].tolist() for line in lines] == [[1.0, 2.0, 3.0], [11.0, 12.0, 13.0]]
     scattered = np.random.default_rng(0).random((40, 2))
-    assert len(_lines(scattered, 0, scattered[:, 0])) == 1
+    assert len(lines_through(scattered, 0, scattered[:, 0])) == 1
 
 
 # Whole
@@ -240,7 +216,7 @@ def test_a_line_contact_is_swept_as_any_other_contact_is() -> None:
 
 
 @pytest.mark.seconds
-def test_a_row_has_the_life_of_the_body_that_cracks_first_and_none_where_no_crack_begins() -> None:
+def test_a_row_has_the_life_of_the_first_body_to_crack() -> None:
     strength = {"tensile_strength_MPa": 800.0, "averaging_length_um": 40.0}
     pulled = {"bulk": {"axial_stress_MPa": 300.0, "axial_stress_amplitude_MPa": 300.0}}
     asked = {"displacement_amplitude_um": 1.5, "cycles": 1}

@@ -14,7 +14,7 @@ from geometry.arrays import Array
 from solvers import CondensedBody, PatchLeftError, place, press, unloaded_state
 from tests.studies import line_study
 from tests.synthetic_results import result as made_up
-from tests.test.test_pads import BALL, LINE, POINTS, STEEL, STEEL_MODULUS, BALL_RADIUS_mm, study
+from tests.test.pads import BALL, LINE, POINTS, STEEL, STEEL_MODULUS, BALL_RADIUS_mm, study
 from wirewear import read_record, record_of_result, reference, write_record
 from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis import diagnose
@@ -311,7 +311,7 @@ def test_the_compliance_of_bodies_is_in_doubt_unless_they_or_their_stiffness_are
 
 
 @pytest.mark.slow
-def test_a_record_of_a_small_pad_has_no_gap_whether_or_not_it_says_how_the_pad_is_held() -> None:
+def test_a_small_pad_has_no_gap_with_or_without_its_support_stated() -> None:
     """Where 10 mm were taken in place of 3.3 mm, a pad of R 3 mm was a column, and the gap 20 scatters."""
     small = line_study(
         pad={"radius_mm": 3.0, "height_mm": 3.3},

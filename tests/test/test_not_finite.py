@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.studies import minimal
-from tests.test.test_pads import BALL, study
+from tests.test.pads import BALL, study
 from wirewear import StudyError
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.fit.sensor_calibration import calibrate

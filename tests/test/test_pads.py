@@ -1,6 +1,5 @@
 """Pads with a cut, a rounded or any measured face, straight or turned, against closed forms and other bodies."""
 
-from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -9,48 +8,17 @@ import pytest
 
 from geometry import Cylinder, RoundedFlat, TabledProfile
 from solvers import press, unloaded_state
+from tests.test.pads import BALL, LINE, POINTS, STEEL, STEEL_MODULUS, BALL_RADIUS_mm, study
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.results import RunResult
 from wirewear.simulation import run_study, simulate
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.plan import RunPlan
-from wirewear.test import LineStudy, Study, study_from_tables
+from wirewear.test import LineStudy, study_from_tables
 from wirewear.test.study import read_study
 
 R_mm, MODULUS = 6.0, 115_000.0
-STEEL = {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3}
-LINE = """
-format = 1
-name = "line"
-kind = "line-contact"
-[pad]
-{pad}
-youngs_modulus_MPa = 200000
-poissons_ratio = 0.3
-height_mm = 2.0
-half_width_mm = 1.0
-[specimen]
-youngs_modulus_MPa = 200000
-poissons_ratio = 0.3
-height_mm = 2.0
-half_width_mm = 2.0
-[conditions]
-normal_load_N_per_mm = 50.0
-displacement_amplitude_um = 20.0
-cycles = 2000
-[contact]
-friction = 0.6
-[wear]
-pad_energy_mm3_per_J = 3e-5
-specimen_energy_mm3_per_J = 2e-5
-[log]
-loop_cycles = [2000]
-[mesh]
-contact_mesh_um = 12.0
-scar_half_width_um = 250.0
-increments_per_cycle = 24
-"""
 
 
 def by_file(folder: Path, x_mm: Any, fall_mm: Any, name: str = "study") -> LineStudy:
@@ -125,7 +93,7 @@ def test_a_cut_cylinder_falls_as_the_cylinder_beside_its_flat() -> None:
     np.testing.assert_allclose(cut.slope(places), np.where(beside[:, None], whole.slope(places), 0.0), atol=1e-15)
 
 
-def test_the_even_face_of_an_uneven_one_lies_above_it_and_ends_where_its_shorter_side_does() -> None:
+def test_the_even_face_lies_above_an_uneven_one_to_its_shorter_side() -> None:
     uneven = TabledProfile(((-0.4, 0.02), (-0.2, 0.005), (0.1, 0.0), (0.2, 0.001), (0.6, 0.09)))
     even, x = uneven.even, np.linspace(0.0, 0.4, 50)
     assert uneven.reach_mm == even.reach_mm == 0.4
@@ -159,28 +127,10 @@ def test_a_face_that_cannot_be_is_stated_in_words(tmp_path: Path, rows: str | No
     assert "\n" not in str(message.value)
 
 
-BALL_RADIUS_mm = 6.35
-
-
 def pad(**keys: Any) -> dict[str, Any]:
     """A pad on a flat."""
     upper = {"shape": "pad", **keys, **STEEL}
     return {"kind": "point-contact", "bodies": {"lower": {"shape": "flat", **STEEL}, "upper": upper}}
-
-
-def study(contact: dict[str, Any], **tables: Any) -> Study:
-    found: Study = study_from_tables(deepcopy(POINTS) | contact | tables, "s.toml")
-    return found
-
-
-POINTS: dict[str, Any] = {
-    "format": 1, "name": "test",
-    "conditions": {"normal_load_N": 50.0, "displacement_amplitude_um": 40.0, "frequency_Hz": 5.0, "cycles": 20},
-    "contact": {"friction": 0.6}, "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.3},
-    "log": {"loop_cycles": [20]}, "fidelity": {"quick": {"increments_per_cycle": 16, "contact_mesh_um": 40.0}},
-}  # fmt: skip
-BALL = {"kind": "ball-on-flat", "bodies": {"ball": {"diameter_mm": 2.0 * BALL_RADIUS_mm, **STEEL}, "flat": STEEL}}
-STEEL_MODULUS = reference.contact_modulus(*(reference.Elastic(*STEEL.values()),) * 2)
 
 
 @pytest.mark.slow

@@ -32,7 +32,7 @@ paths = st.sampled_from(
 )
 
 
-def test_a_minimal_study_has_no_wear_a_rigid_holder_a_dead_weight_and_loops_at_1_2_5_per_decade() -> None:
+def test_a_minimal_study_has_no_wear_a_rigid_holder_and_loops_by_decades() -> None:
     study = parse_study(MINIMAL, "study.toml")
     assert study.wear is None
     assert study.holder.tangential_stiffness_N_per_mm == "rigid"
@@ -140,7 +140,7 @@ def test_a_holder_whose_keys_contradict_each_other_is_refused(holder: str, sente
         parse_study(f"{text}\n[holder]\n{holder}\n", "s.toml")
 
 
-def test_a_shorter_test_records_the_cycles_asked_for_as_far_as_it_goes_in_a_file_as_from_python() -> None:
+def test_a_shorter_test_records_the_asked_cycles_it_reaches_from_file_and_python() -> None:
     text = MINIMAL + "[log]\nloop_cycles = [1, 3, 500, 700]\n"
     short = parse_study(text.replace("cycles = 700", "cycles = 10"), "study.toml")
     assert short.log.loop_cycles == (1, 3, 10)
@@ -226,7 +226,7 @@ def test_what_laboratories_rub_is_found_by_every_name_that_it_goes_by(names: tup
     assert len({material_named(name) for name in names}) == 1
 
 
-def test_a_study_takes_a_material_by_any_name_and_the_list_says_whose_source_was_not_read() -> None:
+def test_a_material_has_any_of_its_names_and_unread_sources_are_listed() -> None:
     listed = CliRunner().invoke(cli, ["materials"]).output
     assert listed.count("unverified:") == sum(not item.verified for item in materials()) > 0
     study, titanium = parse_study(NAMED, "study.toml"), material_named("Ti-6Al-4V").elastic

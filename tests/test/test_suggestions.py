@@ -9,7 +9,7 @@ from geometry.arrays import Array
 from tests.studies import minimal
 from wirewear import StudyError
 from wirewear.kinds import any_study
-from wirewear.records.importing.guessed_conditions import Touching, _along_motion, _along_x, _laid
+from wirewear.records.importing.guessed_conditions import Touching, along_motion, along_x, laid
 from wirewear.test.bodies import BodiesByOptions
 
 STEEL = {"youngs_modulus_MPa": 210_000.0, "poissons_ratio": 0.3}
@@ -60,7 +60,7 @@ def groove(angle_deg: float) -> tuple[Array, Array, Array]:
 @pytest.mark.parametrize("stated", [None, 60.0])
 def test_a_wire_that_lies_askew_is_answered_by_the_crossing_angle(name: str, stated: float | None) -> None:
     known = {"diameter_mm": 0.45} | ({} if stated is None else {"crossing_angle_deg": stated})
-    _, remark = _laid(Path("scar.xyz"), name, Touching.of("crossed-wires", known, STEEL, {}), groove(30.0))
+    _, remark = laid(Path("scar.xyz"), name, Touching.of("crossed-wires", known, STEEL, {}), groove(30.0))
     assert f"nor at the crossing angle, {stated or 90:g}°: give crossing_angle_deg" in remark
 
 
@@ -71,9 +71,9 @@ def test_a_body_without_an_axis_runs_along_nothing(name: str, known: dict[str, f
     bare = Touching(touching.names, BodiesByOptions({}))
     for one in (touching, bare):
         for found in (
-            _along_motion(Path("a.xyz"), name, one),
-            _along_motion(Path("a.xyz"), name, one, depths=True),
-            _along_x(Path("a.xyz"), name, one, "later"),
+            along_motion(Path("a.xyz"), name, one),
+            along_motion(Path("a.xyz"), name, one, depths=True),
+            along_x(Path("a.xyz"), name, one, "later"),
         ):
             assert found[0] == {"frame": "test"}
             assert "along the motion; where y does" in found[1]

@@ -16,7 +16,7 @@ from wirewear.comparison.comparison import RecordComparison, compare
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.pictures import style
 from wirewear.records import AnyRecord
-from wirewear.records.importing.preview import _mark_motion
+from wirewear.records.importing.preview import mark_motion
 from wirewear.results import RunResult
 from wirewear.test import load_study
 from wirewear.views.comparison_page import ONE_REPEAT, differences_table, page, write_comparison
@@ -85,7 +85,7 @@ def test_the_first_loop_of_an_import_shows_where_its_force_must_be_positive(
 ) -> None:
     loop = alone.record.loops[0]
     axes = Figure().subplots()
-    _mark_motion(axes, dataclasses.replace(loop, tangential_force_N=sign * loop.tangential_force_N))
+    mark_motion(axes, dataclasses.replace(loop, tangential_force_N=sign * loop.tangential_force_N))
     (arrow, said) = axes.texts
     assert isinstance(arrow, Annotation)
     assert arrow.xy[0] > arrow.xyann[0]

@@ -24,7 +24,7 @@ from wirewear.comparison.registration import register
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import MeasuredScar
 from wirewear.results import Evolution, RunResult, read_result
-from wirewear.results.scar import health
+from wirewear.results.health import health
 from wirewear.test import load_study
 from wirewear.views.run_page import page_data, run_page, write_page
 

@@ -1,4 +1,4 @@
-"""What a path or a name stands for: a record, a result, a study, numbers; an example that comes with the program."""
+"""What a path holds or a name stands for: a record, a result, a study, numbers, an example of the program."""
 
 import re
 import tomllib

@@ -1,4 +1,4 @@
-"""Simulated and measured loops brought to one phase; differences in physical units and in scatters of the repeats."""
+"""Differences of a simulation from a measurement, at one phase, in physical units and in scatters of the repeats."""
 
 import math
 from collections.abc import Iterable, Sequence

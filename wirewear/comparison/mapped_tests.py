@@ -138,7 +138,7 @@ def _of_record(record: AnyRecord, path: Path) -> tuple[MappedTest, list[tuple[in
         path=str(path),
         normal_load_N=load * extent.share,
         displacement_amplitude_um=asked.displacement_amplitude_um,
-        worn=_worn(record),
+        worn=worn_in(record),
         cracks=record.tables.metadata.cracks,
         contact=None if contact is None else _behind_measured_rig(contact, record, loops),
         extent=extent,
@@ -192,7 +192,7 @@ def _sliding(cycle: int, loops: Sequence[LoopFigures]) -> SlidingMap:
     return SlidingMap(cycle, *(_mean([one.value for one in own if one is not None]) for own in ratios))
 
 
-def _worn(record: AnyRecord) -> tuple[WornTest, ...]:
+def worn_in(record: AnyRecord) -> tuple[WornTest, ...]:
     """Repeats of which both bodies' scars and an energy are known, each per mm where the contact has a length."""
     volumes, per = [*record.worn_volumes_mm3.values()], record.tables.extent.share
     return tuple(

@@ -7,10 +7,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from geometry.arrays import Array
 from wirewear.loops.clock import read_clock
-from wirewear.loops.cycles import MOST_CYCLES, WHOLE, cycle_starts, cycles_between, outline, signal_among, turns_of
+from wirewear.loops.cycles import MOST_CYCLES, WHOLE, cycle_starts, cycles_between, signal_among, turns_of
 from wirewear.loops.drive import Drift, drift_of, rough, smooth_periodic
 from wirewear.loops.figures import LoopError
 from wirewear.loops.noise import clipped, outliers, sample_noise, step_of
+from wirewear.loops.outline import outline
 from wirewear.loops.sensor import enclosed_area
 
 FEWEST_SAMPLES = 16

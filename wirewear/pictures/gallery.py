@@ -31,6 +31,7 @@ from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, wo
 from wirewear.results import RunResult, read_results
 
 #: Lines of the driven and the held body where colours stand for runs.
+DASHES: tuple[LineStyleType, LineStyleType] = (0, (5, 1.5)), "-"
 
 WIDEST, THINNEST = 1.1, 0.7  #: Line widths of the first and the last loop, as shares of other lines'.
 FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100  #: Milliseconds of a frame and of the last one; dots per inch.
@@ -359,6 +360,3 @@ def section_cycles(results: Sequence[RunResult]) -> tuple[int, ...]:
 
 def _file_name(variant: str) -> str:
     return re.sub(r"[^\w.-]+", "_", variant)
-
-
-DASHES: tuple[LineStyleType, LineStyleType] = (0, (5, 1.5)), "-"

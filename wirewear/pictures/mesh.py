@@ -95,9 +95,9 @@ def body_meshes(
     for name, wire in patches.items():
         alone = _Body(wire, MOVING_COLOUR, "", lambda points: points)
         views.append(_rendered([alone], (-0.15, -0.35, 0.9), height_mm))
-        titles.append(f"{name}\n{_elements(wire)}")
+        titles.append(f"{name}\n{element_sizes(wire)}")
     for axes, view, title in zip(panels, views, titles, strict=True):
-        _show(axes, view)
+        show_bodies(axes, view)
         axes.set_title(title)
     panel_letters(list(panels))
     keys = [Patch(color=PATCH_COLOUR, label="contact patch"), Patch(color=GRIP_COLOUR, label="grip, where it is held")]
@@ -105,7 +105,7 @@ def body_meshes(
     return figure
 
 
-def _elements(body: BodyMesh) -> str:
+def element_sizes(body: BodyMesh) -> str:
     along, across = (1e3 * axis.fine_mm for axis in (body.geometry.axial, body.geometry.transverse))
     return f"elements of {along:.1f} × {across:.1f} µm"
 
@@ -135,7 +135,7 @@ class _Body:
 
 
 @dataclass(frozen=True)
-class _Drawn:
+class DrawnBodies:
     """A rendered image (PIXELS, PIXELS, 3), its scale, and where the names stand [pixels from the upper left]."""
 
     image: NDArray[np.uint8]
@@ -143,7 +143,7 @@ class _Drawn:
     names: dict[str, tuple[float, float]]
 
 
-def _rendered(bodies: Sequence[_Body], eye: tuple[float, float, float], height_mm: float | None) -> _Drawn:
+def _rendered(bodies: Sequence[_Body], eye: tuple[float, float, float], height_mm: float | None) -> DrawnBodies:
     """A view from `eye` of everything, or of so much about the point of contact."""
     import pyvista
 
@@ -164,7 +164,7 @@ def _rendered(bodies: Sequence[_Body], eye: tuple[float, float, float], height_m
         names = {body.name: _above_end(plotter, body) for body in bodies if body.name}
         scale = 2.0 * float(plotter.camera.parallel_scale) / PIXELS
         plotter.close()
-    return _Drawn(image, scale, names)
+    return DrawnBodies(image, scale, names)
 
 
 def _add(plotter: Any, body: _Body) -> None:
@@ -199,7 +199,7 @@ def _above_end(plotter: Any, body: _Body) -> tuple[float, float]:
     return float(x), PIXELS - float(y)
 
 
-def _show(axes: Axes, view: _Drawn) -> None:
+def show_bodies(axes: Axes, view: DrawnBodies) -> None:
     """The image with a scale bar in its lower left corner and the bodies' names on their ends."""
     axes.imshow(view.image)
     axes.set_axis_off()

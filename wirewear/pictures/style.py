@@ -24,22 +24,6 @@ from wirewear.base import frame
 from wirewear.base.errors import ResultError, counted
 from wirewear.base.writing import in_one_step, writing
 
-
-class LineLook(TypedDict, total=False):
-    """How a line looks, in matplotlib's words."""
-
-    color: ColorType
-    linestyle: LineStyleType
-    linewidth: float
-
-
-class AreaLook(TypedDict, total=False):
-    """How an area looks, in matplotlib's words."""
-
-    color: ColorType
-    alpha: float
-
-
 GREY = "#8a8a8a"
 
 VARIANT_COLOURS = frame.VARIANT_COLOURS
@@ -66,6 +50,21 @@ _PAPER: Any = _SETTINGS | _TABLES["paper"]
 INK: str = _SETTINGS["text.color"]
 
 _used: ContextVar[Mapping[str, Any]] = ContextVar("used", default=_SETTINGS)
+
+
+class LineLook(TypedDict, total=False):
+    """How a line looks, in matplotlib's words."""
+
+    color: ColorType
+    linestyle: LineStyleType
+    linewidth: float
+
+
+class AreaLook(TypedDict, total=False):
+    """How an area looks, in matplotlib's words."""
+
+    color: ColorType
+    alpha: float
 
 
 @contextmanager

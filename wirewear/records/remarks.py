@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -273,7 +273,7 @@ class RecordReport:
         """The remarks on what spoils a figure."""
         return tuple(remark for remark in self.remarks if remark.level == "problem")
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """The report as plain values."""
         return asdict(self)
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from wirewear.base.errors import RecordError
 from wirewear.base.files import TABLE_FILE_NAME, read_bytes, spelled, toml_text
@@ -163,7 +164,7 @@ def _write_surfaces(surfaces: Sequence[MeasuredScar | MeasuredProfile]) -> "pl.D
     return frame_of({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
-def frame_of(columns: Mapping[str, Any]) -> "pl.DataFrame":
+def frame_of(columns: Mapping[str, ArrayLike]) -> "pl.DataFrame":
     """Columns as a table in which an empty field is a value that is missing."""
     import polars as pl
 

@@ -1,4 +1,4 @@
-"""Hertz contact: moduli; circular, elliptic (crossed cylinders) and line contact (N, mm, MPa)."""
+"""Hertz contact, circular, elliptic (crossed cylinders) and of lines, and its moduli (N, mm, MPa)."""
 
 import math
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Wear in closed form: what gross slip leaves by geometry and book-keeping alone; contacts of any even profile.
+"""Wear in closed form: by geometry and book-keeping under gross slip, and of contacts of any even profile.
 
 Under partial slip a stuck centre carries everything in the end, and a worn annulus around it nothing. A sphere of
 radius R pressed by d into a half-space of modulus E* and moved to and fro by ±u0 sticks within the radius c and wears

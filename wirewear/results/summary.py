@@ -11,7 +11,7 @@ from rich.text import Text
 
 from wirewear.base.errors import ResultError, counted
 from wirewear.results import RunResult
-from wirewear.results.scar import flagged, limit_of, remedies
+from wirewear.results.health import flagged, limit_of, remedies
 from wirewear.results.values import PRESSURE_LENGTH
 
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}

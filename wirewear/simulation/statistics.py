@@ -11,7 +11,7 @@ from solvers import ContactProblem, CycleTrace, IncrementReport, mirror_error, s
 from wirewear.base.course import enclosed_energy
 from wirewear.loops.sensor import enclosed_area
 from wirewear.results import BULK_WORK
-from wirewear.results.scar import ENERGIES_AGREE
+from wirewear.results.health import ENERGIES_AGREE
 from wirewear.simulation.measures import slip_mismatch
 
 QUALITY = (

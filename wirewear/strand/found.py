@@ -14,7 +14,7 @@ from wirewear.strand.contacts import Bend, LoadedWire, SheaveGroove, contacts_of
 from wirewear.strand.estimates import ContactEstimate, estimates
 from wirewear.strand.studies import file_name, has_study, notes, studies_of
 from wirewear.strand.tables import RopeTables, load_rope, rope_of
-from wirewear.test import AnyStudy
+from wirewear.test import LineStudy, Study
 
 STRONGEST_MPa = 1e4  #: Stresses beyond this are no wire's.
 
@@ -56,7 +56,7 @@ class RopeContacts:
         """A row of plain values for each kind of contact; what is not known is None."""
         return [_row(one) for one in self.contacts]
 
-    def studies(self) -> dict[str, AnyStudy[Any]]:
+    def studies(self) -> dict[str, Study | LineStudy]:
         """The study of each contact whose motion is known, by the contact's name.
         Raises StudyError if a value lies outside what a study takes.
         """

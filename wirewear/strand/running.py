@@ -11,7 +11,7 @@ from wirewear.base.cache import Identity, identity_of
 from wirewear.base.engine import Engine
 from wirewear.sweeps.running import SweepObserver, run_sweep
 from wirewear.sweeps.sweep import CODE, LIFE, Design, Sweep, SweepRow
-from wirewear.test import AnyStudy
+from wirewear.test import LineStudy, Study
 
 #: Figures of a run that stand in the table, by their names there.
 OF_RUN = {
@@ -27,7 +27,7 @@ OF_RUN = {
 class ContactRuns(Sweep):
     """Studies of different contacts, each as it stands, the worst first; worst: how many of them are run."""
 
-    studies: tuple[AnyStudy[Any], ...] = ()
+    studies: tuple[Study | LineStudy, ...] = ()
     worst: int = 0
 
     def __len__(self) -> int:
@@ -38,13 +38,13 @@ class ContactRuns(Sweep):
         asked = {"studies": [own.resolved() for own in self.studies], "fidelity": self.fidelity}
         return identity_of(asked, CODE, {"added": {}})
 
-    def case(self, place: int) -> tuple[AnyStudy[Any], dict[str, float]]:
+    def case(self, place: int) -> tuple[Study | LineStudy, dict[str, float]]:
         return self.studies[place], {}
 
 
 def run_contacts(
     name: str,
-    studies: Mapping[str, AnyStudy[Any]],
+    studies: Mapping[str, Study | LineStudy],
     fidelity: str,
     output: Path,
     engine: Engine,

@@ -12,7 +12,7 @@ from wirewear.kinds import any_study
 from wirewear.strand.contacts import LoadedWire, degrees_of
 from wirewear.strand.estimates import FULLY, ContactEstimate
 from wirewear.strand.tables import RopeTables
-from wirewear.test import AnyStudy
+from wirewear.test import LineStudy, Study
 
 _LEAST_um = 0.1  #: Smallest amplitude of a study.
 _CROSSED = (
@@ -92,7 +92,7 @@ def study_tables(found: ContactEstimate, rope: RopeTables) -> dict[str, Any] | N
     }
 
 
-def studies_of(found: Sequence[ContactEstimate], rope: RopeTables) -> dict[str, AnyStudy[Any]]:
+def studies_of(found: Sequence[ContactEstimate], rope: RopeTables) -> dict[str, Study | LineStudy]:
     """The study of each contact that has one, by the contact's name.
 
     Raises StudyError, in one sentence, if a value lies outside what a study takes.

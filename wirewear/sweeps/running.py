@@ -1,8 +1,8 @@
-"""Running a sweep: the rows that are missing, by an engine; what it will take, predicted from its first runs."""
+"""Running a sweep: an engine makes the rows that are missing."""
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
@@ -13,101 +13,15 @@ import numpy as np
 
 from wirewear.base.cache import Identity, digest
 from wirewear.base.engine import Engine
-from wirewear.base.errors import EngineError, LostTaskError, RunError, StudyError, WirewearError, counted
+from wirewear.base.errors import EngineError, LostTaskError, RunError, StudyError, counted
 from wirewear.base.locks import occupied
 from wirewear.base.memory import free_disk, free_memory, size_text
 from wirewear.base.writing import prepared_folder, write_text, writing
-from wirewear.simulation import needed_memory
+from wirewear.sweeps.forecast import Forecast, forecast, pilots, sizes_of
 from wirewear.sweeps.sweep import Sweep, SweepRow, run_case
-
-#: CPU time grows by this power of the unknowns where the first runs do not show it; measured, docs/accuracy.md.
-POWER = 1.3
-
-POWERS = (0.0, 2.5)  #: Powers beyond these come from runs that are too alike in size to show it.
-
-#: Bytes of a row in journal and tables, and of a kept result for each unknown; measured.
-ROW_BYTES, RESULT_BYTES = 1_500, 60.0
 
 JOURNAL = "rows.jsonl"
 RESULTS = "runs"
-
-
-@dataclass(frozen=True)
-class Forecast:
-    """What a sweep takes in all on so many workers: `cpu_s` and `wall_s`, memory of one worker, disk."""
-
-    runs: int
-    workers: int
-    cpu_s: float
-    peak_bytes: float
-    disk_bytes: float
-
-    @property
-    def wall_s(self) -> float:
-        """Time from begin to end, when nothing else is going on."""
-        return self.cpu_s / max(min(self.workers, self.runs), 1)
-
-    @property
-    def sentence(self) -> str:
-        workers = "one worker" if self.workers == 1 else f"{self.workers} workers"
-        return (
-            f"{counted(self.runs)} runs on {workers} take about {time_text(self.wall_s)} "
-            f"({time_text(self.cpu_s)} of CPU time), {size_text(self.peak_bytes)} of memory a worker and "
-            f"{size_text(self.disk_bytes)} of disk."
-        )
-
-
-def sizes_of(sweep: Sweep) -> np.ndarray:
-    """Unknowns of every run; of a large sweep interpolated between some. NaN for what cannot be."""
-    count = len(sweep)
-    # Runs that are planned to know the sizes of all.
-    planned = np.unique(np.linspace(0, count - 1, min(count, 200)).round().astype(int))
-    found = np.array([_size(sweep, int(place)) for place in planned])
-    known = np.isfinite(found)
-    if not known.any():
-        return np.full(count, np.nan)
-    sizes: np.ndarray = np.interp(np.arange(count), planned[known], found[known])
-    return sizes
-
-
-def pilots(sizes: np.ndarray) -> list[int]:
-    """Places of the runs that show most of all the others: the smallest, a middle one, the largest."""
-    order = np.argsort(sizes, kind="stable")
-    return list(dict.fromkeys(int(order[place]) for place in (order.size // 2, order.size - 1, 0)))
-
-
-def forecast(sweep: Sweep, sizes: np.ndarray, rows: Sequence[SweepRow], workers: int) -> Forecast:
-    """From the rows that are there."""
-    done = [row for row in rows if row.cpu_s > 0.0]
-    at, cpu = np.array([sizes[row.number - 1] for row in done]), np.array([row.cpu_s for row in done])
-    power = _power(at, cpu)
-    scale = float(np.exp(np.mean(np.log(cpu) - power * np.log(at))))
-    expected = scale * sizes**power
-    expected[[row.number - 1 for row in done]] = cpu
-    kept = RESULT_BYTES * float(sizes.sum()) if sweep.keep_results else 0.0
-    peak = max(row.peak_bytes for row in done) * float(max((sizes.max() / at.max()) ** 2, 1.0))
-    return Forecast(len(sweep), workers, float(expected.sum()), peak, ROW_BYTES * len(sweep) + kept)
-
-
-def time_text(seconds: float) -> str:
-    """``12 min``: a time for people, to two digits."""
-    for unit, length in (("s", 1.0), ("min", 60.0), ("h", 3600.0), ("days", 86400.0)):
-        if seconds < 99.5 * length or unit == "days":
-            return f"{float(f'{seconds / length:.2g}'):,.4g} {unit}"
-    raise AssertionError
-
-
-def _power(sizes: np.ndarray, cpu_s: np.ndarray) -> float:
-    if np.ptp(np.log(sizes)) < np.log(1.3):
-        return POWER
-    return float(np.clip(np.polyfit(np.log(sizes), np.log(cpu_s), 1)[0], *POWERS))
-
-
-def _size(sweep: Sweep, place: int) -> float:
-    try:
-        return float(needed_memory(sweep.study_of(place), sweep.fidelity) ** 0.5)
-    except WirewearError:
-        return float("nan")
 
 
 class Journal:

@@ -8,7 +8,6 @@ from functools import cached_property, partial
 from itertools import product
 from math import exp, isfinite, log, log2, prod
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.stats import qmc
@@ -26,8 +25,8 @@ from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, RunResult, write
 from wirewear.simulation import simulate
 from wirewear.stress.life import life_of, require_life
 from wirewear.sweeps.tables import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
-from wirewear.test import AnyStudy
-from wirewear.test.any_study import alone, life_data
+from wirewear.test import LineStudy, Study
+from wirewear.test.any_study import Of, alone, life_data
 from wirewear.test.messages import validated
 
 DIGITS = 12  #: Values are rounded to so many digits, so that one design is the same everywhere to the last bit.
@@ -195,7 +194,7 @@ class SweepRow:
 
 
 def run_case(
-    study: AnyStudy[Any], values: Mapping[str, float], fidelity: str, number: int, results: Path | None
+    study: Study | LineStudy, values: Mapping[str, float], fidelity: str, number: int, results: Path | None
 ) -> SweepRow:
     """Simulate the study with these values of its keys; with `results`, the result file is left there in a folder.
 
@@ -217,7 +216,7 @@ def run_case(
     return SweepRow(number, figures, failure, working_cpu_s() - start_s, peak)
 
 
-def shortest_life(study: AnyStudy[Any], result: RunResult) -> float | None:
+def shortest_life(study: Study | LineStudy, result: RunResult) -> float | None:
     """Cycles until a crack begins in the first body of a finished run, endless if in none; None without [life]."""
     if study.tables.life is None:
         return None
@@ -246,7 +245,7 @@ class Sweep:
     """A study without variants, and the runs that are made of it."""
 
     name: str  #: Its title.
-    study: AnyStudy[Any]
+    study: Study | LineStudy
     design: Design
     fidelity: str = "quick"  #: Of every run.
     keep_results: bool = False  #: Whether each run's result file is kept.
@@ -272,11 +271,11 @@ class Sweep:
         added = added_code([*self.study.effects, *self.study.laws])
         return identity_of(asked, CODE, {"added": added})
 
-    def case(self, place: int) -> tuple[AnyStudy[Any], dict[str, float]]:
+    def case(self, place: int) -> tuple[Study | LineStudy, dict[str, float]]:
         """The study that a run begins with, and the values that it varies."""
         return self.study, self.design.values(place)
 
-    def study_of(self, place: int) -> Any:
+    def study_of(self, place: int) -> Study | LineStudy:
         """The study of a run. Raises StudyError if there is no such key, or its value cannot be."""
         return varied(*self.case(place))
 
@@ -313,7 +312,7 @@ def _require_possible(sweep: Sweep, where: str) -> None:
         require_life(study, study.body_names, {})
 
 
-def varied(study: AnyStudy[Any], values: Mapping[str, float]) -> AnyStudy[Any]:
+def varied(study: Of, values: Mapping[str, float]) -> Of:
     """The study with values named by their keys; those of effects as effects.<effect>.<parameter>.
 
     An effect that the study lacks comes in; of one that it has, the named parameters change.

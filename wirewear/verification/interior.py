@@ -51,10 +51,10 @@ _PARTIAL, _SLIDING = 0.5, 3.0
 
 def interior_rows(level: Level) -> tuple[Row, ...]:
     """Largest von Mises stress and its depth under wires and a line contact, and what holds the wire."""
-    return (*_wire_rows(level), *_line_rows(level))
+    return (*wire_rows(level), *line_rows(level))
 
 
-def _wire_rows(level: Level) -> tuple[Row, ...]:
+def wire_rows(level: Level) -> tuple[Row, ...]:
     resolution = level.hertz_resolutions[-1]
     exact = reference.hertz_point(LOAD_N, WIRE_RADIUS_mm, CONTACT_MODULUS_MPa)
     a = exact.contact_radius_mm
@@ -101,7 +101,7 @@ def _balance_rows(
     )
 
 
-def _line_rows(level: Level) -> tuple[Row, ...]:
+def line_rows(level: Level) -> tuple[Row, ...]:
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     a = exact.half_width_mm
     element = a / level.line_resolution

@@ -6,8 +6,8 @@ A ball and barrels on flats and crossed cylinders, pressed and in partial slip, 
 size of their blocks makes of approach and displacement is read from their compliances, as of wires.
 """
 
+from collections.abc import Mapping
 from math import pi, sqrt
-from typing import Any
 
 import numpy as np
 
@@ -36,8 +36,8 @@ _LOAD_N = 100.0
 _SHARE = 0.7
 
 _WEAR = {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.5}
-_FLAT: dict[str, Any] = {"shape": "flat"}
-_BALL: dict[str, Any] = {"shape": "ball", "diameter_mm": 12.7}
+_FLAT: Mapping[str, object] = {"shape": "flat"}
+_BALL: Mapping[str, object] = {"shape": "ball", "diameter_mm": 12.7}
 
 
 def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
@@ -106,11 +106,11 @@ def limiting_shape(resolution: float) -> reference.LimitingShape:
     return contact.under_approach(_APPROACH_mm)
 
 
-def _barrel(diameter_along_mm: float) -> dict[str, Any]:
+def _barrel(diameter_along_mm: float) -> Mapping[str, object]:
     return {"shape": "barrel", "diameter_mm": 5.4, "diameter_along_mm": diameter_along_mm}
 
 
-def _cylinder(angle_deg: float) -> dict[str, Any]:
+def _cylinder(angle_deg: float) -> Mapping[str, object]:
     return {"shape": "cylinder", "diameter_mm": 12.7, "axis_angle_deg": angle_deg}
 
 
@@ -125,7 +125,11 @@ _PAIRS = (
 
 
 def study_of(
-    lower: dict[str, Any], upper: dict[str, Any], amplitude_um: float = 30.0, cycles: int = 1, **tables: Any
+    lower: Mapping[str, object],
+    upper: Mapping[str, object],
+    amplitude_um: float = 30.0,
+    cycles: int = 1,
+    **tables: Mapping[str, object],
 ) -> Study:
     """A study of two steel bodies."""
     steel = {"youngs_modulus_MPa": hertz.STEEL.youngs_modulus_MPa, "poissons_ratio": hertz.STEEL.poissons_ratio}
@@ -140,7 +144,7 @@ def study_of(
             "format": 1,
             "name": "bodies of a reference problem",
             "kind": "point-contact",
-            "bodies": {"lower": lower | steel, "upper": upper | steel},
+            "bodies": {"lower": {**lower, **steel}, "upper": {**upper, **steel}},
             "conditions": conditions,
             "contact": {"friction": FRICTION},
             **tables,

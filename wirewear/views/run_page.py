@@ -26,7 +26,7 @@ from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
 from wirewear.results import BORNE, BORNE_IS, PLAY_TRAVEL, PRESSURE_LENGTH, SPRING_TRAVEL, Loop, RunResult, Scar
 from wirewear.results.flat import named_for_users
-from wirewear.results.scar import health, limit_of
+from wirewear.results.health import health, limit_of
 
 Course = tuple[str, str, str]  #: A column of the evolution, what it is called, and its dashes in SVG.
 

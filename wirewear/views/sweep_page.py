@@ -87,12 +87,12 @@ def _response(axes: Axes, factor: VariedInput, points: Array, column: int, y: Ar
     else:
         axes.xaxis.set_major_locator(MaxNLocator(4))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: written(value)))
-    for line in _lines(points[known], column, y[known]):
+    for line in lines_through(points[known], column, y[known]):
         axes.plot(*line, color=VARIANT_COLOURS[0], linewidth=1.2)
     axes.tick_params(labelsize=6.5)
 
 
-def _lines(points: Array, column: int, y: Array) -> list[tuple[Array, Array]]:
+def lines_through(points: Array, column: int, y: Array) -> list[tuple[Array, Array]]:
     """Runs that differ in one key alone, as those of a grid, in its order; else medians of neighbouring runs."""
     others = np.delete(points, column, axis=1)
     alike = [np.flatnonzero((others == one).all(axis=1)) for one in np.unique(others, axis=0)] if others.size else []

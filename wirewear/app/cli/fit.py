@@ -1,7 +1,7 @@
 """The command that fits parameters to a record."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -11,9 +11,6 @@ from wirewear.base.files import TABLE_FILE_NAME
 from wirewear.base.writing import json_text, usable_file
 from wirewear.kinds import contacts_of
 from wirewear.test import FIDELITIES
-
-if TYPE_CHECKING:
-    pass
 
 
 @cli.command()

@@ -1,11 +1,11 @@
-"""Commands that list effects and materials, run a study, draw its results and write their page."""
+"""Commands that list effects and materials, run a study, draw its meshes and results and write their page."""
 
 from __future__ import annotations
 
 import os
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -13,9 +13,6 @@ from wirewear.app.cli.group import Given, OutputFolder, busy, cli, default_outpu
 from wirewear.base.errors import StudyError, WirewearError
 from wirewear.base.writing import json_text, usable_folder
 from wirewear.test import FIDELITIES
-
-if TYPE_CHECKING:
-    pass
 
 #: Options that say what is plotted, how and where, and their parameters.
 _OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity", "--output": "output"}
@@ -259,3 +256,21 @@ def _cycles_of(record_path: Path, last: int) -> tuple[int, ...]:
 def _refuse(given: bool, sentence: str) -> None:
     if given:
         raise StudyError(sentence)
+
+
+@cli.command()
+@click.argument("study_path", metavar="STUDY.toml", type=Given())
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Mesh folder.  [default: runs/<study>/mesh]")
+@most_memory
+@paper
+def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
+    """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
+    from wirewear.kinds import contacts_of, load_any_study
+
+    folder = usable_folder(output or default_output(study_path) / "mesh")
+    study = load_any_study(study_path)
+    with busy("meshing and drawing"):
+        written = list(contacts_of(study).write_meshes(study, fidelity, folder))
+    for path in written:
+        click.echo(path)

@@ -1,4 +1,4 @@
-"""Commands of many runs: sweeps, maps, refinements of a study; its meshes, and the verification of the program."""
+"""Commands of many runs: sweeps, maps, refinements of a study, the verification of the program."""
 
 from __future__ import annotations
 
@@ -14,11 +14,12 @@ import click
 
 from wirewear.app.cli import group
 from wirewear.base.errors import counted
-from wirewear.base.writing import json_text, usable_folder
+from wirewear.base.writing import json_text
 from wirewear.test import FIDELITIES
 
 if TYPE_CHECKING:
-    from wirewear.sweeps.running import Forecast, SweepObserver
+    from wirewear.sweeps.forecast import Forecast
+    from wirewear.sweeps.running import SweepObserver
     from wirewear.sweeps.sweep import SweepRow
     from wirewear.test import Study
 
@@ -178,24 +179,6 @@ def converge(
     written = write_convergence(folder, rows)
     wide_console(150).print(convergence_table(rows))
     click.echo(f"the table is in {written}")
-
-
-@group.cli.command()
-@click.argument("study_path", metavar="STUDY.toml", type=group.Given())
-@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
-@click.option("--output", metavar="DIR", type=group.OutputFolder(), help="Mesh folder.  [default: runs/<study>/mesh]")
-@group.most_memory
-@group.paper
-def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
-    """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
-    from wirewear.kinds import contacts_of, load_any_study
-
-    folder = usable_folder(output or group.default_output(study_path) / "mesh")
-    study = load_any_study(study_path)
-    with group.busy("meshing and drawing"):
-        written = list(contacts_of(study).write_meshes(study, fidelity, folder))
-    for path in written:
-        click.echo(path)
 
 
 @group.cli.command()

@@ -1,14 +1,10 @@
 """The command that opens a workspace in a browser."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from wirewear.app.cli.group import Given, OutputFolder, cli
-
-if TYPE_CHECKING:
-    pass
 
 
 @cli.command(name="open")

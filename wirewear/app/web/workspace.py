@@ -39,7 +39,7 @@ _SHOWN = (".html", ".png")
 _COMING = ".coming."  #: Begins the name of a file until all of it is there.
 CHUNK = 1 << 20
 
-_AS_STEP = """
+AS_STEP = """
 try:
     from wirewear.app.cli import main
     from wirewear.app.web.workspace import end_with_input
@@ -183,7 +183,7 @@ class Workspace:
                 self._put_aside(self.folder / step.leaves)
             if name == "import":
                 self.places.pop(RECORD, None)
-            command = [sys.executable, "-c", _AS_STEP, step.command, *files, *places, *options]
+            command = [sys.executable, "-c", AS_STEP, step.command, *files, *places, *options]
             process = subprocess.Popen(
                 command, cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                 text=True, encoding="utf-8", errors="replace", start_new_session=True,

@@ -1,4 +1,4 @@
-"""What laboratories' files show of a test: load, amplitude, frequency, cycles, signs of forces; and of its scars."""
+"""What laboratories' files show of a test: load, amplitude, frequency, cycles, signs of forces, scars."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -285,9 +285,9 @@ def scars_of(
         if "height_um" in columns:
             found = text.read(columns)
             surface = grid_of_points(text.path, (found["x_um"], found["y_um"], found["height_um"]))
-            scars[body] |= _noted(_laid(text.path, body, touching, surface), remarks)
+            scars[body] |= _noted(laid(text.path, body, touching, surface), remarks)
         else:
-            scars[body] |= _noted(_along_motion(text.path, body, touching, depths=True), remarks)
+            scars[body] |= _noted(along_motion(text.path, body, touching, depths=True), remarks)
     _add_maps(scars, maps if touching.names else (), touching, remarks)
     return scars, remarks
 
@@ -304,10 +304,10 @@ def _add_maps(scars: dict[str, Any], maps: Sequence[Path], touching: Touching, r
         scars[body] = {"files": path.name, **keys}
         if surface.left_open:
             scars[body] |= _noted(
-                _along_x(path, body, touching, "once its scale is stated, the import sees it"), remarks
+                along_x(path, body, touching, "once its scale is stated, the import sees it"), remarks
             )
         else:
-            scars[body] |= _noted(_laid(path, body, touching, surface.scaled(path, MapScale())), remarks)
+            scars[body] |= _noted(laid(path, body, touching, surface.scaled(path, MapScale())), remarks)
 
 
 def map_source(path: Path, remarks: list[str]) -> tuple[StatedMap, dict[str, Any]] | None:
@@ -357,7 +357,7 @@ def _has_axis(name: str, touching: Touching) -> bool:
     return name in touching.stated.with_axis if body is None else body.has_axis
 
 
-def _along_motion(path: Path, name: str, touching: Touching, *, depths: bool = False) -> tuple[dict[str, Any], str]:
+def along_motion(path: Path, name: str, touching: Touching, *, depths: bool = False) -> tuple[dict[str, Any], str]:
     if _has_axis(name, touching):
         otherwise = f'it runs along the {called(name)}, write frame = "wire"'
     elif depths:
@@ -367,19 +367,19 @@ def _along_motion(path: Path, name: str, touching: Touching, *, depths: bool = F
     return {"frame": "test"}, f"{path.name}: x is taken to run along the motion; where {otherwise}"
 
 
-def _along_x(path: Path, name: str, touching: Touching, later: str) -> tuple[dict[str, Any], str]:
+def along_x(path: Path, name: str, touching: Touching, later: str) -> tuple[dict[str, Any], str]:
     if not _has_axis(name, touching):
-        return _along_motion(path, name, touching)
+        return along_motion(path, name, touching)
     message = f"the {called(name)} is taken to run along the map's x; {later}"
     return {"frame": "wire", "axis": "x"}, f"{path.name}: {message}"
 
 
-def _laid(path: Path, name: str, touching: Touching, surface: tuple[Array, Array, Array]) -> tuple[dict[str, Any], str]:
+def laid(path: Path, name: str, touching: Touching, surface: tuple[Array, Array, Array]) -> tuple[dict[str, Any], str]:
     """How a body lies in a map of heights, as keys of a mapping: of the ways there are, the nearest; and a remark."""
     if (body := touching.bodies.get(name)) is None:
-        return _along_x(path, name, touching, "with --diameter its heights show it")
+        return along_x(path, name, touching, "with --diameter its heights show it")
     if not body.has_axis:
-        return _along_motion(path, name, touching)
+        return along_motion(path, name, touching)
     found = direction_deg(*surface, body.curvatures_per_mm)
     ways = ((0.0, "x", "wire"), (90.0, "y", "wire"), (body.axis_angle_deg, "x", "test"))
     offs = [abs((found - way[0] + 90.0) % 180.0 - 90.0) for way in ways]

@@ -12,7 +12,8 @@ from geometry.arrays import Array
 from wirewear.base.delimited import sheets_left_out
 from wirewear.base.errors import RecordError
 from wirewear.loops.clock import read_clock
-from wirewear.loops.cycles import outline, split_cycles
+from wirewear.loops.cycles import split_cycles
+from wirewear.loops.outline import outline
 from wirewear.loops.sensor import enclosed_area
 from wirewear.records.contact_tables import RECORDS
 from wirewear.records.importing import sources

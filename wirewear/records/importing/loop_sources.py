@@ -1,4 +1,4 @@
-"""Where loops come from: a logger's file, its columns chosen by name and unit or recognised; a record; a result."""
+"""Where loops come from: a record, a result, or a logger's file with columns chosen by name and unit or recognised."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -18,7 +18,8 @@ from wirewear.base.naming import states_factor
 from wirewear.base.recognising import Held, require_no_other
 from wirewear.loops.cleaning import FEWEST_SAMPLES
 from wirewear.loops.clock import read_clock
-from wirewear.loops.cycles import outline, split_cycles
+from wirewear.loops.cycles import split_cycles
+from wirewear.loops.outline import outline
 from wirewear.records import read_record
 from wirewear.records.columns import column_names
 from wirewear.records.exporting import chosen_run

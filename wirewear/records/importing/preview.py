@@ -130,7 +130,7 @@ def _picture(loop: MeasuredLoop) -> Figure:
     left.plot(loop.displacement_um, loop.tangential_force_N, color=VARIANT_COLOURS[0], marker=".", markersize=3)
     left.plot(loop.displacement_um[:1], loop.tangential_force_N[:1], color=VARIANT_COLOURS[1], marker="o", markersize=6)
     left.set(xlabel="displacement δ [µm]", ylabel="tangential force Q [N]", title=f"{loop.name} (dot: first sample)")
-    _mark_motion(left, loop)
+    mark_motion(left, loop)
     right.plot(loop.time_s, loop.displacement_um, color=VARIANT_COLOURS[0])
     right.set_xlabel("time [s]")
     right.set_ylabel("displacement δ [µm]", color=VARIANT_COLOURS[0])
@@ -144,7 +144,7 @@ def _picture(loop: MeasuredLoop) -> Figure:
     return figure
 
 
-def _mark_motion(axes: Axes, loop: MeasuredLoop) -> None:
+def mark_motion(axes: Axes, loop: MeasuredLoop) -> None:
     """An arrow in the middle of the branch on which the displacement grows, and what the force must be there."""
     x, q = loop.displacement_um, loop.tangential_force_N
     steps = np.nan_to_num(np.gradient(x))

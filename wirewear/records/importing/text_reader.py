@@ -1,4 +1,4 @@
-"""What a reader of a laboratory's files is; that of delimited text, which most loggers write."""
+"""Readers of laboratories' files, of which that of delimited text reads what most loggers write."""
 
 import re
 import struct

@@ -1,0 +1,104 @@
+"""How far a run's checks may be off, and what helps where one is."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+ENERGIES_AGREE = 5e-3  #: Friction energies that differ by more than this share are not taken to agree.
+
+#: What each quality of a run says, and from where on it should be looked at.
+QUALITIES: Mapping[str, tuple[str, float]] = {
+    "force_balance": ("forces on the holder that do not balance, relative", 1e-6),
+    "penetration": ("penetration of one body into the other, relative to the approach", 1e-4),
+    "complementarity": ("pressure where the bodies do not touch, relative", 1e-4),
+    "slip_direction_error_rad": ("angle between friction and slip [rad]", 1e-2),
+    "elastic_slip": ("slip that a penalty lets through, relative", 1e-2),
+    "loop_area_against_friction_work": ("area of a loop against friction work in the contact, relative", 2e-3),
+    "volume_against_energy": ("worn volume against the wear law's, relative", 1e-3),
+    "energy_against_loops": ("energy that wore against energy of the recorded loops, relative", ENERGIES_AGREE),
+    "slip_against_loops": ("slip in the contact against the loop's width, over the contact's displacement", 2e-2),
+    "depth_between_nodes": ("error of either body's largest depth by its elements, relative, estimated", 3e-2),
+    "slip_between_nodes": ("error of loops' energies by the number of nodes that slip, relative, estimated", 5e-2),
+    "law_between_nodes": ("error of laws other than Coulomb's by the fresh contact's elements, estimated", 2e-2),
+    "pressure_against_strength": (
+        "largest pressure against what the softer body bears, of which more is impossible",
+        1.0,
+    ),
+    "indentation_strain": ("strain of the print, 0.2 a/R, beyond which plasticity of small strains ends", 0.1),
+    "mirror_error": ("pressures against their mirror image on the way back, relative", 2e-2),
+}
+
+#: Those that are of the test itself, and the same however finely it is solved.
+OF_THE_TEST = frozenset({"pressure_against_strength", "indentation_strain"})
+
+#: What lessens the others where they are more than their limit, as the end of a sentence.
+_OF_THE_PROGRAM = "is an error of the program: please report it with the study"
+_REMEDIES: Mapping[str, str] = {
+    "energy_against_loops": "falls with a smaller jump_tolerance in [fidelity] or with more loop_cycles in [log], not "
+    "with the mesh",
+    "slip_against_loops": _OF_THE_PROGRAM,
+    "volume_against_energy": _OF_THE_PROGRAM,
+}
+
+
+def remedies(beyond: Collection[str]) -> list[str]:
+    """Sentences on what helps against qualities that are beyond their limits."""
+    others = sorted(set(beyond) - OF_THE_TEST - set(_REMEDIES))
+    mesh = (
+        [f"{_spoken(others)} mostly fall{'s' * (len(others) == 1)} with a finer --fidelity or [mesh]."]
+        if others
+        else []
+    )
+    return [*(f"{_spoken([name])} {_REMEDIES[name]}." for name in sorted(set(beyond) & set(_REMEDIES))), *mesh]
+
+
+def _spoken(names: Sequence[str]) -> str:
+    return ", ".join(name.replace("_", " ") for name in names).capitalize()
+
+
+@dataclass(frozen=True)
+class Health:
+    """One closure: what it is, the worst value that each run met (None: not defined), from where on to look at it."""
+
+    meaning: str
+    worst: tuple[float | None, ...]
+    limit: float
+
+    @property
+    def sound(self) -> bool:
+        """Whether all values are below the limit."""
+        return all(value is None or value <= self.limit for value in self.worst)
+
+
+class Judged(Protocol):
+    """A result that says how well it closes."""
+
+    @property
+    def quality(self) -> Mapping[str, float]:
+        """The worst residuals met, by name."""
+
+
+def health(results: Sequence[Judged]) -> list[Health]:
+    """The closures of runs, in the order of QUALITIES; others follow by their names, without a limit."""
+    known = [name for name in QUALITIES if any(name in result.quality for result in results)]
+    others = sorted({name for result in results for name in result.quality if name not in QUALITIES})
+    meanings = {name: meaning for name, (meaning, _) in QUALITIES.items()}
+    return [
+        Health(
+            meanings.get(name, name.replace("_", " ")),
+            tuple(result.quality.get(name) for result in results),
+            limit_of(name),
+        )
+        for name in [*known, *others]
+    ]
+
+
+def limit_of(name: str) -> float:
+    """From where on a quality should be looked at; infinite of one without a limit."""
+    return QUALITIES[name][1] if name in QUALITIES else float("inf")
+
+
+def flagged(name: str, value: float) -> str:
+    """A quality's value, with its limit where it is beyond that."""
+    limit = limit_of(name)
+    return f"{value:.1e}, more than {limit:.1e}" if value > limit else f"{value:.1e}"
