@@ -28,7 +28,7 @@ _FLATTEST = 1e-3  #: Gaps flatter one way than the other by this are those of li
 
 Found = TypeVar("Found")
 
-YIELDS = "stress at which its material yields in tension; without it that of the named material, or it stays elastic"
+YIELDS = "stress at which its material yields in tension; without it the body stays elastic"
 HARDENS = "rise of that stress per plastic strain; without it the stress stays"
 
 
