@@ -204,7 +204,7 @@ def printed(
     if not closure.any() or problem.limit is None or own is None or other is None:
         return wear
     upright = closure / pairing.frames[:, 0, 2]
-    share = problem.limit.upper_share if problem.primary_is_upper else 1.0 - problem.limit.upper_share
+    share = problem.limit.share(upper=problem.primary_is_upper)
     spread, wanted = np.zeros(problem.secondary.patch.size), (1.0 - share) * upright
     for _ in range(_SPREAD):
         lacking = wanted - pairing.depths.averaged(spread) / pairing.areas
@@ -216,7 +216,7 @@ def printed(
         wear,
         primary_print=own + rest.reshape(own.shape),
         secondary_print=other + spread.reshape(other.shape),
-        plastic_mJ=wear.plastic_mJ + float(pairing.areas @ (0.5 * (yielding.limit + pressure) * closure)),
+        plastic_mJ=wear.plastic_mJ + float(pairing.areas @ yielding.work(pressure)),
     )
 
 

@@ -42,6 +42,10 @@ class YieldAtNodes:
         softness = np.where(beyond > 0.0, 1.0 / self.rise_MPa_per_mm, 0.0)
         return beyond * softness, softness
 
+    def work(self, pressure: Array) -> Array:
+        """Plastic work (k,) per plane area of surfaces that yield under pressures (k,), mJ/mm²."""
+        return np.asarray(0.5 * (self.limit + pressure) * self.closure(pressure)[0])
+
 
 @dataclass(frozen=True)
 class PressureLimit:
@@ -55,7 +59,11 @@ class PressureLimit:
     overlap_mm: float  #: Hertz' approach under the test's load, a measure of depths.
     upper_share: float = 0.5  #: Of the print, that the upper body takes: none where it is the harder.
     hardening_MPa: float = 0.0  #: Rise of the yield stress per plastic strain.
-    first_yield_strain: float = 0.0  #: That of the indentation at first yield, 0.2 a/R.
+    first_yield_strain: float = 0.0  #: Strain 0.2 a/R of the indentation at first yield.
+
+    def share(self, *, upper: bool) -> float:
+        """Share of a print that the upper or the lower body takes."""
+        return self.upper_share if upper else 1.0 - self.upper_share
 
     def limit_MPa(self, load: ArrayLike) -> Array:
         """Largest pressure under loads, of their shape."""
@@ -65,7 +73,7 @@ class PressureLimit:
         return np.asarray(ratio * (self.yield_stress_MPa + self.hardening_MPa * plastic))
 
     def strain(self, load: float) -> float:
-        """That of the indentation under a load, 0.2 a/R."""
+        """Strain 0.2 a/R of the indentation under a load."""
         return float(self.first_yield_strain * max(load / self.first_yield_load, 0.0) ** _SPREADING)
 
     def at_nodes(self, load: ArrayLike, printed_mm: Array) -> YieldAtNodes:

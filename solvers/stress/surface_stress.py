@@ -269,7 +269,7 @@ def alike(lines: Array) -> slice:
 
 
 def even_lines(lines: Array) -> Array:
-    """Those of a grid about its middle between which elements are alike; where elements shrink away from the middle,
+    """Lines of a grid about its middle between which elements are alike; where elements shrink away from the middle,
     towards the rim of a contact that sticks, evenly spaced ones over all of it, as near as the nearest.
     """
     spacing = np.diff(lines)

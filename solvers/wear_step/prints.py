@@ -62,13 +62,13 @@ def printed_by(
     closure, _ = yielding.closure(pressure)
     if not closure.any():
         return wear
-    share = problem.limit.upper_share if problem.primary_is_upper else 1.0 - problem.limit.upper_share
+    share = problem.limit.share(upper=problem.primary_is_upper)
     primary, secondary = np.zeros(problem.primary.patch.size), np.zeros(problem.secondary.patch.size)
     np.maximum.at(primary, orbits.nodes, share * closure)
     for begin, end in zip(orbits.start, orbits.start[1:], strict=False):
         left = (1.0 - share) * closure[begin:end] * (orbits.areas * orbits.twice)[begin:end]
         secondary = np.maximum(secondary, orbits.secondary[begin:end].T @ left / problem.secondary.node_areas)
-    work = 0.5 * (yielding.limit + pressure) * closure * orbits.areas * orbits.twice
+    work = yielding.work(pressure) * orbits.areas * orbits.twice
     shapes = primary.reshape(own.shape), secondary.reshape(other.shape)
     more, facing = _with_images(shapes, symmetry)
     return replace(
