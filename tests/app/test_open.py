@@ -9,8 +9,6 @@ import pytest
 
 import wirewear.app.cli.commands
 from tests.app.workspaces import asked, ended, step
-from tests.app.workspaces import server as server_of
-from tests.app.workspaces import workspace as workspace_of
 from tests.browser import TOO_WIDE, Page, browser, needs_browser
 from wirewear.app.cli import cli
 from wirewear.app.web.server import LOOPBACK, WorkspaceServer
@@ -21,7 +19,6 @@ from wirewear.base.recognising import example
 __all__ = ["wirewear"]
 RECORD = example("no_gap")
 HEADER = "Time (s);Displacement (um);Force (N)\n"
-server, workspace = server_of, workspace_of
 
 
 @pytest.fixture(scope="module")

@@ -17,14 +17,12 @@ from typing import Any
 
 import pytest
 
-from tests.app.workspaces import asked, ended, server, step, workspace
+from tests.app.workspaces import asked, ended, step
 from tests.commands import wirewear
 from wirewear.app.web import server as server_module
 from wirewear.app.web import workspace as workspace_module
 from wirewear.app.web.server import LOOPBACK, WorkspaceServer
 from wirewear.app.web.workspace import AS_STEP, Workspace
-
-__all__ = ["server", "workspace"]
 
 
 def sent(server: WorkspaceServer, request: bytes, *, wait_s: float = 10.0) -> bytes:

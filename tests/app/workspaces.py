@@ -3,31 +3,10 @@
 import json
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
-from pathlib import Path
-from threading import Thread
 from time import monotonic, sleep
 from typing import Any
 
-import pytest
-
-from wirewear.app.web.server import WorkspaceServer
 from wirewear.app.web.workspace import Workspace
-
-
-@pytest.fixture
-def workspace(tmp_path: Path) -> Iterator[Workspace]:
-    made = Workspace(tmp_path / "workspace")
-    yield made
-    made.stop()
-
-
-@pytest.fixture
-def server(workspace: Workspace) -> Iterator[WorkspaceServer]:
-    with WorkspaceServer(workspace) as made:
-        Thread(target=made.serve_forever, args=(0.02,), daemon=True).start()
-        yield made
-        made.shutdown()
 
 
 def asked(url: str, method: str = "GET", body: bytes = b"", **headers: str) -> tuple[int, bytes]:

@@ -3,10 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import pytest
-
-from tests.synthetic_loops import Recipe, SyntheticLoop
-
 HEAD = """
 format = 1
 name = "test 3"
@@ -23,13 +19,6 @@ cycles = 1000
 
 
 SAMPLES, FREQUENCY_Hz = 128, 4.0
-
-
-@pytest.fixture(scope="module")
-def cycle() -> tuple[Any, Any, Any]:
-    """Time [s], displacement [µm] and force [N] of one cycle."""
-    time, displacement, force = SyntheticLoop(Recipe()).sampled(SAMPLES)
-    return time / FREQUENCY_Hz, displacement, force
 
 
 def mapped(folder: Path, loops: str) -> Path:

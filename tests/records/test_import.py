@@ -10,14 +10,11 @@ import pytest
 from scipy.io import savemat
 
 from tests.records.loop_files import GERMAN, SAMPLES, FREQUENCY_Hz, german, mapped
-from tests.records.loop_files import cycle as cycle_of
 from wirewear import RecordError, check_record
 from wirewear.records.importing import import_record
 from wirewear.records.importing.loggers import kind_of
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.sources import read_source
-
-cycle = cycle_of
 
 
 def test_one_file_a_cycle_with_decimal_commas_other_units_and_encoding(tmp_path: Path, cycle: Any) -> None:

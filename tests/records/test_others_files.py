@@ -13,7 +13,6 @@ from solvers import SolverError, friction_laws, wear_laws
 from solvers.laws import plugins
 from tests.diagnosis.diagnosis_cases import record
 from tests.records.loop_files import GERMAN, german, mapped
-from tests.records.loop_files import cycle as cycle_of
 from tests.studies import MINIMAL
 from wirewear import RecordError, StudyError, read_record, write_record
 from wirewear.base.ending import within
@@ -26,8 +25,6 @@ from wirewear.records.importing import import_record
 from wirewear.records.importing.loggers import readers
 from wirewear.simulation import Moment, ProgressBar
 from wirewear.test import parse_study
-
-cycle = cycle_of
 
 
 class BadPoint:
