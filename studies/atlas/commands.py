@@ -120,7 +120,7 @@ def new(doi: str, name: str, kind: str, table: Path | None, into: Path) -> None:
     if folder.exists():
         raise StudyError(f"{folder} is there already: choose another --name.")
     folder.mkdir(parents=True)
-    template = files("studies.atlas").joinpath("begun.toml").read_text(encoding="utf-8")
+    template = files("studies.atlas").joinpath("template.toml").read_text(encoding="utf-8")
     write_text(folder / "entry.toml", template.replace("DOI", doi))
     write_text(folder / "study.toml", study_text(name, template=found.template))
     if table is None:

@@ -66,7 +66,7 @@ class Loading:
 
     @property
     def shares(self) -> NDArray[np.float64]:
-        """Force over µP."""
+        """Amplitude of the tangential force over µP."""
         return self.force / self.exact.limit_N
 
     def energy_errors(self) -> NDArray[np.float64]:
