@@ -164,6 +164,7 @@ def picture(loadings: dict[tuple[str, str], Loading]) -> Any:
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/partial_slip"), show_default=True)
 def main(levels: tuple[str, ...], output: Path) -> None:
     """Load both contacts at each level, draw partial_slip.png and print the rows."""
+    output.mkdir(parents=True, exist_ok=True)
     loadings = {(kind, level): loaded(kind, level) for kind in _KINDS for level in levels}
     click.echo(style.save(lambda: picture(loadings), output / "partial_slip.png"))
     click.echo("\n".join(rows(loadings)))
