@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from geometry.arrays import Array, IntArray
 from solvers.contact.acceptance import accepted
@@ -37,6 +38,7 @@ _LEAST, _FEW = 12, 128  # Nodes searched at the least, and how many are put in o
 _MOST_CUTS = 8
 _BEARING = 1.2  # Of the area that bears the load with surfaces that yield all over.
 _BARELY = 0.01  # Of a held approach.
+_BRACKET, _HEIGHT_TOLERANCE = 1.25, 1e-8  # Of heights at which surfaces that yield bear the load.
 _NO_LOAD = 0.01  # Of the normal load: less presses nothing, for a fresh contact of so little is less than an element.
 
 
@@ -55,10 +57,34 @@ def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, I
     except IncrementFailedError:
         if problem.limit is None:
             raise
-        # What yields almost all over is loaded bit by bit.
-        unloaded = replace(start, load_share=0.0)
-        pressed, (*_, report) = advance(rigid, unloaded, state.drive, 0.0, load_share=state.load_share)
+        pressed, report = _lowered_to_load(rigid, start)
     return _stuck(replace(pressed, pressed_z=pressed.holder_z)), report
+
+
+def _lowered_to_load(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
+    """Pressed by the height at which the load is borne. Where all that touches yields, a little more load moves the
+    bodies far and presses many more nodes, but a little more height does not.
+    """
+    load = problem.holder.under(state.load_share).normal_load_N
+
+    def held(height: float) -> tuple[ContactState, IncrementReport]:
+        at = replace(state, holder_z=height, pressed_z=height)
+        return solve_increment(problem, at, state.drive, 0.0, prescribed_height=height)
+
+    def excess(height: float) -> float:
+        try:
+            return float(held(height)[0].primary_force[:, 2].sum()) - load
+        except LostContactError:
+            return -load
+        except PatchLeftError:
+            return load
+
+    low = high = state.holder_z
+    while excess(low) < 0.0:
+        low *= _BRACKET
+    while excess(high) > 0.0:
+        high /= _BRACKET
+    return held(brentq(excess, low, high, xtol=_HEIGHT_TOLERANCE * abs(low)))
 
 
 def _stuck(state: ContactState) -> ContactState:

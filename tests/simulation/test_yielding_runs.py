@@ -11,6 +11,7 @@ from wirewear.results import RunResult, read_result, write_result
 from wirewear.simulation import simulate
 from wirewear.simulation.yielding import limit_of_points
 from wirewear.test import Study, study_from_tables
+from wirewear.verification import QUICK, yielding
 
 
 def wires(crossing_angle_deg: float = 90.0, **further: Any) -> Study:
@@ -98,3 +99,10 @@ def test_a_run_keeps_prints_beside_what_has_worn(run: RunResult, tmp_path: Path)
     assert kept is not None
     assert np.array_equal(kept, fixed.print_um)
     assert moving.print_um is not None
+
+
+def test_contacts_that_yield_all_over_press_as_far_and_as_deep_as_finite_elements_say() -> None:
+    """A conductor's wires at 1 290 times the load of first yield, and a flat under a ball, which alone yields."""
+    conductor, flat = yielding.CASES[2], yielding.CASES[4]
+    for row in (row for case in (conductor, flat) for row in yielding.rows_of(case, QUICK)):
+        assert row.passed, row

@@ -235,6 +235,21 @@ def test_a_material_has_any_of_its_names_and_unread_sources_are_listed() -> None
     assert study_from_tables(study.resolved(), "again").resolved() == study.resolved()
 
 
+def test_a_body_yields_where_its_material_is_named_by_condition_unless_it_or_another_material_says_otherwise() -> None:
+    named = NAMED.replace("Ti6Al4V", "rope wire 1960")
+    own = named.replace("[conditions]", "yield_stress_MPa = 1800.0\n[conditions]")
+    other = named.replace("[conditions]", 'moving.material = "alumina"\n[conditions]')
+    for text, expected in (
+        (NAMED, (None, None)),
+        (named, (1570.0, 1570.0)),
+        (own, (1800.0, 1800.0)),
+        (other, (None, 1570.0)),
+    ):
+        study = parse_study(text, "study.toml")
+        assert tuple(body.yield_stress_MPa for body in study.bodies) == expected
+        assert study_from_tables(study.resolved(), "again").bodies == study.bodies
+
+
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [

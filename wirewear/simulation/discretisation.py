@@ -102,6 +102,8 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None) -> Di
         level = replace(level, per_contact_radius=_WITH_PRESSURE * level.per_contact_radius)
     if expected.face is not None:
         level = replace(level, per_contact_radius=_AT_EDGES * level.per_contact_radius)
+    # Where pressures stop at a limit its edge lies within an element: those of the elastic contact hold it better.
+    level = replace(level, per_contact_radius=expected.spread * level.per_contact_radius)
     fresh, scar = expected.fresh, expected.scar
     needed = max(
         needed_reach_mm(axis, fresh, scar) for body in axes_of(study) for axis in (body.axial, body.transverse)

@@ -19,6 +19,7 @@ from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, 
 from wirewear.results import BORNE, BORNE_IS
 from wirewear.results.scar import called
 from wirewear.simulation.sliding_onset import point_sticks
+from wirewear.simulation.yielding import spread_by_yield
 from wirewear.test import AnyStudy, Study
 from wirewear.test.bodies import hertz_of, on_pad
 from wirewear.test.faces import Face, half_width_of
@@ -176,11 +177,12 @@ class ExpectedContact:
     sticks: bool = False  #: Whether the middle of the contact sticks for good.
     face: Face | None = None  #: Of a pad, whose gap is that of the ball with as large a contact.
     lacking_mm3: float = 0.0  #: That which both lack as they were measured before.
+    spread: float = 1.0  #: Lengths of the fresh contact of bodies that yield, over those of Hertz'.
 
     @property
     def fresh(self) -> Ellipse:
         """Outline of the fresh contact."""
-        return fresh_ellipse(self.hertz)
+        return fresh_ellipse(self.hertz).enlarged(self.spread)
 
     def scar_half_width_mm(self, worn_volume_mm3: float) -> float:
         """Largest half-width when both bodies together have lost a volume, never below the fresh contact's."""
@@ -210,14 +212,15 @@ def expected_contact(study: Study, *, sticks: bool | None = None) -> ExpectedCon
     lacking = sum(body.surface.volume_mm3 for body in (driven, held) if body.surface is not None)
     volume = max(_worn_volume(study, factors), flattened) + lacking
     sticks = lacking == 0.0 and flattened == 0.0 and (point_sticks(study) if sticks is None else sticks)
+    spread = spread_by_yield(study, load_N)
     if volume == 0.0:
         scar = None
     elif sticks:
         # A contact that sticks in its middle for good wears within its fresh outline.
-        scar = fresh_ellipse(hertz)
+        scar = fresh_ellipse(hertz).enlarged(spread)
     else:
         scar = scar_outline(volume, gap, face)
-    return ExpectedContact(gap, hertz, scar, flattened, factors, sticks, face, lacking)
+    return ExpectedContact(gap, hertz, scar, flattened, factors, sticks, face, lacking, spread)
 
 
 def _worn_volume(study: Study, factors: WearFactors) -> float:

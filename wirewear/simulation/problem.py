@@ -125,7 +125,7 @@ def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], Non
         upper=upper,
         lower=lower,
         **laws_of(study),
-        primary_is_upper=study.contact.primary_wire == "fixed",
+        primary_is_upper=_held_is_primary(study),
         formulation=study.contact.formulation,
         limit=limit_of_points(study),
     )
@@ -160,6 +160,14 @@ def worn_depths(problem: solvers.ContactProblem, state: solvers.ContactState) ->
     return wear.primary_depth, wear.secondary_depth
 
 
+def _held_is_primary(study: Study) -> bool:
+    limit = limit_of_points(study)
+    if limit is not None and limit.upper_share in (0.0, 1.0):
+        # The nodes that carry the tractions keep a print as it is, where the surface that faces them averages it.
+        return limit.upper_share == 1.0
+    return study.contact.primary_wire == "fixed"
+
+
 def _placed(
     study: Study, moving: solvers.CondensedBody, fixed: solvers.CondensedBody
 ) -> tuple[solvers.PlacedBody, solvers.PlacedBody]:
@@ -171,7 +179,7 @@ def _placed(
     fixed = measured(fixed, held.surface, held.axis_angle_deg, upper=True)
     lower = solvers.place(moving, upper=False, axis_angle_rad=-motion)
     upper = solvers.place(fixed, upper=True, axis_angle_rad=crossing - motion)
-    if study.contact.primary_wire == "fixed":
+    if _held_is_primary(study):
         return lower, solvers.facing(upper, lower)
     return solvers.facing(lower, upper), upper
 

@@ -80,15 +80,16 @@ def _checked_material(value: object) -> str:
 
 
 def with_constants_of_material(table: Any) -> Any:
-    """A table that names its material, with that material's constants; a validator before all others.
+    """A table that names its material, with that material's constants, and where it yields unless the table says so.
     Raises ValueError if the table gives other constants as well.
     """
     if not isinstance(table, Mapping) or table.get("material") is None:
         return table
     try:
-        elastic = material_named(table["material"]).elastic
+        named = material_named(table["material"])
     except ValueError:
         return table  # to be refused at its key
+    elastic = named.elastic
     constants = {"youngs_modulus_MPa": elastic.youngs_modulus_MPa, "poissons_ratio": elastic.poissons_ratio}
     for key, own in constants.items():
         if table.get(key, own) != own:
@@ -96,7 +97,7 @@ def with_constants_of_material(table: Any) -> Any:
                 f"gives {key} = {shown(table[key])} beside the material {table['material']!r}, which has {own:g}: give "
                 "the constants or the material, not both"
             )
-    return {**table, **constants}
+    return {**dict(named.yields), **table, **constants}
 
 
 MaterialName = Annotated[str, PlainValidator(_checked_material)]
@@ -245,7 +246,9 @@ class OfMaterial(Table):
     @model_validator(mode="before")
     @classmethod
     def _with_constants(cls, table: Any) -> Any:
-        return with_constants_of_material(table)
+        found = with_constants_of_material(table)
+        known = set(cls.model_fields) | set(table if isinstance(table, Mapping) else ())
+        return found if found is table else {key: own for key, own in found.items() if key in known}
 
 
 class NamedTable(Table):

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -10,7 +11,6 @@ from typing import Any
 
 from geometry import Elastic
 
-_OF_SOURCE = ("source", "verified")
 _TABLE = Path(__file__).parent / "materials.toml"
 
 
@@ -27,6 +27,10 @@ class Material:
     fatigue: tuple[tuple[str, Any], ...] = ()
     fatigue_source: str = ""
     fatigue_verified: bool = True
+    #: Of the condition that its name states, by the keys of a body; of an unknown condition none.
+    yields: tuple[tuple[str, float], ...] = ()
+    yields_source: str = ""
+    yields_verified: bool = True
 
     @property
     def fatigue_note(self) -> str:
@@ -39,19 +43,29 @@ class Material:
 @cache
 def materials() -> tuple[Material, ...]:
     """Every material of the table, in its order."""
-    return tuple(
-        Material(
-            name=entry["name"],
-            elastic=Elastic(entry["youngs_modulus_MPa"], entry["poissons_ratio"]),
-            source=entry["source"],
-            also=tuple(entry.get("also", ())),
-            verified=entry.get("verified", True),
-            fatigue=tuple(one for one in entry.get("fatigue", {}).items() if one[0] not in _OF_SOURCE),
-            fatigue_source=entry.get("fatigue", {}).get("source", ""),
-            fatigue_verified=entry.get("fatigue", {}).get("verified", True),
-        )
-        for entry in tomllib.loads(_TABLE.read_text(encoding="utf-8"))["material"]
+    entries = {entry["name"]: entry for entry in tomllib.loads(_TABLE.read_text(encoding="utf-8"))["material"]}
+    return tuple(_material({**entries.get(entry.get("like"), {}), "also": (), **entry}) for entry in entries.values())
+
+
+def _material(entry: Mapping[str, Any]) -> Material:
+    fatigue, plasticity = entry.get("fatigue", {}), entry.get("plasticity", {})
+    return Material(
+        name=entry["name"],
+        elastic=Elastic(entry["youngs_modulus_MPa"], entry["poissons_ratio"]),
+        source=entry["source"],
+        also=tuple(entry["also"]),
+        verified=entry.get("verified", True),
+        fatigue=_data(fatigue),
+        fatigue_source=fatigue.get("source", ""),
+        fatigue_verified=fatigue.get("verified", True),
+        yields=_data(plasticity),
+        yields_source=plasticity.get("source", ""),
+        yields_verified=plasticity.get("verified", True),
     )
+
+
+def _data(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
+    return tuple(item for item in table.items() if item[0] not in ("source", "verified"))
 
 
 def names() -> tuple[str, ...]:

@@ -104,7 +104,8 @@ class Contact(FrictionTable):
         "augmented-lagrangian", description='"augmented-lagrangian" (exact) or "penalty" (a thin elastic layer)'
     )
     primary_wire: Annotated[Literal["fixed", "moving"], PlainValidator(keys.one_of("fixed", "moving"))] = Field(
-        "fixed", description="the wire whose surface carries the contact tractions"
+        "fixed",
+        description="the wire whose surface carries the contact tractions; where one yields alone, or first, it does",
     )
 
 

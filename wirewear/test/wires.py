@@ -22,6 +22,8 @@ from wirewear.test.bodies import (
 
 #: What must be known of each wire, and counts for the fixed one as well where that does not state its own.
 _NEEDED = ("diameter_mm", "youngs_modulus_MPa", "poissons_ratio")
+_YIELDS = ("yield_stress_MPa", "hardening_modulus_MPa")
+_MATERIAL = ("material", *_YIELDS)  #: What goes with a material's constants.
 _MOTION = "motion_angle_deg"
 _ANGLES = ("crossing_angle_deg", _MOTION)
 _BOTH = AliasChoices("wires", "bodies")
@@ -43,7 +45,7 @@ def _wires_of_bodies(table: Any) -> Any:
         said = f"the fixed wire states no {', no '.join(assumed)}, and is taken to have what the moving wire states"
         warnings.warn(AssumedWarning(f"{said}."), stacklevel=2)
     for key in shared:
-        both |= {own: moving.pop(own) for own in (key, "material") if own in moving and own not in both}
+        both |= {own: moving.pop(own) for own in (key, *_MATERIAL) if own in moving and own not in both}
     return {**both, **_angles(both, moving, fixed), "moving": moving, "fixed": fixed}
 
 
@@ -151,7 +153,10 @@ class Wires(GripKeys, MaterialKeys, _DiameterOfWires, StatedBodies):
         return self._wire("moving", -motion), self._wire("fixed", self.crossing_angle_deg - motion)
 
     def _wire(self, name: str, axis_angle_deg: float) -> Wire:
-        stated = dict(self) | {key: value for key, value in getattr(self, name) if value is not None}
+        different = {key: value for key, value in getattr(self, name) if value is not None}
+        # A wire of another material yields where that does.
+        shared = {key: value for key, value in self if key not in _YIELDS or "youngs_modulus_MPa" not in different}
+        stated = shared | different
         names = {field.name for field in fields(Wire)} & WireOverride.model_fields.keys()
         own: dict[str, Any] = {key: stated.get(key) for key in names}
         return Wire(name=name, axis_angle_deg=axis_angle_deg, **own)

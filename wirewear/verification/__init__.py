@@ -9,6 +9,7 @@ from wirewear.verification.partial_slip import partial_slip_rows, partial_slip_w
 from wirewear.verification.partial_slip_run import block_rows, partial_slip_run_rows
 from wirewear.verification.rows import FULL, QUICK, Level, Row, table, write_json
 from wirewear.verification.sliding import book_keeping_rows, limit_rows, rig_loop_rows
+from wirewear.verification.yielding import yielding_rows
 
 __all__ = ["FULL", "QUICK", "Level", "Row", "table", "verify", "write_json"]
 
@@ -31,6 +32,7 @@ FAMILIES: tuple[Family, ...] = (
     ("loop behind the rig's spring", rig_loop_rows),
     ("wear and energy book-keeping", book_keeping_rows),
     ("pressures of a worn line contact", worn_pressure_rows),
+    ("bodies that yield", yielding_rows),
     ("limits, symmetries and units", limit_rows),
 )
 

@@ -36,6 +36,9 @@ _LEVELS: dict[str, tuple[Any, Any]] = {
     "surface_tolerance": (0.05, 0.02),
     "line_surface_resolution": (12.0, 18.0),
     "line_surface_tolerance": (0.05, 0.03),
+    "yielding_fidelity": ("quick", "standard"),
+    "yielding_radius_tolerance": (0.1, 0.06),
+    "yielding_print_tolerance": (0.2, 0.2),
 }
 
 
@@ -65,6 +68,9 @@ class Level:
     surface_tolerance: float
     line_surface_resolution: float  #: The same of a line contact, per half-width.
     line_surface_tolerance: float
+    yielding_fidelity: str  #: Of bodies that yield, as the next two.
+    yielding_radius_tolerance: float
+    yielding_print_tolerance: float
 
 
 QUICK, FULL = (Level(**{name: both[k] for name, both in _LEVELS.items()}) for k in (0, 1))

@@ -20,7 +20,7 @@ _OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity
 
 @cli.command(name="materials")
 def materials_command() -> None:
-    """List the materials that a study may name, their data of fatigue, the sources of both, and which were not read."""
+    """List the materials that a study may name, where they yield, their fatigue, and the sources, read or not."""
     from rich import box
     from rich.table import Table
 
@@ -40,6 +40,11 @@ def materials_command() -> None:
         if item.fatigue:
             data = ", ".join(f"{key} = {value:g}" for key, value in item.fatigue)
             table.add_row("", "fatigue", "", "", f"{data}; {item.fatigue_note}")
+        if item.yields:
+            data = ", ".join(f"{key} = {value:g}" for key, value in item.yields)
+            table.add_row(
+                "", "yields", "", "", f"{data}; {'' if item.yields_verified else 'unread: '}{item.yields_source}"
+            )
     wide_console(130).print(table)
 
 
