@@ -48,6 +48,9 @@ DRAWN = {
     "inside.png": (_STEEL, "wirewear fields runs/pictures/steel --cycle 100  # fields/section_0000100_016.png"),
     "mechanism.png": ("python studies/rope_wires/mechanism.py --output runs/pictures/mechanism  # mechanism.png",),
     "mesh.png": (f"{_MESH}  # mesh.png",),
+    "partial_slip.png": (
+        "python -m studies.benchmarks.partial_slip --output runs/pictures/partial_slip  # partial_slip.png",
+    ),
     "scars_3d.png": (_STEEL, "wirewear show runs/pictures/steel  # pictures/scars_3d.png"),
     "yielding_wires.png": (
         "wirewear run studies/yielding_wires/study.toml --fidelity quick --output runs/pictures/yielding",

@@ -141,7 +141,8 @@ def picture(loadings: dict[tuple[str, str], Loading]) -> Any:
     for size in (radius, inner):
         above.add_patch(Circle((0.0, 0.0), size, fill=False, color="grey", linewidth=0.8))
     above.set(title=f"Q/µP = {DRAWN:g}, {level}", xlabel="along the motion [µm]", ylabel="across [µm]", aspect="equal")
-    above.legend(loc="upper right")
+    above.set_ylim(-1.25 * radius, 1.5 * radius)
+    above.legend(loc="upper center", ncols=2)
     for index, ((kind, at), one) in enumerate(loadings.items()):
         look = {"marker": "osd^"[index % 4], "markersize": 2.5, "linewidth": 0.8}
         wide = one.shares[1:] > 0.9 * SHARES[0]
