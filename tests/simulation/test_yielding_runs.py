@@ -106,3 +106,24 @@ def test_contacts_that_yield_all_over_press_as_far_and_as_deep_as_finite_element
     conductor, flat = yielding.CASES[2], yielding.CASES[4]
     for row in (row for case in (conductor, flat) for row in yielding.rows_of(case, QUICK)):
         assert row.passed, row
+
+
+def test_a_line_contact_far_beyond_first_yield_is_pressed_on_a_patch_that_holds_it() -> None:
+    steel = {"youngs_modulus_MPa": 208_000.0, "poissons_ratio": 0.3}
+    tables = {
+        "format": 1,
+        "name": "line",
+        "kind": "line-contact",
+        "pad": {"radius_mm": 5.0, "yield_stress_MPa": 400.0} | steel,
+        "specimen": steel,
+        "conditions": {
+            "normal_load_N_per_mm": 1000.0, "displacement_amplitude_um": 0.5, "frequency_Hz": 1.0, "cycles": 1,
+        },
+        "contact": {"friction": 0.0},
+    }  # fmt: skip
+    result = simulate(study_from_tables(tables, "line.toml"), fidelity="quick")
+    assert 1000.0 / result.settings["fresh_first_yield_load_N"] == pytest.approx(14.1, rel=0.01)
+    largest, limit = (float(result.settings[f"fresh_{key}_MPa"]) for key in ("max_pressure", "pressure_limit"))
+    assert limit < largest < 1.03 * limit
+    assert 0.5 * 1000.0 / limit < result.settings["patch_half_width_um"] * 1e-3
+    assert float(result.evolution["print_pad_um"][-1]) > 1.0

@@ -19,7 +19,7 @@ from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, 
 from wirewear.results import BORNE, BORNE_IS
 from wirewear.results.scar import called
 from wirewear.simulation.sliding_onset import point_sticks
-from wirewear.simulation.yielding import spread_by_yield
+from wirewear.simulation.yielding import limit_of_points, spread_by_yield
 from wirewear.test import AnyStudy, Study
 from wirewear.test.bodies import hertz_of, on_pad
 from wirewear.test.faces import Face, half_width_of
@@ -212,7 +212,7 @@ def expected_contact(study: Study, *, sticks: bool | None = None) -> ExpectedCon
     lacking = sum(body.surface.volume_mm3 for body in (driven, held) if body.surface is not None)
     volume = max(_worn_volume(study, factors), flattened) + lacking
     sticks = lacking == 0.0 and flattened == 0.0 and (point_sticks(study) if sticks is None else sticks)
-    spread = spread_by_yield(study, load_N)
+    spread = spread_by_yield(limit_of_points(study), load_N, hertz.peak_pressure_MPa)
     if volume == 0.0:
         scar = None
     elif sticks:

@@ -27,7 +27,7 @@ from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_contact import wear_factors
 from wirewear.simulation.problem import laws_of, measured, too_much
 from wirewear.simulation.sliding_onset import SlidingOnset, expected_to_stick
-from wirewear.simulation.yielding import pressure_limit
+from wirewear.simulation.yielding import pressure_limit, spread_by_yield
 from wirewear.test.faces import Face, WIDEST_mm, half_width_of
 from wirewear.test.fidelity import LINE_LEVELS, level_of
 from wirewear.test.programme import held_by
@@ -151,18 +151,19 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
     except ValueError as problem:
         raise StudyError(f"the pad is too narrow for this test: {problem}; give it more half_width_mm.") from None
     tilted = farthest_contact(face, reach, _largest_tilt(study.holder, stroke), fresh)
+    spread = spread_by_yield(limit_of_lines(study, fresh), load, fresh.peak_pressure_MPa, line=True)
     wears, fits = max(study.energy_coefficients()) > 0.0 or _lacking(study) > 0.0, _lacking(study) == 0.0
     sticks = all(sticking) and fits and mesh.contact_mesh_um is None
     per_contact = level.to_rim if any(sticking) and fits else level.per_contact
     if mesh.scar_half_width_um is not None:
         half = 1e-3 * mesh.scar_half_width_um
     elif isinstance(face, RoundedFlat):
-        half = face.half_width_mm + _UNWORN_MARGIN * (tilted - face.half_width_mm)
+        half = face.half_width_mm + _UNWORN_MARGIN * spread * (tilted - face.half_width_mm)
         half = max(half, predicted) if wears and not sticks else half
     elif sticks:
-        half = (_UNWORN_MARGIN if not wears else _STUCK_MARGIN) * tilted
+        half = (_UNWORN_MARGIN if not wears else _STUCK_MARGIN) * spread * tilted
     else:
-        half = max(predicted, _UNWORN_MARGIN * tilted) if wears else _UNWORN_MARGIN * tilted
+        half = max(predicted if wears else 0.0, _UNWORN_MARGIN * spread * tilted)
     finer = mesh.mesh_refinement
     fine = (1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else reach / per_contact) / finer
 
@@ -239,9 +240,11 @@ def _onset(study: LineStudy, friction_N: float) -> SlidingOnset:
     return SlidingOnset(friction_N, motion, 0.5 * log(2.0) * spread, friction_N * spread)
 
 
-def limit_of_lines(study: LineStudy, plan: LinePlan) -> PressureLimit | None:
-    """What the surfaces of a study of one millimetre bear before they yield; None of elastic ones."""
-    conditions, hertz = study.envelope.conditions, plan.hertz
+def limit_of_lines(study: LineStudy, hertz: reference.LineContact) -> PressureLimit | None:
+    """What the surfaces of a study of one millimetre, with that fresh contact, bear before they yield; None of elastic
+    ones.
+    """
+    conditions = study.envelope.conditions
     load = conditions.drive.load.largest * conditions.normal_load_N
     return pressure_limit(study, load, hertz.peak_pressure_MPa, (hertz.half_width_mm, inf), power=2.0)
 

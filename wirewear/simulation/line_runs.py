@@ -130,7 +130,7 @@ class LineRun(PlannedRun):
             }
 
         milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, study.conditions.cycles}))
-        limit = limit_of_lines(driven, self.planned)
+        limit = limit_of_lines(driven, self.planned.hertz)
         mesh = OneMesh(lambda: replace(line_problem(driven, *bodies(driven, self.planned)), limit=limit))
         return self.tested(motion, mesh, milestones, self.planned.jump_tolerance)
 

@@ -1,6 +1,6 @@
 """What the bodies of a study bear before they yield: the limit of their pressure, and what is recorded of it."""
 
-from math import sqrt
+from math import pi, sqrt
 from typing import Any
 
 from solvers import ContactProblem, IncrementReport, PressureLimit
@@ -50,17 +50,18 @@ def pressure_limit(
     )
 
 
-def spread_by_yield(study: Study, load_N: float) -> float:
-    """Lengths of a pressed contact over those of Hertz'.
+def spread_by_yield(limit: PressureLimit | None, load: float, pressure_MPa: float, *, line: bool = False) -> float:
+    """Lengths of a pressed contact over those of Hertz', whose largest pressure the load makes.
 
-    Pressures that are limited bear the load on a larger area, and beside it on what Hertz' rim keeps: within 2 % of the
-    finite elements of docs/yielding.md for pressures of up to six times the limit.
+    Pressures that are limited bear the load on a larger area, and beside it on what Hertz' rim keeps: at a point within
+    2 % of the finite elements of docs/yielding.md for pressures of up to six times the limit.
     """
-    limit = limit_of_points(study)
-    if limit is None:
+    over = 0.0 if limit is None else pressure_MPa / float(limit.limit_MPa(load))
+    if over <= 1.0:
         return 1.0
-    over = hertz_of(load_N, *study.bodies).peak_pressure_MPa / float(limit.limit_MPa(load_N))
-    return sqrt(max((2.0 * over + 1.0 / over) / 3.0, 1.0)) if over > 1.0 else 1.0
+    mean = 0.25 * pi if line else 2.0 / 3.0
+    widened = mean * over + (1.0 - mean) / over
+    return widened if line else sqrt(widened)
 
 
 def limit_settings(problem: ContactProblem, pressed: IncrementReport) -> dict[str, float]:
