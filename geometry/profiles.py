@@ -269,7 +269,9 @@ class Turned:
     face: Cylinder | RoundedFlat | TabledProfile
 
     def height(self, plane_mm: Array) -> Array:
-        """That of the face at the distance from the middle; beyond the last of its points it goes on as steeply."""
+        """Height (n,) in mm at positions (n, 2): the face's at that distance from its middle; beyond its last point it
+        goes on as steeply.
+        """
         along, beyond = self._along(plane_mm)
         return np.asarray(self.face.height(along) + beyond * self.face.slope(along)[:, 0])
 

@@ -82,7 +82,7 @@ def wire_section(
 def block_section(
     half_width_mm: float, height_mm: float, half_lines_mm: Array, coarse_mm: float, layering: Layering, finest_mm: float
 ) -> tuple[Array, IntArray]:
-    """The same of half a rectangle of that half-width and height, whose upper side is the contact's."""
+    """Points (n, 2) and quadrilaterals (m, 4) of half a rectangle in mm, whose upper side is the contact's."""
     section = _Quads()
     beside = half_width_mm - half_lines_mm[-1]
     size = min(1.4 * float(half_lines_mm[-1] - half_lines_mm[-2]), beside)

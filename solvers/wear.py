@@ -101,7 +101,7 @@ class WearRates:
         return factor * self.oxygen.factors(cycle.edge_distance_mm, cycle.power_density_W_per_mm2)
 
     def scaled(self, factor: float) -> WearRates:
-        """The same law with both coefficients times a factor."""
+        """This law with both coefficients multiplied by a factor."""
         return replace(
             self, upper_mm3_per_mJ=factor * self.upper_mm3_per_mJ, lower_mm3_per_mJ=factor * self.lower_mm3_per_mJ
         )

@@ -228,7 +228,7 @@ class RealLoop:
     noise_share: float = 0.005
 
     def scaled(self, length: float, force: float) -> "RealLoop":
-        """The same loop of a larger or smaller rig."""
+        """This loop with all lengths and forces multiplied by factors."""
         return RealLoop(
             self.friction_forward_N * force, self.friction_backward_N * force,
             self.stiffness_N_per_um * force / length, self.amplitude_um * length, self.play_um * length,

@@ -149,7 +149,7 @@ class PairedCompliance:
         return force
 
     def displaced(self, force: Array) -> Array:
-        """The same under tractions (3 m,) on the m nodes that are known, in the order in which they became so."""
+        """Displacements (k, 3) by forces (3 m,) on the m known nodes, in the order in which they became so."""
         return np.asarray((self.matrix[:, : len(force)] @ force).reshape(-1, 3))
 
     def moved(self, traction: Array, forces: tuple[Array, Array]) -> tuple[Array, Array]:

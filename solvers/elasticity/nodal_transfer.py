@@ -35,7 +35,7 @@ class NodalTransfer(NamedTuple):
 
     @classmethod
     def of(cls, matrix: csr_matrix) -> NodalTransfer:
-        """That of a (k, n) matrix; see `sparse`."""
+        """The transfer whose weights are the entries of a (k, n) matrix; inverse of `sparse`."""
         return cls(matrix.indptr, matrix.indices, matrix.data, int(matrix.shape[1]))
 
     def averaged(self, field: Array, rows: IntArray | None = None) -> Array:
@@ -61,7 +61,7 @@ class NodalTransfer(NamedTuple):
 
     @property
     def sparse(self) -> csr_matrix:
-        """The same as a (k, n) matrix."""
+        """The weights as a (k, n) matrix."""
         return csr_matrix((self.weights, self.columns, self.first), shape=(len(self.first) - 1, self.size))
 
 
@@ -169,7 +169,7 @@ class CommonAxes(NamedTuple):
 
     @classmethod
     def of(cls, turn: Array, offset: Array) -> CommonAxes | None:
-        """Those of positions at `turn @ (position - offset)`; None where the axes lie at another angle."""
+        """Axes of a patch whose positions are `turn @ (position - offset)`; None unless at a multiple of 90°."""
         if turn[0, 1] == 0.0 == turn[1, 0]:
             return cls(False, np.array([turn[0, 0], turn[1, 1]]), offset)
         if turn[0, 0] == 0.0 == turn[1, 1]:

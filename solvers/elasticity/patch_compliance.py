@@ -192,7 +192,7 @@ class PatchCompliance:
         return cls(shape, planes, parts)
 
     def turned(self, rotation: Array) -> "PatchCompliance":
-        """The same displacements in other axes, by a matrix (3, 3) that turns vectors into them."""
+        """This compliance with its vectors in other axes, into which the matrix (3, 3) turns them."""
         if np.array_equal(rotation, np.eye(3)):
             return self
         triples = np.ascontiguousarray(self.blocks).reshape(-1, 3) @ rotation.T
@@ -200,7 +200,7 @@ class PatchCompliance:
         return replace(self, blocks=(rotation @ rows).reshape(self.blocks.shape), rotation=rotation @ self.rotation)
 
     def with_neighbours(self, near: Array, kind: IntArray, share: Array) -> "PatchCompliance":
-        """The same with displacements added of nodes by forces on nodes up to (a, t) lines away.
+        """This compliance plus displacements of nodes by forces on nodes up to (a, t) lines away.
 
         near: (m, 2 a + 1, 2 t + 1, 3, 3) in the body's axes, of m kinds of node: by the lines from the loaded node to
         the moved one, which get the mean of what their kinds say.  kind, share: of the piece's nodes (q,), and what

@@ -98,7 +98,7 @@ def hydrostatic(stress: Array) -> Array:
 
 
 def turned(stress: Array, rotation: Array) -> Array:
-    """The same stresses in axes into which the matrix (3, 3) turns vectors."""
+    """Stresses (..., 6) in axes into which the matrix (3, 3) turns vectors."""
     return components(rotation @ tensors(stress) @ rotation.T)
 
 
@@ -135,7 +135,9 @@ class IntegrationPoints:
         return stress
 
     def around(self, nodes: IntArray) -> IntegrationPoints:
-        """Those of so many layers of cells about nodes (k,) that fields projected to these are as by all cells."""
+        """Points of the cells around nodes (k,), enough layers that fields projected to these nodes are as by all
+        cells.
+        """
         cells, near = self.mesh.cells, np.zeros(len(self.mesh.points), dtype=bool)
         near[nodes] = True
         for _ in range(_LAYERS):

@@ -94,7 +94,7 @@ class ThirdBody:
         return compliance * pressure_MPa, compliance
 
     def shear_compliance(self, _pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
-        """That of the bed's shear modulus, at any pressure."""
+        """Of the bed's shear modulus; does not depend on the pressure."""
         over_confined = (2.0 - 2.0 * self.poissons_ratio) / (1.0 - 2.0 * self.poissons_ratio)
         return over_confined * self.retained_fraction * worn_mm / self.modulus_MPa, np.zeros_like(worn_mm)
 

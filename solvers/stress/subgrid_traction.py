@@ -60,7 +60,7 @@ def lattice_error(
 
 @lru_cache(maxsize=32)
 def line_lattice_error(along_mm: float, first_layer_mm: float, growth: float, poissons_ratio: float) -> Array:
-    """The same of a half-plane's quadrilaterals, (2 w + 1, 6, 3): of waves that do not change across.
+    """Stencil (2 w + 1, 6, 3) of the error of a half-plane's quadrilaterals, from waves that do not change across.
 
     Under these, bricks are quadrilaterals in plane strain, whatever their width.
     """

@@ -58,7 +58,7 @@ class CycleNodes(NamedTuple):
 
     @classmethod
     def of(cls, positions: Sequence[Position], rows: Sequence[IntArray]) -> "CycleNodes":
-        """Those of positions, of whose nodes some `rows` are unknowns."""
+        """The contact nodes of positions of a cycle, of which `rows` are unknowns, one after another."""
         start = np.concatenate([[0], np.cumsum([len(position.nodes) for position in positions])])
         of_each = []
         for position, begin, own in zip(positions, start, rows, strict=False):

@@ -84,7 +84,7 @@ def symmetry_of(problem: ContactProblem) -> Symmetry:
 
 
 def kept_by(symmetry: Symmetry, state: ContactState) -> Symmetry:
-    """Those of the symmetries that the worn surfaces have too."""
+    """The symmetries that the worn surfaces share."""
 
     def kept(mirror: Mirror | None) -> Mirror | None:
         if mirror is None:

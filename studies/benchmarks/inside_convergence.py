@@ -109,7 +109,7 @@ def stress_at(state: BodyState, points_um: Array) -> Array:
 
 
 def mean_at(state: BodyState, points_um: Array) -> Array:
-    """The same by the elements' means, linear between their middles; not a number above the uppermost of these."""
+    """Von Mises stress at points (n, 3) in MPa, linear between the elements' means; NaN above the uppermost middle."""
     middles = state.world_points_um(state.body.points.positions.mean(axis=1))
     centre, reach = points_um.mean(axis=0), np.ptp(points_um, axis=0).max()
     near = np.abs(middles - centre).max(axis=1) < reach

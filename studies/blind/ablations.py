@@ -163,7 +163,7 @@ def kept_answers(folder: Path, batch: Path) -> list[tuple[Truth, Mapping[str, An
 
 
 def frozen_answers(folder: Path, tiers: Sequence[str], article: bool) -> list[tuple[Truth, Mapping[str, Any]]]:
-    """The same of frozen records."""
+    """Truths of frozen records, and their answers."""
     records = frozen_records(tiers, article_only=article) if tiers else ()
     unpack(records, folder / "records")
     found = []
@@ -186,7 +186,7 @@ def _kept(path: Path) -> Mapping[str, Any]:
 def all_answers(
     folder: Path, batches: Sequence[Path], tiers: Sequence[str], article: bool
 ) -> list[tuple[Truth, Mapping[str, Any]]]:
-    """The same of all batches and of the frozen records of these tiers.
+    """Truths of all batches and of the frozen records of these tiers, and their answers.
     Raises WirewearError if there is none, or a batch or an answer cannot be read.
     """
     prepared_folder(folder)

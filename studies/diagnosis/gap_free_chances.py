@@ -53,7 +53,7 @@ class Chance:
 
     @property
     def plain_p_value(self) -> float:
-        """The same if the variance were known."""
+        """p-value if the variance were known, by the chi-squared distribution."""
         return float(chi2.sf(self.squares, self.numbers))
 
 

@@ -17,7 +17,7 @@ WIRES = ("moving", "fixed")
 
 @dataclass(frozen=True)
 class Pair:
-    """The same test on both rigs."""
+    """Results of one test on a rigid and on a compliant rig."""
 
     rigid: RunResult
     compliant: RunResult

@@ -13,7 +13,7 @@ from wirewear.results import RunResult, read_result
 
 
 def results_in(runs: Path) -> list[RunResult]:
-    """Those of all variants of a folder, the elastic one first."""
+    """Results of all variants of a folder, the elastic one first."""
     return sorted((read_result(path) for path in runs.glob("*/result.h5")), key=lambda run: run.variant != "elastic")
 
 

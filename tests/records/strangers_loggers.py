@@ -137,7 +137,7 @@ def groups_of_columns(own: Language) -> Written:
 
 
 def groups_without_names(own: Language) -> Written:
-    """The same without names and numbers."""
+    """A log whose columns have neither names nor numbers."""
     cells = [one for both in (X, FORCE) for one in both.reshape(CYCLES, SAMPLES).T]
     answers = {
         "displacement_um": of_language(f"1:{SAMPLES}", "um"),

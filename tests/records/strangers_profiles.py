@@ -31,7 +31,7 @@ def columns(head: str, place: Array | None, height: Array, own: Language, end: s
 
 
 def headed(head: str, place: Array | None, height: Array, **answers: str) -> Callable[[Language], Line]:
-    """The same of every language; "|" parts fields of the head."""
+    """A profile in each language's notation; "|" parts fields of the head."""
     return lambda own: Line(columns(head.replace("|", own.delimiter), place, height, own).text, answers)
 
 

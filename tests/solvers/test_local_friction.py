@@ -140,7 +140,7 @@ class Flash:
 
 
 class Even:
-    """The same temperature everywhere."""
+    """One temperature at all nodes."""
 
     def at(self, local: solvers.LocalState, /) -> Array:
         return np.full_like(local.pressure_MPa, 393.0)

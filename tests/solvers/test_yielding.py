@@ -54,7 +54,7 @@ def jackson_green(limit: PressureLimit, approach_mm: float) -> float:
 
 
 def kogut_etsion(limit: PressureLimit, approach_mm: float) -> float:
-    """The same force by J. Appl. Mech. 69 (2002) 657, from first yield to 110 times its approach."""
+    """Force in N by J. Appl. Mech. 69 (2002) 657, from first yield to 110 times its approach."""
     stress = limit.yield_stress_MPa
     s = approach_mm / ((pi * RATIO * stress / (2.0 * MODULUS_MPa)) ** 2 * known.RADIUS_mm)
     return float(limit.first_yield_load * (1.03 * s**1.425 if s < 6.0 else 1.40 * s**1.263))

@@ -50,7 +50,7 @@ class Constant:
 
 @dataclass(frozen=True)
 class Constants:
-    """Those of one table, by their names in it."""
+    """The constants of one table, by name."""
 
     table: str
     known: Mapping[str, Constant]

@@ -83,7 +83,7 @@ class Parameter:
         return self.value(1.0 if self.neutral else -1.0)
 
     def scaled(self, factor: float) -> "Parameter":
-        """The same with sizes so many times as large, as far as its range goes."""
+        """This parameter with its sizes multiplied by a factor, within its range."""
         if factor == 1.0:
             return self
         low, high = self.quantity.low, self.quantity.high

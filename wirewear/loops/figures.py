@@ -40,7 +40,7 @@ class Measured:
         return (self.interval95[1] - self.interval95[0]) / 3.92
 
     def reaching(self, other: float) -> "Measured":
-        """The same value with an interval that holds another estimate of it with the same doubt, too."""
+        """This value with its interval widened to hold another, equally uncertain estimate."""
         return Measured.from_deviation(self.value, self.deviation + abs(other - self.value) / 1.96)
 
     def over(self, *divisors: "Measured", times: float = 1.0) -> "Measured":

@@ -55,7 +55,9 @@ class LineStated(tables.StatedRig, WearOfBodies, tables.StatedFriction):
     )
 
     def with_fitted(self, fitted: Mapping[str, Any]) -> Self:
-        """The same; a body that wears by the energy does not by Archard's law as well, and a fitted rig is its own."""
+        """These tables with fitted values: a fitted energy coefficient replaces Archard's, a fitted stiffness is the
+        rig's alone.
+        """
         energy, archard = "energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m"
         rig = {"stiffness_includes": "rig only"} if "tangential_stiffness_N_per_mm" in fitted else {}
         other = {key.replace(energy, archard): None for key in fitted if key.endswith(energy)}
@@ -138,7 +140,7 @@ class LineTest(OfRecord):
 
     @classmethod
     def stated_by(cls, study: Mapping[str, Any]) -> dict[str, Any]:
-        """The same; a body without a coefficient does not wear."""
+        """Values that a study states; a body without a wear coefficient does not wear."""
         return {key: value for key, value in super().stated_by(study).items() if value or key not in LineStated.WEAR}
 
     @property

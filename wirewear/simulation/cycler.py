@@ -134,7 +134,7 @@ class Cycler:
         return state
 
     def _drive(self, state: solvers.ContactState) -> solvers.Drive:
-        """That of the motion; where it holds something, with the amplitude that it has come to."""
+        """The motion's drive; where a figure is held, with the amplitude that it takes now."""
         motion = self.motion
         if motion.held is None:
             return motion.drive

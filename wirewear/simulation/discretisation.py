@@ -231,7 +231,7 @@ def geometries(study: Study, sizes: ElementSizes, level: WireLevel) -> tuple[Bod
 
 
 def _with_equal_travel(*bodies: PatchAxes) -> tuple[PatchAxes, ...]:
-    """The same axes with the largest travel on each: mesh lines are stretched to the patch's edge, and so alike."""
+    """These axes with the largest travel on each, so that mesh lines are stretched to the patch's edge alike."""
     travel = max(axis.travel_mm for body in bodies for axis in (body.axial, body.transverse))
     return tuple(
         PatchAxes(replace(body.axial, travel_mm=travel), replace(body.transverse, travel_mm=travel)) for body in bodies

@@ -137,7 +137,7 @@ def line_plan(study: LineStudy, fidelity: str) -> LinePlan:
 
 
 def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LinePlan:
-    """Those of a millimetre of an envelope; sticking: whether the contact sticks in its middle, of each block."""
+    """Plan of a millimetre of an envelope; sticking: whether the contact sticks in its middle, for each block."""
     level, mesh, conditions, stated = level_of(LINE_LEVELS, fidelity), study.mesh, study.conditions, study.pad.profile
     face = stated.even if isinstance(stated, TabledProfile) else stated
     load = conditions.drive.load.largest * conditions.normal_load_N

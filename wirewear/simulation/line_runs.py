@@ -92,7 +92,7 @@ class LineRunRecord(Recorded):
 
 @dataclass(frozen=True)
 class LineRun(PlannedRun):
-    """That of a line contact; as `RunPlan` is one of a contact at a point."""
+    """A planned run of a line contact."""
 
     study: LineStudy
     planned: LinePlan

@@ -268,7 +268,7 @@ class PlannedRun:
 
 @dataclass(frozen=True)
 class RunPlan(PlannedRun):
-    """That of a contact at a point."""
+    """A planned run of a contact at a point."""
 
     study: Study
     discretisation: Discretisation

@@ -107,11 +107,11 @@ class BothMeshes(Protocol):
 
     @property
     def moving(self) -> BodyGeometry:
-        """That of the driven body."""
+        """Mesh of the driven body."""
 
     @property
     def fixed(self) -> BodyGeometry:
-        """That of the held body."""
+        """Mesh of the held body."""
 
 
 def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], None]) -> solvers.ContactProblem:

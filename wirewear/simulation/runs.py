@@ -235,7 +235,7 @@ class PointRecord(Recorded):
         return self.ends or cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles
 
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
-        """Those of the driven and of the held body."""
+        """Scars of the driven and of the held body."""
         return scars_of(problem, trace, cycle, self.plan.study)
 
     def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:

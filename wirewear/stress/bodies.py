@@ -161,11 +161,11 @@ class Tracked(Protocol):
     """Passes on what is done one after the other, and may show how far that is."""
 
     def __call__(self, each: Sequence[T], doing: str, /) -> Iterable[T]:
-        """The same, in its order; `doing` says what is done with it."""
+        """Yield the items in their order; `doing` says what is done with them."""
 
 
 def untracked(each: Sequence[T], _doing: str, /) -> Iterable[T]:
-    """The same, with nothing shown."""
+    """The items, with nothing shown."""
     return each
 
 

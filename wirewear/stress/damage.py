@@ -205,7 +205,9 @@ class Damage:
         return self._rate_at(share, self.levels_mm - worn_mm[:, None])
 
     def _rate_at(self, share: Array, depth: Array) -> Array:
-        """The same at depths (c, k) below the worn surface, zero beside those that are known."""
+        """Share of life per cycle (c, k) at depths (c, k) below the worn surface in mm; zero beside those that are
+        known.
+        """
         upper = np.clip(np.searchsorted(self.depths_mm, depth, side="right") - 1, 0, len(self.depths_mm) - 2)
         above, below = self.depths_mm[upper], self.depths_mm[upper + 1]
         part = np.clip((depth - above) / (below - above), 0.0, None)

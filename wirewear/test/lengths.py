@@ -41,7 +41,7 @@ class HasLength(Protocol):
     """A result, which may be of a line contact."""
 
     def of_length(self, length_mm: float) -> Self:
-        """That of so much of the contact."""
+        """The result of a contact of this length."""
 
 
 AnyResult = TypeVar("AnyResult", bound=HasLength)

@@ -50,7 +50,7 @@ def depth_among(names: Iterable[str]) -> str:
 
 
 def drawn_among(names: Iterable[str]) -> list[str]:
-    """Those of the figures that are drawn."""
+    """Names of the figures that are drawn, in the order of the page."""
     known = [*names]
     return [name for name in (*_DRAWN[:3], depth_among(known), *_DRAWN[3:]) if name in known]
 

@@ -48,7 +48,7 @@ class Factor(Protocol):
 
 @dataclass(frozen=True)
 class Constant:
-    """The same factor at every cycle."""
+    """A factor that does not change with the cycles."""
 
     factor: float
 

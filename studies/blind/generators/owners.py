@@ -30,26 +30,21 @@ class OwnersWhoKnow:
 
     @property
     def tier(self) -> str:
-        """That of the model."""
         return self.model.tier
 
     @property
     def description(self) -> str:
-        """That of the model, and the share."""
         return f"{self.model.description}, the scatter between tests stated in {self.share:.0%} of the records"
 
     @property
     def library(self) -> Sequence[str]:
-        """That of the model."""
         return self.model.library
 
     @property
     def outside(self) -> Sequence[str]:
-        """That of the model."""
         return self.model.outside
 
     def nominals(self, number: int, random: np.random.Generator) -> Sequence[Nominal]:
-        """Those of the model."""
         return self.model.nominals(number, random)
 
     def make(self, case: Case) -> MadeRecord:

@@ -132,7 +132,9 @@ class Run(RunResult):
 
 
 def distinguished(results: Sequence[RunResult]) -> list[RunResult]:
-    """The same results; those of one label with what differs between their studies added to it, or a number."""
+    """The results with labels of their own: where two share one, what differs between their studies is added, or a
+    number.
+    """
     labels = [result.label for result in results]
     if len(set(labels)) == len(labels):
         return list(results)
@@ -166,7 +168,7 @@ def read_result(path: str | Path) -> Run:
 
 
 def one_run(path: Path) -> RunResult:
-    """The same of whatever kind of contact."""
+    """The one result at a path, of any kind of contact. Raises ResultError if a folder holds several."""
     if not path.is_dir():
         return read_plain(path)
     runs = read_all_plain(path)

@@ -149,7 +149,9 @@ def _figures(record: AnyRecord, repeat: int, cycle: int) -> LoopFigures | None:
 
 
 def _usable(found: LoopFigures, *, sliding: bool) -> dict[int, Measured]:
-    """Those of FITTED, by their place, that a loop shows which resists the motion both ways, and slides if asked to."""
+    """Figures of a loop by their place in FITTED; none where it does not resist the motion both ways, or sticks though
+    `sliding`.
+    """
     keeps_sign = found.asymmetry is not None and abs(found.asymmetry.value) >= 1.0
     if (sliding and found.regime != "gross slip") or keeps_sign:
         return {}

@@ -167,7 +167,7 @@ def tables_of_record(record: AnyRecord) -> dict[str, Any]:
 
 
 def _friction_of_loops(record: AnyRecord) -> float:
-    """That of the loops of a record that states none."""
+    """Coefficient of friction that the loops of a record show."""
     try:
         sticking = fitted_sticking(record, kind_of(record).rigid_N_per_mm)
         found = _friction_of(loops_of_tests(record)) if sticking is None else sticking.parameters["friction"].value

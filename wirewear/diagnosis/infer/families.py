@@ -72,7 +72,7 @@ class Branches:
 
     @classmethod
     def of(cls, course: PredictedLoops, amplitude_um: float, force_N: float, motion: FastMotion = SINE) -> Branches:
-        """Those of a computed course."""
+        """Branches of computed loops, amplitude in µm, force in N."""
         return cls(
             course,
             _DIRECTIONS * course.displacement_um,
@@ -200,7 +200,9 @@ def force_after_play() -> Shape:
 
 
 def displacement_after_play(*, held: bool) -> Shape:
-    """The same of the displacement channel; `held` if the drive makes up for what the reading loses at the tips."""
+    """Play of a given share of the amplitude in the displacement channel; `held`: the drive makes up for what is lost
+    at the tips.
+    """
 
     def shape(b: Branches, size: float) -> PredictedLoops:
         half = size * b.amplitude_um

@@ -161,7 +161,7 @@ def _refitted(problem: Problem, singles: Sequence[Fit], best: Fit) -> list[Fit]:
 
 
 def _enough(singles: Sequence[Fit], pairs: Sequence[Fit]) -> list[Fit]:
-    """Those of pairs (best first) that gain enough over their better half."""
+    """Pairs (best first) whose log evidence beats their better single effect by PAIR_GAIN."""
     alone = max(one.log_evidence for one in singles)
     enough = [one for one in pairs if one.log_evidence > alone + PAIR_GAIN]
     return [one for one in enough if enough[0].log_evidence - one.log_evidence < _PAIRS_WITHIN]
@@ -283,7 +283,7 @@ def _carried(problem: Problem, one: Fit) -> Fit:
 
 
 def _together(first: Sequence[Distortion], second: Sequence[Distortion]) -> tuple[Distortion, ...]:
-    """Those of a first record, with what the same adds on a second one; each has sizes of its own there."""
+    """Distortions of a first record, each with its gain on a second record added; each has sizes of its own there."""
     more = {(one.family.seam, one.family.name, one.beside.names): one.gain for one in second}
     found = []
     for one in first:

@@ -69,7 +69,7 @@ class HeldOutScores:
         return self._scaled(self.observed.values - predicted)
 
     def floor(self) -> Array:
-        """The same for a perfect model: repeats against the others' mean, or their expected scatter if alone."""
+        """Residuals of a perfect model: repeats against the others' mean, or their expected scatter if alone."""
         values = self.observed.values
         count = np.isfinite(values).sum(axis=0)
         # r/(r−1): each repeat is part of the mean that it is compared with.

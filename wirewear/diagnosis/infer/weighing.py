@@ -291,7 +291,7 @@ class Remainder:
 
     @property
     def log_surprise(self) -> float:
-        """That of the worst block, the least of several."""
+        """Surprise of the worst block, as the least of several."""
         return log_surprise(-expm1(self.blocks * log1p(-min(self.block_p_value, 0.5))))
 
 

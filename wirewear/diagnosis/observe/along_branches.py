@@ -308,7 +308,7 @@ class KneePeak(observable.OfLoops):
         return branch.sign * peak, loop.sample_noise_N * weight
 
     def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        """The same of computed branches."""
+        """Peaks of computed branches at these sites, N."""
         peaks = computed_peaks_N(course.displacement_um, course.tangential_force_N)
         return np.asarray(sites.branch * peaks[observable.rows_of(course, sites), (sites.branch < 0).astype(int)])
 
@@ -339,7 +339,7 @@ def peak_N(past_um: Array, force_N: Array, amplitude_um: float, correlation: flo
 
 
 def computed_peaks_N(displacement_um: Array, force_N: Array) -> Array:
-    """The same of computed branches (n, 2, m), both in order of travel, (n, 2)."""
+    """Peak forces (n, 2) in N of computed branches (n, 2, m), both in order of travel."""
     sign = np.array([1.0, -1.0])[:, None]
     x, q = sign * displacement_um, sign * force_N
     travel = x - x[..., :1]

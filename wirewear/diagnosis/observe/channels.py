@@ -141,7 +141,7 @@ class _AlongStroke(OfLoops):
         return 0.5 * sum(values), float(0.5 * np.sqrt(0.5 * np.pi * sum(variances)))
 
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        """The same of computed branches."""
+        """Half the difference of the load's medians on both sides, of computed branches, N."""
         x, load = course.displacement_um, course.normal_force_N[..., SLIDING:]
         place = x[..., SLIDING:] / (0.5 * np.ptp(x, axis=(1, 2)))[:, None, None]
         one, other = (_medians(load, part) for part in self.parts(place))
@@ -243,7 +243,7 @@ class EvolutionFigure(Observable):
         return 0.0
 
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        """The same of computed loops."""
+        """The figure of computed loops at these sites."""
         return self.of_loops(course.displacement_um, course.tangential_force_N)[rows_of(course, sites)]
 
 

@@ -52,7 +52,7 @@ class Site:
 
 @dataclass(frozen=True, eq=False)
 class Sites:
-    """The same of several numbers, (n,) each."""
+    """Where n numbers are observed: as `Site`, with arrays (n,)."""
 
     cycle: IntArray
     branch: IntArray
@@ -80,7 +80,7 @@ class Sites:
             yield Site(cycle, branch, level, wire, figure)
 
     def repeated(self, times: int, cycles: int) -> Sites:
-        """The same so many times, the cycles of each beginning so much later."""
+        """These sites `times` times in a row, each time `cycles` later than before."""
         rows = np.tile(np.arange(len(self)), times)
         return replace(self.taken(rows), cycle=self.cycle[rows] + cycles * np.repeat(np.arange(times), len(self)))
 
@@ -119,7 +119,7 @@ class Smoothness:
 
     @classmethod
     def of_whole_loops(cls, count: int) -> Smoothness:
-        """That of one number a loop: differences hang together over the cycles alone."""
+        """Smoothness of one number a loop: differences are correlated over the cycles alone."""
         return cls(np.zeros(count), 1.0, np.full(count, ROUGH), np.zeros(count, dtype=np.intp))
 
 

@@ -149,7 +149,7 @@ class Layout:
 
     @classmethod
     def of_sites(cls, *observables: tuple[Observable, Sequence[Site]]) -> Layout:
-        """The same, site by site."""
+        """The layout of observables, each with its sites one by one."""
         return cls.of((observable, Sites.of(sites)) for observable, sites in observables)
 
     def __len__(self) -> int:

@@ -94,7 +94,6 @@ class ScarFigures(_OfScars):
         return values, noise
 
     def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        """Those of the course's end."""
         figure = np.array([SCAR_FIGURES.index(name) for name in sites.figure], dtype=int)
         least = np.where(figure == SCAR_FIGURES.index("depth"), DEPTH_ERROR_um, 1e-6)
         return np.asarray(np.log(np.maximum(course.scars[sites.level.astype(int), figure], least)))
@@ -120,7 +119,6 @@ class ScarSkew(_OfScars):
         return values, noise
 
     def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        """Those of the course's end."""
         return np.asarray(course.skew[sites.level.astype(int)])
 
 
@@ -228,7 +226,6 @@ class ProfileDepths(observable.Observable):
         return values, noise
 
     def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        """Those of the course's end."""
         values = np.zeros(len(sites))
         for body, (x, depth) in course.profiles.items():
             own = sites.wire == body
@@ -281,7 +278,7 @@ def places_of(sites: observable.Sites) -> Array:
 
 
 def _half_width(levels: Array) -> float:
-    """That of the scar over which these places are spread."""
+    """Half-width of the scar over which these levels are spread, in their unit."""
     return float(np.abs(levels).max()) / PLACES[-1]
 
 

@@ -118,7 +118,7 @@ class _Layer:
 
     @classmethod
     def of_all(cls, states: WearStates, chains: Sequence[Chain], slip: Array) -> _Layer | None:
-        """Those of several chains; zeros where one has none, None where none has one."""
+        """Layers of several chains in rows; zeros where one has none, None where none has one."""
         found = [cls.of(states, *own) for own in zip(chains, np.split(slip, len(chains)), strict=True)]
         known = next((layer for layer in found if layer is not None), None)
         if known is None:
@@ -141,7 +141,7 @@ def simulate(states: WearStates, setup: SurrogateInputs, cycles: Array) -> Predi
 
 
 def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Array) -> list[PredictedLoops]:
-    """The same under several setups of one test and one drive, which differ in their effects and numbers."""
+    """Loops at cycles (n,) under each of several setups of one test and drive, which differ in effects and numbers."""
     last = max(setups[0].cycles, float(cycles[-1]))
     nodes = np.unique(np.concatenate([np.geomspace(0.5, last, _NODES), cycles]))
     chains, slip, energy, share = _wear_path(states, setups, nodes)
@@ -322,7 +322,7 @@ def _missing_slip(setup: SurrogateInputs, chain: Chain, contact: sensing.Sliding
 
 
 def _missing_held(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
-    """The same of a drive that holds a figure of the loop in place of its amplitude."""
+    """By how much a loop misses the figure that the drive holds in place of its amplitude, (n,)."""
     target, tip = setup.held_share * setup.amplitude_um, contact.force_N[:, sensing.END]
     if setup.held == "tangential":
         return target - tip  # Less than friction: it sticks in its middle.

@@ -120,7 +120,7 @@ class SurrogateInputs:
         return np.interp(cycles, *np.array(self.worked).T) if self.worked else cycles
 
     def with_effect(self, effect: AtWork) -> SurrogateInputs:
-        """The same with one more effect at work."""
+        """These inputs with one more effect."""
         return replace(self, effects=(*self.effects, effect))
 
     @property

@@ -166,7 +166,7 @@ class LineStates(WearStates):
         return np.asarray(chain.wear_um3_per_mJ * factor)
 
     def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:
-        """Those of the nominal run at the same worn area, widened with the slip, changed by bed and oxygen."""
+        """Profiles (x, depth) in µm by body: the nominal run's at this worn area, widened by slip, bed and oxygen."""
         area = float(last.worn_um3[0]) / self.length_um
         changed = self._changed(setup, last, np.array([slip_um]))
         before = worn_line(changed.plain)

@@ -45,7 +45,7 @@ class WornLineContact:
 
     @property
     def plain(self) -> WornLineContact:
-        """The same without bed and with oxygen everywhere."""
+        """This contact without a bed of debris and with oxygen everywhere."""
         return replace(self, retained_fraction=0.0, modulus_MPa=0.0, supply_mm3_MPa=0.0, starved_factor=1.0)
 
 

@@ -173,8 +173,8 @@ def frequency_of(columns: dict[str, Array], source: dict[str, Any], doubt_s: flo
 
 
 def _across_gaps(pieces: Sequence[Array], times: Sequence[Array], doubt_s: float) -> tuple[float | None, str]:
-    """The same of displacements in pieces of a log: by their cycles, and where the next gap is known well enough to be
-    a whole number of these, by it.
+    """Period in s, and what it rests on, of displacements in pieces of a log: by their cycles, and by gaps that are
+    known well enough to be a whole number of these.
     """
     whole = [(x[part], t[part]) for x, t in zip(pieces, times, strict=True) if x.size > 2 for part in split_cycles(x)]
     periods = [period_of(t, x) for x, t in whole]

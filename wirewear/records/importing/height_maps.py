@@ -161,7 +161,7 @@ def _of_pixels(rows: Sequence[Sequence[str]]) -> tuple[Pair | None, float | None
 
 
 def _of_sizes(lines: Sequence[str]) -> tuple[Pair | None, float | None]:
-    """The same of a Gwyddion export: width, height and unit of the values, in this order in every language."""
+    """Width and height in µm and the values' unit of a Gwyddion export, whose head has this order in every language."""
     sizes, unit = [], None
     for line in (own for own in lines if own.startswith("#")):
         found = re.search(r"[:=：]\s*(?:([-+\d.,eE]+)\s*)?(\S+)\s*$", line)
