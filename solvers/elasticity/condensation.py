@@ -29,6 +29,7 @@ from geometry.arrays import Array, BoolArray, IntArray
 from solvers.elasticity.patch_compliance import Bricks, PatchCompliance
 from solvers.elasticity.strain import stiffness_matrix
 from solvers.errors import SolverError
+from solvers.jit_cache import compiled
 
 _LEAF_NODES = 120  #: Substructures of at most so many nodes are eliminated as one dense front.
 #: Pivots below this share of their diagonal entry are round-off of zero: the body can move freely.
@@ -79,7 +80,7 @@ def schur_complements(
     results = []
     for of_kept, update in zip(held[:, unknowns_of(kept, d)], updates, strict=True):
         result = _matrix_block(matrix, kept, d)
-        add_update(result, where, update)
+        add_update(np.zeros((len(result), 0), order="F"), result, where, update)
         hold(result, of_kept)
         lower = np.tril(result)
         results.append(lower + np.tril(result, -1).T)
@@ -204,11 +205,11 @@ def eliminate(
     done: dict[tuple[object, ...], tuple[Array, Front | None]] = {}
     for way, key in enumerate(keys):
         if key not in done:
-            whole = np.zeros((len(columns), len(columns)), order="F")
-            whole[:, : len(unknowns)] = columns
+            of_way = columns.copy(order="F")
+            rest = np.zeros((len(columns) - len(unknowns),) * 2, order="F")
             for nodes, of_part in parts:
-                add_update(whole, unknowns_of(position[nodes], d), of_part[way])
-            update, front = _eliminated(whole, unknowns, unknowns_of(boundary, d), held[way])
+                add_update(of_way, rest, unknowns_of(position[nodes], d), of_part[way])
+            update, front = _eliminated(of_way, rest, unknowns, unknowns_of(boundary, d), held[way])
             done[key] = update, None if kept is None else front
         if kept is not None and (front := done[key][1]) is not None:
             kept[way].append(front)
@@ -232,17 +233,22 @@ def front_of(own: IntArray, left: list[IntArray], system: System) -> tuple[IntAr
     return boundary, position, front
 
 
-def _eliminated(whole: Array, own: IntArray, boundary: IntArray, held: BoolArray) -> tuple[Array, Front | None]:
-    """The update that a front leaves when its own unknowns, some of them held, are eliminated, and the front."""
+def _eliminated(
+    columns: Array, rest: Array, own: IntArray, boundary: IntArray, held: BoolArray
+) -> tuple[Array, Front | None]:
+    """The update that a front leaves when its own unknowns, some of them held, are eliminated, and the front.
+
+    columns: (m + b, m) of its own unknowns; rest: (b, b) of those that it leaves behind. Both are used up.
+    """
     m = len(own)
     if m == 0:  # The two sides are not connected, so nothing separates them.
-        return whole, None
-    hold(whole, held)
-    factor = cholesky_factor(whole[:m, :m])
+        return rest, None
+    hold(columns, held)
+    factor = cholesky_factor(columns[:m])
     if not len(boundary):
-        return whole[m:, m:], Front(own, boundary, factor, whole[m:, :m], own[held])
-    coupling = blas.dtrsm(1.0, factor, whole[m:, :m], side=1, lower=1, trans_a=1)
-    update = np.asarray(blas.dsyrk(-1.0, coupling, beta=1.0, c=whole[m:, m:], lower=1))
+        return rest, Front(own, boundary, factor, columns[m:], own[held])
+    coupling = blas.dtrsm(1.0, factor, columns[m:], side=1, lower=1, trans_a=1)
+    update = np.asarray(blas.dsyrk(-1.0, coupling, beta=1.0, c=rest, lower=1, overwrite_c=1))
     return update, Front(own, boundary, factor, coupling, own[held])
 
 
@@ -254,14 +260,21 @@ def hold(matrix: Array, held: BoolArray) -> None:
     matrix[which, which] = 1.0
 
 
-def add_update(front: Array, where: IntArray, update: Array) -> None:
-    """front[where, where] += update in the lower triangle; `where` increases and consists of few consecutive runs."""
-    starts = np.flatnonzero(np.diff(where, prepend=-2) != 1)
-    ends = np.append(starts, len(where))[1:]
-    for j, (first, last) in enumerate(zip(starts, ends, strict=True)):
-        columns = slice(where[first], where[first] + last - first)
-        for low, high in zip(starts[j:], ends[j:], strict=True):
-            front[where[low] : where[low] + high - low, columns] += update[low:high, first:last]
+@compiled
+def add_update(columns: Array, rest: Array, where: IntArray, update: Array) -> None:
+    """Add an update (k, k) to a front at increasing places (k,), in the lower triangle.
+
+    The front's first m columns are `columns` (m + b, m); its others, from the row m on, are `rest` (b, b).
+    """
+    m = columns.shape[1]
+    for j in range(len(where)):
+        column = where[j]
+        if column < m:
+            for i in range(j, len(where)):
+                columns[where[i], column] += update[i, j]
+        else:
+            for i in range(j, len(where)):
+                rest[where[i] - m, column - m] += update[i, j]
 
 
 def unknowns_of(nodes: IntArray, d: int) -> IntArray:

@@ -25,10 +25,11 @@ from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
 from solvers.elasticity import condensation
-from solvers.elasticity.strain import IntegrationPoints, stiffness_matrix
+from solvers.elasticity.strain import TENSOR_PLACES, IntegrationPoints, stiffness_matrix
 from solvers.errors import SolverError
 
 _ROUND_OFF = 1e-14  #: Forces of a symmetry below this share of the largest are round-off of none.
+_ALIKE = 1e-12  #: States whose forces differ by no more than this share of the largest are one state.
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,36 @@ def all_at_nodes(points: IntegrationPoints, values: Iterable[Array]) -> Array:
     return result
 
 
+@dataclass(frozen=True, eq=False)
+class CycleImage:
+    """A mirror image of a body, or the body itself, in which states of a cycle are those of others, as the second half
+    of a stroke to and fro is the image of the first.
+    """
+
+    sides: Array  #: (3,) of ones, minus one of the axes about whose zero it is mirrored.
+    node: IntArray  #: (n,) images of the nodes.
+    source: IntArray  #: (s,) the earlier state of which each is the image, itself where there is none.
+
+    @cached_property
+    def computed(self) -> IntArray:
+        """The states that are images of no others."""
+        return np.flatnonzero(self.source == np.arange(len(self.source)))
+
+    def with_images(self, points_mm: Array) -> tuple[Array, IntArray]:
+        """Points (k, 2) of a patch and their images, and which of all these is each one's image."""
+        count = np.arange(len(points_mm))
+        if np.all(self.sides > 0.0):
+            return points_mm, count
+        return np.vstack([points_mm, points_mm * self.sides[:2]]), np.concatenate([len(count) + count, count])
+
+    def completed(self, stress: Array, image: IntArray) -> Array:
+        """Stresses (s, k, 6) of all states, from those of the computed ones at places whose images are (k,)."""
+        found: Array = stress[np.searchsorted(self.computed, self.source)]
+        others = self.source != np.arange(len(self.source))
+        found[others] = found[others][:, image] * [self.sides[i] * self.sides[j] for i, j in TENSOR_PLACES]
+        return found
+
+
 @dataclass
 class Interior:
     """A body held at nodes of its mesh."""
@@ -128,6 +159,29 @@ class Interior:
             for odd, part in parts.items():
                 self._spread(result, self._moved(part, odd), odd)
         return result
+
+    def cycle_image(self, nodes: IntArray, forces: Array, further: Array) -> CycleImage:
+        """The image of states under forces (s, k, 3) on nodes (k,) that leaves the fewest to be computed.
+
+        further: (s, k) what else acts on them and is its own image about all planes.
+        """
+        count, everywhere = np.arange(len(forces)), np.arange(len(self.mesh.points))
+        size, found = np.abs(forces).max(initial=0.0), []
+        for flipped in product((False, True), repeat=len(self.planes)):
+            image, sides = everywhere, np.ones(3)
+            for (axis, of_axis), is_flipped in zip(self._images.items(), flipped, strict=True):
+                image, sides = (of_axis[image], sides * _signs(axis)) if is_flipped else (image, sides)
+            loaded = np.union1d(nodes, image[nodes])
+            near = np.zeros((len(forces), len(loaded), 3))
+            near[:, np.searchsorted(loaded, nodes)] = forces
+            mirrored = near[:, np.searchsorted(loaded, image[loaded])] * sides
+            unlike = np.array([np.abs(mirrored - one).max(axis=(1, 2), initial=0.0) for one in near])
+            alike = (unlike <= _ALIKE * size) & (further[:, None] == further).all(axis=2)
+            source = count.copy()
+            for k in count:
+                source[k] = next((j for j in range(k) if source[j] == j and alike[k, j]), k)
+            found.append(CycleImage(sides, image, source))
+        return min(found, key=lambda one: len(one.computed))
 
     def forget(self) -> None:
         """Give up the factors: the next displacements make them again."""

@@ -22,7 +22,7 @@ from wirewear.stress import body_grid, body_states, integration_point_cloud, str
 from wirewear.stress.bodies import Section, fanned, section
 from wirewear.stress.planes import crossland, smith_watson_topper
 from wirewear.stress.state import averaging
-from wirewear.stress.strength import StrengthAsked, strength_of, yield_sentence
+from wirewear.stress.strength import StrengthAsked, strength_of, stresses_of, yield_sentence
 
 
 @pytest.fixture(scope="module")
@@ -303,6 +303,17 @@ def test_nodes_stand_in_the_worn_surface_in_sound_elements(run: Run) -> None:
     assert mesh.scaled_jacobians().min() >= 0.2
     # Beneath a shallow bowl the stress is nearly that of the fresh wire under the same forces.
     assert np.abs(worn.stress_at_points).max() == pytest.approx(np.abs(fresh.stress_at_points).max(), rel=0.2)
+
+
+def test_of_a_symmetric_cycle_half_is_computed_and_the_other_half_is_its_mirror_image(run: Run) -> None:
+    states = body_states(run, "moving", CYCLE, ["mid-forward", "mid-back"])
+    interior, force = states[0].body.interior, np.array([state.forces.force_N[state.position] for state in states])
+    # Beside a bulk stress that differs, neither state is the image of the other.
+    assert len(interior.cycle_image(states[0].loaded_nodes, force, np.array([[1.0], [2.0]])).computed) == 2
+    assert len(interior.cycle_image(states[0].loaded_nodes, force, np.ones((2, 1))).computed) == 1
+    nodes = states[0].loaded_nodes
+    each = np.array([state.stress[nodes] for state in states])
+    assert stresses_of(states, nodes)[:, nodes] == pytest.approx(each, abs=1e-6 * np.abs(each).max())
 
 
 def test_stroke_and_its_mirror_image_give_mirrored_fields(run: Run) -> None:

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from geometry import Elastic
 from geometry.arrays import Array, IntArray
 from solvers.elasticity.strain import von_mises
-from solvers.stress.interior import all_at_nodes
+from solvers.stress.interior import CycleImage, Interior, all_at_nodes
 from wirewear.base.errors import ResultError, counted
 from wirewear.results import RunResult
 from wirewear.results.scar import called
@@ -39,21 +39,23 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> Mater
     To the nodes come the points where the contact ends at any of the positions.
     """
     body, places = states[0].body, states[0].places_mm
-    patch, on_patch = body.patch, states[0].patch_nodes
-    loaded = [body.surface.under(state.applied[on_patch]) for state in states]
+    patch, on_patch, image = body.patch, states[0].patch_nodes, _image(states)
+    loaded = [body.surface.under(states[k].applied[on_patch]) for k in image.computed]
     number = np.full(len(places), -1)
     number[on_patch] = np.arange(patch.size)
     on_surface = np.flatnonzero(number[nodes] >= 0)
-    grid = patch.grid()[number[nodes[on_surface]]]
+    grid = patch.grid()
+    edges, of_edges = image.with_images(np.vstack([one.edge() for one in loaded]))
+    at_nodes, at_edges = (
+        image.completed(np.array([one.correction(at) for one in loaded]), of_each)
+        for at, of_each in ((grid, number[image.node[on_patch]]), (edges, of_edges))
+    )
     stresses = stresses_of(states, np.append(nodes, states[0].loaded_nodes))
     history = stresses[:, nodes]
-    for k, one in enumerate(loaded):
-        history[k, on_surface] += one.correction(grid)
-    edges = np.vstack([one.edge() for one in loaded])
+    history[:, on_surface] += at_nodes[:, number[nodes[on_surface]]]
     corners, weights, _ = patch.locate(edges)
-    between = np.einsum("kc,skcv->skv", weights, stresses[:, on_patch[corners]])
-    at_edges = between + np.array([one.correction(edges) for one in loaded])
-    nearest = cKDTree(grid).query(edges)[1]
+    at_edges += np.einsum("kc,skcv->skv", weights, stresses[:, on_patch[corners]])
+    nearest = cKDTree(grid[number[nodes[on_surface]]]).query(edges)[1]
     return MaterialPoints(
         np.vstack([places[nodes], np.column_stack([edges, patch.height(edges)])]),
         np.concatenate([history, at_edges], axis=1),
@@ -63,9 +65,19 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> Mater
 
 def stresses_of(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
     """Stresses (s, n, 6) of a body over a cycle as they are at nodes (k,) and near them."""
-    body = states[0].body
-    points = body.points.around(nodes)
-    return all_at_nodes(points, (state.stress_at(points) for state in states))
+    image = _image(states)
+    points = states[0].body.points.around(np.append(nodes, image.node[nodes]))
+    return image.completed(all_at_nodes(points, (states[k].stress_at(points) for k in image.computed)), image.node)
+
+
+def _image(states: Sequence[InnerState[Any]]) -> CycleImage:
+    """The mirror image by which most of the states of a cycle follow from the others."""
+    forces, positions = states[0].forces, [state.position for state in states]
+    bulk = np.zeros((len(states), 3)) if forces.bulk_stress_MPa is None else forces.bulk_stress_MPa[positions]
+    # Torsion is its own image about no plane.
+    even = np.arange(1.0 * len(states))[:, None] if bulk[:, 2].any() else bulk[:, :2]
+    interior: Interior = states[0].body.interior
+    return interior.cycle_image(states[0].loaded_nodes, forces.force_N[positions], even)
 
 
 @dataclass(frozen=True)
