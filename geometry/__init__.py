@@ -1,6 +1,6 @@
-"""Meshes and surfaces of the contacting bodies: gmsh hexahedra, contact patches as height fields, quality, export.
+"""Meshes and unworn surfaces of the contacting bodies: gmsh hexahedra, contact patches, mesh quality, export.
 
-What it offers is loaded when it is first asked for: who catches an error needs no mesh.
+A module of this package is imported when one of its names is first used, so catching a GeometryError loads no gmsh.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""Arrays as signatures name them; docstrings give their shapes."""
+"""Names of array types for signatures; the docstrings of functions give the shapes."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,7 +1,8 @@
-"""A body: what it is made of, and its all-hexahedral mesh, refined at its contact patch, built with gmsh.
+"""The mesh of a three-dimensional body, all of hexahedra and refined at its contact patch, and its elastic material.
 
-A quarter of the body (y >= 0, x >= 0) is swept by gmsh from a graded cross-section, bent to its shape where it has one
-along itself, and mirrored twice, so the mesh is symmetric to the last bit.
+gmsh sweeps a graded cross-section of a quarter of the body (y >= 0, x >= 0) along x; the points are moved where the
+body is curved along x, and the quarter is mirrored twice, so the mesh is symmetric to the last bit. The contact patch
+is the part of the surface that may touch the other body; the grip is the part that the holder holds.
 """
 
 import ctypes
@@ -35,7 +36,10 @@ _ROUND_OFF = 1e-9
 
 @contextmanager
 def gmsh_session() -> Iterator[Any]:
-    """A quiet, reproducible gmsh session; gmsh's own errors, or that it cannot be loaded, become GeometryError."""
+    """Open a quiet, reproducible gmsh session and close it at the end.
+
+    GeometryError when gmsh cannot be loaded, or in place of an error that gmsh raises within the session.
+    """
     try:
         import gmsh
     except OSError as error:
@@ -59,7 +63,7 @@ def gmsh_session() -> Iterator[Any]:
 
 @contextmanager
 def _pipes_untouched() -> Iterator[None]:
-    """Keep what a broken pipe does, in any thread: gmsh has it end the process, be it a server's or a notebook's."""
+    """Restore the process's handler of SIGPIPE afterwards; gmsh sets one that ends the process at a broken pipe."""
     getsig, setsig = ctypes.pythonapi.PyOS_getsig, ctypes.pythonapi.PyOS_setsig
     getsig.restype, setsig.restype, setsig.argtypes = ctypes.c_void_p, ctypes.c_void_p, (ctypes.c_int, ctypes.c_void_p)
     before = getsig(signal.SIGPIPE)
@@ -70,11 +74,12 @@ def _pipes_untouched() -> Iterator[None]:
 
 
 def extruded_hexahedra(section: Array, quads: IntArray, lines_mm: Array) -> tuple[Array, IntArray]:
-    """Sweep a section along x.
+    """Sweep a cross-section along x into hexahedra.
 
-    section: (n, 2) points (y, z) in mm; quads: (m, 4) counter-clockwise; lines_mm: (k,) mesh lines on x, first one 0.
-    Returns points (n k, 3) and cells (m (k - 1), 8) in VTK order; GeometryError when gmsh leaves anything but
-    hexahedra.
+    section: (n, 2) points (y, z) in mm. quads: (m, 4) their indices, counter-clockwise. lines_mm: (k,) positions of the
+    mesh's cross-sections on x, the first 0.
+    Returns points (n k, 3) in mm as (x, y, z) and cells (m (k - 1), 8) in VTK order. GeometryError when gmsh leaves
+    other elements than hexahedra.
     """
     with gmsh_session() as gmsh:
         geo = gmsh.model.geo
@@ -124,54 +129,61 @@ def _collect(gmsh: Any) -> tuple[Array, IntArray]:
 
 
 class BodyGeometry(ABC):
-    """What a body's mesh is built from; lengths in mm. Its axis is x, its contact the origin, facing +z."""
+    """Dimensions and mesh sizes from which the mesh of a body is built; lengths in mm.
+
+    In the body's own frame x is its axis, the origin the point of first contact and +z the outward normal there.
+    """
 
     axial: GradedAxis | RimGradedAxis  #: Grading of the contact patch along the body.
-    transverse: GradedAxis | RimGradedAxis  #: That across it.
+    transverse: GradedAxis | RimGradedAxis  #: Grading of the contact patch across the body.
     coarse_mm: float  #: Largest element far from the contact.
-    layering: Layering  #: Of the elements under the patch.
-    grip_stiffness_N_per_mm3: float | None  #: Of an elastic grip per area, None of a rigid one.
+    layering: Layering  #: Thicknesses of the elements' layers under the patch.
+    grip_stiffness_N_per_mm3: float | None  #: Stiffness of the grip per area; None if the grip is rigid.
 
     @property
     @abstractmethod
     def profile(self) -> Profile:
-        """The unworn surface."""
+        """Height of the unworn surface in the contact patch."""
 
     @property
     def meshed_profile(self) -> Profile:
-        """The surface that its mesh has; what the unworn one is below it counts as what is worn does."""
+        """Height of the surface that the mesh has. Where it lies above `profile`, the gap between them counts as a worn
+        depth.
+        """
         return self.profile
 
     @property
     @abstractmethod
     def half_length_mm(self) -> float:
-        """Half of its extent along its axis."""
+        """Half of the body's extent along its axis x."""
 
     @property
     @abstractmethod
     def least_extent_mm(self) -> float:
-        """Its smallest dimension."""
+        """Smallest dimension of the body, a tube's wall included."""
 
     @abstractmethod
     def section(self) -> tuple[Array, IntArray]:
-        """Half of the section that is swept: points (n, 2) as (y >= 0, z), and counter-clockwise quads (m, 4)."""
+        """Half of the cross-section that is swept along x: points (n, 2) in mm as (y >= 0, z), and quads (m, 4),
+        counter-clockwise.
+        """
 
     @abstractmethod
     def gripped(self, centres_mm: Array) -> BoolArray:
-        """Whether the holder grips the mesh's surface at the centres (n, 3) of facets, (n,)."""
+        """True (n,) for each boundary facet that the holder grips, from the facets' centres (n, 3) in mm."""
 
     def bent(self, points_mm: Array) -> Array:
-        """Points (n, 3) of the swept section where they are in the body."""
+        """Positions (n, 3) in mm in the body of points (n, 3) of the straight swept mesh; by default unchanged."""
         return points_mm
 
     @property
     def round_mm(self) -> float | None:
-        """Radius of a round bar, to which chords of its coarse elements may be drawn round; None of other bodies."""
+        """Radius of a round bar, for drawing the chords of its coarse elements as arcs; None for other bodies."""
         return None
 
     @property
     def finest_mm(self) -> float:
-        """Smallest spacing of the patch's lines."""
+        """Smallest spacing of the contact patch's grid lines in both directions."""
         return min(axis.finest_mm for axis in (self.axial, self.transverse))
 
     @property
@@ -180,20 +192,20 @@ class BodyGeometry(ABC):
         return self.layering.first * self.finest_mm, self.layering.growth
 
     def as_table(self) -> dict[str, Any]:
-        """Nested plain values, for JSON."""
+        """All dimensions as nested plain values for JSON."""
         return asdict(self)  # type: ignore[call-overload,no-any-return]
 
     def with_layering(self, layering: Layering) -> Self:
-        """A copy with other layers under the patch."""
+        """A copy with other layers of elements under the contact patch."""
         return replace(self, layering=layering)  # type: ignore[type-var]
 
 
 @dataclass(frozen=True)
 class BodyMesh:
-    """A meshed body in its own frame.
+    """The mesh of a body in the body's own frame.
 
-    The mesh's surfaces are named 'contact' (the patch), 'grip' (held by the holder), 'ends' (what is
-    not held of both) and 'side' (the rest).
+    The mesh's boundary has the named surfaces 'contact' (the patch), 'grip' (held by the holder), 'ends' (the parts of
+    the two end faces that are not held) and 'side' (the rest).
     """
 
     geometry: BodyGeometry
@@ -203,15 +215,16 @@ class BodyMesh:
 
     @property
     def bedding(self) -> Array | None:
-        """Stiffness (n,) in N/mm by which an elastic grip holds each node, None where the grip is rigid."""
+        """Stiffness (n,) in N/mm by which an elastic grip holds each node of the mesh; None where the grip is rigid."""
         stiffness = self.geometry.grip_stiffness_N_per_mm3
         return None if stiffness is None else stiffness * self.mesh.surface_areas("grip")
 
     def worn(self, depth_mm: Array) -> "BodyMesh":
-        """This mesh with the nodes of its patch moved into a surface worn by a vertical depth (n_a, n_t).
+        """A copy of this mesh with the nodes of its patch moved down by a vertical depth (n_a, n_t) in mm, added to
+        earlier ones.
 
-        The patch's height is that of the moved nodes. GeometryError naming the place of an element that the motion
-        distorts too much.
+        The patch's `height` is then that of the worn surface. GeometryError, naming the element's place, when the
+        scaled Jacobian of an element falls below LEAST_SCALED_JACOBIAN.
         """
         patch, depth_mm = self.patch, _without_round_off(depth_mm)
         mesh = lowered(self.mesh, patch.nodes.ravel(), depth_mm.ravel())
@@ -226,7 +239,7 @@ class BodyMesh:
 
 
 def _without_round_off(depth_mm: Array) -> Array:
-    """A depth that is its own mirror image along or across the body but for round-off, made so to the last bit."""
+    """The depth (n_a, n_t), made exactly symmetric along or across the body where it is symmetric within round-off."""
     for axis in (0, 1):
         image = np.flip(depth_mm, axis)
         if np.abs(depth_mm - image).max() <= _ROUND_OFF * np.abs(depth_mm).max():
@@ -235,7 +248,11 @@ def _without_round_off(depth_mm: Array) -> Array:
 
 
 def build_body(geometry: BodyGeometry) -> BodyMesh:
-    """Mesh a body; GeometryError when gmsh fails, leaves other elements than hexahedra or elements are distorted."""
+    """Build the mesh of a body.
+
+    GeometryError when gmsh fails, leaves other elements than hexahedra, or the scaled Jacobian of an element is below
+    LEAST_SCALED_JACOBIAN.
+    """
     points, cells = extruded_hexahedra(*geometry.section(), _half_lines_to_end(geometry))
     mesh = HexMesh(geometry.bent(points), cells, {}).with_mirror_image(axis=1).with_mirror_image(axis=0)
     smallest = mesh.require_quality(LEAST_SCALED_JACOBIAN)
@@ -245,7 +262,7 @@ def build_body(geometry: BodyGeometry) -> BodyMesh:
 
 
 def _half_lines_to_end(geometry: BodyGeometry) -> Array:
-    """Mesh lines along half the body, from the middle to the end: the patch's lines, then growing ones."""
+    """Mesh lines (k,) in mm on x from the middle to the body's end: the patch's lines, then ever wider spacings."""
     patch_lines = geometry.axial.half_lines()
     last = patch_lines[-1] - patch_lines[-2]
     rest = geometry.half_length_mm - patch_lines[-1]
@@ -306,5 +323,5 @@ class Elastic:
 
     @property
     def shear_modulus_MPa(self) -> float:
-        """G = E / 2(1 + ν)."""
+        """Shear modulus G = E / (2 (1 + ν))."""
         return self.youngs_modulus_MPa / (2.0 * (1.0 + self.poissons_ratio))

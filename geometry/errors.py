@@ -2,8 +2,10 @@
 
 
 class WirewearError(Exception):
-    """Base of every error that this program raises; the message is one sentence: what, where, what would be right."""
+    """Base of every error that this program raises. Its message is one sentence: what is wrong, where, what would be
+    right.
+    """
 
 
 class GeometryError(WirewearError):
-    """A body cannot be meshed as asked."""
+    """The dimensions or mesh sizes that are asked for cannot be meshed."""

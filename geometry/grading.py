@@ -1,4 +1,7 @@
-"""One-dimensional gradings of mesh lines: uniform and fine in the middle, growing outwards."""
+"""Positions of mesh lines on one axis: gradings of a contact patch's grid, and layers of elements below it.
+
+Below a contact, columns of elements go down into the body; a transition row joins three neighbouring columns into one.
+"""
 
 from dataclasses import dataclass, replace
 from math import log
@@ -11,11 +14,11 @@ from geometry.errors import GeometryError
 
 @dataclass(frozen=True)
 class GradedAxis:
-    """Mesh lines on one axis of a contact patch, symmetric about zero.
+    """Mesh lines on one axis of a contact patch, symmetric about zero, fine in the middle.
 
-    Elements measure `fine_mm` for |x| up to `fine_half_extent_mm`, then grow by the factor `growth`
-    from one to the next, never beyond `outer_mm`, up to the patch's edge at |x| = `half_extent_mm`.
-    All are stretched or squeezed together, by less than one element, so that the last one ends on the edge.
+    Elements measure `fine_mm` for |x| up to `fine_half_extent_mm`, then grow by the factor `growth` from one to the
+    next, never beyond `outer_mm`, up to the patch's edge at |x| = `half_extent_mm`. All sizes are scaled by a common
+    factor, a change of the whole by less than one element, so that the last element ends on the edge.
     """
 
     fine_mm: float
@@ -33,11 +36,11 @@ class GradedAxis:
 
     @property
     def finest_mm(self) -> float:
-        """Smallest spacing of the lines."""
+        """Smallest spacing of the mesh lines."""
         return float(self.half_lines()[1])
 
     def half_lines(self) -> Array:
-        """Mesh lines from 0 to the patch's edge, shape (n,), first entry 0, last `half_extent_mm`."""
+        """Mesh lines in mm from 0 to the patch's edge, shape (n,): the first 0, the last `half_extent_mm`."""
         lines = [0.0]
         size = self.fine_mm
         while lines[-1] < self.half_extent_mm - 0.3 * size:
@@ -49,7 +52,7 @@ class GradedAxis:
         return half_lines
 
     def lines(self) -> Array:
-        """Mesh lines over the whole patch, shape (2n - 1,), exactly antisymmetric about zero."""
+        """Mesh lines in mm over the whole patch, shape (2n - 1,), exactly antisymmetric about zero."""
         half_lines = self.half_lines()
         return np.concatenate([-half_lines[:0:-1], half_lines])
 
@@ -58,8 +61,8 @@ class GradedAxis:
 class EdgeGradedAxis:
     """Mesh lines of a contact patch, symmetric about zero, that are fine near its ends and coarser in the middle.
 
-    Elements measure `fine_mm`, or a little less, from |x| = `fine_from_mm` to the patch's edge at `half_extent_mm`, and
-    grow by the factor `growth` towards the middle, never beyond `coarse_mm`.
+    Elements measure at most `fine_mm` from |x| = `fine_from_mm` to the patch's edge at `half_extent_mm`, and grow by
+    the factor `growth` from one to the next towards the middle, never beyond `coarse_mm`.
     """
 
     fine_mm: float
@@ -76,7 +79,7 @@ class EdgeGradedAxis:
             )
 
     def half_lines(self) -> Array:
-        """Mesh lines from 0 to the patch's edge, shape (n,), first entry 0, last `half_extent_mm`."""
+        """Mesh lines in mm from 0 to the patch's edge, shape (n,): the first 0, the last `half_extent_mm`."""
         middle = graded_layers(self.fine_mm, self.growth, self.coarse_mm, self.fine_from_mm)[::-1]
         width = self.half_extent_mm - self.fine_from_mm
         fine = np.linspace(self.fine_from_mm, self.half_extent_mm, int(np.ceil(width / self.fine_mm - 1e-9)) + 1)
@@ -85,10 +88,11 @@ class EdgeGradedAxis:
 
 @dataclass(frozen=True)
 class RimGradedAxis:
-    """Mesh lines of a contact patch, symmetric about zero, that are finest about a contact's rim and coarser within.
+    """Mesh lines of a contact patch, symmetric about zero, that are finest at the contact's rim and coarser inside.
 
-    Between the middle and the rim at |x| = `rim_mm` stand `elements`; their sizes fall towards it as a sine's steps do
-    up to `share` of its quarter. Beyond it they grow again, alike, and then by `growth` up to `half_extent_mm`.
+    From the middle to the rim at |x| = `rim_mm` there are `elements` elements; line i is at rim_mm sin(i q / elements)
+    / sin(q) with q = `share` π / 2. Beyond the rim the sizes grow again in the reverse order, then by the factor
+    `growth` from one to the next, up to the patch's edge at `half_extent_mm`.
     """
 
     rim_mm: float
@@ -106,17 +110,17 @@ class RimGradedAxis:
 
     @property
     def fine_mm(self) -> float:
-        """Spacing at the rim."""
+        """Spacing of the mesh lines just inside the rim."""
         return float(self.rim_mm - self._to_rim()[-2])
 
     @property
     def finest_mm(self) -> float:
-        """Smallest spacing of the lines."""
+        """Smallest spacing of the mesh lines."""
         return float(np.diff(self.half_lines()).min())
 
     @property
     def outer_mm(self) -> float:
-        """Spacing in the middle, the largest within the rim."""
+        """Spacing of the mesh lines in the middle, the largest inside the rim."""
         return float(self._to_rim()[1])
 
     def _to_rim(self) -> Array:
@@ -124,7 +128,7 @@ class RimGradedAxis:
         return np.asarray(np.sin(turned) * (self.rim_mm / np.sin(turned[-1])))
 
     def half_lines(self) -> Array:
-        """Mesh lines from 0 to the patch's edge, shape (n,), first entry 0, last `half_extent_mm`."""
+        """Mesh lines in mm from 0 to the patch's edge, shape (n,): the first 0, the last `half_extent_mm`."""
         within = self._to_rim()
         sizes, rest = np.diff(within)[::-1], self.half_extent_mm - self.rim_mm
         beyond = [0.0]
@@ -140,46 +144,48 @@ class RimGradedAxis:
         return np.concatenate([within, self.rim_mm + beyond_rim])
 
     def lines(self) -> Array:
-        """Mesh lines over the whole patch, shape (2n - 1,), exactly antisymmetric about zero."""
+        """Mesh lines in mm over the whole patch, shape (2n - 1,), exactly antisymmetric about zero."""
         half_lines = self.half_lines()
         return np.concatenate([-half_lines[:0:-1], half_lines])
 
 
 @dataclass(frozen=True)
 class Layering:
-    """Layers of elements under a contact patch, down to the first row where columns are joined."""
+    """Layers of elements under a contact patch, from the surface down to the first transition row."""
 
     #: Plain layers above each row that joins columns. Refined together with the patch, they reach to the same depth;
     #: were their number fixed, refining would make the body coarse ever closer under the contact.
     count: int = 5
-    growth: float = 1.3  #: From one layer to the next.
+    growth: float = 1.3  #: Ratio of the thicknesses of a layer and the one above it.
     first: float = 0.6  #: Thickness of the uppermost layer over the patch's finest spacing.
 
     @classmethod
     def resolving(cls, per_contact_radius: float, elongation: float = 1.0) -> "Layering":
-        """Layers for so many elements per contact radius: the standard ones up to four, refined beyond.
+        """The layering for a mesh of `per_contact_radius` elements per contact radius: the standard one up to 4, finer
+        beyond.
 
-        elongation: of a long contact, whose stresses reach deeper: its axes' geometric mean over its narrowest radius.
-        Columns are then joined deeper by that factor, so at the same depth over the mean.
+        elongation: geometric mean of the contact's two half-axes over the shorter one. Stresses of a long contact reach
+        deeper, so the columns of elements are first joined at a depth greater by this factor.
         """
         layers = cls().refined(max(1.0, per_contact_radius / 4.0))
         count = log(1.0 + elongation * (layers.growth**layers.count - 1.0)) / log(layers.growth)
         return replace(layers, count=round(count))
 
     def refined(self, factor: float) -> "Layering":
-        """Layers thinner by `factor` that reach to the same depth."""
+        """Layers thinner by `factor` that reach to about the same depth."""
         return Layering(max(2, round(self.count * factor)), float(self.growth ** (1.0 / factor)), self.first)
 
     def deeper(self, factor: float) -> "Layering":
-        """More layers of the same thicknesses above each row that joins columns, by about that factor."""
+        """About `factor` times as many layers, of the same thicknesses, above each row that joins columns."""
         return Layering(round(self.count * factor), self.growth, self.first)
 
 
 def graded_layers(first_mm: float, growth: float, largest_mm: float, extent_mm: float) -> Array:
-    """Thicknesses, shape (n,), growing from `first_mm` by `growth` up to `largest_mm`, that add up to `extent_mm`.
+    """Thicknesses (n,) of layers in mm that grow from `first_mm` by the factor `growth` up to `largest_mm` and fill
+    `extent_mm`.
 
-    All are stretched or squeezed together so that their sum is right. GeometryError unless
-    0 < `first_mm` <= `extent_mm`, `largest_mm` > 0 and `growth` >= 1.
+    All are scaled by a common factor so that their sum is `extent_mm`. GeometryError unless 0 < `first_mm` <=
+    `extent_mm`, `largest_mm` > 0 and `growth` >= 1.
     """
     if not (0.0 < first_mm <= extent_mm and largest_mm > 0.0 and growth >= 1.0):
         raise GeometryError(

@@ -1,4 +1,4 @@
-"""What a package offers is loaded when it is first asked for (PEP 562)."""
+"""Packages whose modules are imported only when one of their names is first used (PEP 562)."""
 
 import ast
 import sys
@@ -10,9 +10,10 @@ from typing import Any
 
 
 def loaded_late(package: str) -> Callable[[str], Any]:
-    """The `__getattr__` of a package whose `__init__` names under `if TYPE_CHECKING:` what it offers, and from where.
+    """The `__getattr__` of a package that imports each of its names on first use.
 
-    Types are checked as if it had been imported there; whoever imports one name waits for that name's module alone.
+    package: its dotted name. Its `__init__` imports the names that it offers under `if TYPE_CHECKING:`, from where type
+    checkers and this function read which module holds each.
     """
 
     def load(name: str) -> Any:
@@ -26,7 +27,7 @@ def loaded_late(package: str) -> Callable[[str], Any]:
 
 @cache
 def _homes(package: str) -> dict[str, str]:
-    """The module of each name that a package's `__init__` names under `if TYPE_CHECKING:`."""
+    """For each name that a package's `__init__` imports under `if TYPE_CHECKING:`, the module it comes from."""
     file = str(sys.modules[package].__file__)
     return {
         alias.name: node.module or ""

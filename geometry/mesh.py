@@ -1,11 +1,11 @@
-"""Meshes as values, their named surfaces and quality, and their motion: nodes moved into a worn surface.
+"""Finite-element meshes as immutable values: named surfaces, quality, mirror images, and their motion with wear.
 
-The surface recedes along its local normal. How its nodes slide within it is free (arbitrary Lagrangian-Eulerian
-motion); here they stay above their places in the plane, so that the patch remains a rectilinear grid: a node moves
-down by the vertical depth, which is the recession along the normal over the normal's z component. Inner nodes follow
-by springs along the elements' edges, stiffer the shorter the edge, so that small elements near the surface move as a
-whole and large ones below take up the strain (Batina, AIAA J. 28 (1990) 1381; Farhat et al., Comput. Methods Appl.
-Mech. Eng. 163 (1998) 231).
+A worn surface recedes along its local normal. How its nodes slide within it is free (arbitrary Lagrangian-Eulerian
+motion); here they move vertically, so that the patch remains a rectilinear grid: a node moves down by the vertical
+depth, which is the recession along the normal over the normal's z component. Inner nodes follow by springs along the
+elements' edges, stiffer the shorter the edge, so that small elements near the surface move as a whole and large ones
+below take up the strain (Batina, AIAA J. 28 (1990) 1381; Farhat et al., Comput. Methods Appl. Mech. Eng. 163 (1998)
+231).
 """
 
 from abc import ABC, abstractmethod
@@ -39,7 +39,7 @@ _TOLERANCE = 1e-9  #: Residual of the inner nodes' equilibrium; their places nee
 
 @dataclass(frozen=True)
 class ElementMesh(ABC):
-    """Elements of one shape, and named parts of their boundary."""
+    """A mesh of elements of one shape, with named parts of its boundary."""
 
     points: Array  #: (n, d) coordinates in mm.
     cells: IntArray  #: (m, c) node indices.
@@ -54,29 +54,32 @@ class ElementMesh(ABC):
         object.__setattr__(self, "surfaces", MappingProxyType(dict(self.surfaces)))
 
     def surface_nodes(self, name: str) -> IntArray:
-        """Sorted node indices of a named surface, shape (k,)."""
+        """Sorted node indices (k,) of a named surface; KeyError without such a surface."""
         return np.unique(self.surfaces[name])
 
     def boundary_facets(self) -> IntArray:
-        """Sides that belong to one cell only, shape (k, s), facing outwards."""
+        """Node indices (k, s) of the sides that belong to one cell only, ordered so that the sides face outwards."""
         sides = self.cells[:, self.SIDES].reshape(-1, self.SIDES.shape[1])
         _, first, counts = np.unique(np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
         return np.asarray(sides[first[counts == 1]])
 
     @cached_property
     def boundary_nodes(self) -> IntArray:
-        """Sorted nodes of the whole boundary, shape (k,)."""
+        """Sorted node indices (k,) of the whole boundary."""
         return np.unique(self.boundary_facets())
 
     @abstractmethod
     def scaled_jacobians(self) -> Array:
-        """Smallest scaled Jacobian over the corners of each cell, shape (m,): 1 of a perfect one, negative inside out.
+        """Smallest scaled Jacobian over the corners of each cell, (m,): 1 for a brick with right angles, negative if
+        inside out.
 
         Knupp, "Algebraic mesh quality metrics", SIAM J. Sci. Comput. 23 (2001).
         """
 
     def require_quality(self, least: float) -> float:
-        """Smallest scaled Jacobian of the mesh; GeometryError naming the worst cell's place when below `least`."""
+        """The smallest scaled Jacobian of the mesh; GeometryError, naming the place of the worst cell, when it is below
+        `least`.
+        """
         jacobians = self.scaled_jacobians()
         worst = int(np.argmin(jacobians))
         if not jacobians[worst] >= least:
@@ -88,20 +91,24 @@ class ElementMesh(ABC):
         return float(jacobians[worst])
 
     def _spread(self, facets: IntArray, sizes: Array) -> Array:
-        """Sizes (k,) of facets (k, s), in equal shares to their nodes (n,)."""
+        """Sizes (k,) of facets (k, s), each divided equally among its nodes and summed for every node of the mesh,
+        (n,).
+        """
         shares = np.repeat(sizes / facets.shape[1], facets.shape[1])
         return np.bincount(facets.ravel(), shares, len(self.points)).astype(np.float64)
 
 
 class HexMesh(ElementMesh):
-    """Eight-node bricks, their nodes in VTK order."""
+    """A mesh of eight-node hexahedra, nodes in VTK order; its facets are quadrilaterals."""
 
     AXES = "xyz"
     SIDES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
     ADVICE = "use a finer outer mesh or a smaller patch"
 
     def surface_areas(self, name: str) -> Array:
-        """Area of a named surface that belongs to each node, shape (n,), mm²; GeometryError without such a surface."""
+        """Area in mm² of a named surface that belongs to each node of the mesh, (n,); KeyError without such a
+        surface.
+        """
         self.surface_nodes(name)
         facets = self.surfaces[name]
         corners = self.points[facets]
@@ -109,7 +116,6 @@ class HexMesh(ElementMesh):
         return self._spread(facets, np.linalg.norm(vectors, axis=1))
 
     def scaled_jacobians(self) -> Array:
-        """Over the eight corners."""
         corners = self.points[self.cells]
         smallest = np.full(len(self.cells), np.inf)
         for node, *ends in _CORNER_EDGES:
@@ -122,7 +128,9 @@ class HexMesh(ElementMesh):
 
     @cached_property
     def springs(self) -> csr_matrix:
-        """Graph Laplacian (n, n) of springs along the elements' edges."""
+        """Stiffness matrix (n, n) of springs along the elements' edges, one unknown per node: the edges' weighted graph
+        Laplacian.
+        """
         edges = np.unique(np.sort(self.cells[:, _EDGES].reshape(-1, 2), axis=1), axis=0)
         lengths = np.linalg.norm(self.points[edges[:, 0]] - self.points[edges[:, 1]], axis=1)
         stiffness = (lengths.mean() / lengths) ** _STIFFENING
@@ -132,7 +140,7 @@ class HexMesh(ElementMesh):
         return csr_matrix(diags(np.asarray(both.sum(axis=1)).ravel()) - both)
 
     def volume_mm3(self) -> float:
-        """Volume by the divergence theorem over cells split into tetrahedra about their centres."""
+        """Volume of the mesh, by splitting each cell into tetrahedra about its centre."""
         corners = self.points[self.cells]
         centre = corners.mean(axis=1, keepdims=True)
         total = 0.0
@@ -143,9 +151,10 @@ class HexMesh(ElementMesh):
         return total
 
     def with_mirror_image(self, axis: int) -> "HexMesh":
-        """This mesh and its mirror image about the plane through zero on `axis`, sharing the nodes on that plane.
+        """This mesh joined with its mirror image about the plane where the coordinate `axis` is zero; nodes on it are
+        shared.
 
-        All nodes lie on the non-negative side. Surfaces of the mirror image join those of the same name.
+        All nodes must have a coordinate >= 0. A named surface of the result holds the facets of both halves.
         """
         coordinate = self.points[:, axis]
         tolerance = 1e-9 * float(np.ptp(self.points))
@@ -163,10 +172,10 @@ class HexMesh(ElementMesh):
         return HexMesh(np.vstack([points, image_points]), np.vstack([self.cells, image_cells]), surfaces)
 
     def write(self, path: Path, point_data: Mapping[str, Array] | None = None) -> None:
-        """Write the mesh as .vtu, .msh or .inp, whichever `path` ends in.
+        """Write the mesh as .vtu, .msh or .inp, as the ending of `path` says.
 
-        point_data: name -> (n,) or (n, c) values at the points. The surfaces are written as named groups of
-        quadrilaterals, physical groups in .msh and element sets in .inp, and left out of .vtu, which has no groups.
+        point_data: name -> (n,) or (n, c) values at the nodes. The named surfaces are written as groups of
+        quadrilaterals, physical groups in .msh and element sets in .inp, but not in .vtu, which has no groups.
         """
         import meshio
 
@@ -188,20 +197,24 @@ class HexMesh(ElementMesh):
 
 
 class QuadMesh(ElementMesh):
-    """Four-node quadrilaterals in the plane of x and z, counter-clockwise with z upwards; surfaces are of edges."""
+    """A mesh of four-node quadrilaterals in the plane (x, z), counter-clockwise with z upwards; its facets are
+    edges.
+    """
 
     AXES = "xz"
     SIDES = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
     ADVICE = "make the body narrower or higher"
 
     def surface_lengths(self, name: str) -> Array:
-        """Length of a named surface that belongs to each node, shape (n,), mm; GeometryError without such a surface."""
+        """Length in mm of a named surface that belongs to each node of the mesh, (n,); KeyError without such a
+        surface.
+        """
         self.surface_nodes(name)
         edges = self.surfaces[name]
         return self._spread(edges, np.linalg.norm(self.points[edges[:, 1]] - self.points[edges[:, 0]], axis=1))
 
     def scaled_jacobians(self) -> Array:
-        """The smallest sine of the four corner angles."""
+        """Smallest sine of the four corner angles of each cell, (m,), negative if inside out."""
         corners = self.points[self.cells]
         ahead = np.roll(corners, -1, axis=1) - corners
         lengths = np.linalg.norm(ahead, axis=2, keepdims=True)
@@ -210,12 +223,11 @@ class QuadMesh(ElementMesh):
         return np.asarray((before[..., 0] * ahead[..., 1] - before[..., 1] * ahead[..., 0]).min(axis=1))
 
     def area_mm2(self) -> float:
-        """Area of the body."""
         first, second = (self.points[self.cells[:, k]] - self.points[self.cells[:, k - 2]] for k in (2, 3))
         return 0.5 * float((first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]).sum())
 
     def write(self, path: Path) -> None:
-        """Write the mesh as .vtu with y = 0."""
+        """Write the mesh as .vtu, its points at y = 0."""
         import meshio
 
         points = np.column_stack([self.points[:, 0], np.zeros(len(self.points)), self.points[:, 1]])
@@ -223,7 +235,7 @@ class QuadMesh(ElementMesh):
 
 
 def mirror_images(mesh: HexMesh | QuadMesh, axis: int) -> IntArray | None:
-    """The mirror image of each node about the plane through zero on `axis`, shape (n,).
+    """For each node the index (n,) of its mirror image about the plane where the coordinate `axis` is zero.
 
     None unless points and cells are their own mirror image to the last bit and no cell crosses the plane.
     """
@@ -243,10 +255,11 @@ def mirror_images(mesh: HexMesh | QuadMesh, axis: int) -> IntArray | None:
 
 
 def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
-    """The mesh with its surface nodes (k,) moved down, towards -z, by a depth (k,) and its inside smoothed.
+    """A copy of the mesh with its surface nodes (k,) moved towards -z by a depth (k,) in mm, and inner nodes moved
+    smoothly.
 
-    All other nodes of the boundary stay where they are, so the volume shrinks by the integral of the depth exactly. A
-    symmetric mesh stays so to the last bit under a depth that is. `require_quality` checks whether elements are sound.
+    The other nodes of the boundary stay in place, so the volume shrinks by exactly the integral of the depth. A mesh
+    that is symmetric to the last bit stays so if the depth is. Elements are not checked: see `require_quality`.
     """
     drop = np.zeros(len(mesh.points))
     drop[nodes] = depth_mm
@@ -263,7 +276,9 @@ def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
 
 
 def _as_symmetric(mesh: HexMesh, surface: Array, drop: Array) -> Array:
-    """The drop of all nodes (n,) made symmetric to the last bit where the mesh and the drop of its surface are."""
+    """The drop (n,) of all nodes made symmetric to the last bit, where the mesh and the drop `surface` of its surface
+    are.
+    """
     for axis in (0, 1):
         image = mirror_images(mesh, axis)
         if image is not None and np.array_equal(surface, surface[image]):
@@ -272,7 +287,7 @@ def _as_symmetric(mesh: HexMesh, surface: Array, drop: Array) -> Array:
 
 
 def _solved(matrix: csr_matrix, force: Array) -> Array:
-    """Conjugate gradients with diagonal scaling: far cheaper than factors of a three-dimensional mesh."""
+    """Solve matrix u = force by conjugate gradients with diagonal scaling; GeometryError when they do not converge."""
     from scipy.sparse.linalg import LinearOperator, cg
 
     scale = matrix.diagonal()

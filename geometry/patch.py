@@ -1,7 +1,9 @@
-"""The contact patch of a body: a rectilinear grid of surface nodes over the plane, and the unworn height above it.
+"""The contact patch of a body: a rectilinear grid of surface nodes over the plane of contact, and the unworn height
+there.
 
-A planar body's patch has a single line across, which stands for a strip of unit thickness: fields on it are (n_a, 1),
-areas are lengths times 1 mm, forces are per mm. Everything that depends on the dimension is here.
+n_a grid lines run along the body's axis, n_t across. A planar body's patch has a single line across, which stands for a
+strip of 1 mm thickness: its fields have the shape (n_a, 1), areas are lengths times 1 mm, forces are per mm. Other
+modules need not distinguish the two.
 """
 
 from dataclasses import dataclass
@@ -14,10 +16,10 @@ from geometry.profiles import Profile
 
 @dataclass(frozen=True)
 class ContactPatch:
-    """Surface nodes that may come into contact, on a rectilinear grid in the plane that touches the fresh surface.
+    """Surface nodes that may come into contact, on a rectilinear grid in the plane that touches the unworn surface.
 
-    Facets of the mesh project onto the rectangles of this grid, so the finite elements' trace is bilinear on them. The
-    body's own frame has its origin at the point of first contact and its z axis along the outward normal there.
+    Facets of the mesh project onto the rectangles of this grid, so displacements on the surface are bilinear on them.
+    The body's own frame has its origin at the point of first contact and its z axis along the outward normal there.
     """
 
     axial_mm: Array  #: (n_a,) increasing grid lines.
@@ -36,7 +38,7 @@ class ContactPatch:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of nodes along and across the body's axis."""
+        """Numbers of nodes (n_a, n_t) along and across the body's axis."""
         return len(self.axial_mm), len(self.transverse_mm)
 
     @property
@@ -45,16 +47,18 @@ class ContactPatch:
 
     @property
     def smallest_element(self) -> float:
-        """Smallest spacing of grid lines, mm."""
+        """Smallest spacing of the grid lines in mm."""
         return float(min(np.diff(lines).min() for lines in self._axes if len(lines) > 1))
 
     def grid(self) -> Array:
-        """Plane coordinates (axial, transverse) of all nodes, shape (size, 2), in the order of `nodes.ravel()`."""
+        """Coordinates (along, across) in mm of all nodes in the plane, (size, 2), in the order of `nodes.ravel()`."""
         a, t = np.meshgrid(self.axial_mm, self.transverse_mm, indexing="ij")
         return np.column_stack([a.ravel(), t.ravel()])
 
     def height(self, plane_mm: Array) -> Array:
-        """Height of the surface at plane points (n, 2), shape (n,), in mm: the profile less the moved nodes' depth."""
+        """Height (n,) in mm of the surface at plane points (n, 2): the profile's less the depth by which nodes have
+        been moved.
+        """
         fresh, depth = self.profile.height(plane_mm), self.repositioned_depth_mm
         if depth is None:
             return fresh
@@ -62,11 +66,13 @@ class ContactPatch:
         return np.asarray(fresh - np.einsum("ij,ij->i", weights, depth.ravel()[nodes]))
 
     def node_areas(self) -> Array:
-        """Plane area that belongs to each node (integral of its bilinear shape function), shape (size,), mm²."""
+        """Integral of each node's bilinear shape function over the plane, (size,), in mm²: the area that belongs to the
+        node.
+        """
         return np.outer(_line_weights(self.axial_mm), _line_weights(self.transverse_mm)).ravel()
 
     def edge_nodes(self) -> BoolArray:
-        """Whether a node lies on the patch's outer edge, shape (size,)."""
+        """True (size,) for nodes on the patch's outer edge."""
         edge = np.zeros(self.shape, dtype=bool)
         edge[[0, -1]] = True
         if len(self.transverse_mm) > 1:
@@ -74,15 +80,15 @@ class ContactPatch:
         return edge.ravel()
 
     def locate(self, plane_mm: Array) -> tuple[IntArray, Array, BoolArray]:
-        """How to interpolate a nodal field at plane points (n, 2).
+        """Nodes and weights that interpolate a nodal field bilinearly at plane points (n, 2) in mm.
 
-        Returns nodes and weights, both (n, 4), or (n, 2) on a planar patch, and whether a point lies on the patch,
-        (n,). Weights of points beside the patch are zero.
+        Returns node indices in `grid`'s order and weights, both (n, 4), or (n, 2) on a planar patch, and whether each
+        point lies on the patch, (n,). The weights of points outside it are zero.
         """
         return located(self.axial_mm, self.transverse_mm, plane_mm)
 
     def gradient(self, field: Array) -> Array:
-        """Gradient (along, across) at the nodes of a field (n_a, n_t), shape (size, 2), by central differences."""
+        """Gradient (along, across), (size, 2), at the nodes of a field (n_a, n_t), by central differences."""
         if len(self.transverse_mm) == 1:
             along = np.gradient(field[:, 0], self.axial_mm)
             return np.column_stack([along, np.zeros_like(along)])
@@ -90,14 +96,19 @@ class ContactPatch:
         return np.column_stack([along.ravel(), across.ravel()])
 
     def quadrature(self, points: int) -> tuple[Array, Array]:
-        """Gauss points of all cells, `points` in each direction: plane positions (g, 2) and plane areas (g,) in mm²."""
+        """Gauss points of all cells, `points` in each direction: plane positions (g, 2) in mm and plane areas (g,) in
+        mm².
+        """
         (a, wide), (t, deep) = (_gauss_on_lines(lines, points) for lines in self._axes)
         along, across = np.meshgrid(a, t, indexing="ij")
         return np.column_stack([along.ravel(), across.ravel()]), np.outer(wide, deep).ravel()
 
 
 def located(axial: Array, transverse: Array, places: Array) -> tuple[IntArray, Array, BoolArray]:
-    """How to interpolate a field on the grid of lines (n_a,) and (n_t,) at places (n, 2); see `ContactPatch.locate`."""
+    """Nodes and weights that interpolate a field on the grid of lines (n_a,) and (n_t,) at places (n, 2).
+
+    Returned as by `ContactPatch.locate`.
+    """
     i, u = _cell(axial, places[:, 0])
     if len(transverse) == 1:
         nodes, weights = np.column_stack([i, i + 1]), np.column_stack([1 - u, u])

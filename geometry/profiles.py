@@ -1,4 +1,8 @@
-"""Unworn surfaces of contacting bodies: heights above the plane that touches them where contact begins."""
+"""Unworn surfaces of contacting bodies: heights relative to the plane that touches them at the point of first contact.
+
+Plane points are (n, 2) coordinates in mm in the body's own frame: along and across the body's axis. A face is a surface
+that is straight across the body's axis; its fall is how far it lies below its highest point.
+"""
 
 from __future__ import annotations
 
@@ -19,45 +23,49 @@ _REACH = 0.95  # Far beside a contact patch any finite height will do; a cylinde
 
 
 class Profile(Protocol):
-    """Height of an unworn surface over the plane, with its gradient.
+    """Height of an unworn surface as a function of the position in the plane, with its gradient.
 
     Points are (n, 2) plane coordinates (along, across) in mm in the body's own frame.
     """
 
     def height(self, plane_mm: Array) -> Array:
-        """Height at plane points, shape (n,), in mm: zero at the origin, nowhere positive."""
+        """Height (n,) in mm at plane points (n, 2): zero at the origin, nowhere positive."""
         ...
 
     def slope(self, plane_mm: Array) -> Array:
-        """Gradient of the height at plane points, shape (n, 2)."""
+        """Gradient (n, 2) of the height at plane points (n, 2): its derivatives along and across the body's axis."""
         ...
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """GeometryError when a patch of these half-extents does not fit on the surface."""
+        """GeometryError when a patch that reaches `along_mm` and `across_mm` to each side does not fit on the
+        surface.
+        """
         ...
 
 
 @dataclass(frozen=True)
 class Cylinder:
-    """A cylinder whose surface curves across the body's axis, as a wire's does, or along it, as a planar pad's does."""
+    """A cylinder that curves across the body's axis, as a wire does, or with `curved_along` along it, as a planar pad
+    does.
+    """
 
     radius_mm: float
     curved_along: bool = False
 
     def height(self, plane_mm: Array) -> Array:
-        """-(R - sqrt(R² - t²)), t being the distance from the highest line."""
+        """-(R - sqrt(R² - t²)) in mm, with t the distance of a point from the cylinder's highest line."""
         t = self._clipped(plane_mm)
         return -(t**2) / (self.radius_mm + np.sqrt(self.radius_mm**2 - t**2))
 
     def slope(self, plane_mm: Array) -> Array:
-        """-t / sqrt(R² - t²) in the direction of curvature."""
+        """Gradient: -t / sqrt(R² - t²) in the direction of curvature, 0 in the other."""
         t = self._clipped(plane_mm)
         slope = np.zeros((len(t), 2))
         slope[:, 0 if self.curved_along else 1] = -t / np.sqrt(self.radius_mm**2 - t**2)
         return slope
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """GeometryError when the patch reaches the cylinder's flank."""
+        """GeometryError when the patch reaches as far as the cylinder's radius in the direction of curvature."""
         reach = along_mm if self.curved_along else across_mm
         if reach >= self.radius_mm:
             raise GeometryError(
@@ -71,29 +79,32 @@ class Cylinder:
 
 @dataclass(frozen=True)
 class Barrel:
-    """A surface of revolution about a line along the body's axis, whose profile is an arc: a ball, a barrel, a flat.
+    """A surface of revolution about a line parallel to the body's axis whose crown is an arc: a ball, a barrel or a
+    flat.
 
-    curvature_along_per_mm, curvature_across_per_mm: one over the radii of the arc and of the thickest circle.
+    curvature_along_per_mm, curvature_across_per_mm: one over the radius of the crown's arc along the axis, and of the
+    thickest circle across it; 0 where straight.
     """
 
     curvature_along_per_mm: float
     curvature_across_per_mm: float
 
     def height(self, plane_mm: Array) -> Array:
-        """-(s + r - sqrt(r² - y²)), s being the fall along the crown and r the radius of the circle there."""
+        """-(s + r - sqrt(r² - y²)) in mm, with s the fall of the crown at x and r = R - s the radius of the circle
+        across there.
+        """
         x, y, share, root = self._circle(plane_mm)
         across = self.curvature_across_per_mm
         return -(self._fall(x) + across * y**2 / (share + root))
 
     def slope(self, plane_mm: Array) -> Array:
-        """Along and across."""
         x, y, share, root = self._circle(plane_mm)
         k = self.curvature_along_per_mm
         along = k * x / np.sqrt(1.0 - (k * x) ** 2)
         return -np.column_stack([along * share, self.curvature_across_per_mm * y]) / root[:, None]
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """GeometryError when the patch reaches the flank."""
+        """GeometryError when the patch reaches 0.95 of a radius of curvature, where the surface becomes steep."""
         k, across = self.curvature_along_per_mm, self.curvature_across_per_mm
         if k * along_mm >= _REACH or across * across_mm >= _REACH * (1.0 - across * self._fall(np.array(along_mm))):
             raise GeometryError(
@@ -106,7 +117,9 @@ class Barrel:
         return np.asarray(k * x**2 / (1.0 + np.sqrt(1.0 - (k * x) ** 2)))
 
     def _circle(self, plane_mm: Array) -> tuple[Array, Array, Array, Array]:
-        """Points clipped short of the flank; over the thickest circle's radius, that of the one there, and its root."""
+        """Points x and y (n,) in mm, kept short of the steep flank; the radius of the circle at x over that of the
+        thickest circle, (n,); and the height of the point above the axis of revolution over the latter, (n,).
+        """
         x, y = plane_mm.T
         k, across = self.curvature_along_per_mm, self.curvature_across_per_mm
         x = np.clip(x, -_REACH / k, _REACH / k) if k else x
@@ -117,23 +130,23 @@ class Barrel:
 
 @dataclass(frozen=True)
 class Flat:
-    """A plane surface."""
+    """A plane surface, of height 0."""
 
     def height(self, plane_mm: Array) -> Array:
-        """Zero."""
         return np.zeros(len(plane_mm))
 
     def slope(self, plane_mm: Array) -> Array:
-        """Zero."""
         return np.zeros((len(plane_mm), 2))
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """Any patch fits."""
+        """Do nothing: any patch fits on a plane."""
 
 
 @dataclass(frozen=True)
 class RoundedFlat:
-    """A flat face of half-width b along the body's axis whose edges are rounded with a radius."""
+    """A flat face that reaches half_width_mm to each side along the body's axis and then falls with edges of a
+    radius.
+    """
 
     half_width_mm: float
     edge_radius_mm: float
@@ -148,16 +161,14 @@ class RoundedFlat:
             )
 
     def height(self, plane_mm: Array) -> Array:
-        """Zero on the flat, that of the rounding beside it."""
         brink = self._edge.height(np.array([[self.half_width_mm - self._centre_mm, 0.0]]))
         return np.asarray(self._edge.height(self._beyond(plane_mm)) - brink)
 
     def slope(self, plane_mm: Array) -> Array:
-        """Zero on the flat, that of the rounding beside it."""
         return self._edge.slope(self._beyond(plane_mm)) * (np.abs(plane_mm[:, :1]) > self.half_width_mm)
 
     def require_within(self, along_mm: float, across_mm: float) -> None:  # noqa: ARG002 - the face is straight across
-        """GeometryError when the patch reaches the end of the rounding."""
+        """GeometryError when the patch reaches the end of the rounded edge."""
         if along_mm >= self._centre_mm + self.edge_radius_mm:
             raise GeometryError(
                 f"a contact patch {along_mm} mm to the side does not fit on a face of half-width {self.half_width_mm} "
@@ -170,7 +181,7 @@ class RoundedFlat:
 
     @property
     def _centre_mm(self) -> float:
-        """Where the arcs' centres lie to each side of the middle."""
+        """Distance of the centres of the edges' arcs from the middle, along the body's axis."""
         return 0.0 if self.cut else self.half_width_mm
 
     def _beyond(self, plane_mm: Array) -> Array:
@@ -181,10 +192,11 @@ class RoundedFlat:
 
 @dataclass(frozen=True)
 class TabledProfile:
-    """A face given by points (x, fall) in mm along the body's axis, x increasing, the least fall being 0.
+    """A face given by points (x, fall) in mm along the body's axis, with x increasing and the least fall 0.
 
-    From x = 0 on they stand for both sides, which are alike; else there are points on either side. Between them the
-    face is a smooth curve without bumps of its own (monotone cubics), where both sides are alike level in the middle.
+    If x begins at 0, both sides are alike; otherwise points are needed on both sides. The face is a smooth curve
+    through the points that overshoots none of them (monotone cubics); where both sides are alike it is level in the
+    middle.
     """
 
     points_mm: tuple[tuple[float, float], ...]
@@ -202,29 +214,28 @@ class TabledProfile:
 
     @property
     def is_even(self) -> bool:
-        """Whether both sides are alike because one stands for both."""
+        """True if the points begin at x = 0, so that both sides are alike."""
         return self.points_mm[0][0] == 0.0
 
     @property
     def reach_mm(self) -> float:
-        """How far it goes to both sides."""
+        """Distance from the middle up to which the points reach on both sides."""
         first, last = self.points_mm[0][0], self.points_mm[-1][0]
         return last if self.is_even else min(-first, last)
 
     @property
     def even(self) -> TabledProfile:
-        """The face, alike on both sides, that has fallen as much where this one has everywhere beyond, on either side.
+        """A face, alike on both sides, that nowhere lies below this one on either side and falls steadily outwards.
 
-        A contact with this face lies within the one with that.
+        Its fall at a distance is the least fall of this face from that distance on, on either side, so the contact of
+        this face lies within the contact of the returned one.
         """
         return TabledProfile(tuple(zip(*(values.tolist() for values in self._hull), strict=True)))
 
     def height(self, plane_mm: Array) -> Array:
-        """Minus the fall."""
         return -np.asarray(self._fall(self._clipped(plane_mm)))
 
     def slope(self, plane_mm: Array) -> Array:
-        """Along the body's axis."""
         x = self._clipped(plane_mm)
         return np.column_stack([-self._fall(x, 1), np.zeros_like(x)])
 
@@ -244,7 +255,9 @@ class TabledProfile:
 
     @cached_property
     def _hull(self) -> tuple[Array, Array]:
-        """Distances from the middle, and the least fall from there on."""
+        """Distances (k,) from the middle in mm, and the least fall (k,) in mm at or beyond each distance on either
+        side.
+        """
         x, fall = self._both_sides
         inwards = np.argsort(-np.abs(x), kind="stable")
         least = np.minimum.accumulate(fall[inwards])
@@ -264,28 +277,31 @@ class TabledProfile:
 
 @dataclass(frozen=True)
 class Turned:
-    """A face turned about the normal at its middle: along every radius what it is along a body's axis."""
+    """A surface of revolution about the normal at its middle: along every radius it falls as `face` does along a body's
+    axis.
+    """
 
     face: Cylinder | RoundedFlat | TabledProfile
 
     def height(self, plane_mm: Array) -> Array:
-        """Height (n,) in mm at positions (n, 2): the face's at that distance from its middle; beyond its last point it
-        goes on as steeply.
+        """Height (n,) in mm at plane points (n, 2): the face's at that radius; beyond the face's last point it falls on
+        at the slope that it has there.
         """
         along, beyond = self._along(plane_mm)
         return np.asarray(self.face.height(along) + beyond * self.face.slope(along)[:, 0])
 
     def slope(self, plane_mm: Array) -> Array:
-        """Along the radius."""
         along, beyond = self._along(plane_mm)
         far = np.maximum(along[:, 0] + beyond, np.finfo(float).tiny)
         return np.asarray(self.face.slope(along)[:, :1] / far[:, None] * plane_mm)
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """Any patch fits: what has no points is low."""
+        """Do nothing: any patch fits, since the surface goes on falling beyond the face's last point."""
 
     def _along(self, plane_mm: Array) -> tuple[Array, Array]:
-        """Places (n, 2) on the face, and how far (n,) points lie beyond its end."""
+        """Points (n, 2) on the face at the radii of plane points (n, 2), and how far (n,) in mm those lie beyond the
+        face's end.
+        """
         far = np.hypot(*plane_mm.T)
         within = np.minimum(far, self.face.reach_mm) if isinstance(self.face, TabledProfile) else far
         return np.column_stack([within, np.zeros_like(far)]), far - within
@@ -293,10 +309,12 @@ class Turned:
 
 @dataclass(frozen=True, eq=False)
 class LoweredSurface:
-    """A surface that lies below another one by depths as they were measured: an old scar, or errors of its form.
+    """A surface that lies below a base surface by a map of measured depths: an old scar, or deviations from nominal
+    form.
 
-    x_mm (n_x,), y_mm (n_y,), depth_mm (n_x, n_y): a map.  to_map: (2, 2), turns plane vectors into the map's axes.
-    Between lines depths and their gradients are bilinear, beside the map those of its rim.
+    x_mm (n_x,), y_mm (n_y,), depth_mm (n_x, n_y): the map, depths positive downwards. to_map: (2, 2) matrix; its
+    product with a vector (along, across) in the plane is the vector's components on the map's x and y. Depths and their
+    gradients are bilinear between the map's lines; outside the map they are those at its rim.
     """
 
     base: Profile
@@ -306,19 +324,17 @@ class LoweredSurface:
     to_map: Array
 
     def height(self, plane_mm: Array) -> Array:
-        """Of the other surface less the depth."""
         return np.asarray(self.base.height(plane_mm) - self._at(plane_mm)[:, 0])
 
     def slope(self, plane_mm: Array) -> Array:
-        """Likewise."""
         return np.asarray(self.base.slope(plane_mm) - self._at(plane_mm)[:, 1:] @ self.to_map)
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """As of the other surface."""
+        """GeometryError when the patch does not fit on the base surface."""
         self.base.require_within(along_mm, across_mm)
 
     def _at(self, plane_mm: Array) -> Array:
-        """Depth and gradient (n, 3) in the map's axes."""
+        """At plane points (n, 2): the depth and its derivatives along the map's x and y, (n, 3)."""
         lines = (self.x_mm, self.y_mm)
         places = [np.clip(own, line[0], line[-1]) for own, line in zip(self.to_map @ plane_mm.T, lines, strict=True)]
         return np.asarray(self._interpolated(np.column_stack(places)))

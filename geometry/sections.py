@@ -1,9 +1,9 @@
-"""Half a section, of a wire or of a block, in quadrilaterals that are fine at the contact and coarse elsewhere.
+"""Quadrilateral meshes of half a cross-section, of a wire, tube or block: fine at the contact, coarse elsewhere.
 
-Columns of elements go down from the contact. Transition rows join three columns into one wherever they are narrow,
-so a fine contact costs little inside the body, and the topology exists for any number of columns. Below, a wire's
-columns end in a core, around which the layers continue as rings to its back; a tube's end at its bore, likewise; a
-block's go on to its back.
+Columns of elements go down from the contact. Transition rows join three columns into one where columns are narrow, so a
+fine contact costs few elements inside the body; any number of columns can be joined. The columns of a wire end in a
+core, around which the layers go on as rings to the wire's back; those of a tube end at its bore, and its layers go on
+as rings, too; those of a block end at its back. Points are (y, z) in mm with y >= 0.
 """
 
 from collections.abc import Callable
@@ -43,7 +43,7 @@ class _Quads:
         return len(self.points) - 1
 
     def below(self, top: float) -> tuple[Array, IntArray]:
-        """All of it, the contact at `top` moved to zero."""
+        """All points (n, 2), moved down by `top` so that the contact is at z = 0, and all quadrilaterals (m, 4)."""
         points = np.array(self.points)
         points[:, 1] -= top
         points[np.abs(points[:, 0]) < 1e-12 * top, 0] = 0.0
@@ -58,10 +58,14 @@ def wire_section(
     finest_mm: float | None = None,
     bore_radius_mm: float = 0.0,
 ) -> tuple[Array, IntArray]:
-    """Points (n, 2) as (y >= 0, z) with the contact at the origin facing +z, and counter-clockwise quads (m, 4).
+    """Mesh half of the cross-section of a wire or tube.
 
-    half_lines_mm: (k,) transverse lines of the contact patch from 0; every one is a node on the surface.
-    finest_mm: spacing that the uppermost layer's thickness goes with, where that along the wire is finer than across.
+    half_lines_mm: (k,) grid lines of the contact patch across the wire, from 0; each becomes a node on the surface.
+    finest_mm: the patch's smallest spacing along the wire; the uppermost layer's thickness follows from it where it is
+    smaller than that across.
+
+    Returns points (n, 2) in mm as (y >= 0, z), the contact at the origin and +z outwards, and quads (m, 4),
+    counter-clockwise.
     """
     section = _Quads()
     if bore_radius_mm:
@@ -82,7 +86,11 @@ def wire_section(
 def block_section(
     half_width_mm: float, height_mm: float, half_lines_mm: Array, coarse_mm: float, layering: Layering, finest_mm: float
 ) -> tuple[Array, IntArray]:
-    """Points (n, 2) and quadrilaterals (m, 4) of half a rectangle in mm, whose upper side is the contact's."""
+    """Mesh half of a rectangular cross-section whose upper side carries the contact.
+
+    half_lines_mm: (k,) grid lines of the contact patch across, from 0. finest_mm: the patch's smallest spacing, from
+    which the uppermost layer's thickness follows. Returns points (n, 2) in mm as (y >= 0, z <= 0) and quads (m, 4).
+    """
     section = _Quads()
     beside = half_width_mm - half_lines_mm[-1]
     size = min(1.4 * float(half_lines_mm[-1] - half_lines_mm[-2]), beside)
@@ -105,9 +113,10 @@ class _Columns:
     def down(
         self, columns: Array, top: float, thickness: float, least: float
     ) -> tuple[list[int], Array, list[int], float]:
-        """From a level on, with a first layer of that thickness, as far as `least`.
+        """Lay out rows of elements from the level `top` down, the first `thickness` mm thick, without going below
+        `least`.
 
-        Returns the last row of points, its columns, the points on the outer edge of each row, and the last level.
+        Returns the last row of points, its columns, the points on the outer edge of each row, and the last level in mm.
         """
         layering, level = self.layering, top
         row = [self.place(level, column) for column in columns]
@@ -137,7 +146,11 @@ class _Columns:
     def through(
         self, columns: Array, top: float, bottom: float, thickness: float, unjoined: float
     ) -> tuple[list[int], Array, list[int]]:
-        """From one level down to another, the last share of it in plain rows; returns as `down` does."""
+        """Lay out rows from the level `top` down to `bottom`, joining no columns in the share `unjoined` above
+        `bottom`.
+
+        Returns the last row of points, its columns, and the points on the outer edge of each row.
+        """
         row, columns, edge, level = self.down(columns, top, thickness, bottom + unjoined * (top - bottom))
         last, rest = self.scale(level) * float(np.diff(columns).min()), level - bottom
         for step in np.cumsum(graded_layers(min(last, rest), self.layering.growth, self.coarse_mm, rest)):
@@ -164,7 +177,9 @@ class _Columns:
 
 
 def _top_angles(radius: float, half_lines: Array, coarse: float) -> Array:
-    """Angles of the columns: those of the patch, then growing ones up to the corner of the core."""
+    """Angles in rad of the columns at the surface: the patch's lines, then ever wider spacings up to the core's
+    corner.
+    """
     angles = list(np.arcsin(half_lines / radius))
     size = angles[-1] - angles[-2]
     while angles[-1] < _LEAST_CORNER_ANGLE - 0.5 * size:
@@ -174,7 +189,9 @@ def _top_angles(radius: float, half_lines: Array, coarse: float) -> Array:
 
 
 def _joined_columns(widths: Array, coarse: float) -> list[int]:
-    """First columns of the groups of three that a transition row joins; empty when joining would be too coarse."""
+    """Index of the first column of each group of three that a transition row joins; empty if elements would be too
+    coarse.
+    """
     limit = min(_WIDEST_JOINED * float(widths.min()), 0.4 * coarse)
     joins = []
     column = 0
@@ -196,7 +213,7 @@ def _plain_row(section: _Quads, upper: list[int], lower: list[int]) -> list[int]
 def _rings_and_core(
     section: _Quads, row: list[int], edge: list[int], angles: Array, radius: float, coarse: float
 ) -> None:
-    """Continue the layers to the back as rings, and fill the core."""
+    """Add rings of elements from the columns' outer edge to the wire's back, and the core inside them."""
     columns = len(row) - 1
     corner = float(angles[-1])
     rim = _CORE_RADIUS * radius
@@ -221,13 +238,17 @@ def _rings_and_core(
 
 
 def _ring_angles(corner: float, size: float, at_back: int | None = None) -> Array:
-    """Angles from the columns' corner to the back, one at the edge of the quarter that is gripped by default."""
+    """Angles in rad from the columns' corner to the back; one is at 3/4 π, the edge of the quarter gripped by
+    default.
+    """
     sides, back = max(2, round((0.75 * pi - corner) / size)), at_back or max(2, round(0.25 * pi / size))
     return np.append(np.linspace(corner, 0.75 * pi, sides + 1), np.linspace(0.75 * pi, pi, back + 1)[1:])
 
 
 def _rings(section: _Quads, edge: list[int], angles: Array) -> list[int]:
-    """Layers from points on the columns' outer edge along angles to the back; returns the last ring."""
+    """Add rings of elements from the points on the columns' outer edge along the angles to the back; return the last
+    ring.
+    """
     rows = [[node, *(section.polar(float(np.hypot(*section.points[node])), a) for a in angles[1:])] for node in edge]
     for upper, lower in pairwise(rows):
         _plain_row(section, upper, lower)
@@ -235,7 +256,9 @@ def _rings(section: _Quads, edge: list[int], angles: Array) -> list[int]:
 
 
 def _core(section: _Quads, top: list[int], side: list[int], bottom: list[int]) -> None:
-    """Transfinite interpolation between the core's top, side and bottom; its fourth side is the symmetry plane."""
+    """Add the core's elements by transfinite interpolation between its top, side and bottom; the fourth side is
+    y = 0.
+    """
     p = np.array(section.points)
     rows, columns = len(side) - 1, len(top) - 1
     previous = top

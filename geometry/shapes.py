@@ -1,4 +1,7 @@
-"""Shapes of bodies: wires and tubes, blocks with a curved face, and planar pads and specimens with their meshes."""
+"""Shapes of bodies: wires and tubes, blocks with a curved face, and planar pads and specimens with their meshes.
+
+A planar body is a slice of 1 mm thickness in the plane (x, z), for line contacts.
+"""
 
 from dataclasses import dataclass, field, replace
 from math import pi
@@ -19,7 +22,7 @@ _LEAST_QUALITY = 0.2
 
 @dataclass(frozen=True)
 class WireGeometry(BodyGeometry):
-    """What a wire's mesh is built from; see `BodyGeometry`."""
+    """Dimensions and mesh sizes of a wire or a tube; see `BodyGeometry`."""
 
     diameter_mm: float
     length_mm: float
@@ -70,12 +73,14 @@ class WireGeometry(BodyGeometry):
         return min(0.5 * (self.diameter_mm - self.bore_mm) if self.bore_mm else self.diameter_mm, self.length_mm)
 
     def section(self) -> tuple[Array, IntArray]:
-        """Half a circle, or half a ring."""
+        """Half of a disc, or of a ring for a tube."""
         lines, bore = self.transverse.half_lines(), 0.5 * self.bore_mm
         return wire_section(self.radius_mm, lines, self.coarse_mm, self.layering, self.finest_mm, bore)
 
     def gripped(self, centres_mm: Array) -> BoolArray:
-        """About the back, all along it or as far as the grip goes and not at its ends; or at these alone."""
+        """True (n,) for facets on the back, within the grip's half-angle and half-length; or on the ends if
+        `gripped_at_ends`.
+        """
         x, y, z = centres_mm.T
         from_back = np.abs(np.arctan2(y, -(z + self.radius_mm)))
         reach = self.half_length_mm * (1.0 - 1e-9)
@@ -89,11 +94,11 @@ class WireGeometry(BodyGeometry):
 
 @dataclass(frozen=True)
 class BlockGeometry(BodyGeometry):
-    """A block with a barrel's face, held at its back and its sides; lengths in mm."""
+    """A block with a barrel-shaped face, held at its back and its four sides; lengths in mm."""
 
-    curvature_along_per_mm: float  #: One over the face's radius, 0 where it is straight, as the next.
+    curvature_along_per_mm: float  #: One over the face's radius along x, 0 where straight; the next is across.
     curvature_across_per_mm: float
-    half_width_along_mm: float  #: To each side of the contact, as the next.
+    half_width_along_mm: float  #: How far the block reaches to each side along x; the next is across.
     half_width_across_mm: float
     height_mm: float  #: From the contact to the back.
     axial: GradedAxis | RimGradedAxis
@@ -101,7 +106,7 @@ class BlockGeometry(BodyGeometry):
     coarse_mm: float
     grip_stiffness_N_per_mm3: float | None = None
     layering: Layering = field(default_factory=Layering)
-    face: Turned | None = None  #: That of a pad, which lies below the mesh's.
+    face: Turned | None = None  #: The face of a pad of revolution; it lies below the surface of the mesh.
 
     def __post_init__(self) -> None:
         widths = self.half_width_along_mm, self.half_width_across_mm
@@ -115,7 +120,7 @@ class BlockGeometry(BodyGeometry):
 
     @property
     def profile(self) -> Profile:
-        """Curved along and across, or the pad's."""
+        """The pad's face where one is given, otherwise the surface of the mesh."""
         return self.face or self.meshed_profile
 
     @property
@@ -131,21 +136,23 @@ class BlockGeometry(BodyGeometry):
         return min(2.0 * self.half_width_along_mm, 2.0 * self.half_width_across_mm, self.height_mm)
 
     def section(self) -> tuple[Array, IntArray]:
-        """Half a rectangle."""
+        """Half of a rectangle."""
         lines = self.transverse.half_lines()
         return block_section(
             self.half_width_across_mm, self.height_mm, lines, self.coarse_mm, self.layering, self.finest_mm
         )
 
     def bent(self, points_mm: Array) -> Array:
-        """The face lowered onto its profile, what is below in proportion, the back left where it is."""
+        """Points (n, 3) moved down so that the top follows the face's profile; the shift falls linearly to 0 at the
+        back.
+        """
         share = np.maximum(1.0 + points_mm[:, 2] / self.height_mm, 0.0)
         bent = points_mm.copy()
         bent[:, 2] += share * self.meshed_profile.height(points_mm[:, :2])
         return bent
 
     def gripped(self, centres_mm: Array) -> BoolArray:
-        """At its back and all around."""
+        """True (n,) for facets on the block's back and its four sides."""
         x, y, z = centres_mm.T
         aside = np.maximum(np.abs(x) / self.half_width_along_mm, np.abs(y) / self.half_width_across_mm)
         return np.asarray((aside > 1.0 - 1e-9) | (z < -self.height_mm * (1.0 - 1e-9)))
@@ -153,16 +160,16 @@ class BlockGeometry(BodyGeometry):
 
 @dataclass(frozen=True)
 class PlanarGeometry:
-    """A body of unit thickness below a contact surface, held at its back."""
+    """Dimensions and mesh sizes of a planar body of unit thickness below a contact surface, held at its back."""
 
     profile: Profile  #: The contact surface.
-    half_width_mm: float  #: Of the body around the point of first contact.
-    height_mm: float  #: Below that point.
+    half_width_mm: float  #: How far the body reaches to each side of the point of first contact.
+    height_mm: float  #: Distance from the point of first contact to the back.
     along: GradedAxis | EdgeGradedAxis  #: Mesh lines of the contact patch.
     far_mm: float = 1.0  #: Largest element far away.
-    growth: float = 1.3  #: Of elements from one to the next on the way there.
-    grip_half_width_mm: float | None = None  #: Of the held part of the back, about the middle; all without it.
-    grip_stiffness_N_per_mm3: float | None = None  #: Of an elastic grip per area; without it the grip is rigid.
+    growth: float = 1.3  #: Ratio of the sizes of neighbouring elements away from the patch.
+    grip_half_width_mm: float | None = None  #: Half-width of the held part of the back; None: all of it.
+    grip_stiffness_N_per_mm3: float | None = None  #: Stiffness of the grip per area; None: the grip is rigid.
 
     def __post_init__(self) -> None:
         if not self.half_width_mm > self.along.half_extent_mm:
@@ -183,13 +190,13 @@ class PlanarGeometry:
             )
 
     def layers(self) -> Array:
-        """Thicknesses (n,) of the rows of elements at the middle, in mm, from the surface down."""
+        """Thicknesses (n,) in mm of the rows of elements in the middle of the body, from the surface down."""
         return graded_layers(self.along.fine_mm, self.growth, self.far_mm, self.height_mm)
 
 
 @dataclass(frozen=True)
 class PlanarMesh:
-    """A meshed planar body in its own frame: z outwards at the point of first contact, which is the origin."""
+    """The mesh of a planar body in the body's own frame: the origin is the point of first contact, +z outwards."""
 
     geometry: PlanarGeometry
     mesh: QuadMesh
@@ -198,15 +205,17 @@ class PlanarMesh:
 
     @property
     def bedding(self) -> Array | None:
-        """Stiffness (n,) in N/mm per mm by which an elastic grip holds each node, None where the grip is rigid."""
+        """Stiffness (n,) in N/mm per mm of thickness by which an elastic grip holds each node; None where the grip is
+        rigid.
+        """
         stiffness = self.geometry.grip_stiffness_N_per_mm3
         return None if stiffness is None else stiffness * self.mesh.surface_lengths("grip")
 
     def worn(self, depth_mm: Array) -> "PlanarMesh":
-        """This mesh with the nodes of its patch moved into a surface worn by a vertical depth (n,).
+        """A copy of this mesh with the nodes of its patch moved down by a vertical depth (n,) in mm.
 
-        Those beneath follow, each column as a whole, ever less towards the held back. GeometryError where an element
-        becomes too distorted.
+        Nodes below move with the surface node above them, by a share that falls linearly to 0 at the back.
+        GeometryError when an element becomes too distorted.
         """
         patch, points = self.patch, self.mesh.points.copy()
         along = np.interp(points[:, 0], patch.axial_mm, depth_mm, 0.0, 0.0)
@@ -219,7 +228,8 @@ class PlanarMesh:
 
 
 def build_planar(geometry: PlanarGeometry) -> PlanarMesh:
-    """Mesh a planar body; its surfaces are 'contact', 'grip' (the back) and 'sides'.
+    """Build the mesh of a planar body, with the named surfaces 'contact', 'grip' (the back or its held part) and
+    'sides'.
 
     GeometryError when an element is too distorted.
     """
@@ -246,14 +256,18 @@ def build_planar(geometry: PlanarGeometry) -> PlanarMesh:
 
 
 def _held(back: IntArray, points: Array, half_width_mm: float | None) -> IntArray:
-    """The sides (k, 2) of the back whose middles are held."""
+    """The sides (k, 2) of the back whose middles lie within `half_width_mm` of x = 0; all of them without a
+    half-width.
+    """
     if half_width_mm is None:
         return back
     return np.asarray(back[np.abs(points[back, 0].mean(axis=1)) <= half_width_mm])
 
 
 def _lines_to_sides(geometry: PlanarGeometry) -> Array:
-    """Mesh lines over the body's width: the patch's lines, then growing ones; exactly antisymmetric."""
+    """Mesh lines in mm over the body's whole width: the patch's lines, then ever wider spacings; exactly
+    antisymmetric.
+    """
     half = geometry.along.half_lines()
     last = half[-1] - half[-2]
     rest = geometry.half_width_mm - half[-1]
