@@ -1,8 +1,9 @@
-"""A body as a contact sees it, whatever it comes from: its patch, how that gives way, and what forces leave of it.
+"""The interfaces of a body in contact: its patch, how forces displace the patch's nodes, and the prints that forces
+leave.
 
-`placement.place` puts any of them into the world, and nobody else asks what stands behind. A meshed body is condensed
-(`condensation.CondensedBody`); one whose matrix is known is `CondensedBody.whole`, be it from a file or a closed form;
-a class of its own may work out displacements when they are asked for, and yield.
+`placement.place` puts any such body into world axes; other code does not distinguish where it comes from. A meshed body
+is condensed to its patch (`condensation.CondensedBody`); a body of known compliance matrix, from a file or a closed
+form, is `CondensedBody.whole`; a class of its own may compute displacements on request, and yield.
 """
 
 from typing import Protocol
@@ -13,25 +14,26 @@ from solvers.elasticity.patch_compliance import Bricks
 
 
 class Compliance(Protocol):
-    """How the n nodes of a patch move by forces on them, mm/N (of planar bodies mm per N/mm).
+    """Displacements of the n nodes of a patch by forces on them, mm/N (for planar bodies mm per N/mm).
 
     Unknown 3 i + k belongs to node i and axis k. The matrix is symmetric and positive definite.
     """
 
     @property
     def rotation(self) -> Array:
-        """The matrix (3, 3) that turns the body's axes into those of forces and displacements."""
+        """Matrix (3, 3) that turns vectors from the body's axes into the axes of forces and displacements."""
         ...
 
     @property
     def dense(self) -> Array:
-        """All of it, (3 n, 3 n)."""
+        """The whole matrix (3 n, 3 n)."""
         ...
 
     def between(self, moved: IntArray, loaded: IntArray, out: Array | None = None, add: Array | None = None) -> Array:
-        """Displacements of some nodes (k,) by unit forces on others (l,), (3 k, 3 l), written to `out` if given.
+        """Displacements of the nodes `moved` (k,) by unit forces on the nodes `loaded` (l,): (3 k, 3 l).
 
-        add: (3,) factors of the forces' components, with which the displacements are added to what `out` holds.
+        out: array to write them to, which is returned. add: (3,) factors on the components of force; with it the
+        displacements are multiplied by these and added to `out`.
         """
         ...
 
@@ -40,33 +42,37 @@ class Compliance(Protocol):
         ...
 
     def turned(self, rotation: Array) -> "Compliance":
-        """The compliance in other axes, by a matrix (3, 3) that turns vectors into them."""
+        """The compliance in other axes; `rotation` (3, 3) turns vectors from the present axes into those."""
         ...
 
 
 class ContactBody(Protocol):
-    """A body in its own axes, which faces +z."""
+    """A body in its own axes: its contact patch faces +z."""
 
     @property
     def patch(self) -> ContactPatch:
-        """The nodes through which it is loaded, and its unworn shape there."""
+        """The nodes that may be loaded, and the unworn surface there."""
         ...
 
     @property
     def folded(self) -> Compliance:
-        """How they give way, relative to the grip."""
+        """Compliance of the patch's nodes relative to the grip, in the body's axes."""
         ...
 
     @property
     def bricks(self) -> Bricks | None:
-        """The elements under the patch whose near field is to be made good; None where there is nothing to correct."""
+        """The elements under the patch, to correct their errors near a loaded node; None where nothing is to be
+        corrected.
+        """
         ...
 
     @property
     def yields(self) -> bool:
-        """Whether forces leave a print."""
+        """True if forces can leave a print, a permanent depth."""
         ...
 
     def update(self, print_mm: Array, force_N: Array, /) -> Array:
-        """Depth (n_a, n_t) in mm of the print after forces (n, 3) on the nodes. print_mm: the depth before them."""
+        """Depth (n_a, n_t) in mm of the print after forces (n, 3) in N on the nodes; `print_mm` is the depth before
+        them.
+        """
         ...

@@ -1,4 +1,8 @@
-"""Compliance of two bodies as their paired contact nodes see it."""
+"""Compliance of two bodies between their paired contact nodes, gathered column by column as nodes become loaded.
+
+A node is known once the displacements by unit forces or tractions on it are stored. Nodes keep the order in which they
+became known: `place` and `row` hold a node's number in such an order, or -1.
+"""
 
 import numpy as np
 
@@ -13,14 +17,15 @@ ACROSS = np.array([1.0, -1.0, 1.0])
 
 
 class Block:
-    """The part of a body's compliance that an increment needs: what unit forces on u nodes that carry load do to w.
+    """The part of one body's compliance that an increment needs: displacements of w nodes by forces on u known ones.
 
-    nodes: (w,), increasing.  place, row: (n,) which of the w each node of the patch is, and which of the u, or -1.
-    rows: (3 u, 3 w) and room for more, mm/N.
+    nodes: (w,) increasing.  place: (n,) number among the w nodes of each node of the patch, or -1.  row: (n,) its
+    number among the u known ones, or -1.  rows: (3 u, 3 w) or more rows, mm/N: displacements by unit forces, one row
+    per force.
     """
 
     def __init__(self, body: PlacedBody, nodes: IntArray) -> None:
-        """Nothing is known yet; what loads do is gathered as they become known."""
+        """A block for the displacements of `nodes` (w,), in which no node is known yet."""
         self._folded, self.nodes, self._known = body.folded, nodes, 0
         self.row, self.place = np.full((2, body.patch.size), -1)
         self.place[nodes] = np.arange(len(nodes))
@@ -28,7 +33,7 @@ class Block:
         self._displaced: list[tuple[Array, Array]] = []
 
     def know(self, missing: IntArray) -> None:
-        """Gather what forces on more nodes do."""
+        """Gather the displacements by unit forces on further nodes, none of which is known yet."""
         if not len(missing):
             return
         self.row[missing] = self._known + np.arange(len(missing))
@@ -40,8 +45,9 @@ class Block:
         self._folded.between(missing, self.nodes, out=self.rows[begin : 3 * self._known])
 
     def displaced(self, force: Array) -> Array:
-        """Displacement (w, 3) under forces (n, 3) in N on the patch's nodes; kept, for an increment ends with the
-        forces with which the next one starts.
+        """Displacement (w, 3) in mm under forces (n, 3) in N on the patch's nodes.
+
+        The last two results are kept: an increment ends with the forces with which the next one starts.
         """
         for known, moved in self._displaced:
             if known is force:
@@ -57,8 +63,9 @@ class Block:
 
 
 def _block_between(body: PlacedBody, now: NodalTransfer, before: NodalTransfer) -> Block:
-    """A block that holds the nodes which transfers reach: the body's latest, if it does, for an increment mostly needs
-    what the one before did.
+    """A block that holds all nodes of the body that the transfers `now` and `before` reach.
+
+    It is the body's latest block where that holds them, since an increment mostly needs what the one before did.
     """
     latest = body.latest_block
     reached, held = _reached(latest[0].place if latest else np.full(body.patch.size, -1), now.columns, before.columns)
@@ -69,13 +76,13 @@ def _block_between(body: PlacedBody, now: NodalTransfer, before: NodalTransfer) 
 
 
 class PairedCompliance:
-    """Mean displacement of the upper against the lower body at k paired nodes under tractions there; world axes.
+    """Mean displacement of the upper relative to the lower body at k paired nodes by tractions there, in world axes.
 
-    matrix: (3 k, 3 k) in mm per MPa, filled in its first 3 m columns for the m nodes that have carried tractions.
-    place: (k,) where a node's columns stand, or -1.
-    old: (k, 3) displacement by the forces before the increment where the nodes are now; old_before: (l, 3) the same
-    where the nodes loaded before were then.  layer: compliance of an elastic layer between the bodies, the same in all
-    directions, mm per MPa.
+    matrix: (3 k, 3 k) in mm per MPa, of which the first 3 m columns are filled, for the m nodes known.
+    place: (k,) a node's number i among the known ones, whose columns begin at 3 i, or -1.
+    old, old_before: displacement (k, 3) by the forces before the increment, at the nodes' present positions, and (l, 3)
+    at the nodes loaded before, in their earlier positions; mm.
+    layer: compliance of an elastic layer between the bodies, equal in all directions, mm per MPa.
     """
 
     def __init__(
@@ -86,11 +93,11 @@ class PairedCompliance:
         old_forces: tuple[Array, Array],
         layer: float = 0.0,
     ) -> None:
-        """Of the primary and the secondary.
+        """Set up the compliance of the primary and the secondary body, `bodies`.
 
-        before: pairing of the l nodes that were loaded before the increment, as the bodies stood then.
-        old_forces: (n, 3) nodal forces on each body's patch before it, with the sign of the force on the upper body;
-        they do not act through the layer.
+        before: pairing of the l nodes that were loaded before the increment, at the bodies' position then.
+        old_forces: (n, 3) nodal forces in N on each body's patch before it, with the sign of the force on the upper
+        body; they do not act through the layer.
         """
         self._pairing, self._before, self.layer = pairing, before, layer
         primary, secondary = bodies
@@ -102,17 +109,17 @@ class PairedCompliance:
         self.place, self.known = np.full(len(pairing.nodes), -1), 0
         self.matrix = np.empty((3 * len(pairing.nodes), 3 * len(pairing.nodes)))
         self._latest, self._facing = primary.latest_compliance, secondary
-        self.taken_over: PairedCompliance | None = None  #: That of an increment before, whose matrix it is.
+        self.taken_over: PairedCompliance | None = None  #: An earlier increment's, whose matrix this one uses.
         self.mirrored: MirroredCompliance | None = None  #: For tractions that are their own mirror image, if they are.
 
     def faces_as(self, pairing: Pairing) -> bool:
-        """Whether another pairing of the same bodies is that of the same nodes at the same place."""
+        """True if another pairing of the same two bodies has the same nodes at the same relative position."""
         own = self._pairing
         pairs = zip((own.nodes, *own.opposite[:3]), (pairing.nodes, *pairing.opposite[:3]), strict=True)
         return all(np.array_equal(one, other) for one, other in pairs)
 
     def know(self, loaded: IntArray) -> None:
-        """Make sure that the responses to tractions on nodes (l,) are known."""
+        """Gather the displacements by unit tractions on the nodes (l,) that are not yet known."""
         missing, pairing = loaded[self.place[loaded] < 0], self._pairing
         if not len(missing):
             return
@@ -131,17 +138,17 @@ class PairedCompliance:
             _add_responses(self.matrix, begin, block.rows, block.row, block.place, missing, pairing.areas, transfer)
 
     def known_first(self, nodes: IntArray) -> bool:
-        """Whether the nodes (l,) became known first, in this order."""
+        """True if the nodes (l,) were the first to become known, in this order."""
         return len(nodes) <= self.known and np.array_equal(self.place[nodes], np.arange(len(nodes)))
 
     def displacement(self, traction: Array) -> Array:
-        """Displacement of the surfaces in mm under tractions (k, 3) in MPa, shape (k, 3)."""
+        """Displacement (k, 3) in mm of the upper relative to the lower body under tractions (k, 3) in MPa."""
         if self.mirrored is not None:
             return self.mirrored.displacement(traction)
         return self.displaced(self.in_order(traction))
 
     def in_order(self, traction: Array) -> Array:
-        """Tractions (k, 3) as `displaced` takes them, whose responses are then known."""
+        """Tractions (k, 3) rearranged as (3 m,) in the order of the m known nodes; loaded nodes become known first."""
         force, complete = _on_known(traction, self.place, self.known)
         if not complete:
             self.know(loaded_nodes(traction))
@@ -149,39 +156,46 @@ class PairedCompliance:
         return force
 
     def displaced(self, force: Array) -> Array:
-        """Displacements (k, 3) by forces (3 m,) on the m known nodes, in the order in which they became so."""
+        """Displacement (k, 3) in mm by tractions (3 m,) in MPa on the first m known nodes, in their order."""
         return np.asarray((self.matrix[:, : len(force)] @ force).reshape(-1, 3))
 
     def moved(self, traction: Array, forces: tuple[Array, Array]) -> tuple[Array, Array]:
-        """Motion of the upper against the lower body's material points over the increment by tractions (k, 3): of those
-        that face each other at its end at the k nodes, and at its start at the l nodes then loaded, (k, 3) and (l, 3)
-        in mm.
+        """Elastic motion (k, 3) and (l, 3) in mm, over the increment, of the upper relative to the lower body's
+        material points.
 
-        forces: (n, 3) the tractions as nodal forces on each patch.
+        The first is of the points that face each other at the k nodes at the end, under the tractions (k, 3) then, the
+        second of those at the l nodes that were loaded at the start. forces: (n, 3) the tractions as nodal forces in N
+        on each patch.
         """
         return self.displacement(traction) - self.old, self._mean(self._before, forces) - self.old_before
 
     def _mean(self, pairing: Pairing, forces: tuple[Array, Array]) -> Array:
-        """Mean displacement (k, 3) of the upper against the lower body at a pairing's nodes, by forces on both."""
+        """Mean displacement (k, 3) of the upper relative to the lower body at a pairing's nodes, by nodal forces on
+        each patch.
+        """
         (own, other), (own_place, other_place) = self._blocks, (block.place for block in self._blocks)
         fields = own.displaced(forces[0]), other.displaced(forces[1])
         return _mean(pairing.opposite, other_place, fields[1], pairing.own, own_place, fields[0], pairing.areas)
 
 
 class MirroredCompliance:
-    """A paired compliance at r of its k nodes, on one side of the plane along the motion and on it, by tractions on
-    these and their mirror images; as a contact algorithm asks for it, see `PairedCompliance`.
+    """A paired compliance for tractions that are their own mirror image about the vertical plane along the motion.
+
+    It holds the r of the k nodes on one side of the plane and on it; tractions on them act on the mirror images, too.
+    Methods and attributes are those of `PairedCompliance` that an algorithm of contact uses.
     """
 
     def __init__(self, whole: PairedCompliance, kept: IntArray, images: IntArray) -> None:
-        """kept: (r,) the nodes' numbers among the k.  images: (k,) those of mirror images."""
+        """kept: (r,) indices of the held nodes among the k.  images: (k,) index of each node's mirror image."""
         self._whole, self.kept, self._images, self.layer = whole, kept, images[kept], whole.layer
         self.place, self.known = np.full(len(kept), -1), 0
         self.matrix = np.empty((3 * len(kept), 3 * len(kept)))
         whole.mirrored = self
 
     def know(self, loaded: IntArray) -> None:
-        """Make sure that the responses to tractions on nodes (l,) of the r are known."""
+        """Gather the displacements by unit tractions on the nodes (l,), numbered among the r, that are not yet
+        known.
+        """
         missing = loaded[self.place[loaded] < 0]
         if not len(missing):
             return
@@ -206,7 +220,7 @@ class MirroredCompliance:
         return result
 
     def in_order(self, traction: Array) -> Array:
-        """Tractions (r, 3) as `displaced` takes them, whose responses are then known."""
+        """Tractions (r, 3) rearranged as (3 m,) in the order of the m known nodes; loaded nodes become known first."""
         self.know(loaded_nodes(traction))
         force = np.zeros((self.known, 3))
         there = self.place >= 0
@@ -214,20 +228,21 @@ class MirroredCompliance:
         return force.ravel()
 
     def displaced(self, force: Array) -> Array:
-        """Displacement (r, 3) under tractions (3 m,) on the m nodes that are known, in the order they became so."""
+        """Displacement (r, 3) in mm by tractions (3 m,) in MPa on the first m known nodes, in their order."""
         return np.asarray((self.matrix[:, : len(force)] @ force).reshape(-1, 3))
 
 
 def displacement_at(pairing: Pairing, primary: PlacedBody, secondary: PlacedBody, forces: tuple[Array, Array]) -> Array:
-    """Displacement (k, 3) in mm of the upper against the lower body at a pairing's nodes, by nodal forces (n, 3) on
-    each patch with the sign of the force on the upper body.
+    """Displacement (k, 3) in mm of the upper relative to the lower body at a pairing's nodes.
+
+    forces: (n, 3) nodal forces in N on each patch, with the sign of the force on the upper body.
     """
     return PairedCompliance(pairing, pairing, (primary, secondary), forces).old
 
 
 @compiled
 def _reached(place: IntArray, now: IntArray, before: IntArray) -> tuple[IntArray, bool]:
-    """Nodes (w,), increasing, that are among those of now or before, and whether all have a place."""
+    """Nodes (w,), increasing, that occur in `now` or `before`, and whether all of them have a place (>= 0)."""
     reached, found = np.zeros(len(place), np.bool_), np.empty(len(place), np.int64)
     for node in now:
         reached[node] = True
@@ -244,7 +259,9 @@ def _reached(place: IntArray, now: IntArray, before: IntArray) -> tuple[IntArray
 
 @compiled
 def _unknown(row: IntArray, transfer: NodalTransfer, loaded: IntArray) -> IntArray:
-    """Nodes without a row, increasing, that the rows (l,) of a transfer reach."""
+    """Nodes of the patch, increasing, that contribute to the contact nodes `loaded` (l,) of a transfer and have no row
+    yet.
+    """
     reached, found, used = np.zeros(len(row), np.bool_), np.empty(len(row), np.int64), 0
     for k in loaded:
         for entry in range(transfer.first[k], transfer.first[k + 1]):
@@ -266,7 +283,10 @@ def _mean(
     own_field: Array,
     areas: Array,
 ) -> Array:
-    """Sum over the areas of two transfers' averages of fields (w, 3), each on nodes at their places."""
+    """Sum of two transfers' weighted averages of fields (w, 3), over the areas (k,): (k, 3).
+
+    other_place, own_place: (n,) index of a patch node in its field.
+    """
     result = np.zeros((len(areas), 3))
     _add_averaged(result, other, other_place, other_field)
     _add_averaged(result, own, own_place, own_field)
@@ -286,7 +306,9 @@ def _add_averaged(result: Array, transfer: NodalTransfer, place: IntArray, field
 
 @compiled
 def _on_known(field: Array, place: IntArray, known: int) -> tuple[Array, bool]:
-    """A field (k, 3) in the order in which nodes became known, (3 known,), and whether all loaded ones are known."""
+    """A field (k, 3) as (3 known,) in the order of the known nodes, and whether all nodes with a non-zero value are
+    known.
+    """
     force, complete = np.zeros(3 * known), True
     for k in range(len(field)):
         for c in range(3):
@@ -308,9 +330,10 @@ def _add_responses(
     areas: Array,
     transfer: NodalTransfer,
 ) -> None:
-    """Add a body's displacements at the k nodes by unit tractions on nodes (l,) to columns of a matrix (3 k, 3 k).
+    """Add a body's displacements at the k nodes by unit tractions on nodes (l,) to columns of a matrix (3 k, 3 k), in
+    place.
 
-    rows, row_of, place: of a block.  transfer: from the patch to the k nodes.
+    rows, row_of, place: `Block.rows`, `row` and `place`.  transfer: from the patch to the k nodes.
     """
     first, weights = transfer.first, transfer.weights
     moved, row = np.zeros((3 * len(loaded), rows.shape[1])), 3 * row_of[transfer.columns]
@@ -329,8 +352,10 @@ def _add_responses(
 def _add_weighted(
     target: Array, rows: Array, row: IntArray, shift: int, weights: Array, area: float, begin: int, end: int
 ) -> None:
-    """Add rows of a matrix, shifted, each times its weight over an area; four at a time, which spares passes over the
-    target.
+    """Add the rows row[e] + shift of a matrix, times weights[e] / area, to the target for e from `begin` to before
+    `end`.
+
+    Four rows at a time, which saves passes over the target.
     """
     whole = end - (end - begin) % 4
     for e in range(begin, whole, 4):
@@ -349,8 +374,11 @@ def _add_weighted(
 def _fold(
     matrix: Array, first: int, whole: Array, kept: IntArray, images: IntArray, columns: IntArray, alone: Array
 ) -> None:
-    """Write columns from the first on: displacements of kept nodes by unit tractions on nodes and on their images,
-    which are what those on the nodes do at the images, mirrored.
+    """Write the columns of `matrix` from node `first` on: displacements of kept nodes by unit tractions on a node and
+    its image.
+
+    Those by a traction on the image are those by the traction on the node, taken at the images and mirrored. columns:
+    (l,) places of the nodes in `whole`.  alone: (l,) True for nodes that are their own image.
     """
     for i in range(len(kept)):
         for a in range(3):

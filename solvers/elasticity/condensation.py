@@ -1,17 +1,15 @@
-"""Static condensation of an elastic body onto the nodes of its contact patch.
+"""Static condensation of an elastic body onto the nodes of its contact patch, by the multifrontal method.
 
 The body is held at its grip. Contact is the only non-linearity, so nothing is lost when all other unknowns are
-eliminated once: a force f on the patch's nodes moves them by u = C f relative to the grip, with the dense compliance
-C = S^-1 and S the Schur complement of the stiffness matrix. Of a body that is its own mirror image, grip included, only
-the piece on one side is condensed, once for every kind of displacement, even or odd about each plane.
-
-Schur complement of a large sparse matrix by nested substructures (the multifrontal method).
+eliminated once: a force f on the patch's nodes moves them by u = C f relative to the grip, with the dense compliance C
+= S^-1 and S the Schur complement of the stiffness matrix. Of a body that is its own mirror image, grip included, only
+the piece on one side is condensed, once for each way of holding it on the planes: even or odd about each plane.
 
 The unknowns are divided recursively by separators (METIS bisections). From the leaves to the root, each substructure
-assembles a dense front, eliminates the nodes that no other substructure touches and passes its Schur complement up
-(Duff & Reid, ACM TOMS 9 (1983) 302; George, SIAM J. Numer. Anal. 10 (1973) 345). All work is in dense LAPACK
-kernels, which makes it several times faster than a general sparse factorisation followed by extracting the trailing
-block (`make bench` prints the ratio).
+assembles a dense matrix, its front, eliminates the nodes that no other substructure touches and passes the Schur
+complement, its update, to its parent (Duff & Reid, ACM TOMS 9 (1983) 302; George, SIAM J. Numer. Anal. 10 (1973) 345).
+All work is in dense LAPACK kernels, which makes it several times faster than a general sparse factorisation followed by
+extracting the trailing block (`make bench` prints the ratio).
 """
 
 from dataclasses import dataclass, replace
@@ -40,7 +38,7 @@ _MOST_TREES = 4
 
 @dataclass(frozen=True)
 class Substructure:
-    """Nodes to be eliminated once the parts, which touch one another only through them, have been."""
+    """Nodes `eliminated` (m,) that separate the `parts`; these are eliminated first."""
 
     eliminated: IntArray
     parts: "tuple[Substructure, ...]"
@@ -48,8 +46,10 @@ class Substructure:
 
 @dataclass(frozen=True)
 class System:
-    """A matrix of nodes with d unknowns each, the graph of its nodes, the rank of each node in the elimination, and the
-    ways (v, d n) to hold unknowns.
+    """A sparse matrix with d unknowns per node, prepared for elimination.
+
+    graph: (n, n) couplings of nodes. rank: (n,) position of each node in the order of elimination, or -1. held: (v, d
+    n) for each of v ways, which unknowns are held at zero.
     """
 
     matrix: csr_matrix
@@ -62,12 +62,15 @@ class System:
 def schur_complements(
     matrix: csr_matrix, kept: IntArray, eliminated: IntArray, unknowns_per_node: int, held: BoolArray
 ) -> list[Array]:
-    """Schur complements onto k kept nodes, (d k, d k), one for each way (v, d n) to hold further unknowns at zero.
+    """Schur complements (d k, d k) onto k kept nodes, one for each of the v ways to hold unknowns.
 
-    matrix: (d n, d n) symmetric, unknown d i + c belongs to node i; positive definite on the eliminated nodes, else
-    SolverError. kept, eliminated: node indices without common members. Nodes neither kept nor eliminated are held at
-    zero. Kept unknowns that are held are uncoupled from all others and have a unit on the diagonal. What lies in
-    substructures without held unknowns is eliminated once for all.
+    matrix: (d n, d n) symmetric, unknown d i + c belongs to node i; positive definite on the eliminated nodes,
+    otherwise SolverError.
+    kept, eliminated: node indices without common members. All other nodes are held at zero.
+    held: (v, d n) unknowns held at zero besides. Kept unknowns that are held are uncoupled from all others and have 1
+    on the diagonal.
+
+    Substructures without held unknowns are eliminated once for all ways.
     """
     d = unknowns_per_node
     graph = node_graph(matrix, d)
@@ -88,9 +91,9 @@ def schur_complements(
 
 
 def cholesky_factor(matrix: Array) -> Array:
-    """Lower Cholesky factor of the stiffness in a matrix's lower triangle, (n, n).
+    """Lower Cholesky factor (n, n) of a stiffness matrix given by its lower triangle.
 
-    SolverError when the matrix is not positive definite beyond round-off, as that of a loose body.
+    SolverError when the matrix is not positive definite beyond round-off, as that of a body free to move.
     """
     factor, info = lapack.dpotrf(matrix, lower=1, clean=1)
     if info != 0 or np.any(factor.diagonal() ** 2 < _LEAST_PIVOT * matrix.diagonal()):
@@ -104,7 +107,7 @@ def _matrix_block(matrix: csr_matrix, nodes: IntArray, d: int) -> Array:
 
 
 def node_graph(matrix: csr_matrix, d: int) -> csr_matrix:
-    """Which nodes a matrix (d n, d n) couples, (n, n) without a diagonal."""
+    """Pattern (n, n), without a diagonal, of the nodes that a matrix (d n, d n) couples."""
     rows, columns = matrix.nonzero()
     n = matrix.shape[0] // d
     graph = csr_matrix((np.ones(len(rows), dtype=np.int8), (rows // d, columns // d)), shape=(n, n))
@@ -117,9 +120,9 @@ _TREES: dict[bytes, Substructure] = {}  #: Of the graphs that were divided last.
 
 
 def divided(graph: csr_matrix, nodes: IntArray) -> Substructure:
-    """Recursive bisection: the separator of a set of nodes is eliminated after its two sides.
+    """Divide nodes by recursive bisection: the separator of a set of nodes is eliminated after its two sides.
 
-    A body that wears, and bodies that are meshed alike, have one graph: it is divided once.
+    The result is kept for the next call with the same graph, as of a body that wears.
     """
     key = sha256(b"".join(np.ascontiguousarray(one).data for one in (graph.indptr, graph.indices, nodes))).digest()
     if key not in _TREES:
@@ -144,10 +147,10 @@ def _bisected(graph: csr_matrix, nodes: IntArray) -> Substructure:
 
 
 def _separator(graph: csr_matrix, second: BoolArray) -> BoolArray:
-    """The fewest nodes (n,) that part the second side of a graph from the first.
+    """The smallest set of nodes, True in (n,), that separates the side `second` of a graph from the other side.
 
-    Koenig's theorem: they are as many as the couplings between the sides that a largest matching pairs off, and what
-    alternating paths from unpaired nodes of the first side reach says which.
+    By Koenig's theorem it has as many nodes as a largest matching of the couplings between the sides has pairs; the
+    nodes that alternating paths from unpaired nodes of the other side reach determine which.
     """
     ends, starts = np.flatnonzero(second), np.flatnonzero(~second)
     across = graph[starts][:, ends]
@@ -169,32 +172,31 @@ def _separator(graph: csr_matrix, second: BoolArray) -> BoolArray:
 
 
 def elimination_order(tree: Substructure) -> IntArray:
-    """The nodes of a substructure in the order in which they are eliminated."""
+    """The nodes of a substructure in the order of their elimination."""
     return np.concatenate([*(elimination_order(part) for part in tree.parts), tree.eliminated])
 
 
 @dataclass(frozen=True)
 class Front:
-    """What is left of an eliminated substructure: its m unknowns, the b that it leaves behind, and how they couple."""
+    """An eliminated substructure: its m own unknowns, the b boundary unknowns that it passes on, and their coupling."""
 
     own: IntArray
     boundary: IntArray
-    factor: Array  #: (m, m) lower.
-    coupling: Array  #: (b, m).
-    held: IntArray  #: Those of its own that are held at zero.
+    factor: Array  #: (m, m) lower Cholesky factor of the own unknowns' matrix.
+    coupling: Array  #: (b, m) matrix between boundary and own unknowns times the inverse of the factor's transpose.
+    held: IntArray  #: Own unknowns that are held at zero.
 
 
 def eliminate(
     tree: Substructure, system: System, kept: list[list[Front]] | None = None
 ) -> tuple[IntArray, list[Array]]:
-    """Eliminate a substructure; return the nodes it leaves behind, by rank, and their Schur complement's update, one
-    for each way to hold unknowns: the same array where ways do not differ so far.
+    """Eliminate a substructure; return its boundary nodes, by rank, and the update of their matrix for each way.
 
-    Of all dense matrices only the lower triangle is meant. As every front is ordered by rank, the lower triangle of
-    an update falls into the lower triangle of the front that receives it. Unknowns are held when they are eliminated:
-    to hold them in a Schur complement is the same as to hold them before.
+    Ways that do not differ within the substructure share one array. Of dense matrices only the lower triangle is used:
+    as fronts are ordered by rank, the lower triangle of an update falls into that of the front that receives it.
+    Unknowns are held when their turn comes, which gives the same as holding them beforehand.
 
-    kept: of each way the fronts, to which those of this substructure are added.
+    kept: for each way a list to which the fronts of this substructure are appended.
     """
     parts = [eliminate(part, system, kept) for part in tree.parts]
     d, own = system.d, tree.eliminated
@@ -217,7 +219,11 @@ def eliminate(
 
 
 def front_of(own: IntArray, left: list[IntArray], system: System) -> tuple[IntArray, IntArray, Array]:
-    """The nodes that a front leaves behind, by rank; each node's position in it; the columns of its own unknowns."""
+    """The boundary nodes of a front, by rank; the position of each node of the system in the front, or -1; and the
+    columns of its own unknowns.
+
+    own: its nodes. left: for each part of it the boundary nodes.
+    """
     matrix, rank, d = system.matrix, system.rank, system.d
     neighbours = np.unique(np.concatenate([system.graph[own].indices, *left]))
     later = neighbours[rank[neighbours] > (rank[own].max() if len(own) else -1)]
@@ -236,9 +242,10 @@ def front_of(own: IntArray, left: list[IntArray], system: System) -> tuple[IntAr
 def _eliminated(
     columns: Array, rest: Array, own: IntArray, boundary: IntArray, held: BoolArray
 ) -> tuple[Array, Front | None]:
-    """The update that a front leaves when its own unknowns, some of them held, are eliminated, and the front.
+    """The update (b, b) from eliminating a front's own unknowns, some of them held, and the front; None if it has no
+    unknowns.
 
-    columns: (m + b, m) of its own unknowns; rest: (b, b) of those that it leaves behind. Both are used up.
+    columns: (m + b, m) of its own unknowns; rest: (b, b) of the boundary's. Both are overwritten.
     """
     m = len(own)
     if m == 0:  # The two sides are not connected, so nothing separates them.
@@ -253,7 +260,7 @@ def _eliminated(
 
 
 def hold(matrix: Array, held: BoolArray) -> None:
-    """Uncouple held unknowns, the first of the matrix, from all others."""
+    """Uncouple the held unknowns, among the first of the matrix, from all others in place, with 1 on the diagonal."""
     which = np.flatnonzero(held)
     matrix[which] = 0.0
     matrix[:, which] = 0.0
@@ -262,9 +269,9 @@ def hold(matrix: Array, held: BoolArray) -> None:
 
 @compiled
 def add_update(columns: Array, rest: Array, where: IntArray, update: Array) -> None:
-    """Add an update (k, k) to a front at increasing places (k,), in the lower triangle.
+    """Add an update (k, k) to a front at increasing positions (k,), in the lower triangle, in place.
 
-    The front's first m columns are `columns` (m + b, m); its others, from the row m on, are `rest` (b, b).
+    The front's first m columns are `columns` (m + b, m); the others, from row m on, are `rest` (b, b).
     """
     m = columns.shape[1]
     for j in range(len(where)):
@@ -278,7 +285,7 @@ def add_update(columns: Array, rest: Array, where: IntArray, update: Array) -> N
 
 
 def unknowns_of(nodes: IntArray, d: int) -> IntArray:
-    """The d unknowns of each node, one node after another."""
+    """Indices of the d unknowns of each node, one node after another."""
     return (d * nodes[:, None] + np.arange(d)).ravel()
 
 
@@ -286,10 +293,12 @@ def unknowns_of(nodes: IntArray, d: int) -> IntArray:
 class CondensedBody:
     """A body reduced to its contact patch.
 
-    folded: its compliance by symmetry, in mm/N (of a planar body in mm per N/mm), symmetric positive definite; unknown
-    3 i + k is the displacement of patch node i (in the order of patch.nodes.ravel()) along the body's axis k, relative
-    to the grip.
-    bricks: the elements under the patch, None where they are not alike: see `solvers.elasticity.patch_compliance`.
+    folded: its compliance, in mm/N (for a planar body in mm per N/mm), symmetric positive definite; unknown 3 i + k is
+    the displacement of patch node i (in the order of patch.nodes.ravel()) along the body's axis k, relative to the
+    grip.
+
+    bricks: the elements under the patch, for corrections by `patch_compliance`; None where they do not form regular
+    layers.
     """
 
     patch: ContactPatch
@@ -298,12 +307,12 @@ class CondensedBody:
 
     @classmethod
     def whole(cls, patch: ContactPatch, compliance: Array) -> "CondensedBody":
-        """A body of known compliance (3 n, 3 n), whose symmetry is not used."""
+        """A body of known compliance matrix (3 n, 3 n), stored without use of symmetry."""
         return cls(patch, PatchCompliance(patch.shape, (), compliance[None]))
 
     @property
     def compliance(self) -> Array:
-        """The whole compliance, (3 n, 3 n)."""
+        """The whole compliance matrix (3 n, 3 n)."""
         return self.folded.dense
 
     @property
@@ -312,18 +321,18 @@ class CondensedBody:
         return False
 
     def update(self, print_mm: Array, _force_N: Array, /) -> Array:
-        """The print unchanged: an elastic body keeps none."""
+        """The print unchanged, since an elastic body keeps none."""
         return print_mm
 
 
 def condense(
     mesh: HexMesh | QuadMesh, patch: ContactPatch, material: Elastic, bedding: Array | None = None
 ) -> CondensedBody:
-    """Condense a body held at its surface "grip".
+    """Condense a body held at its surface "grip" onto its contact patch.
 
-    bedding: (n,) stiffness in N/mm by which the nodes of an elastic grip are held, in place of holding them still.
+    bedding: (n,) stiffness in N/mm of springs that hold the nodes of an elastic grip; without it the grip is rigid.
 
-    SolverError when nothing is gripped or the patch touches the grip; GeometryError when there is no such surface.
+    SolverError when nothing is gripped or the patch touches the grip; KeyError without the surface "grip".
     """
     held = mesh.surface_nodes("grip")
     if not held.size:
@@ -342,29 +351,32 @@ def condense(
 
 @dataclass(frozen=True)
 class Piece:
-    """What has to be condensed of a body: all of it, or what lies on one side of its mirror planes."""
+    """The part of a body that has to be condensed: all of it, or what lies on one side of its p mirror planes."""
 
     #: The axes, 0 along the body and 1 across it, about whose zero the body is its own mirror image.
     planes: tuple[int, ...]
-    mesh: HexMesh | QuadMesh  #: Of the piece.
-    contact: IntArray  #: Its nodes on the patch, in the patch's order.
-    inner: IntArray  #: Its nodes to be eliminated.
+    mesh: HexMesh | QuadMesh  #: The mesh of the piece, of n nodes.
+    contact: IntArray  #: Nodes of the piece on the patch, in the patch's order.
+    inner: IntArray  #: Nodes of the piece to be eliminated.
     #: (2^p, 3 n) unknowns that are zero on the planes, even about each plane before odd, the last plane first to
     #: change.
     held: BoolArray
-    nodes: IntArray  #: Of the whole body.
+    nodes: IntArray  #: (n,) number of each node of the piece in the whole body.
 
 
 def bedded(
     stiffness: csr_matrix, piece: HexMesh | QuadMesh, planes: tuple[int, ...], bedding_N_per_mm: Array
 ) -> csr_matrix:
-    """The stiffness of a piece with springs (n,) to ground at its nodes; nodes on a plane have the piece's half."""
+    """The stiffness matrix of a piece with springs to ground at its nodes.
+
+    bedding_N_per_mm: (n,) of the whole body; nodes on a mirror plane get the piece's half.
+    """
     on_planes = sum(((piece.points[:, axis] == 0.0).astype(int) for axis in planes), np.zeros(len(piece.points), int))
     return csr_matrix(stiffness + diags(np.repeat(bedding_N_per_mm / 2.0**on_planes, 3)))
 
 
 def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: IntArray) -> Piece:
-    """The smallest piece of a body whose nodes `gripped` are held."""
+    """The smallest piece of a body whose nodes `gripped` are held rigidly."""
     across = () if isinstance(mesh, QuadMesh) else (1,)
     planes = tuple(axis for axis in (0, *across) if _is_symmetric(mesh, patch, gripped, axis))
     part, number = one_side(mesh, planes)
@@ -375,7 +387,7 @@ def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: In
 
 
 def compliance_of(piece: Piece, patch: ContactPatch, schurs: list[Array]) -> PatchCompliance:
-    """The patch's compliance from the Schur complements of the piece, which are used up."""
+    """The patch's compliance from the Schur complements of the piece; the list `schurs` is emptied."""
     unknowns = (3 * piece.contact[:, None] + np.arange(3)).ravel()
     parts = np.empty((len(schurs), len(unknowns), len(unknowns)))
     for part, held in zip(parts, piece.held[:, unknowns], strict=True):
@@ -397,7 +409,9 @@ def _is_symmetric(mesh: HexMesh | QuadMesh, patch: ContactPatch, held: IntArray,
 
 
 def one_side(mesh: HexMesh | QuadMesh, planes: tuple[int, ...]) -> tuple[HexMesh | QuadMesh, IntArray]:
-    """The mesh on the non-negative sides of planes, without named surfaces, and each old node's number in it or -1."""
+    """The mesh on the non-negative sides of mirror planes, without named surfaces, and each old node's number in it, or
+    -1.
+    """
     inside = np.ones(len(mesh.cells), dtype=bool)
     for axis in planes:
         inside &= (mesh.points[mesh.cells, axis] >= 0.0).all(axis=1)
@@ -409,7 +423,9 @@ def one_side(mesh: HexMesh | QuadMesh, planes: tuple[int, ...]) -> tuple[HexMesh
 
 
 def held_on_planes(piece: HexMesh | QuadMesh, planes: tuple[int, ...]) -> BoolArray:
-    """Unknowns (2^p, 3 n) of a piece that are zero on its planes, even about each plane before odd."""
+    """Unknowns of a piece that are zero on its planes, (2^p, 3 n): even about each plane before odd, the last changing
+    first.
+    """
     ways = []
     for odds in product((False, True), repeat=len(planes)):
         held = np.zeros((len(piece.points), 3), dtype=bool)

@@ -1,7 +1,7 @@
-"""Transfer between the nodes of two grids, and from a contact's nodes to a patch's: weights at few nodes each.
+"""Sparse weights that transfer nodal fields from a patch's grid to contact nodes, and nodal forces back.
 
-Where the grids' axes lie along one another, a product of hat functions is integrated along one axis and along the
-other apart: a row of the transfer is the outer product of a row along each.
+Where the axes of two grids lie along one another, integrals of products of their hat functions separate: a row of the
+transfer is the outer product of a row along each axis. An axis' lines are its grid lines.
 """
 
 from __future__ import annotations
@@ -21,53 +21,59 @@ ROUND_OFF = 1e-9  #: How far beside a patch, in cells, a point still counts as o
 
 
 class NodalTransfer(NamedTuple):
-    """Weights of a patch's nodes at each of k contact nodes, row after row."""
+    """Weights of a patch's n nodes at each of k contact nodes, row after row: a sparse (k, n) matrix."""
 
-    first: IntArray  #: (k + 1,) where each row's entries begin and the last ends.
-    columns: IntArray  #: (e,) patch nodes.
-    weights: Array  #: (e,).
+    first: IntArray  #: (k + 1,) index of each row's first entry, and the number of all entries.
+    columns: IntArray  #: (e,) patch node of each entry.
+    weights: Array  #: (e,) weight of each entry.
     size: int  #: Number n of the patch's nodes.
 
     @classmethod
     def single(cls, nodes: IntArray, weights: Array, size: int) -> NodalTransfer:
-        """One patch node with a weight for each contact node, both (k,)."""
+        """The transfer with one patch node and its weight for each contact node, both (k,)."""
         return cls(np.arange(len(nodes) + 1), nodes, weights, size)
 
     @classmethod
     def of(cls, matrix: csr_matrix) -> NodalTransfer:
-        """The transfer whose weights are the entries of a (k, n) matrix; inverse of `sparse`."""
+        """The transfer whose weights are the entries of a sparse (k, n) matrix; inverse of `sparse`."""
         return cls(matrix.indptr, matrix.indices, matrix.data, int(matrix.shape[1]))
 
     def averaged(self, field: Array, rows: IntArray | None = None) -> Array:
-        """Weighted sum of a nodal field (n,) or (n, c) at each contact node, or at some of them, (k,) or (k, c)."""
+        """Weighted sums, (k,) or (k, c), of a nodal field (n,) or (n, c) of the patch at all contact nodes, or at
+        `rows` alone.
+        """
         chosen = np.arange(len(self.first) - 1) if rows is None else rows
         values = np.ascontiguousarray(field).reshape(self.size, prod(field.shape[1:]))
         result = weighted_sums(self.first, self.columns, self.weights, values, chosen)
         return result.reshape(len(chosen), *field.shape[1:])
 
     def spread(self, values: Array) -> Array:
-        """What values (k,) or (k, c) at the contact nodes come to at the patch's, (n,) or (n, c): the transpose."""
+        """Sums, (n,) or (n, c), at the patch's nodes of weighted values (k,) or (k, c) at the contact nodes: the
+        transpose.
+        """
         rows = np.ascontiguousarray(values).reshape(len(self.first) - 1, prod(values.shape[1:]))
         result = _spread(self.first, self.columns, self.weights, rows, self.size)
         return result.reshape(self.size, *values.shape[1:])
 
     def faced_by(self, rows: IntArray) -> IntArray:
-        """The patch nodes (e,) of the entries of some contact nodes (m,), row after row."""
+        """The patch nodes (e,) of all entries of the contact nodes `rows` (m,), row after row."""
         return _entries(self.first, self.columns, rows)
 
     def at_heaviest(self, chosen: IntArray) -> NodalTransfer:
-        """This transfer with the whole weight of some rows (m,) at that of their nodes which weighs most."""
+        """This transfer with the whole weight of the rows `chosen` (m,) put on the patch node of largest weight in
+        each.
+        """
         return NodalTransfer(*_at_heaviest(self.first, self.columns, self.weights, chosen), self.size)
 
     @property
     def sparse(self) -> csr_matrix:
-        """The weights as a (k, n) matrix."""
+        """The weights as a sparse (k, n) matrix."""
         return csr_matrix((self.weights, self.columns, self.first), shape=(len(self.first) - 1, self.size))
 
 
 @compiled
 def loaded_nodes(forces: Array) -> IntArray:
-    """Nodes (l,), increasing, on which forces (n, 3) act."""
+    """Indices (l,), increasing, of the nodes with a non-zero force among (n, 3)."""
     found = np.empty(len(forces), dtype=np.int64)
     used = 0
     for node in range(len(forces)):
@@ -93,7 +99,7 @@ def _entries(first: IntArray, columns: IntArray, rows: IntArray) -> IntArray:
 
 @compiled
 def weighted_sums(first: IntArray, columns: IntArray, weights: Array, field: Array, rows: IntArray) -> Array:
-    """A transfer's sums (m, c) of a field (n, c) at its rows (m,)."""
+    """Weighted sums (m, c) of a field (n, c) at the rows (m,) of a transfer."""
     result = np.zeros((len(rows), field.shape[1]))
     for k in range(len(rows)):
         for entry in range(first[rows[k]], first[rows[k] + 1]):
@@ -138,20 +144,23 @@ def _at_heaviest(
 
 @dataclass(frozen=True)
 class GaussLines:
-    """Gauss points along one axis of a patch, q in each of its c cells; of a planar body's width one of length 1."""
+    """Gauss points along one axis of a patch, q in each of its c cells; across a planar body a single one of
+    length 1.
+    """
 
-    positions: Array  #: (c, q), mm, as the next.
+    #: (c, q) positions, and lengths that belong to the points, mm.
+    positions: Array
     lengths: Array
-    lower: Array  #: (q,) hat function of the cell's lower line at its points.
+    lower: Array  #: (q,) value of the hat function of the cell's lower grid line at the points.
 
     @property
     def planar(self) -> bool:
-        """Whether this is a planar body's width."""
+        """True for the single point across a planar body."""
         return self.positions.shape == (1, 1)
 
 
 def gauss_lines(lines: Array, points: int) -> GaussLines:
-    """Gauss points between grid lines (c + 1,)."""
+    """Gauss points, `points` in each cell between grid lines (c + 1,)."""
     if len(lines) == 1:
         return GaussLines(lines[:, None], np.ones((1, 1)), np.ones(1))
     abscissae, weights = np.polynomial.legendre.leggauss(points)
@@ -161,15 +170,20 @@ def gauss_lines(lines: Array, points: int) -> GaussLines:
 
 
 class CommonAxes(NamedTuple):
-    """How positions (x, y) in a patch's axes are seen in those of another: (signs * ((x, y) - offset)), or swapped."""
+    """Transformation of positions into another patch's axes, at a multiple of 90°: signs * (position - offset), or
+    swapped.
+    """
 
-    swapped: bool  #: Whether the patch's first axis lies along the other's second.
-    signs: Array  #: (2,) for the patch's axes, as the next.
+    swapped: bool  #: True if the first axis lies along the other patch's second.
+    #: (2,) signs for the axes from which is transformed, and the other's origin in these.
+    signs: Array
     offset: Array
 
     @classmethod
     def of(cls, turn: Array, offset: Array) -> CommonAxes | None:
-        """Axes of a patch whose positions are `turn @ (position - offset)`; None unless at a multiple of 90°."""
+        """The transformation of positions by `turn @ (position - offset)`; None unless it turns by a multiple
+        of 90°.
+        """
         if turn[0, 1] == 0.0 == turn[1, 0]:
             return cls(False, np.array([turn[0, 0], turn[1, 1]]), offset)
         if turn[0, 0] == 0.0 == turn[1, 1]:
@@ -180,8 +194,10 @@ class CommonAxes(NamedTuple):
 def transfer_along_axes(
     nodes: IntArray, along: GaussLines, across: GaussLines, axes: CommonAxes, patch: ContactPatch
 ) -> tuple[BoolArray, IntArray, IntArray, Array]:
-    """Which supports of nodes (k,) leave the other body's `patch`, and the transfer from there as `NodalTransfer` keeps
-    it: first, columns, weights.
+    """Integrals of products of hat functions between nodes (k,) of one patch and all nodes of the other body's `patch`.
+
+    along, across: Gauss points of the first patch.  axes: from its axes to those of `patch`. Returns whether each
+    node's support leaves `patch`, (k,), and first, columns and weights as in `NodalTransfer`.
     """
     lines = (patch.transverse_mm, patch.axial_mm) if axes.swapped else (patch.axial_mm, patch.transverse_mm)
     strides = (1, len(patch.transverse_mm)) if axes.swapped else (len(patch.transverse_mm), 1)
@@ -195,8 +211,8 @@ def transfer_along_axes(
 
 @inlined
 def cell_of(lines: Array, value: float, near: int) -> int:
-    """The cell between lines that holds a value, the first or the last for one beside them; looked for from one near
-    by, for positions mostly follow each other.
+    """Index of the cell between grid lines that holds a value, or of the nearest cell; the search starts at the cell
+    `near`.
     """
     while near > 0 and lines[near] > value:
         near -= 1
@@ -209,9 +225,10 @@ def cell_of(lines: Array, value: float, near: int) -> int:
 def _along_line(
     positions: Array, lengths: Array, lower: Array, sign: float, offset: float, other: Array, planar: bool
 ) -> tuple[BoolArray, IntArray, IntArray, Array]:
-    """Of every line of an axis: whether its support leaves the other grid, and integrals of products of hat functions.
+    """For every grid line of an axis: True if its support leaves the other grid, and its integrals with the other's hat
+    functions.
 
-    other: (m,) the other grid's lines.  The rows: first (lines + 1,), columns, values.
+    other: (m,) the other grid's lines.  The integrals are sparse rows: first (lines + 1,), columns, values.
     """
     cells = positions.shape[0]
     count = 1 if planar else cells + 1
@@ -264,7 +281,9 @@ def _products(
     planar_t: bool,
     stride_t: int,
 ) -> tuple[BoolArray, IntArray, IntArray, Array]:
-    """The outer products of rows along both axes, of each `_along_line`'s arguments and the other grid's stride."""
+    """Outer products of the rows along both axes, from the arguments of `_along_line` for each and the strides of the
+    other grid's nodes. Returns as `transfer_along_axes`.
+    """
     outside_a, first_a, columns_a, values_a = _along_line(
         positions_a, lengths_a, lower_a, sign_a, offset_a, other_a, planar_a
     )

@@ -1,13 +1,13 @@
 """Surface-to-surface coupling of two bodies by a mortar method on the plane of contact.
 
-The primary body carries the contact tractions, one per node and unit plane area. The secondary surface is averaged
-over the support of each node: its facets' heights and displacements are integrated with the node's shape function at
-Gauss points of the primary's facets, projected along z. On the primary the same integrals are lumped to the node,
-which keeps the pressure free of the oscillations that consistent integration gives on coarse meshes. The same operators
-transfer forces and displacements, so the coupling conserves forces and work. A uniform pressure arrives as the exact
-nodal forces between equally spaced grids; else single nodal forces err by the quadrature, up to 2 % when the primary
-is the finer grid and ten times that when it is half as coarse again as the secondary (Puso & Laursen, Comput. Methods
-Appl. Mech. Eng. 193 (2004) 601; for lumping: Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989).
+The primary body carries the contact tractions, one per node and unit plane area. The secondary body's surface is
+averaged over the support of each primary node: its heights and displacements are integrated with the node's shape
+function at Gauss points of the primary's facets, projected along z. On the primary the same integrals are lumped to the
+node, which keeps the pressure free of the oscillations that consistent integration gives on coarse meshes. The same
+operators transfer forces and displacements, so the coupling conserves forces and work. A uniform pressure arrives as
+the exact nodal forces between equally spaced grids; otherwise single nodal forces err by the quadrature, up to 2 % when
+the primary is the finer grid and ten times that when it is half as coarse again as the secondary (Puso & Laursen,
+Comput. Methods Appl. Mech. Eng. 193 (2004) 601; for lumping: Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989).
 """
 
 from dataclasses import dataclass
@@ -30,14 +30,16 @@ class PrimarySurface:
     """Quadrature on the primary body's patch, independent of where the secondary body is."""
 
     body: PlacedBody
-    along: GaussLines  #: Gauss points on the patch's lines, as the next.
+    along: GaussLines  #: Gauss points along and across the patch.
     across: GaussLines
     areas: Array  #: (n,) plane area of each node.
     fresh_slope: Array  #: (n, 2) mean slope of the unworn surface about each node, in the patch's axes.
-    averaging: NodalTransfer  #: Of a nodal field about each node, weighted by area.
+    averaging: NodalTransfer  #: Integrals of a nodal field of this patch over each node's support.
 
     def mean_slope(self, nodes: IntArray, depth_mm: Array) -> Array:
-        """Mean slope (k, 2) of the surface worn by depth (n_a, n_t) about chosen nodes, in world axes."""
+        """Slope (k, 2) in world axes of the surface worn by `depth_mm` (n_a, n_t), averaged over the supports of chosen
+        nodes (k,).
+        """
         worn = self.averaging.averaged(self.body.worn(depth_mm).gradient, nodes)
         local = self.fresh_slope[nodes] - worn / self.areas[nodes, None]
         return np.asarray(self.body.facing * local @ self.body.world_to_patch + [self.body.incline, 0.0])
@@ -45,7 +47,7 @@ class PrimarySurface:
 
 @dataclass(frozen=True)
 class Pairing:
-    """Both surfaces as they face each other at one relative position, for k chosen primary nodes."""
+    """Both surfaces at one position of the secondary relative to the primary, for k chosen primary nodes."""
 
     nodes: IntArray  #: (k,) primary nodes.
     areas: Array  #: (k,), mm².
@@ -57,23 +59,23 @@ class Pairing:
     #: Transfer of the primary: force per area -> nodal forces (`spread`), nodal displacements -> area-weighted mean
     #: displacements (`averaged`).
     own: NodalTransfer
-    opposite: NodalTransfer  #: That of the secondary.
-    depths: NodalTransfer  #: Of the secondary's worn depths into the gap, area-weighted.
+    opposite: NodalTransfer  #: Transfer of the secondary, likewise.
+    depths: NodalTransfer  #: From the secondary's worn depths to gap times area.
     inside: BoolArray  #: (k,) whether the secondary patch faces the whole support of the node.
 
     @cached_property
     def primary(self) -> csr_matrix:
-        """The primary's transfer as a (k, n) matrix."""
+        """`own` as a sparse (k, n) matrix."""
         return self.own.sparse
 
     @cached_property
     def secondary(self) -> csr_matrix:
-        """The secondary's transfer as a (k, n) matrix."""
+        """`opposite` as a sparse (k, n) matrix."""
         return self.opposite.sparse
 
 
 def primary_surface(body: PlacedBody) -> PrimarySurface:
-    """Set up the quadrature of a body's patch."""
+    """Set up the quadrature on the patch of the body that carries the tractions."""
     patch = body.patch
     along, across = (gauss_lines(lines, _GAUSS_POINTS) for lines in (patch.axial_mm, patch.transverse_mm))
     nodes = np.arange(patch.size)
@@ -85,7 +87,12 @@ def primary_surface(body: PlacedBody) -> PrimarySurface:
 def vertical_gap(
     surface: PrimarySurface, secondary: PlacedBody, offset_mm: Array, primary_depth: Array, secondary_depth: Array
 ) -> Array:
-    """Gap along z at the primary's nodes at zero approach, shape (n,); infinite beside the secondary's patch."""
+    """Gap (n,) in mm along z at the primary's nodes, undeformed and at zero approach; infinite where there is no
+    secondary patch.
+
+    offset_mm: (2,) of the secondary's origin from the primary's. primary_depth, secondary_depth: (n_a, n_t) worn depths
+    in mm. The secondary's surface is taken at the nodes' positions, not averaged.
+    """
     body, patch = surface.body, secondary.patch
     local = (body.node_positions - offset_mm) @ secondary.world_to_patch.T
     return _vertical_gap(
@@ -109,7 +116,9 @@ def _vertical_gap(
     heights: Array,
     facing: int,
 ) -> Array:
-    """Gaps (n,) at positions (n, 2), `local` in the secondary's axes, where it is `fresh` (n,) high without wear."""
+    """Gap (n,) at world positions (n, 2); `local` (n, 2) are these in the secondary's axes, `fresh` (n,) its unworn
+    heights there.
+    """
     worn, inside = field_at(depth, local, along, across)
     gap = np.full(len(local), np.inf)
     for k in range(len(local)):
@@ -133,13 +142,10 @@ def pair(
 ) -> Pairing:
     """Couple chosen primary nodes (k,) with the secondary body, whose origin lies `offset_mm` (2,) from the primary's.
 
-    All that a position of a cycle poses to a solver: areas, frames and gaps of the nodes, and in `opposite` the
-    transfer T (k, n) onto the secondary, as weights of its nodes row after row.
-
-    primary_depth, secondary_depth: (n_a, n_t) worn depths of the patches, mm.  upper_tilt_rad: rotation of the upper
-    body about y, which turns the normals; the gap at zero approach is that of the upright body.  at_nodes: whether the
-    secondary's worn depth is read where each node lies, and not averaged about it: at the edge of a core that sticks
-    depth is no smooth field, and what has worn beside the core must not open it.
+    primary_depth, secondary_depth: (n_a, n_t) worn depths of the patches in mm.
+    upper_tilt_rad: rotation of the upper body about y, which turns the normals; the gap is that of the upright body.
+    at_nodes: True to read the secondary's worn depth where each node lies in place of averaging it over the support: at
+    the edge of a zone that sticks the depth has a kink, and wear beside the zone must not open it.
     """
     body = surface.body
     # A point seen from the primary's patch at x stands at turn (x - offset) in the secondary's.
@@ -201,10 +207,11 @@ def _between(
     to_other_patch: Array,
     upper_tilt: float,
 ) -> tuple[Array, Array, Array]:
-    """Gaps (k,), their rates (k,) and frames (k, 3, 3) of a pairing's nodes, halfway between both surfaces.
+    """Gaps (k,), their rates (k,) and frames (k, 3, 3) of a pairing's nodes, on the mean of both surfaces.
 
-    heights (n,) and depth's gradient (n, 2): of the primary at its nodes, averaged by weights about each.
-    other_height (k,), other_slope, moment (k, 2): integrals of the secondary over their supports.
+    heights (n,), gradient (n, 2): the primary's heights and its depth's gradient at its nodes; first, columns and
+    weights average the latter. other_height (k,), other_slope, moment (k, 2): integrals of the secondary over the
+    nodes' supports.
     """
     worn = weighted_sums(first, columns, weights, gradient, nodes)
     gap, rate, slope = np.empty(len(nodes)), np.empty(len(nodes)), np.empty((len(nodes), 2))
@@ -225,7 +232,9 @@ def _between(
 
 @compiled
 def frames_on(slope: Array) -> Array:
-    """Frames (k, 3, 3) as a pairing has them, of a surface between both with slopes (k, 2) in world axes."""
+    """Frames (k, 3, 3), whose rows are the normal and two tangents as in `Pairing`, for surface slopes (k, 2) in world
+    axes.
+    """
     frames = np.empty((len(slope), 3, 3))
     for k in range(len(slope)):
         size = np.sqrt(1.0 + slope[k, 0] ** 2 + slope[k, 1] ** 2)

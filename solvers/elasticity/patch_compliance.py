@@ -1,20 +1,18 @@
-"""The compliance of a body at its contact patch, kept by its mirror symmetries.
+"""The compliance of a body at its contact patch, stored by mirror symmetry, and a correction of it near loaded nodes.
 
-A body that is its own mirror image about a plane answers forces that are even about it with even displacements, odd
-ones with odd ones. Each kind belongs to the piece on one side alone, held on the plane accordingly: its displacement
-across the plane is zero there if it is even, that along the plane if it is odd. So a body with two such planes is four
-times a quarter, a quarter of the numbers (Glockner, J. Struct. Div. ASCE 99 (1973) 71).
+Symmetry: a body that is its own mirror image about a plane responds to forces that are even about the plane with even
+displacements, and to odd ones with odd displacements. Either belongs to the piece on one side alone, held on the plane
+accordingly: there the displacement normal to the plane is zero if it is even, that within the plane if it is odd. With
+two such planes the matrix is stored as four of a quarter of the size each (Glockner, J. Struct. Div. ASCE 99 (1973)
+71).
 
-What bricks get wrong of the displacements near a loaded node, so that it can be made good.
-
-Near the contact both bodies are half-spaces. There a node that is pressed gives way half as much again in the elements
-of the body that carries the tractions, and too little in the other, which sees them spread by the mortar. What it ought
-to give way is the mean displacement of its cell under uniform traction on its own. The difference is found wave by
-wave: bricks alike along both axes answer a wave of nodal forces with a wave, layer below layer, and a half-space does
-so in closed form (Johnson, Contact Mechanics, 1985, sections 3.2 and 3.6, transformed). It fades within a few elements,
-as long waves are resolved.
-
-Displacements and forces are (..., 3): x, y, and z outwards.
+Near-field correction: close to the contact both bodies act as half-spaces. The elements of the body that carries the
+tractions give half as much again as it should where one node is pressed, and those of the other, which sees the
+tractions spread by the mortar, too little. Right is the mean displacement of the node's cell under uniform traction on
+it. The difference is computed wave by wave: a lattice of equal bricks responds to a wave of nodal forces with a wave,
+layer below layer, and a half-space does so in closed form (Johnson, Contact Mechanics, 1985, sections 3.2 and 3.6,
+transformed). It fades within a few elements, since bricks resolve long waves. A wave is given by the angles in rad by
+which its phase turns from node to node along and across. Displacements and forces are (..., 3): x, y, and z outwards.
 """
 
 from dataclasses import dataclass, field, replace
@@ -41,26 +39,27 @@ _ONE, _TWO = np.uint64(1), np.uint64(2)  # Of the type that indices have in the 
 
 @dataclass(frozen=True)
 class Bricks:
-    """The elements under a contact patch."""
+    """The elements under a contact patch: their material and thicknesses."""
 
     material: Elastic
-    layers: Pair  #: Thickness of the uppermost ones in mm, and the factor by which it grows from layer to layer.
+    layers: Pair  #: Thickness of the uppermost layer in mm, and its growth factor from layer to layer downwards.
 
 
 def reach(size_mm: Pair) -> tuple[int, int]:
-    """How many elements of a size a correction reaches along each axis."""
+    """Numbers of elements (along, across), of the size (along, across) in mm, that a near-field correction extends."""
     along, across = (int(np.ceil(_REACH * max(size_mm) / each)) for each in size_mm)
     return along, across
 
 
 @lru_cache(maxsize=256)
 def missing_displacement(own: Bricks, own_mm: Pair, other: Bricks, other_mm: Pair, turn: tuple[Pair, Pair]) -> Array:
-    """Displacement that two bodies' elements lack about a node of the first by a unit force on it, mm/N.
+    """Correction of the displacements around a loaded node of the first body, in mm per N of force on it.
 
-    Returns (2 a + 1, 2 t + 1, 3, 3) for the nodes up to `reach` away, by component of displacement and force, in the
-    first body's axes. The first carries the tractions, the other one faces it; bricks measure `own_mm` and `other_mm`.
-    turn: (2, 2) from the first body's plane axes to the other's. The other's lattice may lie anywhere beneath the
-    first's: the mean of all places is taken.
+    own, own_mm: elements and their size (along, across) in mm of the first body, which carries the tractions; other,
+    other_mm: of the body that faces it. turn: (2, 2) from the first body's plane axes to the other's.
+    Returns (2 a + 1, 2 t + 1, 3, 3) for the nodes up to `reach` = (a, t) lines away, by component of displacement and
+    of force, in the first body's axes, for both bodies together. The mean is taken over all positions of one lattice
+    relative to the other.
     """
     counts = tuple(2 * each + 1 for each in reach(own_mm))
     numbers = (2.0 * np.pi * np.fft.fftfreq(n) for n in counts)
@@ -75,7 +74,10 @@ def missing_displacement(own: Bricks, own_mm: Pair, other: Bricks, other_mm: Pai
 
 
 def half_space_response(kx: Array, ky: Array, material: Elastic) -> ComplexArray:
-    """Displacement of a half-space's surface by waves of traction of wave numbers (n,) in 1/mm, (n, 3, 3); 0 for 0."""
+    """Surface displacement of a half-space by waves of traction of unit amplitude, (n, 3, 3) in mm/MPa.
+
+    kx, ky: (n,) wave numbers in 1/mm; the response to wave number 0 is set to 0.
+    """
     size = np.hypot(kx, ky)
     inverse = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)
     n = np.stack([kx * inverse, ky * inverse])
@@ -91,7 +93,9 @@ def half_space_response(kx: Array, ky: Array, material: Elastic) -> ComplexArray
 
 
 def _aliases(along: Array, across: Array, count: int) -> list[tuple[Array, Array, Array]]:
-    """Waves that look alike at the nodes, and what share of each a uniform traction on the cells contains."""
+    """Waves that look alike at the nodes: a list of angles (n,) along and across, and the share of each in the traction
+    that is uniform on the nodes' cells.
+    """
     found = []
     for m in range(-count, count + 1):
         for n in range(-count, count + 1):
@@ -101,7 +105,9 @@ def _aliases(along: Array, across: Array, count: int) -> list[tuple[Array, Array
 
 
 def _of_cells(along: Array, across: Array, size: Pair, material: Elastic) -> ComplexArray:
-    """Mean displacement of cells by waves of forces on cells, each spread evenly over its own, (n, 3, 3)."""
+    """Mean displacement of cells by waves of forces on cells, each spread evenly over its own cell, (n, 3, 3)
+    in mm/N.
+    """
     result = np.zeros((len(along), 3, 3), dtype=np.complex128)
     for x, y, cell in _aliases(along, across, _ALIASES):
         result += (cell**2)[:, None, None] * half_space_response(x / size[0], y / size[1], material)
@@ -111,7 +117,10 @@ def _of_cells(along: Array, across: Array, size: Pair, material: Elastic) -> Com
 def _lacking_in_other(
     along: Array, across: Array, size: Pair, bricks: Bricks, other: Pair, to_other: Array
 ) -> ComplexArray:
-    """What the facing body's bricks lack, in its own axes; they are loaded by hat functions and seen as their means."""
+    """Correction for the facing body's elements, (n, 3, 3) in mm/N in that body's axes: half-space less bricks.
+
+    Its nodes are loaded through their hat functions, and its displacements averaged over the first body's cells.
+    """
     result = np.zeros((len(along), 3, 3), dtype=np.complex128)
     seen: list[tuple[IntArray, Array, Array]] = []
     for x, y, cell in _aliases(along, across, _ALIASES):
@@ -129,9 +138,8 @@ def _lacking_in_other(
 
 
 def _of_bricks(along: Array, across: Array, size: Pair, bricks: Bricks) -> ComplexArray:
-    """Displacement of nodes by waves of nodal forces, which turn by these angles from node to node, (n, 3, 3).
-
-    A wave of no length is left out: it has none.
+    """Displacement of surface nodes by waves of nodal forces of given angles (n,), (n, 3, 3) in mm/N; angles of 0 are
+    excluded.
     """
     waves = np.exp(1j * (np.outer(along, _CORNERS[:4, 0]) + np.outer(across, _CORNERS[:4, 1])))
     phase = (waves.conj()[:, :, None] * waves[:, None, :]).reshape(-1, 16)
@@ -148,8 +156,8 @@ def _of_bricks(along: Array, across: Array, size: Pair, bricks: Bricks) -> Compl
 
 
 def _between_sides(size: Pair, thickness_mm: Array, material: Elastic) -> Array:
-    """Stiffness of bricks of different thickness, (l, 16, 36): of the pairs of one side's corners with another's, of
-    forces on a side (below, above) by displacements of a side.
+    """Stiffness (l, 16, 36) of l bricks of different thickness: for each pair of corners of one side, the force on a
+    side (below or above) by the displacement of a side, by components.
     """
     count = len(thickness_mm)
     corners = _CORNERS * np.array([*size, 1.0]) * np.stack([np.ones(count), np.ones(count), thickness_mm], -1)[:, None]
@@ -163,7 +171,10 @@ def _between_sides(size: Pair, thickness_mm: Array, material: Elastic) -> Array:
 
 @dataclass(frozen=True)
 class PatchCompliance:
-    """Displacements of a patch's nodes by forces on them, in mm/N; unknown 3 i + k belongs to node i and axis k."""
+    """Displacements of a patch's nodes by forces on them, in mm/N; unknown 3 i + k belongs to node i and axis k.
+
+    With p mirror planes the patch consists of 2^p images of the piece of q nodes on the planes' non-negative sides.
+    """
 
     shape: tuple[int, int]  #: (n_a, n_t) nodes of the patch.
     #: The patch's axes, 0 along the body and 1 across it, about whose zero the body is its own mirror image.
@@ -177,10 +188,10 @@ class PatchCompliance:
 
     @classmethod
     def of_parities(cls, shape: tuple[int, int], planes: tuple[int, ...], parts: Array) -> "PatchCompliance":
-        """From the compliances (2^p, 3 q, 3 q) of the piece on the planes' non-negative sides, which are used up.
+        """From the compliances (2^p, 3 q, 3 q) of the piece under even and odd forces; `parts` is overwritten.
 
-        Even about each plane before odd, the last plane first to change. Nodes on a plane carry the piece's half of the
-        forces there; what is held on a plane has compliance zero.
+        Their order: even about each plane before odd, the last plane changing first. Nodes on a plane carry the piece's
+        half of the forces there; unknowns held on a plane have a compliance of zero.
         """
         kinds = parts.reshape(*(2,) * len(planes), *parts.shape[1:])
         for axis in range(len(planes)):
@@ -192,7 +203,7 @@ class PatchCompliance:
         return cls(shape, planes, parts)
 
     def turned(self, rotation: Array) -> "PatchCompliance":
-        """This compliance with its vectors in other axes, into which the matrix (3, 3) turns them."""
+        """This compliance in other axes; `rotation` (3, 3) turns vectors from the present axes into those."""
         if np.array_equal(rotation, np.eye(3)):
             return self
         triples = np.ascontiguousarray(self.blocks).reshape(-1, 3) @ rotation.T
@@ -200,11 +211,12 @@ class PatchCompliance:
         return replace(self, blocks=(rotation @ rows).reshape(self.blocks.shape), rotation=rotation @ self.rotation)
 
     def with_neighbours(self, near: Array, kind: IntArray, share: Array) -> "PatchCompliance":
-        """This compliance plus displacements of nodes by forces on nodes up to (a, t) lines away.
+        """This compliance plus corrections of displacements by forces on nodes up to (a, t) lines away.
 
-        near: (m, 2 a + 1, 2 t + 1, 3, 3) in the body's axes, of m kinds of node: by the lines from the loaded node to
-        the moved one, which get the mean of what their kinds say.  kind, share: of the piece's nodes (q,), and what
-        their kind's is multiplied by. What is added is made symmetric as the body is.
+        near: (m, 2 a + 1, 2 t + 1, 3, 3) displacement per force in the body's axes, for m kinds of node, by the
+        distance in lines from the loaded to the moved node.
+        kind, share: (q,) the kind of each node of the piece and a factor on its correction. A pair of nodes gets the
+        mean of the corrections of both, made symmetric as the body is.
         """
         for axis in self.planes:
             mirror = np.ones(3)
@@ -221,16 +233,17 @@ class PatchCompliance:
         return replace(self, blocks=blocks)
 
     def piece_nodes(self) -> IntArray:
-        """The patch's nodes (q,) on the non-negative sides of the planes, to which `blocks` belong."""
+        """Indices (q,) in the patch of the nodes on the non-negative sides of the planes, in the order of `blocks`."""
         lines = (np.arange(n)[n // 2 if axis in self.planes else 0 :] for axis, n in enumerate(self.shape))
         return np.asarray(
             np.add.outer(*(each * step for each, step in zip(lines, (self.shape[1], 1), strict=True)))
         ).ravel()
 
     def between(self, moved: IntArray, loaded: IntArray, out: Array | None = None, add: Array | None = None) -> Array:
-        """Displacements of some nodes (k,) by unit forces on others (l,), (3 k, 3 l), written to `out` if given.
+        """Displacements of the nodes `moved` (k,) by unit forces on the nodes `loaded` (l,): (3 k, 3 l).
 
-        add: (3,) factors of the forces' components, with which the displacements are added to what `out` holds.
+        out: array to write them to, which is returned. add: (3,) factors on the components of force; with it the
+        displacements are multiplied by these and added to `out`.
         """
         result = np.empty((3 * len(moved), 3 * len(loaded))) if out is None else out
         if self._signs is not None:
@@ -244,7 +257,7 @@ class PatchCompliance:
 
     @cached_property
     def dense(self) -> Array:
-        """The whole matrix (3 n, 3 n), put together when it is first asked for."""
+        """The whole matrix (3 n, 3 n), assembled on first use."""
         everywhere = np.arange(self.shape[0] * self.shape[1])
         return self.between(everywhere, everywhere)
 
@@ -259,7 +272,9 @@ class PatchCompliance:
 
     @cached_property
     def _places(self) -> tuple[IntArray, IntArray]:
-        """Which image of the piece each node (n,) belongs to, and which of the piece's nodes it is the image of."""
+        """For each node (n,): which image of the piece it belongs to, and which node of the piece it is the
+        image of.
+        """
         along, across = (np.arange(n) for n in self.shape)
         sides = [np.zeros(n, dtype=np.int64) for n in self.shape]
         for k, axis in enumerate(self.planes):
@@ -275,7 +290,7 @@ class PatchCompliance:
 
     @cached_property
     def _reflections(self) -> Array:
-        """Of vectors into each image of the piece, (2^p, 3, 3)."""
+        """Matrices (2^p, 3, 3) that turn vectors of the piece into those of each image."""
         found = [np.eye(3)]
         for axis in self.planes:
             found = [each for one in found for each in (one, one @ self._reflection(axis))]
@@ -283,28 +298,30 @@ class PatchCompliance:
 
     @cached_property
     def _signs(self) -> Array | None:
-        """What the reflections do to components, (2^p, 3), where they only change signs."""
+        """Signs (2^p, 3) of the components under each reflection; None unless reflections only change signs."""
         if (self._reflections * (1.0 - np.eye(3))).any():
             return None
         return np.ascontiguousarray(np.einsum("gkk->gk", self._reflections))
 
     def _reflection(self, axis: int) -> Array:
-        """Of vectors about one of the planes, (3, 3)."""
+        """Matrix (3, 3) of the reflection about one plane, in the axes of forces and displacements."""
         mirror = np.eye(3)
         mirror[axis, axis] = -1.0
         return np.asarray(self.rotation @ mirror @ self.rotation.T)
 
 
 def _piece(shape: tuple[int, int], planes: tuple[int, ...]) -> tuple[int, int]:
-    """Nodes of the patch on the non-negative sides of its planes, each of which has nodes on it."""
+    """Numbers of nodes (along, across) on the non-negative sides of the planes, the nodes on the planes included."""
     along, across = ((n + 1) // 2 if axis in planes else n for axis, n in enumerate(shape))
     return along, across
 
 
 @compiled
 def _add_near(blocks: Array, piece: IntArray, flips: IntArray, near: Array, kind: IntArray, share: Array) -> None:
-    """flips: (2^p, 2) whether an image of the piece is reversed along an axis.  near: (2^p, m, ...) with forces
-    reflected as the image is.
+    """Add corrections to `blocks` in place.
+
+    flips: (2^p, 2) 1 where an image of the piece is reversed along an axis. near: (2^p, m, ...) for each image, forces
+    reflected as it is. kind, share: (q,) as in `PatchCompliance.with_neighbours`.
     """
     rows, columns = near.shape[2] // 2, near.shape[3] // 2
     for image in range(len(blocks)):
@@ -341,7 +358,10 @@ def _gather_mirrored(
     result: Array,
     add: bool,
 ) -> None:
-    """Blocks of nodes whose images differ by signs (2^p, 3) of their displacements' and their forces' components."""
+    """Write to `result`, or with `add` add to it, displacements of the nodes `moved` by forces on `loaded`.
+
+    signs, forces: (2^p, 3) factors on the components of displacement and of force for each image of the piece.
+    """
     # Unsigned and known beforehand: this is a run's innermost loop.
     count = len(loaded)
     block, column = np.empty((len(blocks), count), dtype=np.uint64), np.empty(count, dtype=np.uint64)
@@ -372,7 +392,9 @@ def _gather_mirrored(
 def _gather(
     blocks: Array, side: IntArray, place: IntArray, reflections: Array, moved: IntArray, loaded: IntArray, result: Array
 ) -> None:
-    """Blocks of nodes whose images differ by any reflection (2^p, 3, 3) of their vectors."""
+    """Write displacements of the nodes `moved` by forces on `loaded` to `result`; reflections: (2^p, 3, 3) for each
+    image.
+    """
     half = np.empty((3, 3))
     for i in range(len(moved)):
         own, row = side[moved[i]], 3 * place[moved[i]]

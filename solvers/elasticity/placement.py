@@ -1,8 +1,9 @@
 """Bodies placed in the world: orientation, worn surface as a height field, compliance in world axes.
 
-World frame: x is the direction of motion, z the contact normal from the lower to the upper body, origin at the first
-contact. Positions on a surface are plane coordinates (x, y); worn depth is vertical and below the fresh surface,
-whether the mesh's nodes have been moved there or not: where they are only matters to the compliance.
+World axes: x is the direction of motion, z the contact normal from the lower to the upper body, the origin the point of
+first contact. Positions on a surface are plane coordinates (x, y) in mm. The worn depth is vertical and measured below
+the unworn surface, also where the mesh's nodes have been moved into the worn surface: that affects the compliance
+alone.
 """
 
 from dataclasses import dataclass, replace
@@ -33,40 +34,42 @@ class SurfaceSample:
     height: Array  #: (n,) in mm, in world z relative to the body's origin.
     slope: Array  #: (n, 2) its gradient in world axes.
     nodes: IntArray  #: (n, 4) patch nodes that interpolate at the points; (n, 2) on planar bodies.
-    weights: Array  #: Their bilinear weights.
+    weights: Array  #: (n, 4) or (n, 2) bilinear weights of the nodes.
     inside: BoolArray  #: (n,) whether the point lies on the patch.
 
 
 @dataclass(frozen=True)
 class WornNodes:
-    """A surface worn by `depth` (n_a, n_t) at its patch's n nodes, in mm."""
+    """A surface worn by `depth` (n_a, n_t) in mm, at its patch's n nodes."""
 
     depth: Array
     heights: Array  #: (n,) in world z relative to the body's origin.
-    gradient: Array  #: (n, 2) of the depth, along the patch's axes.
+    gradient: Array  #: (n, 2) gradient of the depth along the patch's axes.
 
 
 @dataclass(frozen=True)
 class PlacedBody:
-    """A body placed in the contact's axes: x along the motion, z upwards."""
+    """A body placed in world axes: x along the motion, z upwards."""
 
     patch: ContactPatch
     facing: int  #: +1 for the lower body (its patch faces +z), -1 for the upper one.
     axis_angle_rad: float  #: Angle of the body's axis against the motion.
-    folded: Compliance  #: Of the patch in mm/N, world axes.
+    folded: Compliance  #: Compliance of the patch in mm/N, in world axes.
     world_to_patch: Array  #: (2, 2) turns plane vectors into the patch's axes.
     incline: float = 0.0  #: Rise of the whole surface along x, mm per mm.
-    bricks: Bricks | None = None  #: The elements under the patch, as of the body.
-    yielding: ContactBody | None = None  #: The body in its own axes, where forces leave a print on it.
+    bricks: Bricks | None = None  #: The elements under the patch, see `ContactBody.bricks`.
+    yielding: ContactBody | None = None  #: The body in its own axes if forces can leave a print on it.
 
     @property
     def compliance(self) -> Array:
-        """The whole compliance, (3 n, 3 n)."""
+        """The whole compliance matrix (3 n, 3 n)."""
         return self.folded.dense
 
     def printed(self, print_mm: Array | None, force_N: Array) -> Array | None:
-        """Depth (n_a, n_t) of the print after forces (n, 3) in world axes, with the sign of those on the upper body;
-        None on an elastic body.
+        """Depth (n_a, n_t) in mm of the print after forces, from that before; `print_mm` itself for a body that does
+        not yield.
+
+        force_N: (n, 3) in world axes, with the sign of the force on the upper body.
         """
         if self.yielding is None or print_mm is None:
             return print_mm
@@ -74,22 +77,24 @@ class PlacedBody:
 
     @cached_property
     def node_positions(self) -> Array:
-        """Plane positions (x, y) of the patch's nodes relative to the body's origin, shape (n, 2)."""
+        """Plane positions (x, y) in mm of the patch's nodes relative to the body's origin, (n, 2)."""
         return self.patch.grid() @ self.world_to_patch
 
     @cached_property
     def node_areas(self) -> Array:
-        """Plane area that belongs to each of the patch's nodes, (n,), mm²."""
+        """Plane area in mm² that belongs to each of the patch's nodes, (n,)."""
         return self.patch.node_areas()
 
     @cached_property
     def edge_nodes(self) -> BoolArray:
-        """Which of the patch's nodes lie on its outer edge, (n,)."""
+        """True (n,) for the patch's nodes on its outer edge."""
         return self.patch.edge_nodes()
 
     @cached_property
     def mirror_images(self) -> dict[tuple[float, float], IntArray | None]:
-        """Where mirrors (sign_x, sign_y) tried so far take the patch's nodes, (n,); None if not onto the body."""
+        """Cache of `known_images`: for signs (sign_x, sign_y) the image (n,) of each node, or None without this
+        symmetry.
+        """
         return {}
 
     @cached_property
@@ -99,7 +104,7 @@ class PlacedBody:
     def worn(self, depth_mm: Array) -> WornNodes:
         """The surface worn by `depth_mm` (n_a, n_t) at the patch's nodes.
 
-        The latest is kept: increments on frozen surfaces ask for the same array again and again, and none changes it.
+        The latest result is kept and returned for the same array object, which callers must not change.
         """
         latest = self._latest_worn
         if not latest or latest[0].depth is not depth_mm:
@@ -114,16 +119,18 @@ class PlacedBody:
 
     @cached_property
     def latest_block(self) -> list[Any]:
-        """The block of the compliance that was gathered last, or nothing; see `solvers.elasticity.compliance`."""
+        """The block of compliance gathered last, in a list of at most one; see `solvers.elasticity.compliance`."""
         return []
 
     @cached_property
     def latest_compliance(self) -> list[tuple["PlacedBody", Any]]:
-        """The body faced last and the compliance of both that was gathered then, or nothing."""
+        """The body faced last and the compliance of both gathered then, in a list of at most one."""
         return []
 
     def sample(self, points_mm: Array, depth_mm: Array) -> SurfaceSample:
-        """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) given relative to the body's origin."""
+        """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) in mm relative to the body's origin, in
+        world axes.
+        """
         local = points_mm @ self.world_to_patch.T
         patch = self.patch
         nodes, weights, inside = patch.locate(local)
@@ -137,7 +144,7 @@ class PlacedBody:
 
 
 def place(body: ContactBody, *, upper: bool, axis_angle_rad: float) -> PlacedBody:
-    """Put a body below or above the contact plane with its axis at an angle to the motion."""
+    """Put a body below or above the plane of contact with its axis at an angle to the motion."""
     rotation = rotation_to_world(upper=upper, axis_angle_rad=axis_angle_rad)
     folded = body.folded.turned(rotation)
     return PlacedBody(
@@ -152,7 +159,9 @@ def place(body: ContactBody, *, upper: bool, axis_angle_rad: float) -> PlacedBod
 
 
 def rotation_to_world(*, upper: bool, axis_angle_rad: float) -> Array:
-    """The matrix (3, 3) that turns a body's axes into the world's; an upper body is turned over about its own axis."""
+    """Matrix (3, 3) that turns vectors from a body's axes into world axes; an upper body is turned over about its own
+    axis.
+    """
     c, s = cos(axis_angle_rad), sin(axis_angle_rad)
     # Rounding of cos(pi/2) would break the exact symmetry of wires crossed at right angles.
     c, s = (0.0 if abs(c) < 1e-15 else c), (0.0 if abs(s) < 1e-15 else s)
@@ -162,15 +171,15 @@ def rotation_to_world(*, upper: bool, axis_angle_rad: float) -> Array:
 
 
 def interpolated(nodal: Array, nodes: IntArray, weights: Array) -> Array:
-    """A nodal field at points whose nodes and weights are (n, c), shape (n,)."""
+    """A nodal field at points, (n,), from the nodes and weights (n, c) of each."""
     return np.asarray(np.einsum("ij,ij->i", nodal[nodes], weights))
 
 
 def facing(primary: PlacedBody, secondary: PlacedBody) -> PlacedBody:
-    """The body that carries the tractions, with what both bodies' elements lack near a loaded node.
+    """The primary body with the near-field correction of `patch_compliance` for both bodies added to its compliance.
 
-    The near field belongs to the pair: a force on a node of the primary reaches the secondary spread over elements of
-    both. Bodies without bricks under their patches are left as they are.
+    The correction depends on the pair: a force on a node of the primary reaches the secondary spread over elements of
+    both. Without `bricks` on either body the primary is returned unchanged.
     """
     own, other, folded = primary.bricks, secondary.bricks, primary.folded
     if own is None or other is None or not isinstance(folded, PatchCompliance):
@@ -187,7 +196,9 @@ def facing(primary: PlacedBody, secondary: PlacedBody) -> PlacedBody:
 
 
 def _near_fields(kinds: IntArray, finest: tuple[float, ...], own: Bricks, other: Bricks, turn: Array) -> Array:
-    """Displacements lacking about nodes of each kind (m, 4), (m, 2 a + 1, 2 t + 1, 3, 3)."""
+    """Corrections (m, 2 a + 1, 2 t + 1, 3, 3) around nodes of each kind (m, 4): powers of `_ALIKE` on the four finest
+    sizes.
+    """
     ways = ((float(turn[0, 0]), float(turn[0, 1])), (float(turn[1, 0]), float(turn[1, 1])))
     found = []
     for steps in kinds:
@@ -202,13 +213,15 @@ def _near_fields(kinds: IntArray, finest: tuple[float, ...], own: Bricks, other:
 
 
 def _finest(patch: ContactPatch) -> tuple[float, float]:
-    """Size of the elements in the middle of a patch along and across."""
+    """Size (along, across) in mm of the elements in the middle of a patch."""
     along, across = (float(np.diff(lines)[len(lines) // 2]) for lines in (patch.axial_mm, patch.transverse_mm))
     return along, across
 
 
 def _sizes(primary: PlacedBody, secondary: PlacedBody) -> Array:
-    """Sizes (n, 4) along and across of the elements about the primary's nodes, and of those that face them at rest."""
+    """Sizes (n, 4) in mm, along and across, of the elements around the primary's nodes and of those that face them at
+    rest.
+    """
     own, other = primary.patch, secondary.patch
     there = primary.node_positions @ secondary.world_to_patch.T
     along, across = np.meshgrid(np.gradient(own.axial_mm), np.gradient(own.transverse_mm), indexing="ij")
@@ -218,8 +231,9 @@ def _sizes(primary: PlacedBody, secondary: PlacedBody) -> Array:
 
 
 def known_images(body: PlacedBody, signs: tuple[float, float]) -> IntArray | None:
-    """Where a mirror (sign_x, sign_y) of the world takes the patch's nodes, (n,); None unless it takes the body onto
-    itself. Looked for once for each body.
+    """Mirror image (n,) of each of the patch's nodes under the signs (sign_x, sign_y) on world positions.
+
+    None unless the mirror maps the body onto itself, compliance included. Computed once for each body.
     """
     if signs not in body.mirror_images:
         body.mirror_images[signs] = _images(body, np.array(signs))
@@ -227,7 +241,6 @@ def known_images(body: PlacedBody, signs: tuple[float, float]) -> IntArray | Non
 
 
 def _images(body: PlacedBody, signs: Array) -> IntArray | None:
-    """Where a mirror takes the patch's nodes, (n,); None unless it takes the body onto itself."""
     places, there = (np.rint(xy / _PLACE_TOLERANCE_mm) for xy in (body.node_positions, body.node_positions * signs))
     order, order_there = (np.lexsort(xy.T) for xy in (places, there))
     if not np.array_equal(places[order], there[order_there]):
@@ -241,7 +254,7 @@ def _images(body: PlacedBody, signs: Array) -> IntArray | None:
 
 
 def _compliance_is_mirrored(body: PlacedBody, images: IntArray, signs: Array) -> bool:
-    """Whether loads on some nodes move the patch as their images move its image."""
+    """True if loads on some sample nodes move the patch as loads on their images move the image of the patch."""
     everywhere = np.arange(body.patch.size)
     for j in np.linspace(0, body.patch.size - 1, _PROBES).astype(int):
         own, image = (

@@ -1,4 +1,7 @@
-"""Integrals of one surface's fields over the supports of another surface's nodes, at Gauss points of the latter."""
+"""Integrals of one body's surface over the supports of another body's nodes, at Gauss points of the latter's patch.
+
+A node's support is the cells around it; integrals are weighted with its bilinear shape function.
+"""
 
 from typing import NamedTuple
 
@@ -18,31 +21,31 @@ from solvers.jit_cache import compiled, inlined
 
 
 class GaussPoints(NamedTuple):
-    """The Gauss points of all cells about some nodes, seen from another body."""
+    """The Gauss points of all cells around some nodes, in the axes of the other body."""
 
-    first: IntArray  #: (c_a, c_t) where each cell's points begin, -1 where it has none.
-    positions: Array  #: (g, 2) in that body's axes.
-    axes: CommonAxes | None  #: Where the axes of both bodies lie along one another; None where they do not.
+    first: IntArray  #: (c_a, c_t) index of each cell's first point, -1 for cells not around the nodes.
+    positions: Array  #: (g, 2) in the other body's axes, mm.
+    axes: CommonAxes | None  #: From the nodes' axes to the other body's; None unless at a multiple of 90°.
 
 
 def points_about(nodes: IntArray, along: GaussLines, across: GaussLines, turn: Array, offset_mm: Array) -> GaussPoints:
-    """The points about nodes (k,) of a patch, at `turn @ (position - offset)` in the other body's axes.
+    """The Gauss points around nodes (k,) of a patch, at `turn @ (position - offset)` in the other body's axes.
 
-    turn: (2, 2) from the patch's axes to the other body's.  offset_mm: (2,) of its origin, in the patch's axes.
+    turn: (2, 2) from the patch's axes to the other body's.  offset_mm: (2,) position of its origin in the patch's axes.
     """
     found = _points(nodes, along.positions, across.positions, len(across.positions) + 1, turn, offset_mm)
     return GaussPoints(*found, CommonAxes.of(turn, offset_mm))
 
 
 class Integrals(NamedTuple):
-    """Integrals over the supports of k nodes, weighted with their shape functions."""
+    """Integrals over the supports of k nodes, weighted with their shape functions; the surface is the other body's."""
 
     area: Array  #: (k,), mm².
-    height: Array  #: (k,) of the worn surface.
-    slope: Array  #: (k, 2) of it in its patch's axes.
-    moment: Array  #: (k, 2) of the positions.
-    transfer: NodalTransfer  #: Of nodal fields.
-    outside: BoolArray  #: (k,) whether a part of the support lies beside the patch.
+    height: Array  #: (k,) of the worn surface's height, mm³.
+    slope: Array  #: (k, 2) of the worn surface's slope in its patch's axes, mm².
+    moment: Array  #: (k, 2) of the positions in that patch's axes, mm³.
+    transfer: NodalTransfer  #: From nodal fields of the other body to their integrals.
+    outside: BoolArray  #: (k,) True if a part of the support lies outside the other body's patch.
 
 
 def integrals(
@@ -54,10 +57,10 @@ def integrals(
     depth_mm: Array,
     depth_gradient: Array,
 ) -> Integrals:
-    """Integrals of the surface of `patch` worn by depths (n_a, n_t) over the supports of nodes (k,) of another patch.
+    """Integrals of the surface of `patch`, worn by depths (n_a, n_t), over the supports of nodes (k,) of another patch.
 
-    points: about these nodes, in the axes of `patch`.  along, across: those of the nodes' own patch.
-    depth_gradient: (n, 2) at the nodes of `patch`, as `gradient` gives it.
+    points: around these nodes, in the axes of `patch`.  along, across: Gauss points of the nodes' own patch.
+    depth_gradient: (n, 2) gradient of the depth at the nodes of `patch`, as from `gradient`.
     """
     fresh = patch.profile.height(points.positions), patch.profile.slope(points.positions)
     steps = along.lengths, across.lengths, along.lower, across.lower
@@ -74,14 +77,14 @@ def integrals(
 
 
 def gradient(field: Array, patch: ContactPatch) -> Array:
-    """Gradient (along, across) at a patch's nodes of a field (n_a, n_t), shape (size, 2), by central differences."""
+    """Gradient (along, across), (size, 2), at a patch's nodes of a field (n_a, n_t), by central differences."""
     return _gradient(np.ascontiguousarray(field), patch.axial_mm, patch.transverse_mm)
 
 
 def at_points(positions: Array, patch: ContactPatch, weights: Array) -> NodalTransfer:
-    """The transfer of a patch's nodal fields to positions (k, 2) in its axes, each with a weight (k,).
+    """The transfer of a patch's nodal fields to positions (k, 2) in mm in its axes, times a weight (k,) for each.
 
-    Beside the patch it takes nothing.
+    Positions outside the patch get nothing.
     """
     corner, shares, _ = _located(np.ascontiguousarray(positions), patch.axial_mm, patch.transverse_mm)
     planar, across = len(patch.transverse_mm) == 1, len(patch.transverse_mm)
@@ -155,7 +158,8 @@ def _gradient(field: Array, along: Array, across: Array) -> Array:
 
 @compiled
 def _located(positions: Array, along: Array, across: Array) -> tuple[IntArray, Array, BoolArray]:
-    """First corner of the cell about each point (g,), weights (g, 4) of its corners, whether it lies on the patch.
+    """First corner (g,) of the cell around each point, weights (g, 4) of its corners, whether it lies on the patch
+    (g,).
 
     A planar body's cells have two corners.
     """
@@ -209,8 +213,8 @@ def _sums(
     depth: Array,
     gradient: Array,
 ) -> tuple[Array, Array, Array, Array]:
-    """Area, height, slope and moment over the supports of a surface, fresh at the points, less its depth (n,) and that
-    one's gradient (n, 2), which the transfer averages.
+    """Area, height, slope and moment as in `Integrals` of a surface, from its unworn heights and slopes at the points,
+    less its worn depth (n,) and the depth's gradient (n, 2), which the transfer averages.
     """
     own_t = _lines_across(lengths_t)
     count = len(nodes)
@@ -247,7 +251,7 @@ def _sums(
 
 @inlined
 def _lines_across(lengths: Array) -> int:
-    """Lines of a patch with these cells across it; a planar body has one."""
+    """Number of grid lines of a patch with these cells across it; 1 for a planar body."""
     return 1 if lengths.shape[0] == 1 and lengths.shape[1] == 1 else lengths.shape[0] + 1
 
 
@@ -263,7 +267,9 @@ def _transfer(
     along: Array,
     across: Array,
 ) -> tuple[BoolArray, IntArray, IntArray, Array]:
-    """Which supports (k,) leave the patch, and the transfer's rows, of axes that lie at any angle."""
+    """Integrals of products of hat functions, for axes at any angle: whether each support leaves the patch, (k,), and
+    first, columns and weights as in `NodalTransfer`.
+    """
     own_t = _lines_across(lengths_t)
     # Of the four corners about a point only two are nodes on a planar body.
     step = np.array([0, 1]) if len(across) == 1 else np.array([0, 1, len(across), len(across) + 1])

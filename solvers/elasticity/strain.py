@@ -1,13 +1,10 @@
-"""Strains and stresses of eight-node bricks and four-node quadrilaterals at their integration points.
+"""Linear elasticity on eight-node bricks and four-node quadrilaterals, fully integrated: stiffness, stresses,
+projections.
 
 Stresses are symmetric tensors of six components in VTK's order: xx, yy, zz, xy, yz, xz, in MPa, tension positive. A
-planar body's derivatives along y are zero: plane strain, and antiplane shear beside it.
-
-Linear elasticity on eight-node bricks and four-node quadrilaterals, fully integrated, assembled by scikit-fem.
-
-A planar body does not change along y. Its displacements in the plane (plane strain) and out of it (antiplane shear)
-decouple, and both follow from the same formula as a brick's with all derivatives along y zero. It has three unknowns
-per node as a brick has.
+planar body does not change along y: its displacements in the plane (plane strain) and out of it (antiplane shear)
+decouple, and both follow from a brick's formulas with all derivatives along y zero. It has three unknowns per node, as
+a brick has. scikit-fem assembles the stiffness.
 """
 
 from __future__ import annotations
@@ -41,11 +38,11 @@ TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and co
 
 
 def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
-    """Stiffness in N/mm (of a planar body per mm of thickness), shape (3 n, 3 n).
+    """Stiffness matrix (3 n, 3 n) in N/mm (of a planar body per mm of thickness); Poisson's ratio must be below 0.5.
 
-    The displacement of node i in direction k is unknown 3 i + k. Poisson's ratio is below 0.5.
-    Assembled from the scalar forms G_ab = integral of (d phi_i / d x_a)(d phi_j / d x_b), which is several times
-    faster than the vector form: the block of directions a, b is lambda G_ab + mu G_ba + delta_ab mu trace(G).
+    The displacement of node i in direction k is unknown 3 i + k. It is assembled from the scalar forms G_ab = integral
+    of (d phi_i / d x_a)(d phi_j / d x_b), several times faster than from the vector form: the block of directions a, b
+    is lambda G_ab + mu G_ba + delta_ab mu trace(G).
     """
     from skfem import BilinearForm
     from skfem.models.elasticity import lame_parameters
@@ -69,7 +66,7 @@ def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
 
 
 def _basis(mesh: HexMesh | QuadMesh) -> tuple[Basis, tuple[int, ...]]:
-    """Shape functions with quadrature, and the directions in which they vary."""
+    """scikit-fem's shape functions with quadrature, and the world directions in which the mesh's fields vary."""
     from skfem import Basis, ElementHex1, ElementQuad1, MeshHex, MeshQuad
 
     points = np.ascontiguousarray(mesh.points.T)
@@ -81,43 +78,43 @@ def _basis(mesh: HexMesh | QuadMesh) -> tuple[Basis, tuple[int, ...]]:
 
 
 def von_mises(stress: Array) -> Array:
-    """Von Mises' equivalent stress (...), √(3 J2)."""
+    """Von Mises' equivalent stress √(3 J2), (...), from six components (..., 6)."""
     xx, yy, zz, xy, yz, xz = np.moveaxis(stress, -1, 0)
     normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
     return np.asarray(np.sqrt(0.5 * normal + 3.0 * (xy**2 + yz**2 + xz**2)))
 
 
 def principal(stress: Array) -> Array:
-    """Principal stresses (..., 3), the largest first."""
+    """Principal stresses (..., 3), the largest first, from six components (..., 6)."""
     return np.asarray(np.linalg.eigvalsh(tensors(stress))[..., ::-1])
 
 
 def hydrostatic(stress: Array) -> Array:
-    """Mean normal stress (...)."""
+    """Mean of the three normal stresses, (...), from six components (..., 6)."""
     return np.asarray(stress[..., :3].mean(axis=-1))
 
 
 def turned(stress: Array, rotation: Array) -> Array:
-    """Stresses (..., 6) in axes into which the matrix (3, 3) turns vectors."""
+    """Stresses (..., 6) in other axes; `rotation` (3, 3) turns vectors from the present axes into those."""
     return components(rotation @ tensors(stress) @ rotation.T)
 
 
 @dataclass(frozen=True)
 class IntegrationPoints:
-    """The q integration points of m cells of c nodes: two in each direction, as the stiffness is integrated."""
+    """The q integration points in each of the m cells, of c nodes, of a mesh: two in each direction."""
 
     mesh: HexMesh | QuadMesh
-    gradients: Array  #: (m, q, c, 3) of the shape functions, 1/mm.
-    volumes: Array  #: (m, q), mm³ (of a planar body mm²).
-    shapes: Array  #: (q, c).
+    gradients: Array  #: (m, q, c, 3) gradients of the shape functions, 1/mm.
+    volumes: Array  #: (m, q) volume that belongs to each point, mm³ (of a planar body mm²).
+    shapes: Array  #: (q, c) values of the shape functions.
 
     @cached_property
     def positions(self) -> Array:
-        """Positions (m, q, d) in mm, of the mesh's points (n, d)."""
+        """Positions (m, q, d) of the integration points in mm."""
         return np.asarray(np.einsum("qc,mcd->mqd", self.shapes, self.mesh.points[self.mesh.cells]))
 
     def stresses(self, material: Elastic, displacement: Array) -> Array:
-        """Stresses (m, q, 6) in MPa by nodal displacements (n, 3) in mm."""
+        """Stresses (m, q, 6) in MPa from nodal displacements (n, 3) in mm."""
         cells = displacement[self.mesh.cells]
         count = self.gradients.shape[:2]
         # (m, 3, c) times (m, c, 3 q): how each component changes along each axis.
@@ -135,8 +132,9 @@ class IntegrationPoints:
         return stress
 
     def around(self, nodes: IntArray) -> IntegrationPoints:
-        """Points of the cells around nodes (k,), enough layers that fields projected to these nodes are as by all
-        cells.
+        """The integration points of the cells within eight layers of the nodes (k,).
+
+        So many that fields projected to these nodes by `at_nodes` are as if from all cells.
         """
         cells, near = self.mesh.cells, np.zeros(len(self.mesh.points), dtype=bool)
         near[nodes] = True
@@ -147,16 +145,16 @@ class IntegrationPoints:
         return replace(self, mesh=mesh, gradients=self.gradients[chosen], volumes=self.volumes[chosen])
 
     def internal_forces(self, stresses: Array) -> Array:
-        """Nodal forces (n, 3) in N with which stresses (m, q, 6) hold against what acts on the body."""
+        """Nodal forces (n, 3) in N that are in equilibrium with stresses (m, q, 6)."""
         tensor = tensors(stresses) * self.volumes[..., None, None]
         of_cells = np.einsum("mqca,mqab->mcb", self.gradients, tensor, optimize=True)
         return scattered(self.mesh.cells, of_cells, len(self.mesh.points))
 
     def at_nodes(self, values: Array) -> Array:
-        """The field on nodes (n, k) that lies closest, in the mean square, to values (m, q, k) at integration points.
+        """Nodal field (n, k) closest in the mean square to values (m, q, k) at the integration points.
 
-        Of all fields that the elements can represent it is the best one, without the smoothing of a plain average. It
-        is zero at nodes without cells. `solvers.stress.interior.all_at_nodes` makes many such fields at once.
+        It is zero at nodes without cells. `solvers.stress.interior.all_at_nodes` projects many such fields at once.
+        SolverError when the projection does not converge.
         """
         from scipy.sparse.linalg import cg
 
@@ -170,14 +168,16 @@ class IntegrationPoints:
         return result
 
     def loads(self, values: Array) -> Array:
-        """Integrals (u, k) of shape functions times values (m, q, k), of the nodes that have cells."""
+        """Integrals (u, k) of shape functions times values (m, q, k), for the u nodes that have cells."""
         of_cells = np.einsum("qc,mqk,mq->mck", self.shapes, values, self.volumes, optimize=True)
         _, used = self.mass
         return scattered(self.mesh.cells, of_cells, len(self.mesh.points))[used]
 
     @cached_property
     def mass(self) -> tuple[csr_matrix, IntArray]:
-        """Integrals (u, u) of products of shape functions of the nodes (u,) that have cells, and these nodes."""
+        """Mass matrix (u, u), the integrals of products of shape functions, of the u nodes that have cells, and their
+        indices (u,).
+        """
         used, cells = np.unique(self.mesh.cells, return_inverse=True)
         corners, size = self.mesh.cells.shape[1], len(used)
         cells = cells.reshape(-1, corners)
@@ -187,7 +187,6 @@ class IntegrationPoints:
 
 
 def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:
-    """The integration points of a mesh."""
     corners = _CORNERS[mesh.cells.shape[1]]
     d = corners.shape[1]
     at = corners / np.sqrt(3.0)
@@ -202,7 +201,9 @@ def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:
 
 
 def interpolation(mesh: HexMesh | QuadMesh, places: Array) -> csr_matrix:
-    """The matrix (p, n) that takes nodal fields to places (p, d) in a mesh, or no more than a cell beside it."""
+    """Sparse matrix (p, n) that interpolates nodal fields at places (p, d) in mm inside the mesh, or at most a cell
+    outside it.
+    """
     from scipy.spatial import cKDTree
 
     corners = _CORNERS[mesh.cells.shape[1]].astype(np.float64)
@@ -227,19 +228,19 @@ def interpolation(mesh: HexMesh | QuadMesh, places: Array) -> csr_matrix:
 
 
 def _shapes(local: Array, corners: Array) -> Array:
-    """Shape functions (..., c) at local coordinates (..., d)."""
+    """Shape functions (..., c) at local coordinates (..., d), each in [-1, 1]."""
     return np.asarray((1.0 + corners * local[..., None, :]).prod(axis=-1) / 2.0 ** corners.shape[1])
 
 
 def _slope(local: Array, corners: Array, axis: int) -> Array:
-    """Their slopes (..., c) along one local axis."""
+    """Derivatives (..., c) of the shape functions along one local axis, at local coordinates (..., d)."""
     factors = 1.0 + corners * local[..., None, :]
     factors[..., axis] = corners[:, axis]
     return np.asarray(factors.prod(axis=-1) / 2.0 ** corners.shape[1])
 
 
 def tensors(components: Array) -> Array:
-    """Symmetric matrices (..., 3, 3) of six components (..., 6)."""
+    """Symmetric matrices (..., 3, 3) from six components (..., 6)."""
     return components[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
 
 
@@ -250,6 +251,6 @@ def components(matrices: Array) -> Array:
 
 
 def scattered(cells: IntArray, values: Array, size: int) -> Array:
-    """Sum of the values (m, c, k) that cells (m, c) give to each of so many nodes, (size, k)."""
+    """Sums (size, k), for each of `size` nodes, of the values (m, c, k) that cells give to their nodes (m, c)."""
     flat = values.reshape(-1, values.shape[-1])
     return np.column_stack([np.bincount(cells.ravel(), column, size) for column in flat.T])

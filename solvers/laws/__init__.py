@@ -1,1 +1,3 @@
-"""Laws of friction, wear and layers, and what they may know of a place."""
+"""Laws of friction, of wear, of layers on and between the surfaces, and of yielding, and the local state they depend
+on.
+"""

@@ -1,10 +1,9 @@
-"""Friction laws: which tangential traction a contact transmits at most before it slides, at the pressure on it.
+"""Friction laws: the largest tangential traction, the limit, that a contact transmits at a pressure before it slides.
 
-Newton's method asks a law for its limit and for the limit's derivative by the pressure; friction work is the limit
-times the slip. A law of sliding speed or of history gives a factor on the coefficient of friction at every node.
-
-A law is one class, named in `LIBRARY` below, or in the entry point group "wirewear.friction_laws" of an installed
-package; a study chooses it by its name.
+Newton's method asks a law for its limit and for the limit's derivative with respect to pressure; friction work is the
+limit times the slip. A law that depends on sliding speed or on history multiplies the coefficient of friction at every
+node by a factor. A law is one class, named in `LIBRARY` below, or in the entry point group "wirewear.friction_laws" of
+an installed package; a study chooses it by its name.
 """
 
 from abc import ABC, abstractmethod
@@ -30,75 +29,80 @@ _SMALLEST_PRESSURE = 1e-3  # Of the reference: below it powers of the pressure s
 
 @dataclass(frozen=True)
 class FrictionLaw(ABC):
-    """A law as a study describes it: its parameters are the fields of a frozen dataclass.
+    """Base of friction laws; a law's parameters are the fields of a frozen dataclass.
 
-    The coefficient of friction is no parameter of the law but an argument, for tests and effects change it: what the
-    limit is proportional to, a number or one for each of the k nodes, (k,).
+    The coefficient of friction is not a parameter but an argument, since tests and effects change it. `friction` below
+    is that coefficient, one number or one for each of k nodes, (k,); the limit is proportional to it at low pressure.
     """
 
-    name: ClassVar[str]  #: By which studies choose it.
+    name: ClassVar[str]  #: The name by which studies choose the law.
     #: Whether the limit is the coefficient times the pressure; it is then not computed again.
     proportional: ClassVar[bool] = False
-    timed: ClassVar[bool] = False  #: Whether the factor follows the speed.
-    #: Whether it follows what surfaces have been through: cycles differ without any wear.
+    timed: ClassVar[bool] = False  #: Whether the factor depends on the sliding speed.
+    #: Whether the factor depends on the friction energy taken so far, so that cycles differ even without wear.
     remembers: ClassVar[bool] = False
-    ages: ClassVar[bool] = False  #: Whether the factor follows the number of cycles done.
+    ages: ClassVar[bool] = False  #: Whether the factor depends on the number of cycles done.
 
     def factor(self, local: LocalState, /) -> float | Array:  # noqa: ARG002 - most laws ask for nothing
-        """Factor on the coefficient of friction, one for all nodes or one for each, (k,); not negative."""
+        """Factor on the coefficient of friction, one for all nodes or (k,), >= 0, from the local state of the k
+        nodes.
+        """
         return 1.0
 
     @abstractmethod
     def limit(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
-        """Largest tangential traction (k,), MPa, under pressures of at least 0."""
+        """Largest tangential traction (k,) in MPa at pressures (k,) >= 0."""
 
     @abstractmethod
     def derivative(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
-        """Derivative (k,) of the limit by the pressure; not negative."""
+        """Derivative (k,) of the limit with respect to pressure, >= 0."""
 
 
 @dataclass(frozen=True)
 class Coulomb(FrictionLaw):
-    """Amontons' and Coulomb's law: friction in proportion to the pressure."""
+    """Amontons' and Coulomb's law: tau = mu p."""
 
     name: ClassVar[str] = "coulomb"
     proportional: ClassVar[bool] = True
 
     def limit(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
-        """Coefficient times pressure."""
         return friction * pressure_MPa
 
     def derivative(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
-        """The coefficient."""
         return np.full_like(pressure_MPa, friction)
 
 
 class Within(Protocol):
-    """How pressure is spread within the elements about k nodes; see `WithinElements`."""
+    """How pressure varies within the elements around k nodes; see `WithinElements`."""
 
     def among(self, chosen: slice | IntArray, /) -> "Within":
-        """How pressure is spread about the chosen nodes alone."""
+        """The same description for the chosen nodes alone."""
 
     def share(self, friction: "Friction", /) -> float | Array:
-        """What a law's limit is over that by nodes' pressures alone, one or (k,)."""
+        """Integral of a law's limit over the elements, divided by the limit at the nodal pressures: one number
+        or (k,).
+        """
 
 
 @dataclass(frozen=True)
 class Friction:
-    """A law with a coefficient of friction, one or (k,), as the contact's equations see it; tractions are those on the
-    surface.
+    """A friction law with a coefficient of friction, one number or (k,), as the equations of contact use it.
+
+    Tractions and pressures are those on the surface.
     """
 
     coefficient: float | Array
     law: FrictionLaw = field(default_factory=Coulomb)
-    #: How the pressure is spread between nodes, of whose own a law that bends with it would know too little.
+    #: How the pressure varies between nodes: nodal values alone do not suffice for a law that is not proportional.
     within: "Within | None" = None
-    #: What is known of the k nodes, for laws of wear as well; None where nothing is.
+    #: Local state of the k nodes, for laws of wear as well; None if no law needs it.
     local: LocalState | None = field(default=None, compare=False, repr=False)
 
     @cached_property
     def share(self) -> float | Array:
-        """Factor on the limit, one or (k,), by which it is the law's integral over elements."""
+        """Factor on the limit, one number or (k,), that makes it the integral over elements in place of the nodal
+        value.
+        """
         return 1.0 if self.within is None or self.law.proportional else self.within.share(self)
 
     @property
@@ -107,7 +111,7 @@ class Friction:
         return not each.any() if isinstance(each, np.ndarray) else each == 0.0
 
     def among(self, chosen: slice | IntArray) -> "Friction":
-        """The law at some of the k nodes."""
+        """The friction of the chosen nodes alone."""
         each = self.coefficient
         within = None if self.within is None else self.within.among(chosen)
         local = None if self.local is None else self.local.among(chosen)
@@ -115,29 +119,36 @@ class Friction:
         return replace(self, coefficient=coefficient, within=within, local=local)
 
     def differs(self, other: "Friction") -> bool:
-        """Whether coefficients are others by more than `_SETTLED` of the largest."""
+        """True if a coefficient differs from the other's by more than `_SETTLED` times the largest coefficient."""
         now, then = self.coefficient, other.coefficient
         if isinstance(now, float) and isinstance(then, float):
             return abs(now - then) > _SETTLED * now
         return bool(np.max(np.abs(now - then), initial=0.0) > _SETTLED * np.max(now, initial=0.0))
 
     def change_since(self, other: "Friction", load: Array) -> float:
-        """Half the mean difference of local coefficients over their mean, weighted by (k,); 0 where one is for all."""
+        """Mean absolute change of local coefficients since `other`, over the sum of both, weighted by `load` (k,).
+
+        0 where one coefficient holds for all nodes.
+        """
         now, then = self.coefficient, other.coefficient
         if isinstance(now, float) or isinstance(then, float):
             return 0.0
         return float(load @ np.abs(now - then)) / max(float(load @ (now + then)), 1e-300)
 
     def limit(self, pressure_MPa: Array) -> Array:
-        """Largest tangential traction (k,) at pressures (k,), MPa; none under tension, which Newton may try."""
+        """Largest tangential traction (k,) in MPa at pressures (k,) in MPa; 0 under tension, which Newton's method may
+        try.
+        """
         return self.share * self.law.limit(self.coefficient, np.maximum(pressure_MPa, 0.0))
 
     def derivative(self, pressure_MPa: Array) -> Array:
-        """Derivative (k,) of the limit by the pressure, under tension that at no pressure."""
+        """Derivative (k,) of the limit with respect to pressure; under tension its value at zero pressure."""
         return self.share * self.law.derivative(self.coefficient, np.maximum(pressure_MPa, 0.0))
 
     def tangent(self, pressure_MPa: Array) -> tuple[Array, Array]:
-        """The limit's straight tangent: its slope (k,), and its value (k,) extrapolated to no pressure."""
+        """Tangent of the limit at pressures (k,): its slope (k,), and its value (k,) in MPa extrapolated to zero
+        pressure.
+        """
         if self.law.proportional:
             return np.full_like(pressure_MPa, self.coefficient), np.zeros_like(pressure_MPa)
         slope, pressure = self.derivative(pressure_MPa), np.maximum(pressure_MPa, 0.0)
@@ -151,8 +162,7 @@ class ShearLimited(FrictionLaw):
     Usui & Shirakashi, Mechanics of machining, from descriptive to predictive theory, ASME PED 7 (1982) 13. At high
     pressure asperities merge and the real area of contact can grow no more.
 
-    shear_strength_MPa: k, of the softer surface or of the film on it.
-    Raises SolverError if the strength is not positive.
+    shear_strength_MPa: k, of the softer surface or of the film on it. Raises SolverError if it is not positive.
     """
 
     name: ClassVar[str] = "shear-limited"
@@ -163,11 +173,9 @@ class ShearLimited(FrictionLaw):
         require_positive(self, "shear_strength_MPa")
 
     def limit(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
-        """Coefficient times pressure, bent towards the shear strength."""
         return -self.shear_strength_MPa * np.expm1(-friction * pressure_MPa / self.shear_strength_MPa)
 
     def derivative(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
-        """The coefficient, which dies away with the pressure."""
         return friction * np.exp(-friction * pressure_MPa / self.shear_strength_MPa)
 
 
@@ -176,8 +184,8 @@ class PowerOfPressure(FrictionLaw):
     """tau = mu p_0 (p / p_0)^n: n = 2/3 is a single elastic asperity (Archard, Proc. R. Soc. A 243 (1957) 190), n = 1
     Coulomb's law. Raises SolverError if either parameter is not positive.
 
-    p + epsilon, with epsilon a thousandth of p_0 and both added as squares, stands for p in the coefficient, so that
-    the limit's slope is finite where p vanishes: 1e-5 too little friction at a tenth of p_0 and n = 2/3.
+    In the coefficient mu (p / p_0)^(n - 1), p is replaced by sqrt(p² + (p_0 / 1000)²), so that the slope stays finite
+    at p = 0; at p_0 / 10 and n = 2/3 this makes friction too small by 1e-5.
     """
 
     name: ClassVar[str] = "power-of-pressure"
@@ -189,23 +197,23 @@ class PowerOfPressure(FrictionLaw):
         require_positive(self, "reference_pressure_MPa", "exponent")
 
     def limit(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
-        """Coefficient times pressure, both the coefficient at p_0 times a power."""
         return friction * pressure_MPa * power_of_pressure(pressure_MPa, self.reference_pressure_MPa, self.exponent - 1)
 
     def derivative(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
-        """N times the coefficient but for the smallest pressures."""
         bent = bend_of_power(pressure_MPa, self.reference_pressure_MPa, self.exponent - 1)
         coefficient = power_of_pressure(pressure_MPa, self.reference_pressure_MPa, self.exponent - 1)
         return friction * coefficient * (1.0 + bent)
 
 
 def power_of_pressure(pressure_MPa: Array, reference_MPa: float, exponent: float) -> Array:
-    """(p / p_0) to the power, finite where p vanishes."""
+    """(p / p_0)^exponent, (k,), with p / p_0 replaced by sqrt((p / p_0)² + 1e-6), so that it is finite at p = 0."""
     return np.asarray(np.hypot(pressure_MPa / reference_MPa, _SMALLEST_PRESSURE) ** exponent)
 
 
 def bend_of_power(pressure_MPa: Array, reference_MPa: float, exponent: float) -> Array:
-    """P times the logarithmic derivative of `power_of_pressure`: the exponent but for the smallest pressures."""
+    """Logarithmic derivative p / w dw/dp of w = `power_of_pressure`, (k,): the exponent, except near p = 0, where it is
+    0.
+    """
     ratio = pressure_MPa / reference_MPa
     return np.asarray(exponent * (ratio / np.hypot(ratio, _SMALLEST_PRESSURE)) ** 2)
 
@@ -214,9 +222,10 @@ def bend_of_power(pressure_MPa: Array, reference_MPa: float, exponent: float) ->
 class Rate(Coulomb):
     """mu = mu_k + (mu_s - mu_k) exp(-|v| / v_s): Stribeck's fall from static to kinetic friction.
 
-    Bo & Pavelescu, Wear 82 (1982) 277. The study's coefficient is the static one. Newton's method takes the speed of
-    the increment's own slip, repeated until friction has settled, at most six times. Behind a spring K it sticks and
-    slips in steps shorter than P |dmu/dv| / K; longer ones damp that.
+    Bo & Pavelescu, Wear 82 (1982) 277. The study's coefficient is the static one. The speed is that of the increment's
+    own slip; increments are repeated until friction has settled, at most six times. Behind a spring of stiffness K the
+    contact sticks and slips if time steps are shorter than P |dmu/dv| / K; longer steps damp this.
+
     Raises SolverError if the ratio is negative or the speed not positive.
     """
 
@@ -230,17 +239,18 @@ class Rate(Coulomb):
         require_positive(self, "speed_mm_per_s", not_negative=("kinetic_ratio",))
 
     def factor(self, local: LocalState, /) -> Array:
-        """1 at rest, the ratio at high speed."""
+        """Factor (k,): 1 at rest, `kinetic_ratio` at high speed."""
         faded = np.exp(-local.speed_mm_per_s / self.speed_mm_per_s)
         return np.asarray(self.kinetic_ratio + (1.0 - self.kinetic_ratio) * faded)
 
 
 @dataclass(frozen=True)
 class LogarithmicRate(Coulomb):
-    """mu = mu_s (1 + c ln(1 + |v| / v_0)): friction that grows, or with a negative c falls, with the speed's logarithm.
+    """mu = mu_s (1 + c ln(1 + |v| / v_0)): friction that grows, or with a negative c falls, with the logarithm of
+    speed.
 
-    Dieterich, J. Geophys. Res. 84 (1979) 2161, in steady sliding; the 1 keeps it finite at rest. The coefficient never
-    falls below 0. Raises SolverError if the speed is not positive.
+    Dieterich, J. Geophys. Res. 84 (1979) 2161, for steady sliding; 1 + |v| / v_0 in place of |v| / v_0 keeps it finite
+    at rest. The coefficient never falls below 0. Raises SolverError if the speed is not positive.
     """
 
     name: ClassVar[str] = "logarithmic-rate"
@@ -253,16 +263,17 @@ class LogarithmicRate(Coulomb):
         require_positive(self, "speed_mm_per_s")
 
     def factor(self, local: LocalState, /) -> Array:
-        """1 at rest."""
+        """Factor (k,): 1 at rest, never below 0."""
         return np.maximum(1.0 + self.slope * np.log1p(local.speed_mm_per_s / self.speed_mm_per_s), 0.0)
 
 
 @dataclass(frozen=True)
 class RunningIn(Coulomb):
-    """mu = mu_end + (mu - mu_end) exp(-e / e_0): every place runs in with the friction energy that it has taken.
+    """mu = mu_end + (mu - mu_end) exp(-e / e_0): every place runs in with the friction energy e that it has taken.
 
-    An exponential, for want of a law; e is the mean of both surfaces at a place. Within a cycle jump it is that of
-    each stage, which keeps the jump's second order; single increments take that at their start.
+    The exponential is assumed, not measured; e is the mean of both surfaces at a place. Within a cycle jump it is taken
+    at each stage, which keeps the jump accurate to second order; single increments take it at their start.
+
     Raises SolverError if the ratio is negative or the energy not positive.
     """
 
@@ -276,7 +287,7 @@ class RunningIn(Coulomb):
         require_positive(self, "energy_mJ_per_mm2", not_negative=("final_ratio",))
 
     def factor(self, local: LocalState, /) -> Array:
-        """1 on fresh surfaces, the ratio on those run in."""
+        """Factor (k,): 1 on fresh surfaces, `final_ratio` on surfaces that have run in."""
         fresh = np.exp(-local.energy_mJ_per_mm2 / self.energy_mJ_per_mm2)
         return np.asarray(self.final_ratio + (1.0 - self.final_ratio) * fresh)
 
@@ -286,14 +297,16 @@ LIBRARY: tuple[type[FrictionLaw], ...] = (Coulomb, ShearLimited, PowerOfPressure
 
 @cache
 def friction_laws() -> Mapping[str, type[FrictionLaw]]:
-    """Every law by its name: the library's, then those of installed packages.
-    Raises SolverError if a package's entry point holds no law, or one whose name is taken.
+    """Every friction law by its name: the library's, then those of installed packages.
+
+    Raises SolverError if a package's entry point holds no friction law, or one whose name is taken.
     """
     return laws_by_name(ENTRY_POINT_GROUP, FrictionLaw, "friction law", LIBRARY)
 
 
 def friction_law(name: str, parameters: Mapping[str, float]) -> FrictionLaw:
-    """The law of that name with these parameters.
-    Raises SolverError if there is none, or it has other parameters, or they cannot be.
+    """Make the friction law of a name with its parameters.
+
+    Raises SolverError if no law has this name, or if parameters are missing, unknown or out of range.
     """
     return law_called(name, parameters, friction_laws(), "friction law")

@@ -1,11 +1,9 @@
-"""Layers: between the surfaces, roughness and third body that give way; on one, coatings that wear and rub.
+"""Layers between the surfaces (roughness, third body) that deform, and layers on a surface (coatings) that wear.
 
-Each is local (a Winkler layer): its closure at a node depends on the pressure there, and its shear on the tangential
-traction. In series with the bodies' own compliance they enter the contact conditions exactly; what a layer gives way
-is no penetration, and its shear no slip.
-
-Of a layer's own stiffness nothing is taken: it is as elastic as the body, and a thin coat on a contact many times as
-wide is.
+A layer between the surfaces is local (a Winkler layer): its closure, by which the surfaces approach, depends on the
+pressure at the node alone, and its shear on the tangential traction there. It acts in series with the bodies' elastic
+compliance; its closure does not count as penetration, nor its shear as slip. A coating is as elastic as its body, a
+good approximation while it is thin against the contact's width; it differs in wear and friction alone.
 """
 
 from collections.abc import Sequence
@@ -28,47 +26,52 @@ _FADING = 0.1
 
 
 class ContactLayer(Protocol):
-    """A layer between the surfaces. retained_fraction: share of the worn depth that it fills on each body."""
+    """A layer between the surfaces; k is the number of nodes."""
 
     @property
     def retained_fraction(self) -> float:
-        """Share of both worn depths that stays between the surfaces, in [0, 1)."""
+        """Share of both bodies' worn depths that stays between the surfaces as debris, in [0, 1)."""
         ...
 
     def closure(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
-        """Closure (k,) in mm under normal traction, where both bodies have worn by so much, and its derivative."""
+        """Closure (k,) in mm at a pressure where both bodies together have worn by `worn_mm`, and its derivative by
+        pressure.
+        """
         ...
 
     def shear_compliance(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
-        """Tangential displacement over traction (k,), mm per MPa, at a pressure, and its derivative by the pressure."""
+        """Tangential displacement per traction (k,) in mm/MPa at a pressure and a worn depth, and its derivative by
+        pressure.
+        """
         ...
 
 
 @dataclass(frozen=True)
 class RoughLayer:
-    """Asperities with exponentially distributed heights: p = p_c (exp(w / s) - 1), so the stiffness (p + p_c) / s.
+    """Asperities with exponentially distributed heights: p = p_c (exp(w / s) - 1) at the closure w, of stiffness (p +
+    p_c) / s.
 
-    Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300, for that distribution; the same stiffness in proportion to
-    the pressure follows for self-affine roughness (Persson, Phys. Rev. Lett. 99 (2007) 125502).
+    Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300, for this distribution. Self-affine roughness, too, has a
+    stiffness in proportion to pressure (Persson, Phys. Rev. Lett. 99 (2007) 125502).
     """
 
-    decay_mm: float  #: s, the closure that raises the pressure e-fold, about the asperities' standard deviation.
+    decay_mm: float  #: s, the closure that raises the pressure e-fold, about the standard deviation of heights.
     engagement_pressure_MPa: float = 100.0  #: p_c, at which the stiffness is twice that of first touch.
-    #: Tangential over normal compliance, that of each asperity (2 - nu) / (2 - 2 nu) by Mindlin (J. Appl. Mech. 16
+    #: Tangential over normal compliance; for each asperity (2 - nu) / (2 - 2 nu) by Mindlin (J. Appl. Mech. 16
     #: (1949) 259): 1.21 for nu = 0.3.
     shear_ratio: float = 1.21
 
     retained_fraction = 0.0
 
     def closure(self, pressure_MPa: Array, _worn_mm: Array, /) -> tuple[Array, Array]:
-        """Closure and its derivative; straight below zero pressure, where Newton's method may look."""
+        """Closure (k,) in mm and its derivative by pressure; linear under tension, which Newton's method may try."""
         share = pressure_MPa / self.engagement_pressure_MPa
         pressed = np.maximum(share, 0.0)
         slope = self.decay_mm / self.engagement_pressure_MPa / (1.0 + pressed)
         return self.decay_mm * (np.log1p(pressed) + np.minimum(share, 0.0)), slope
 
     def shear_compliance(self, pressure_MPa: Array, _worn_mm: Array, /) -> tuple[Array, Array]:
-        """Closure over pressure times the shear ratio: sliding shears the layer in proportion to its closure."""
+        """Shear ratio times closure over pressure, (k,) in mm/MPa, and its derivative by pressure."""
         share = np.maximum(pressure_MPa / self.engagement_pressure_MPa, _LEAST_SHARE)
         secant = np.log1p(share) / share
         unit = self.shear_ratio * self.decay_mm / self.engagement_pressure_MPa
@@ -80,46 +83,50 @@ class ThirdBody:
     """Debris that stays in both scars as an elastic bed and carries the load (Godet, Wear 100 (1984) 437; Berthier,
     Vincent & Godet, Wear 125 (1988) 25).
 
-    Of each body's worn depth the same share is filled with debris. The bed of that thickness h, thin against its width,
-    gives way by h p / M and shears by h q / G.
+    Debris fills a share of both bodies' worn depths. The bed of this thickness h, thin against its width, closes by h p
+    / M under a pressure p and shears by h q / G under a traction q.
     """
 
-    retained_fraction: float  #: Share of the worn depth that is filled.
+    retained_fraction: float  #: Share of both worn depths that debris fills.
     modulus_MPa: float = inf  #: M, of the laterally confined bed.
     poissons_ratio: float = 0.3  #: Of the debris, gives G = M (1 - 2 nu) / (2 - 2 nu).
 
     def closure(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
-        """Linear in the pressure."""
+        """Closure h p / M, (k,) in mm, and its derivative h / M."""
         compliance = self.retained_fraction * worn_mm / self.modulus_MPa
         return compliance * pressure_MPa, compliance
 
     def shear_compliance(self, _pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
-        """Of the bed's shear modulus; does not depend on the pressure."""
+        """Shear compliance h / G, (k,) in mm/MPa, and its derivative by pressure, 0."""
         over_confined = (2.0 - 2.0 * self.poissons_ratio) / (1.0 - 2.0 * self.poissons_ratio)
         return over_confined * self.retained_fraction * worn_mm / self.modulus_MPa, np.zeros_like(worn_mm)
 
 
 @dataclass(frozen=True)
 class LayersAtNodes:
-    """All layers in series at k paired nodes during an increment, and what of the surfaces yields."""
+    """All layers between the surfaces, in series, at k paired nodes during an increment, and the yielding of the
+    surfaces.
+    """
 
     layers: tuple[ContactLayer, ...]
-    worn: Array  #: (k,) depth of both bodies together, mm.
-    old_displacement: Array  #: (k, 3) by which old tractions shear the layers, mm.
+    worn: Array  #: (k,) worn depth of both bodies together, mm.
+    old_displacement: Array  #: (k, 3) shear of the layers under the tractions before the increment, mm.
     yielding: YieldAtNodes | None = None
 
     def closure(self, pressure: Array) -> tuple[Array, Array]:
-        """Closure (k,) in mm of all layers under the pressure, and its derivative."""
+        """Closure (k,) in mm of all layers, yielding included, under a pressure (k,), and its derivative by
+        pressure.
+        """
         parts = [layer.closure(pressure, self.worn) for layer in self.layers]
         return _sum(parts if self.yielding is None else [*parts, self.yielding.closure(pressure)])
 
     def among(self, nodes: IntArray) -> "LayersAtNodes":
-        """What lies at some of the nodes."""
+        """The layers at the chosen nodes alone."""
         yielding = None if self.yielding is None else self.yielding.among(nodes)
         return LayersAtNodes(self.layers, self.worn[nodes], self.old_displacement[nodes], yielding)
 
     def shear_compliance(self, pressure: Array) -> tuple[Array, Array]:
-        """Tangential displacement over traction (k,) of all layers, mm per MPa, and its derivative by the pressure."""
+        """Tangential displacement per traction (k,) in mm/MPa of all layers, and its derivative by pressure."""
         return _sheared(self.layers, pressure, self.worn)
 
 
@@ -130,7 +137,10 @@ def layers_at_nodes(
     normals: Array,
     yielding: YieldAtNodes | None = None,
 ) -> LayersAtNodes:
-    """The layers where both bodies together have worn by `worn` (k,), after tractions (k, 3) across normals (k, 3)."""
+    """The layers at k nodes where both bodies together have worn by `worn` (k,) in mm.
+
+    old_traction, normals: (k, 3) the traction in MPa before the increment and the normal, both in world axes.
+    """
     pressure = np.einsum("ij,ij->i", old_traction, normals)
     compliance, _ = _sheared(layers, pressure, worn)
     return LayersAtNodes(layers, worn, compliance[:, None] * old_traction, yielding)
@@ -147,7 +157,10 @@ def _sum(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
 
 
 def open_share(layers: Sequence[ContactLayer]) -> float:
-    """Share of the worn depths that opens the gap, because no layer fills it."""
+    """Share of the worn depths that opens the gap, because no layer's debris fills it.
+
+    SolverError if layers fill less than nothing or all of the depth.
+    """
     filled = sum(layer.retained_fraction for layer in layers)
     if not 0.0 <= filled < 1.0:
         raise SolverError(f"the layers fill {filled:g} of the worn depth; together they must fill less than all of it")
@@ -156,11 +169,11 @@ def open_share(layers: Sequence[ContactLayer]) -> float:
 
 @dataclass(frozen=True)
 class SurfaceLayer:
-    """A layer of even thickness."""
+    """A layer on a body, such as a coating, of the same thickness everywhere."""
 
     thickness_mm: float
-    wear_factor: float  #: Its wear coefficient over that of the body.
-    #: Friction of the contact where it lies on the surface, over that without any layer; None where it is the same.
+    wear_factor: float  #: Wear coefficient of the layer over that of the body.
+    #: Coefficient of friction where this layer is at the surface, over that without layers; None: it is equal.
     friction_factor: float | None = None
 
 
@@ -168,8 +181,8 @@ Layers = Sequence[SurfaceLayer]  #: Of one body, the outermost first.
 
 
 def work_through(layers: Layers) -> tuple[Array, Array]:
-    """Depths (m + 1,) of m layers' lower faces, the surface first, and how deep the body without layers would be by the
-    same wear, both in mm.
+    """For m layers, two arrays (m + 1,) in mm: depths of the surface (0) and of each layer's lower face, and the depths
+    to which the body without layers would have worn by then.
     """
     thickness = np.array([0.0, *(layer.thickness_mm for layer in layers)])
     factors = np.array([1.0, *(layer.wear_factor for layer in layers)])
@@ -177,15 +190,20 @@ def work_through(layers: Layers) -> tuple[Array, Array]:
 
 
 def bare_depth(layers: Layers, depth: Array) -> Array:
-    """How deep the body without layers would be by the wear that has worn it to some depth, in the same unit as that of
-    the layers.
+    """Depth to which the body without layers would have worn by the wear work that has worn the layered body to
+    `depth`.
+
+    Any shape; in the unit of `depth`, which must be that of the layers' thicknesses.
     """
     faces, bare = work_through(layers)
     return np.asarray(np.interp(depth, faces, bare) + np.maximum(depth - faces[-1], 0.0))
 
 
 def receded(layers: Layers, depth_mm: Array, bare_mm: Array) -> Array:
-    """By how much surfaces worn to a depth recede where the body without layers would by `bare_mm`; exact."""
+    """Depth in mm by which surfaces worn to `depth_mm` recede while the body without layers would recede by `bare_mm`.
+
+    Any shape; exact across the layers' lower faces.
+    """
     if not layers:
         return bare_mm
     (faces, bare), wanted = work_through(layers), bare_depth(layers, depth_mm) + bare_mm
@@ -193,8 +211,9 @@ def receded(layers: Layers, depth_mm: Array, bare_mm: Array) -> Array:
 
 
 def friction_factor(upper: Layers, lower: Layers, local: LocalState) -> float | Array:
-    """Factor on friction by the layers that lie on the surface at k nodes, (k,); where both bodies have one, the mean
-    of both.
+    """Factor on the coefficient of friction, 1 or (k,), from the layers at the surface of both bodies at k nodes.
+
+    Where both bodies have a layer with a factor there, the mean of both factors.
     """
     if not (upper or lower):
         return 1.0

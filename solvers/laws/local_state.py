@@ -1,8 +1,8 @@
-"""What laws of friction and wear may know of the places where two surfaces meet, each field by its name.
+"""The local state of a contact: fields at its nodes on which laws of friction and wear may depend, each with a name.
 
-A law asks for the fields that it needs; what none asks for is never worked out. Beside those of `LocalState` a problem
-may have fields of its own (`ContactProblem.fields`), worked out from the others: a temperature from pressure and
-speed, say. Neither solver needs to know of them.
+A field is computed when a law asks for it, otherwise not. In addition to the fields of `LocalState` a contact problem
+may have fields of its own (`ContactProblem.fields`), computed from the others: a temperature from pressure and speed,
+say. The solvers need not be changed for them.
 """
 
 from collections.abc import Callable, Mapping
@@ -17,25 +17,26 @@ from solvers.errors import SolverError
 
 
 class LocalField(Protocol):
-    """A field that a problem has besides, by the name under which laws ask for it."""
+    """A field that a contact problem adds to the local state."""
 
     def at(self, local: "LocalState", /) -> Array:
-        """Its values at the k nodes, (k,), from the fields that they have already."""
+        """Values (k,) of the field at the k nodes, from the other fields of the local state."""
         ...
 
 
 @dataclass(frozen=True)
 class LocalState:
-    """k nodes of the primary as they face the secondary; nothing is worked out before a law asks for it."""
+    """Fields at k nodes of the primary body, which carries the tractions, as they face the secondary body."""
 
-    wear: WearState  #: Of both bodies.
-    of_primary: Callable[[Array], Array]  #: Takes a field (n,) of its patch to the nodes, (k,), as the next.
+    wear: WearState  #: Worn depths and friction energies of both bodies.
+    #: From a field (n,) on a body's patch to its values at the nodes, (k,).
+    of_primary: Callable[[Array], Array]
     of_secondary: Callable[[Array], Array]
-    sliding: Callable[[], Array]  #: Their speeds (k,), mm/s.
-    pressing: Callable[[], Array]  #: Pressures (k,) on them as they are known, MPa.
+    sliding: Callable[[], Array]  #: Sliding speeds (k,), mm/s.
+    pressing: Callable[[], Array]  #: Pressures (k,) of the latest iteration, MPa.
     primary_is_upper: bool
-    cycle: float = 0.0  #: Cycles done before, known to laws that age.
-    fields: Mapping[str, LocalField] = field(default_factory=dict)  #: Further ones by name.
+    cycle: float = 0.0  #: Number of cycles done before.
+    fields: Mapping[str, LocalField] = field(default_factory=dict)  #: Fields of the contact problem by name.
 
     @property
     def speed_mm_per_s(self) -> Array:
@@ -44,30 +45,32 @@ class LocalState:
 
     @property
     def pressure_MPa(self) -> Array:
-        """Pressure (k,) of the latest iteration; what friction and wear do with the pressure itself is in limits."""
+        """Pressure (k,) of the latest iteration. A law's dependence on pressure belongs in its `limit`, which Newton's
+        method differentiates.
+        """
         return self.pressing()
 
     @property
     def worn_depth_mm(self) -> Array:
-        """Depth (k,) to which both surfaces together have worn."""
+        """Worn depth (k,) of both surfaces together."""
         primary, secondary = (depth.ravel() for depth in self.wear.depths)
         return self.of_primary(primary) + self.of_secondary(secondary)
 
     @property
     def energy_mJ_per_mm2(self) -> Array:
-        """Friction energy (k,) per plane area that the surfaces have taken so far, as a mean of both."""
+        """Friction energy (k,) per plane area that has been dissipated so far, the mean of both surfaces."""
         primary, secondary = (energy.ravel() for energy in (self.wear.primary_energy, self.wear.secondary_energy))
         return 0.5 * (self.of_primary(primary) + self.of_secondary(secondary))
 
     def __getitem__(self, name: str) -> Array:
-        """A further field (k,) by its name. Raises SolverError if the problem has none of that name."""
+        """A field (k,) of the contact problem by its name. Raises SolverError if the problem has no such field."""
         if name not in self.fields:
             known = ", ".join(self.fields) or "none"
             raise SolverError(f"a law asks for the local field {name!r}, but the contact has {known}")
         return np.asarray(self.fields[name].at(self))
 
     def among(self, chosen: slice | IntArray) -> "LocalState":
-        """The state at chosen nodes alone."""
+        """The local state at the chosen nodes alone."""
         return replace(
             self,
             of_primary=lambda nodal: self.of_primary(nodal)[chosen],

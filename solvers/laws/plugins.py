@@ -1,4 +1,4 @@
-"""Classes that installed packages add by entry points; laws by their names, each with its parameters checked."""
+"""Classes that installed packages add through entry points, and laws made from their name and checked parameters."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields
@@ -12,15 +12,15 @@ from solvers.errors import SolverError
 def installed(
     group: str, base: type[Any], noun: str, home: str, needed: tuple[str, ...], problem: Callable[[str], Exception]
 ) -> Iterator[tuple[str, Any]]:
-    """Place ("package.module:Name") and class of each entry point of a group, by the entry points' names.
-    Raises what ``problem`` makes if an entry point cannot be loaded, or holds no such class, or one that lacks an
-    attribute.
+    """Load every entry point of a group, in the order of their names: its place ("package.module:Name") and its class.
 
-    group: the entry points' group.  needed: attributes that each class must have.
-    base: what each class must be a subclass of; it is abstract, which mypy forbids of a type[Kind].
+    group: the entry points' group.
+    base: class of which each must be a subclass; it is abstract, which mypy forbids of a type[Kind].
     noun: what such a class is to the user ("effect"), for messages.
     home: package from which users import the base class, for messages.
-    problem: makes the error that is raised from one clear sentence without its full stop.
+    needed: attributes that each class must have.
+    problem: makes the error to raise from one sentence without its full stop; raised if an entry point cannot be
+    loaded, or holds no such class, or one that lacks an attribute.
     """
     for point in sorted(entry_points(group=group), key=lambda point: point.name):
         try:
@@ -47,7 +47,8 @@ Law = TypeVar("Law")
 
 
 def laws_by_name(group: str, kind: type[Any], noun: str, library: tuple[type[Law], ...]) -> Mapping[str, type[Law]]:
-    """Every law of a kind: the library's, then those that installed packages name in an entry point group.
+    """Every law of a kind by its name: the library's, then those that installed packages name in an entry point group.
+
     Raises SolverError if a package's entry point holds no such law, or one whose name is taken.
     """
     found: dict[str, Any] = {_name(law): law for law in library}
@@ -62,8 +63,10 @@ def laws_by_name(group: str, kind: type[Any], noun: str, library: tuple[type[Law
 
 
 def law_called(name: str, parameters: Mapping[str, float], laws: Mapping[str, type[Law]], noun: str) -> Law:
-    """The law of that name with these parameters; what has a default may be left out.
-    Raises SolverError if there is none, or it has other parameters, or they cannot be.
+    """Make the law of a name with its parameters; those with defaults may be left out.
+
+    laws: all laws of the kind by name. noun: what such a law is to the user ("friction law"). Raises SolverError if no
+    law has this name, or if parameters are missing, unknown or out of range.
     """
     if name not in laws:
         raise SolverError(f"there is no {noun} {name!r}; the laws are {', '.join(map(repr, laws))}")
@@ -77,7 +80,7 @@ def law_called(name: str, parameters: Mapping[str, float], laws: Mapping[str, ty
 
 
 def require_positive(law: object, *names: str, not_negative: tuple[str, ...] = ()) -> None:
-    """See that parameters of a law are positive, and others not negative. Raises SolverError."""
+    """Raise SolverError unless the named parameters of a law are positive, and those of `not_negative` at least 0."""
     for name in (*names, *not_negative):
         value = getattr(law, name)
         if not (value >= 0.0 if name in not_negative else value > 0.0):

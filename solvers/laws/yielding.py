@@ -1,13 +1,14 @@
-"""Bodies that yield: the pressure that a contact bears, and the gap that stays where it would have to bear more.
+"""Bodies that yield: the largest pressure that a contact bears, and the permanent print where it would exceed it.
 
-Under a contact that has yielded, plastic strain pushes metal aside until the pressure is spread: seen from the surface,
-no pressure exceeds a limit H, and surfaces close there for good. H grows slowly with the load, from the largest
-pressure at first yield, C sigma_y, by constraint of the elastic metal around:
+Under a contact that has yielded, plastic strain displaces metal until the pressure is spread: seen from the surface, no
+pressure exceeds a limit H, and there the surfaces close permanently; the depth of this is the print. H grows slowly
+with the load P, from the largest pressure at first yield, C sigma_y, because the elastic metal around constrains it:
 
     H = sigma_y min(C + 0.205 ln(P/P_y), 2.95)    for P > P_y, the load at first yield of the unworn bodies,
 
-the largest pressures of finite elements for spheres (J2, perfectly plastic) at P/P_y of 1.2, 1.7, 4.1, 8.7, 12, 27, 58
-and 1290: 1.67, 1.77, 1.98, 2.06, 2.14, 2.30, 2.48 and 2.95 times sigma_y. Unloading and loading again are elastic.
+fitted to the largest pressures of finite elements for spheres (J2, perfectly plastic) at P/P_y of 1.2, 1.7, 4.1, 8.7,
+12, 27, 58 and 1290: 1.67, 1.77, 1.98, 2.06, 2.14, 2.30, 2.48 and 2.95 times sigma_y. Unloading and reloading are
+elastic.
 """
 
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from geometry.arrays import Array, IntArray
 
-_GROWTH, _LARGEST = 0.205, 2.95  #: Of the limit over the yield stress, see above.
+_GROWTH, _LARGEST = 0.205, 2.95  #: Growth with ln(P/P_y) and largest value of H / sigma_y, see above.
 #: Strain of an indentation is 0.2 a/R (Tabor, The Hardness of Metals (1951)); the contact's radius a grows about with
 #: this power of the load, between Hertz' 1/3 and full plasticity's 1/2.
 _SPREADING = 0.4
@@ -27,37 +28,39 @@ _REGULAR = 0.005
 
 @dataclass(frozen=True)
 class YieldAtNodes:
-    """At k paired nodes, what they bear before they yield, MPa, and how much more for each mm of print, (k,) both."""
+    """At k paired nodes: the pressure limit (k,) in MPa, and its rise (k,) per mm of print in the current increment."""
 
     limit: Array
     rise_MPa_per_mm: Array
 
     def among(self, nodes: IntArray) -> "YieldAtNodes":
-        """What some of the nodes bear."""
+        """The limits at the chosen nodes alone."""
         return YieldAtNodes(self.limit[nodes], self.rise_MPa_per_mm[nodes])
 
     def closure(self, pressure: Array) -> tuple[Array, Array]:
-        """By how much (k,) surfaces yield under pressures (k,), mm, and its derivative."""
+        """Permanent closure (k,) in mm under pressures (k,), and its derivative by pressure."""
         beyond = pressure - self.limit
         softness = np.where(beyond > 0.0, 1.0 / self.rise_MPa_per_mm, 0.0)
         return beyond * softness, softness
 
     def work(self, pressure: Array) -> Array:
-        """Plastic work (k,) per plane area of surfaces that yield under pressures (k,), mJ/mm²."""
+        """Plastic work (k,) in mJ/mm² per plane area under pressures (k,)."""
         return np.asarray(0.5 * (self.limit + pressure) * self.closure(pressure)[0])
 
 
 @dataclass(frozen=True)
 class PressureLimit:
-    """What the softer of two bodies bears: its yield stress, the largest pressure over it at first yield, and the load
-    of that for the unworn bodies, in N, of a line contact N/mm.
+    """The pressure limit of two bodies in contact, from the softer one.
+
+    first_yield_ratio: C, the largest pressure at first yield over the yield stress. first_yield_load: the load P_y of
+    the unworn bodies at first yield, in N, for a line contact in N/mm.
     """
 
     yield_stress_MPa: float
     first_yield_ratio: float
     first_yield_load: float
-    overlap_mm: float  #: Hertz' approach under the test's load, a measure of depths.
-    upper_share: float = 0.5  #: Of the print, that the upper body takes: none where it is the harder.
+    overlap_mm: float  #: Hertz' approach under the test's load, to which `_REGULAR` refers.
+    upper_share: float = 0.5  #: Share of the print on the upper body: 0 if it is the harder one.
     hardening_MPa: float = 0.0  #: Rise of the yield stress per plastic strain.
     first_yield_strain: float = 0.0  #: Strain 0.2 a/R of the indentation at first yield.
 
@@ -66,18 +69,20 @@ class PressureLimit:
         return self.upper_share if upper else 1.0 - self.upper_share
 
     def limit_MPa(self, load: ArrayLike) -> Array:
-        """Largest pressure under loads, of their shape."""
+        """Pressure limit H in MPa under loads in N (line contacts N/mm), of the loads' shape."""
         beyond = np.maximum(np.asarray(load) / self.first_yield_load, 1.0)
         plastic = self.first_yield_strain * (beyond**_SPREADING - 1.0)
         ratio = np.minimum(self.first_yield_ratio + _GROWTH * np.log(beyond), max(_LARGEST, self.first_yield_ratio))
         return np.asarray(ratio * (self.yield_stress_MPa + self.hardening_MPa * plastic))
 
     def strain(self, load: float) -> float:
-        """Strain 0.2 a/R of the indentation under a load."""
+        """Strain 0.2 a/R of the indentation under a load in N (line contacts N/mm)."""
         return float(self.first_yield_strain * max(load / self.first_yield_load, 0.0) ** _SPREADING)
 
     def at_nodes(self, load: ArrayLike, printed_mm: Array) -> YieldAtNodes:
-        """The limit at nodes under a load, or one for each, where both bodies together have a print (k,)."""
+        """The limit at k nodes under a load, one or (k,), where the bodies together already have a print `printed_mm`
+        (k,).
+        """
         limit = self.limit_MPa(load)
         rise = np.broadcast_to(_REGULAR * limit / self.overlap_mm, printed_mm.shape)
         return YieldAtNodes(limit + rise * printed_mm, rise)
