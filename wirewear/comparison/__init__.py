@@ -1,1 +1,1 @@
-"""Simulation beside experiment in numbers: loops on one phase, scars registered, tests on maps."""
+"""Comparison of simulation and experiment in numbers: loops at equal phase, registered scars, and maps of tests."""

@@ -1,4 +1,4 @@
-"""A simulation and an experiment record side by side: matched loops and scars, and the table of differences."""
+"""Comparison of a simulation with an experiment record: matched loops and scars, and a table of differences."""
 
 from dataclasses import asdict, dataclass
 
@@ -23,9 +23,9 @@ BEYOND = 3.0  #: A difference of more than this many scatters is no chance.
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecordComparison:
-    """What `compare` found: matched loops and scars, the table of differences, and what was left out.
+    """Result of `compare`: matched loops and scars, the table of differences, and sentences on what was left out.
 
-    `unlike` says in which conditions the run and the record differ, None where they are of the same test.
+    `unlike` says in which conditions the run and the record differ; None if they are of the same test.
     """
 
     result: RunResult
@@ -43,7 +43,7 @@ class RecordComparison:
         )
 
     def to_json(self) -> dict[str, object]:
-        """Table, registrations and notes as plain values."""
+        """Table of differences, registrations and notes as plain values for JSON."""
         return {
             "format": 1,
             "result": self.result.label,
@@ -63,9 +63,8 @@ class RecordComparison:
 def compare(result: RunResult, record: AnyRecord) -> RecordComparison:
     """Compare a simulation with a record: loops at matching cycles, evolution, and scars after registration.
 
-    Of a line contact both are of its whole length.
-    Raises RecordError if they have no cycle in common, and no scars where a record may be without loops, or if nothing
-    can be concluded from the record.
+    A line contact is compared over its whole length. Raises RecordError if there is no common cycle with a loop (nor,
+    for records that may lack loops, a common scar), or if a problem of the record forbids conclusions.
     """
     problems = problems_of(record)
     if result.status != "complete":

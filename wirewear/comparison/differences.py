@@ -1,4 +1,7 @@
-"""Differences of a simulation from a measurement, at one phase, in physical units and in scatters of the repeats."""
+"""Differences of a simulation from a measurement, in physical units and in scatters of the repeated tests.
+
+Loops are compared at equal phase of the drive. A scatter is the standard deviation of one test among its repeats.
+"""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -58,9 +61,9 @@ class LoopPair:
 
 
 def loop_pairs(result: RunResult, record: AnyRecord) -> tuple[tuple[LoopPair, ...], tuple[str, ...]]:
-    """Pairs of all cycles that both have, and sentences about what was left out.
+    """Pairs of a measured and a simulated loop for all common cycles, and sentences on what was left out.
 
-    Simulated loops are those that the study's sensors read.
+    Simulated loops are the readings of the study's sensors.
     """
     pairs, notes, missing = [], [], []
     loops = read_loops(result)
@@ -124,7 +127,9 @@ def _pair(simulated: Loop, measured: Sequence[MeasuredLoop], load_N: float) -> t
 
 
 def _on_phase(loop: Loop | MeasuredLoop, figures: LoopFigures) -> Array:
-    """Both channels at even phases, counted from where the drive's first harmonic passes its middle upwards."""
+    """Displacement and force (2, PHASES) at even phases, from where the drive's first harmonic passes its middle
+    upwards.
+    """
     time, displacement, force = (
         np.delete(channel, figures.outlier_samples)
         for channel in (loop.time_s, loop.displacement_um, loop.tangential_force_N)
@@ -139,12 +144,11 @@ def _on_phase(loop: Loop | MeasuredLoop, figures: LoopFigures) -> Array:
 
 @dataclass(frozen=True)
 class Difference:
-    """One line of the table.
+    """One row of the table of differences; None stands for a value that does not exist.
 
-    `measured` is the mean of the repeats, `scatter` the standard deviation of one test, pooled over the cycles of the
-    same quantity, and of loops no less than noise leaves that of the usual one's analysis; `in_scatter` is
-    difference/scatter. `basis` says what the scatter is: that of "repeats", or where there is one repeat "one loop's
-    uncertainty", which is no scatter, and no difference is counted in it. None is a value that does not exist.
+    `measured` is the mean of the repeats. `scatter` is the standard deviation of one test, pooled over the cycles of a
+    quantity; for loops it is at least what noise alone gives. `in_scatter` is difference/scatter. `basis` is "repeats",
+    or with a single repeat "one loop's uncertainty", in which case `in_scatter` is not computed, or "none".
     """
 
     source: str
@@ -160,12 +164,12 @@ class Difference:
 
     @property
     def percent(self) -> float | None:
-        """The difference in per cent of what was measured; None where that is no value, or zero."""
+        """Difference in per cent of the measured value; None if that is missing or 0."""
         return 100.0 * self.difference / abs(self.measured) if self.measured else None
 
 
 def worst_differences(rows: Sequence[Difference]) -> list[Difference]:
-    """The largest difference of each quantity over its cycles, those in most scatters, then in most per cent first."""
+    """Largest difference of each quantity over its cycles, sorted by size in scatters and then in per cent."""
     worst: dict[tuple[str, str], Difference] = {}
     for row in rows:
         key = row.source, row.quantity
@@ -175,7 +179,7 @@ def worst_differences(rows: Sequence[Difference]) -> list[Difference]:
 
 
 def loop_differences(pairs: Sequence[LoopPair]) -> list[Difference]:
-    """Figures of each matched loop, and the distance of the loops at equal phase."""
+    """Differences of the figures of each matched loop, and rms distance in force of the loops at equal phase."""
     rows: list[Difference] = []
     for quantity, unit, attribute, factor in _FIGURES:
         lines: list[tuple[int, float, Array, Array]] = []
@@ -200,7 +204,7 @@ def loop_differences(pairs: Sequence[LoopPair]) -> list[Difference]:
 
 
 def _distances(pairs: Sequence[LoopPair]) -> list[Difference]:
-    """Root mean square over a cycle of the difference of forces at equal phase."""
+    """Root mean square over a cycle of the difference in force at equal phase, for each matched loop."""
     spreads = [np.var(pair.measured[:, 1], axis=0, ddof=1) for pair in pairs if len(pair.repeats) > 1]
     scatter = float(np.sqrt(np.mean(spreads))) if spreads else None
     rows = []
@@ -217,7 +221,7 @@ def _distances(pairs: Sequence[LoopPair]) -> list[Difference]:
 
 
 def evolution_differences(result: RunResult, record: AnyRecord) -> list[Difference]:
-    """Root mean square over the record's cycles of the difference of each evolution column."""
+    """Root mean square, over the record's cycles, of the difference in each column of the evolution."""
     rows = []
     for quantity, unit, name in EVOLUTION_FIGURES:
         cycles, tests = common_evolution(record, name)
@@ -237,7 +241,7 @@ def evolution_differences(result: RunResult, record: AnyRecord) -> list[Differen
 
 
 def common_evolution(record: AnyRecord, name: str) -> tuple[Array, Array]:
-    """Cycles (n,) at which all repeats have a value of that column, and the values (repeats, n)."""
+    """Cycles (n,) at which all repeats have a value in the column `name`, and these values (repeats, n)."""
     series = []
     for part in record.evolution:
         known = np.isfinite(part.columns[name])
@@ -247,7 +251,9 @@ def common_evolution(record: AnyRecord, name: str) -> tuple[Array, Array]:
 
 
 def simulated_evolution(result: RunResult, name: str, cycles: Array) -> Array:
-    """A column of the simulation at other cycles, linear in log cycle; NaN beyond its ends."""
+    """Column `name` of the simulation at other cycles (n,), linear in log cycle; NaN beyond its first and last
+    cycle.
+    """
     known = np.round(result.evolution["cycle"])
     known, first = np.unique(known, return_index=True)
     if not known.size:
@@ -257,7 +263,7 @@ def simulated_evolution(result: RunResult, name: str, cycles: Array) -> Array:
 
 
 def scar_differences(pairs: Iterable[ScarPair]) -> list[Difference]:
-    """Volume, depth, lengths and the difference of maps of each body."""
+    """Differences in worn volume, depth and lengths of each body's scar, and rms difference of its depth map."""
     rows = []
     for pair in pairs:
         source, covered = f"scar, {pair.name}", np.isfinite(pair.measured).all(axis=0)
@@ -287,7 +293,9 @@ def _value(figures: LoopFigures, attribute: str) -> Measured | None:
 
 
 def _pooled(tests: Sequence[Array], deviations: Sequence[Array]) -> tuple[float | None, str]:
-    """Standard deviation of one test, pooled over cycles: three repeats alone know it badly."""
+    """Standard deviation of one test, pooled over cycles as few repeats give it badly, and its basis (see
+    `Difference`).
+    """
     many = [values for values in tests if values.size > 1]
     if many:
         freedom = sum(values.size - 1 for values in many)

@@ -1,4 +1,4 @@
-"""Fretting tests as maps show them, from experiment records and from results."""
+"""Fretting tests, from experiment records and simulation results, as the points that maps show."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ REGIMES: tuple[RegimeOfTest, ...] = ("partial slip", "mixed", "gross slip")
 
 @dataclass(frozen=True)
 class SlidingMap:
-    """Criteria of sliding of one cycle, means of the tests on fresh specimens: A = E_d/(4 δa Q*), B = E_d/(4 δ0 Q*)."""
+    """Sliding criteria of one cycle, means over the repeats: A = E_d/(4 δa Q*), B = E_d/(4 δ0 Q*)."""
 
     cycle: int
     energy_ratio: float
@@ -46,7 +46,7 @@ class SlidingMap:
 
 @dataclass(frozen=True)
 class WornTest:
-    """Friction energy of one test on fresh specimens in J, and the volume that both bodies lost in mm³."""
+    """Friction energy of one test on fresh specimens in J, and the volume worn off both bodies in mm³."""
 
     energy_J: float
     volume_mm3: float
@@ -54,7 +54,7 @@ class WornTest:
 
 @dataclass(frozen=True, eq=False)
 class MappedTest:
-    """One test, of one or several repeats."""
+    """One test with one or several repeats."""
 
     name: str  #: Its title.
     source: Source | Literal["record"]  #: "measured" or "simulated", or "record" where a record does not say which.
@@ -76,19 +76,21 @@ class MappedTest:
 
     @property
     def energy_J(self) -> float:
-        """Mean friction energy of a test; NaN where none is known."""
+        """Mean friction energy of a repeat in J; NaN if unknown."""
         return float(np.mean([one.energy_J for one in self.worn])) if self.worn else float("nan")
 
     @property
     def volume_mm3(self) -> float:
-        """Mean worn volume of a test; NaN where none is known."""
+        """Mean worn volume of a repeat in mm³; NaN if unknown."""
         return float(np.mean([one.volume_mm3 for one in self.worn])) if self.worn else float("nan")
 
 
 def lines_of(tests: Iterable[MappedTest]) -> tuple[RegressionLine | None, RegressionLine | None]:
-    """Worn volume over friction energy of all repeats: through the origin, and with a threshold energy.
+    """Two regression lines of worn volume over friction energy of all repeats: through the origin, and with a
+    threshold.
 
-    None where there is no test that states both, or, for the threshold, where fewer than three or none that differ.
+    Both are None if no repeat states both figures. The second is also None if there are fewer than three repeats, or if
+    their energies differ by less than a factor of 1.5.
     """
     worn = [one for test in tests for one in test.worn if one.energy_J > 0.0]
     if not worn:
@@ -111,11 +113,10 @@ def _figures(loops: Sequence[MeasuredLoop], load_N: float) -> list[tuple[int, Lo
 
 
 def fretting_tests(path: Path) -> list[MappedTest]:
-    """The test of a record, or those of a result (one a variant).
+    """The test of a record, or the tests of a result, one for each variant.
 
-    Those of line contacts are of one millimetre of the contact.
-    Raises RecordError if the record cannot be read, or none of its loops can be analysed; ResultError if the result
-    cannot be read.
+    Line contacts are given for one millimetre of their length. Raises RecordError if the record cannot be read, or none
+    of its loops can be analysed; ResultError if the result cannot be read.
     """
     if path.name != TABLE_FILE_NAME and not (path / TABLE_FILE_NAME).is_file():
         require_no_other(path, RecordError, Held.RECORD, Held.RUN)
@@ -170,7 +171,10 @@ def _of_result(result: RunResult, path: Path) -> MappedTest:
 
 
 def completed(test: MappedTest, loops: Sequence[tuple[int, LoopFigures]]) -> MappedTest:
-    """A test with what its loops say."""
+    """Copy of the test with the figures that its loops give; `loops` holds pairs of cycle and figures.
+
+    Raises RecordError if there are no loops.
+    """
     if not loops:
         raise RecordError(f"none of the loops of {test.path} can be analysed.")
     cycles = sorted({cycle for cycle, _ in loops})
@@ -193,7 +197,9 @@ def _sliding(cycle: int, loops: Sequence[LoopFigures]) -> SlidingMap:
 
 
 def worn_in(record: AnyRecord) -> tuple[WornTest, ...]:
-    """Repeats of which both bodies' scars and an energy are known, each per mm where the contact has a length."""
+    """Energy and worn volume of each repeat that has both bodies' scars and an energy, per mm of length for line
+    contacts.
+    """
     volumes, per = [*record.worn_volumes_mm3.values()], record.tables.extent.share
     return tuple(
         WornTest(per * energy, per * sum(body[repeat] for body in volumes))
@@ -205,7 +211,9 @@ def worn_in(record: AnyRecord) -> tuple[WornTest, ...]:
 def _behind_measured_rig(
     contact: FreshContact, record: AnyRecord, loops: Sequence[tuple[int, LoopFigures]]
 ) -> FreshContact:
-    """The contact behind the rig that the first loops show, 1/K_rig = 1/K_t,m − 1/K_c, if they show one."""
+    """Contact with the rig compliance that the first loops show, 1/K_rig = 1/K_t,m − 1/K_c; unchanged if they show
+    none.
+    """
     known = [(cycle, one.measured_stiffness_N_per_um) for cycle, one in loops]
     stiffness = [(cycle, one.value) for cycle, one in known if one is not None]
     own = record.tables.contact_stiffness_N_per_um

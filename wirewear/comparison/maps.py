@@ -41,7 +41,11 @@ POINTS, MOST_LINES = 41, 5  #: Loads of a line in partial slip; lines at most, w
 
 @dataclass(frozen=True)
 class FreshContact:
-    """What a study states of two bodies before they wear: materials, gap [1/mm], friction, rig [µm/N], load [N]."""
+    """Contact of two bodies before they wear.
+
+    Elastic constants, curvatures of the gap along its two principal directions in 1/mm, coefficient of friction,
+    compliance of the rig in µm/N, normal load in N.
+    """
 
     bodies: tuple[Elastic, Elastic]
     gap_per_mm: tuple[float, float]
@@ -51,12 +55,14 @@ class FreshContact:
 
     @property
     def ball_diameter_mm(self) -> float:
-        """Of the ball that leaves as large a gap on a flat; that of wires crossed at right angles is theirs."""
+        """Diameter of the ball on a flat that has the same mean gap; for equal wires crossed at right angles, the wire
+        diameter.
+        """
         small, large = self.gap_per_mm
         return float(1.0 / (small * large) ** 0.5)
 
     def at(self, load_N: float) -> tuple[PartialSlipPoint, float]:
-        """Mindlin's contact on the circle of equal area under a load, and its peak pressure in MPa."""
+        """Cattaneo–Mindlin contact under a normal load, on a circle of equal area, and its peak pressure in MPa."""
         first, second = self.bodies
         hertz = hertz_elliptic(load_N, *self.gap_per_mm, contact_modulus(first, second))
         modulus = tangential_contact_modulus(first, second)
@@ -65,7 +71,7 @@ class FreshContact:
 
 @dataclass(frozen=True)
 class RunningConditions:
-    """Loads (n,) in N and the displacement amplitudes (n,) in µm from which the contact and the test slide."""
+    """Loads (n,) in N, and amplitudes (n,) in µm from which a contact slides as a whole, without and with its rig."""
 
     normal_load_N: Array
     contact_um: Array
@@ -73,7 +79,7 @@ class RunningConditions:
 
 
 def fresh_contact(study: Mapping[str, object]) -> FreshContact | None:
-    """The contact of a resolved study; None where it states too little, or nothing rubs."""
+    """Fresh contact of a resolved study; None if the study states too little, or has no friction, or a flat face."""
     try:
         stated = point_study(study, "the study")
     except StudyError:
@@ -92,27 +98,33 @@ def fresh_contact(study: Mapping[str, object]) -> FreshContact | None:
 
 
 def running_conditions(study: Mapping[str, object]) -> RunningConditions | None:
-    """The transition of a resolved study; None where it states too little, or nothing rubs."""
+    """Transition to gross slip of a resolved study over LOADS times its load; None where `fresh_contact` gives None."""
     contact = fresh_contact(study)
     return None if contact is None else transition(contact, contact.normal_load_N * LOADS)
 
 
 def transition(contact: FreshContact, loads_N: ArrayLike) -> RunningConditions:
-    """The displacements from which a contact, and it together with its rig, slide as a whole."""
+    """Displacement amplitudes from which a contact slides as a whole, alone and with its rig, at these loads
+    (n,) in N.
+    """
     loads = np.asarray(loads_N, dtype=np.float64)
     own = np.array([1e3 * contact.at(float(load))[0].full_slip_displacement_mm for load in loads])
     return RunningConditions(loads, own, own + contact.rig_um_per_N * contact.friction * loads)
 
 
 def energy_ratio(energy_mJ: Array, amplitude_um: Array, force_N: Array) -> Array:
-    """A = E_d/(4 δa Q*): 1 for a rectangle, 0.2 at the transition, 0 for a line; NaN where there is no box."""
+    """A = E_d/(4 δa Q*): 1 for a rectangular loop, 0.2 at the transition to gross slip, 0 for a line; NaN if δa or Q*
+    is 0.
+    """
     box = 4e-3 * amplitude_um * force_N
     return np.divide(energy_mJ, box, out=np.full_like(energy_mJ, np.nan), where=box > 0.0)
 
 
 def slides(energy_mJ: Array, amplitude_um: Array, slip_um: Array, force_N: Array) -> BoolArray:
-    """Whether contacts (n,) slide as a whole: by A, by the width of the loop, where the slopes of worn scars carry more
-    force than friction does, or by B, where a rig gives way that leaves little of the stroke.
+    """True for contacts (n,) that slide as a whole.
+
+    Any of three criteria suffices: the energy ratio A; the loop's width over its stroke, for scars whose slopes add to
+    the force; or the ratio B, for compliant rigs that take most of the stroke.
     """
     wide = slip_um / amplitude_um > TRANSITION / SYSTEM_FREE_TRANSITION
     full = energy_ratio(energy_mJ, slip_um, force_N) > FULL
@@ -122,7 +134,7 @@ def slides(energy_mJ: Array, amplitude_um: Array, slip_um: Array, force_N: Array
 
 @dataclass(frozen=True)
 class TensionLine:
-    """Displacement amplitudes (n,) in µm and loads (n,) in N at which the edge's tension reaches a value."""
+    """Amplitudes (n,) in µm and loads (n,) in N at which the tension at the contact's edge reaches `tension_MPa`."""
 
     tension_MPa: float
     displacement_um: Array
@@ -130,9 +142,10 @@ class TensionLine:
 
 
 def edge_tension(contact: FreshContact) -> Array:
-    """Largest tension (SHARES) at the trailing edge over the peak pressure, of the body where it is larger.
+    """Largest tension at the trailing edge over the peak pressure, for each of SHARES of the sliding force.
 
-    From (1 − 2ν)/3 without a tangential force to (1 − 2ν)/3 + µπ(4 + ν)/8 where all slides (Hamilton 1983).
+    It is that of the body with the larger tension: from (1 − 2ν)/3 without a tangential force to (1 − 2ν)/3 + µπ(4 +
+    ν)/8 in gross slip (Hamilton 1983).
     """
     stick = np.maximum(np.cbrt(1.0 - SHARES), 1e-6)
     found: Array = np.max(
@@ -158,7 +171,7 @@ def edge_tension(contact: FreshContact) -> Array:
 
 
 def tension_at(contact: FreshContact, displacement_um: float, load_N: float) -> float:
-    """The edge's largest tension in MPa in a test of this displacement amplitude and load."""
+    """Largest tension in MPa at the contact's edge in a test of this displacement amplitude and load."""
     point, peak = contact.at(load_N)
     reached = 1e3 * loading_displacement(point, SHARES * point.limit_N) + contact.rig_um_per_N * SHARES * point.limit_N
     return float(peak * np.interp(np.interp(displacement_um, reached, SHARES), SHARES, edge_tension(contact)))
@@ -167,9 +180,9 @@ def tension_at(contact: FreshContact, displacement_um: float, load_N: float) -> 
 def tension_lines(
     contact: FreshContact, reach_um: float, loads_N: tuple[float, float], tensions_MPa: Sequence[float] = ()
 ) -> list[TensionLine]:
-    """Lines of equal tension up to a displacement, between two loads; those of round values, where none is given.
+    """Lines of equal tension up to the displacement `reach_um`, between two loads; of round values if none are given.
 
-    Where the contact slides as a whole a line goes on at the same load, as its tension grows no further.
+    Where the contact slides as a whole a line goes on at constant load, as the tension grows no further.
     """
     shape = edge_tension(contact)
     peaks = [contact.at(load)[1] for load in loads_N]
@@ -201,7 +214,7 @@ def _line(
 
 
 def _round_values(low: float, high: float) -> list[float]:
-    """At most MOST_LINES of 1, 2, 5, 10, ... between two values."""
+    """The largest MOST_LINES, at most, of the round values 1, 2, 5, 10, … between two limits."""
     first = int(np.floor(np.log10(low)))
     found = [step * 10.0**power for power in range(first, first + 6) for step in (1.0, 2.0, 5.0)]
     return [value for value in found if low <= value <= high][-MOST_LINES:]
@@ -209,7 +222,9 @@ def _round_values(low: float, high: float) -> list[float]:
 
 @dataclass(frozen=True)
 class RegressionLine:
-    """V = slope · (ΣE_d − threshold); intervals hold the true values with a probability of 95 %."""
+    """Line V = slope · (ΣE_d − threshold) through tests; intervals contain the true values with a probability
+    of 95 %.
+    """
 
     slope_mm3_per_J: float  #: Worn volume per friction energy.
     #: Of the slope; infinite where there is one test more than nothing to estimate it by.
@@ -222,7 +237,7 @@ class RegressionLine:
 
 
 def line_through_origin(energy_J: ArrayLike, volume_mm3: ArrayLike) -> RegressionLine:
-    """The line V = α ΣE_d of tests (n,), n ≥ 1, some energy above 0 (Fouvry et al., Wear 255 (2003) 287)."""
+    """Line V = α ΣE_d through tests (n,), n ≥ 1, with some energy above 0 (Fouvry et al., Wear 255 (2003) 287)."""
     x, y = np.asarray(energy_J, dtype=np.float64), np.asarray(volume_mm3, dtype=np.float64)
     # Squares of energies that next to no friction leaves would vanish.
     largest = float(np.abs(x).max())
@@ -237,9 +252,9 @@ def line_through_origin(energy_J: ArrayLike, volume_mm3: ArrayLike) -> Regressio
 
 
 def line_with_threshold(energy_J: ArrayLike, volume_mm3: ArrayLike) -> RegressionLine:
-    """The line V = α (ΣE_d − E_th) of tests (n,), n ≥ 3, of different energies.
+    """Line V = α (ΣE_d − E_th) through tests (n,), n ≥ 3, with different energies.
 
-    The threshold's interval takes slope and intercept to first order.
+    The threshold's interval propagates the errors of slope and mean to first order.
     """
     x, y = np.asarray(energy_J, dtype=np.float64), np.asarray(volume_mm3, dtype=np.float64)
     middle, mean = float(x.mean()), float(y.mean())

@@ -1,4 +1,4 @@
-"""Measured scars beside simulated ones, laid onto them by the shift and rotation that make the difference least."""
+"""Registration of measured scars: the shift and rotation by which they fit the simulated scars best."""
 
 import warnings
 from collections.abc import Sequence
@@ -24,10 +24,11 @@ ROUND, TURN_deg, EDGE = 0.005, 10.0, 0.02
 
 @dataclass(frozen=True)
 class Registration:
-    """Where the measured scar lies in the simulated one's frame, each with its standard deviation.
+    """Position of the measured scar in the frame of the simulated one, each number with its standard deviation.
 
-    A point (x, y) of the simulated frame is found in the measured map at the point turned by `rotation_deg` about the
-    origin and then shifted by (shift_x_um, shift_y_um). `rotation_held` says that the scar is too round to show it.
+    A point (x, y) of the simulated frame is found in the measured map by turning it by `rotation_deg` about the origin
+    and then shifting it by (shift_x_um, shift_y_um). `rotation_held` is True for a scar too round to show a rotation,
+    which is then 0.
     """
 
     shift_x_um: float
@@ -39,21 +40,21 @@ class Registration:
     rotation_held: bool
 
     def measured_point(self, x_um: Array, y_um: Array) -> tuple[Array, Array]:
-        """Coordinates in the measured map of points of the simulated frame."""
+        """Coordinates in the measured map of points given in the simulated frame."""
         cosine, sine = np.cos(np.radians(self.rotation_deg)), np.sin(np.radians(self.rotation_deg))
         return x_um * cosine - y_um * sine + self.shift_x_um, x_um * sine + y_um * cosine + self.shift_y_um
 
     def simulated_point(self, x_um: Array, y_um: Array) -> tuple[Array, Array]:
-        """Coordinates in the simulated frame of points of the measured map."""
+        """Coordinates in the simulated frame of points given in the measured map."""
         cosine, sine = np.cos(np.radians(self.rotation_deg)), np.sin(np.radians(self.rotation_deg))
         x, y = x_um - self.shift_x_um, y_um - self.shift_y_um
         return x * cosine + y * sine, y * cosine - x * sine
 
 
 def register(measured: MeasuredScar | MeasuredProfile, simulated: Scar) -> Registration:
-    """Least-squares registration over the points of the measured map, along x alone of a profile.
+    """Least-squares registration of a measured map of depths, or of a profile along x only, to the simulated scar.
 
-    The search starts both from maps as they are and from coinciding centroids, and the better end is taken.
+    The search starts from the maps as they are and from coinciding centroids; the better result is taken.
     """
     lines_x, lines_y, field = measured.field
     x, y = (grid.ravel() for grid in np.meshgrid(lines_x, lines_y, indexing="ij"))
@@ -72,7 +73,9 @@ def register(measured: MeasuredScar | MeasuredProfile, simulated: Scar) -> Regis
 def onto_simulated(
     measured: MeasuredScar | MeasuredProfile, registration: Registration, x_um: Array, y_um: Array
 ) -> Array:
-    """Measured depth (n_x, n_y) on lines of the simulated frame; NaN where the map has no points."""
+    """Measured depth in µm (n_x, n_y) at grid lines x (n_x,) and y (n_y,) of the simulated frame; NaN outside
+    the map.
+    """
     lines_x, lines_y, field = measured.field
     at = registration.measured_point(*np.meshgrid(x_um, y_um, indexing="ij"))
     if lines_y.size == 1:
@@ -82,7 +85,7 @@ def onto_simulated(
 
 
 def _is_round(simulated: Scar, x: Array, y: Array) -> bool:
-    """Whether a turn changes the simulated depth next to nothing."""
+    """True if a turn by TURN_deg hardly changes the simulated depth (rms below ROUND of the deepest point)."""
     cosine, sine = np.cos(np.radians(TURN_deg)), np.sin(np.radians(TURN_deg))
     depth = simulated.depth_at(x, y)
     change = (simulated.depth_at(x * cosine + y * sine, y * cosine - x * sine) - depth)[depth > EDGE * depth.max()]
@@ -97,7 +100,7 @@ def _centroid(x: Array, y: Array, depth: Array) -> Array:
 
 
 def _fit(simulated: Scar, points: tuple[Array, Array, Array], start: Array, freedoms: int) -> Registration:
-    """The best of so many of shifts along x and y and a turn."""
+    """Best fit with `freedoms` free parameters: shift along x, then along y, then the rotation."""
     x, y, depth = points
     deepest = max(float(np.max(np.abs(depth))), 1e-12)
     scale = np.array([10.0, 10.0, 0.1])[:freedoms]
@@ -134,11 +137,11 @@ def _fit(simulated: Scar, points: tuple[Array, Array, Array], start: Array, free
 
 @dataclass(frozen=True, eq=False)
 class ScarPair:
-    """One body's scar at the test's end: depths [µm] over `x_um` (n_x,) and `y_um` (n_y,) in the simulated frame.
+    """Simulated and measured scar of one body at the end of the test, in the simulated frame.
 
-    A line contact has one line y. `simulated` has shape (n_x, n_y), `measured` (repeats, n_x, n_y), NaN where a map has
-    no points. Worn volumes are those of each measured map, and of the simulated scar at that map's points, as are
-    `spans_um`, further lengths of both by name.
+    Depths are in µm over `x_um` (n_x,) and `y_um` (n_y,); a line contact has one line y. `simulated` has the shape
+    (n_x, n_y), `measured` (repeats, n_x, n_y), NaN outside a map. Volumes and `spans_um` (lengths in µm by name,
+    simulated then measured, one value a repeat) are of each map, and of the simulated scar at that map's points.
     """
 
     wire: str
@@ -159,12 +162,12 @@ class ScarPair:
 
     @property
     def is_map(self) -> bool:
-        """Whether it has several lines y."""
+        """True if there are several lines y, False for a profile along x."""
         return self.y_um.size > 1
 
     @property
     def mean(self) -> Array:
-        """Mean of the repeats, (n_x, n_y); NaN where none has a point."""
+        """Mean measured depth of the repeats in µm (n_x, n_y); NaN where no repeat has a point."""
         with warnings.catch_warnings():
             # Points that no map covers are meant to stay NaN.
             warnings.simplefilter("ignore", RuntimeWarning)
@@ -172,18 +175,20 @@ class ScarPair:
         return mean
 
     def section_along(self, depth: Array) -> Array:
-        """Depth (n_x,) on the grid line nearest to y = 0."""
+        """Depths (n_x,) of a map (n_x, n_y) on the grid line nearest to y = 0."""
         section: Array = depth[:, int(np.argmin(np.abs(self.y_um)))]
         return section
 
     def section_across(self, depth: Array) -> Array:
-        """Depth (n_y,) on the grid line nearest to x = 0."""
+        """Depths (n_y,) of a map (n_x, n_y) on the grid line nearest to x = 0."""
         section: Array = depth[int(np.argmin(np.abs(self.x_um)))]
         return section
 
 
 def scar_pairs(result: RunResult, record: AnyRecord) -> tuple[tuple[ScarPair, ...], tuple[str, ...]]:
-    """Pairs of the bodies of which both have a scar at the end, and sentences about what was left out."""
+    """Pairs of simulated and measured scars of each body that has both at the end, and sentences on what was
+    left out.
+    """
     pairs, notes = [], []
     length_mm, worn = record.tables.length_mm, record.tables.worn.name
     for body in record.tables.body_names:
@@ -227,7 +232,7 @@ def _spans(surfaces: Sequence[MeasuredScar | MeasuredProfile], name: str) -> Arr
 def _seen_by(
     measured: MeasuredScar | MeasuredProfile, registration: Registration, simulated: Scar
 ) -> MeasuredScar | MeasuredProfile:
-    """The simulated scar at a measured map's points."""
+    """Simulated scar sampled at the points of a measured map."""
     x, y, _ = measured.field
     at = registration.simulated_point(*np.meshgrid(x, y, indexing="ij"))
     return measured.of_field(simulated.depth_at(*at))

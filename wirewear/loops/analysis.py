@@ -77,9 +77,9 @@ ROUND_OFF = 5e-3
 
 
 def allowed_slip(slip_um: Measured, amplitude_um: Measured, energy_mJ: Measured, force_N: Measured) -> Measured:
-    """δ0 between 0 and δa; where it lies farther beyond than noise explains, any that the box of the loop allows.
+    """δ0 limited to 0 … δa; if it lies farther outside than its interval, any slip that the loop's area allows.
 
-    `force_N` is the box's half height, the mean of the largest |Q| of both directions.
+    force_N: mean of the largest |Q| of both directions.
     """
     slip = bounded(slip_um, amplitude_um.value)
     if slip is not None:
@@ -90,10 +90,9 @@ def allowed_slip(slip_um: Measured, amplitude_um: Measured, energy_mJ: Measured,
 
 
 def within_bounds(found: LoopFigures) -> LoopFigures:
-    """The figures with 0 ≤ A ≤ 1, 0 ≤ B ≤ 1 and 0 ≤ E_d/(4Pδ0) ≤ max|Q|/P.
+    """Figures limited to 0 ≤ A ≤ 1, 0 ≤ B ≤ 1 and 0 ≤ E_d/(4Pδ0) ≤ max|Q|/P.
 
-    A loop lies within the box of its stroke and its forces. What noise alone puts beyond a bound is set to the bound;
-    what lies farther beyond is left out with a note.
+    A figure whose interval reaches its bound is set to the bound; one beyond it is left out with a note.
     """
     notes = list(found.notes)
     held: dict[str, Any] = {}
@@ -107,9 +106,9 @@ def within_bounds(found: LoopFigures) -> LoopFigures:
 
 
 def bounded(figure: Measured, high: float) -> Measured | None:
-    """A figure between 0 and a bound, its interval likewise; None where all its interval lies beyond them.
+    """Figure limited to 0 … `high`, with its interval; None where the whole interval lies outside.
 
-    The bound itself is measured, so that an interval may end as far beyond it as coarse samples allow.
+    The upper end of the interval may exceed `high` by ROUND_OFF, as coarse samples cut corners off.
     """
     begin, end = figure.interval95
     if begin > high * (1.0 + ROUND_OFF) or end < -ROUND_OFF * high:
@@ -220,14 +219,14 @@ def analyse_loop(
 
 
 def _hidden(courses: BranchFits, ratio: Measured) -> str | None:
-    """Why a loop without a plateau may slide all along; None if nothing shows it."""
+    """Note on why a loop without a plateau may yet slide all along; None if nothing suggests that."""
     if ratio.interval95[0] > MOST_IN_PARTIAL_SLIP:
         return HIDDEN.format(ratio.value)
     return WALLED if all(_stiffens(branch) for branch, _ in courses.both) else None
 
 
 def _stiffens(branch: Branch) -> bool:
-    """Whether a branch is steeper at its end than in its middle: contacts in partial slip yield ever more (Masing)."""
+    """True if the end of a branch is steeper than its middle; contacts in partial slip only soften (Masing)."""
     place = branch.travel_um / branch.length_um
     windows = (place > 0.4) & (place < 0.6), place > 0.8
     if min(np.unique(place[window]).size for window in windows) < 3:
@@ -238,7 +237,9 @@ def _stiffens(branch: Branch) -> bool:
 
 
 def _all_along(read: Measured, courses: BranchFits, energy: Measured, amplitude: Measured) -> Measured:
-    """δ0 of a contact that slides all along, which has one height all along; the interval holds the width read, too."""
+    """δ0 of a contact that slides all along at the height seen at mid-slip; its interval also holds the width
+    as read.
+    """
     (forward, _), (backward, _) = courses.both
     centre, half = forward.origin_um + amplitude.value, MIDDLE_SHARE * amplitude.value
     height = height_at((forward, backward), (np.inf,), centre, half)
@@ -247,10 +248,11 @@ def _all_along(read: Measured, courses: BranchFits, energy: Measured, amplitude:
 
 
 def _in_time(loop: CleanLoop, courses: BranchFits) -> tuple[CleanLoop, BranchFits, float, float]:
-    """The loop and its branches, a late force read earlier; another energy that they may have, and the lag behind it.
+    """Loop and branches with a certain lag of the force removed, another energy (mJ) to be covered, and the lag in
+    samples.
 
-    That is the energy as read where the force was late for certain, and else the one without the lag that the
-    reversals allow for. What comes early for certain is noted: a late displacement is not all that makes it so.
+    The other energy is the one as read where a lag was removed, and else the one without the lag that the reversals
+    allow. The returned lag is 0 where it was removed. A force that is certainly early is noted and not corrected.
     """
     lag, as_read = None if goes_with_velocity(loop) else lag_of(loop), dissipated_energy(loop).value
     if lag is None:
@@ -267,7 +269,7 @@ def _in_time(loop: CleanLoop, courses: BranchFits) -> tuple[CleanLoop, BranchFit
 
 
 def _followed(loop: CleanLoop) -> tuple[CleanLoop, BranchFits]:
-    """Branches and their micro-slip; samples without times may be unevenly spread, then the raw drive fits better."""
+    """Loop and its branch fits; uses the unsmoothed drive if times are unknown and that fits clearly better."""
     courses = branch_fits_of(loop)
     if not loop.smoothed or loop.times_known:
         return loop, courses
@@ -279,7 +281,9 @@ def _followed(loop: CleanLoop) -> tuple[CleanLoop, BranchFits]:
 
 
 def _from_zero(loop: CleanLoop, friction: Measured | None, zero: Measured | None, sign: float) -> Measured | None:
-    """A direction's friction, counted from the force's zero where the loop tells it."""
+    """Friction of one direction, counted from the force sensor's zero where free play shows it; `sign` is that of the
+    shift.
+    """
     if friction is None or zero is None or loop.normal_force_N is None:
         return friction
     load = float(np.mean(loop.normal_force_N))
@@ -296,7 +300,7 @@ def _displacement_amplitude(loop: CleanLoop, courses: BranchFits) -> Measured:
 
 
 def _energy_friction(loop: CleanLoop, energy: Measured, slip: Measured) -> Measured | None:
-    """E_d/(4Pδ0); None where nothing is dissipated."""
+    """E_d/(4Pδ0); None without a normal force, or where nothing is dissipated."""
     if loop.normal_force_N is None or not energy.value or not slip.value:
         return None
     load = Measured.from_deviation(float(np.mean(loop.normal_force_N)), loop.normal_noise_N)
@@ -324,7 +328,7 @@ def _notes(loop: CleanLoop, courses: BranchFits, found: LoopFigures, *, no_line:
 
 
 def _sticks(found: LoopFigures) -> bool:
-    """Whether the loop is no wider than what its own doubt says, or next to none."""
+    """True if the slip amplitude is smaller than its uncertainty or than 0.1 % of the displacement amplitude."""
     slip = found.slip_amplitude_um
     return slip.value < max(slip.interval95[1] - slip.value, STUCK * found.displacement_amplitude_um.value)
 
@@ -348,7 +352,7 @@ def _stiffness_notes(loop: CleanLoop, courses: BranchFits, found: LoopFigures, *
 
 
 def _signal_notes(found: LoopFigures) -> list[str]:
-    """What was found of play, stick-slip and a static peak: all of it is kept."""
+    """Notes on free play, stick-slip and a static peak, whose samples are all kept."""
     notes = []
     if found.free_play_um is not None and found.force_zero_N is not None:
         notes.append(

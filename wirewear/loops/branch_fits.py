@@ -1,4 +1,7 @@
-"""Both branches of a loop, freed from free play, with the micro-slip that was fitted to each."""
+"""Both branches of a loop, freed from free play, each with its fitted micro-slip.
+
+A shelf is a stretch of a branch at nearly constant force about zero, along which the holder floats in its free play.
+"""
 
 from dataclasses import dataclass
 
@@ -12,9 +15,9 @@ from wirewear.loops.stick_slip import Course
 
 @dataclass(frozen=True)
 class BranchFits:
-    """Forward and backward branch with their micro-slip, and what was found of free play.
+    """Forward and backward branch with their fitted micro-slip, the stroke in µm, and the shelves of free play, if any.
 
-    Where there is a shelf, the branches are those that a rig without play would give.
+    Where there are shelves, the branches are those that a rig without play would give.
     """
 
     forward: Course
@@ -28,22 +31,22 @@ class BranchFits:
 
     @property
     def slide(self) -> bool:
-        """Whether both branches slide visibly."""
+        """True if both branches have a plateau of at least three samples."""
         return slides_visibly(self.forward) and slides_visibly(self.backward)
 
     @property
     def misfit(self) -> float:
-        """Sum of squared residuals of both fits."""
+        """Sum of squared force residuals of both fits, in N²."""
         return sum(slip.misfit for _, slip in self.both)
 
     @property
     def free_play(self) -> Measured | None:
-        """Width of the shelf."""
+        """Free play of the holder in µm; None where the loop has no shelves."""
         return None if self.shelves is None else play_of(self.shelves)
 
     @property
     def force_zero(self) -> Measured | None:
-        """Force of the shelf: where the force's zero lies."""
+        """Force in N at which the shelves lie, which is the zero error of the force sensor; None without shelves."""
         if self.shelves is None:
             return None
         up, down = self.shelves
@@ -51,7 +54,7 @@ class BranchFits:
 
 
 def branch_fits_of(loop: CleanLoop) -> BranchFits:
-    """Split a loop into its branches, find free play, and fit the micro-slip."""
+    """Split a loop into its two branches, take free play out of them, and fit the micro-slip of each."""
     forward, backward = split_branches(loop)
     length = forward.length_um
     shelves = shelves_of(loop, forward, backward)

@@ -1,6 +1,8 @@
-"""The two branches of a loop, from where the drive turns round, and where micro-slip ends on each.
+"""The two branches of a loop between the reversals of the drive, and the end of micro-slip on each.
 
-It turns at the outermost readings, unless these run on while the force already falls.
+Branch coordinates: travel is the distance from the last reversal, and force is multiplied by the direction of motion,
+so that it rises along both branches. A displacement sensor may be deflected by the force; its reading then runs on
+after the drive has reversed, and the reversal is found after a correction δ + kQ (the "lean" k in µm/N).
 """
 
 from dataclasses import dataclass, replace
@@ -39,11 +41,11 @@ _PARAMETER = np.linspace(1.0, 0.0, 200)
 
 
 def upright(loop: CleanLoop) -> CleanLoop:
-    """The loop with as much displacement in proportion to its force as makes its reading turn where the drive does.
+    """Loop with k·Q added to its displacement, k just large enough that the reading reverses where the drive does.
 
-    A reading that leans against the force by more than the contact yields runs on after the drive has turned round,
-    while the contact sticks: its outermost samples are where sliding begins again. δ + kQ encloses what δ does, and is
-    as wide at any force (∮Q d(kQ) = 0); it turns with the drive, from a k on. Other loops are returned as they are.
+    A sensor that the force deflects by more than the contact yields keeps running after the drive has reversed. δ + kQ
+    encloses the same area as δ and is as wide at any force (∮Q d(kQ) = 0). Loops without that fault are returned as
+    they are.
     """
     lean = lean_of(loop.displacement_um, loop.force_N)
     if lean == 0.0:
@@ -58,7 +60,9 @@ def upright(loop: CleanLoop) -> CleanLoop:
 
 
 def lean_of(displacement_um: Array, force_N: Array) -> float:
-    """Displacement per force to be added to those of one cycle (n,), in µm/N; 0 where they turn with the drive."""
+    """Compliance k in µm/N such that displacement + k·force of one cycle (n,) reverses with the drive; 0 if it does
+    already.
+    """
     if not _runs_on(displacement_um, force_N):
         return 0.0
     unit = float(np.ptp(displacement_um)) / float(np.ptp(force_N))
@@ -67,7 +71,9 @@ def lean_of(displacement_um: Array, force_N: Array) -> float:
 
 
 def _runs_on(displacement_um: Array, force_N: Array, share: float = FALLEN) -> bool:
-    """Whether the force has fallen below a share before the displacement turns, at either end."""
+    """True if at either end the force has fallen below this share of its sliding value before the displacement
+    reverses.
+    """
     low, high = np.percentile(force_N, SLIDING_PERCENTILES)
     level = (2.0 * force_N - low - high) / max(high - low, 1e-300)
     before_top, before_low = int(np.argmax(displacement_um)) - 1, int(np.argmin(displacement_um)) - 1
@@ -75,10 +81,10 @@ def _runs_on(displacement_um: Array, force_N: Array, share: float = FALLEN) -> b
 
 
 def vertex(loop: CleanLoop, centre: int) -> tuple[float, bool]:
-    """Displacement at which the drive turns, near its outermost sample, and whether that is taken at or after it.
+    """Displacement at which the drive reverses near sample `centre`, and True if that sample was taken at or after it.
 
-    The extreme value of the parabola through three neighbours, or where the straight lines through two samples on
-    either side meet, if that is nearer: a drive that turns sharply has no round tip.
+    It is the extreme of the parabola through three samples, or the meeting point of straight lines through two samples
+    on either side, whichever is nearer: a drive that reverses sharply has no round tip.
     """
     values = loop.displacement_um
     times, (far_before, before, here, after, far_after) = _neighbours(loop, centre)
@@ -102,7 +108,7 @@ def vertex(loop: CleanLoop, centre: int) -> tuple[float, bool]:
 
 
 def _neighbours(loop: CleanLoop, centre: int) -> tuple[Array, Array]:
-    """Times from a sample, and displacements, of two samples before it, itself and two after it, cyclic."""
+    """Times relative to a sample, and displacements, of five samples (5,) centred on it, around the closed cycle."""
     count = len(loop.index)
     places = np.arange(centre - 2, centre + 3) % count
     steps = np.diff(loop.time[places])
@@ -114,7 +120,9 @@ def _neighbours(loop: CleanLoop, centre: int) -> tuple[Array, Array]:
 
 
 def _meeting(*points: tuple[float, float]) -> float:
-    """Where the line through the first two points (time, value) meets that through the last two; infinite if never."""
+    """Value where the line through the first two points (time, value) meets the line through the last two; inf if
+    parallel.
+    """
     (t0, v0), (t1, v1), (t2, v2), (t3, v3) = points
     one, other = (v1 - v0) / (t1 - t0), (v3 - v2) / (t3 - t2)
     if one == other:
@@ -125,7 +133,7 @@ def _meeting(*points: tuple[float, float]) -> float:
 
 @dataclass(frozen=True)
 class Branch:
-    """Samples between two reversals, in coordinates that make both branches rise."""
+    """Samples between two reversals, in coordinates in which the force of both branches rises along the travel."""
 
     direction: Literal[1, -1]  #: +1 forward, −1 backward.
     travel_um: Array  #: Distance from the reversal (n,).
@@ -139,7 +147,7 @@ class Branch:
 
 @dataclass(frozen=True)
 class MicroSlip:
-    """Fitted course of one branch: a series of a spring and a Mindlin contact, then a plateau."""
+    """Fit of one branch: a spring in series with a Mindlin contact up to the onset of gross slip, then a plateau."""
 
     travel_um: float  #: From the reversal to the onset of gross slip; beyond the branch in partial slip.
     height_N: float  #: Rise of the force from the reversal to the onset (extrapolated in partial slip).
@@ -152,12 +160,12 @@ class MicroSlip:
 
     @property
     def share(self) -> float:
-        """Mindlin contact's share of the travel."""
+        """Share of the micro-slip travel that the Mindlin contact takes; the spring in series takes the rest."""
         return float(SHARES[self.shape])
 
     @property
     def onset_force_N(self) -> float:
-        """Force at the onset, or at the branch's end in partial slip."""
+        """Fitted force at the onset of gross slip, or at the branch's end in partial slip."""
         return float(self.force(np.array([min(self.travel_um, self.length_um)]))[0])
 
     def force(self, travel_um: Array) -> Array:
@@ -171,13 +179,13 @@ class MicroSlip:
 
 
 def slides_visibly(course: tuple[Branch, MicroSlip]) -> bool:
-    """Whether a plateau was found and holds samples enough to speak of."""
+    """True if a plateau was found and has at least three samples."""
     branch, slip = course
     return slip.slides and int(np.count_nonzero(branch.travel_um > slip.travel_um)) >= FEWEST_SLIDING
 
 
 def split_branches(loop: CleanLoop) -> tuple[Branch, Branch]:
-    """Forward branch (lowest to highest displacement) and backward branch, cyclic."""
+    """Forward branch (lowest to highest displacement) and backward branch of a loop, taken as a closed cycle."""
     count = len(loop.index)
     loop = loop.taken(np.roll(np.arange(count), -int(np.argmin(loop.displacement_um))))
     top = int(np.argmax(loop.displacement_um))
@@ -198,7 +206,8 @@ def _branch(
 
 
 def remaining_force(travel: Array, share: float) -> Array:
-    """Share of the micro-slip's rise that is still to come at travels (n,), in shares of the whole travel.
+    """Share of the micro-slip's rise in force that is still to come at travels (n,), given as shares of the whole
+    travel.
 
     x(s) = (1−r)(1−s³) + r(1−s²), g = s³, for a spring in series with a Mindlin contact that takes the share r.
     """
@@ -214,10 +223,10 @@ def _remaining_force_table() -> tuple[Array, Array]:
 
 
 def fit_micro_slip(branch: Branch) -> MicroSlip:
-    """Find the onset of gross slip by least squares over the shapes of `_remaining_force_table`.
+    """Fit a branch by least squares and find where its gross slip begins.
 
-    Two models compete by Schwarz's criterion: a curved plateau after an early onset, and a level one whose onset may
-    lie anywhere, beyond the branch too: that is partial slip.
+    Two models compete by Schwarz's criterion: a curved plateau after an early onset, and a level plateau whose onset
+    may lie anywhere. An onset beyond the branch means partial slip.
     """
     length, count = branch.length_um, len(branch.travel_um)
     # A later onset leaves too little plateau to tell its curve from micro-slip
@@ -269,9 +278,10 @@ def _search(branch: Branch, onsets: Array, order: int, share: float = PLATEAU_SH
 
 
 def settled(branch: Branch, slip: MicroSlip, crossing_um: float) -> MicroSlip:
-    """The micro-slip of a branch that has turned within its first steps and slides from there on, whatever rings.
+    """Micro-slip of a branch, replaced by an early onset where the force only oscillates about its plateau.
 
-    A fit may take a force that rings about its plateau for micro-slip to the very end; but its medians by place stay.
+    The fit may take such an oscillation for micro-slip up to the branch's end; the medians over thirds of the branch
+    show the plateau. crossing_um: travel at which the force changes sign.
     """
     if crossing_um > EARLY * branch.length_um or slip.travel_um < LATE * branch.length_um:
         return slip
@@ -286,7 +296,7 @@ def settled(branch: Branch, slip: MicroSlip, crossing_um: float) -> MicroSlip:
 
 
 def _between(x: Array, values: Array, best: int) -> float:
-    """Abscissa of the least value of the parabola through the best grid point and its neighbours."""
+    """Abscissa of the minimum of the parabola through grid point `best` and its two neighbours."""
     if best in {0, len(x) - 1}:
         return float(x[best])
     before, here, after = values[best - 1 : best + 2]

@@ -1,4 +1,4 @@
-"""From raw samples to one clean cycle: checks, order and sign, outliers, noise."""
+"""From raw samples to one clean cycle: checks, order of time, direction of turning, outliers, noise."""
 
 from dataclasses import dataclass, replace
 
@@ -74,17 +74,19 @@ class CleanLoop:
 
     @property
     def amplitude_noise_um(self) -> float:
-        """Standard deviation of the drive's amplitude, an error that all smoothed displacements share."""
+        """Standard deviation of the drive's amplitude: an error common to all displacements if they are smoothed, else
+        0.
+        """
         return self.displacement_noise_um if self.smoothed else 0.0
 
     @property
     def without_drift(self) -> "CleanLoop":
-        """The loop without the drift that it may have."""
+        """Copy of the loop with its possible drift removed from the displacement."""
         moved = self.may_drift_by * (self.time - float(self.time.mean()))
         return replace(self, displacement_um=self.displacement_um - moved, may_drift_by=0.0)
 
     def taken(self, order: NDArray[np.intp]) -> "CleanLoop":
-        """Return the loop with its samples in another order."""
+        """Copy of the loop with its samples picked by these indices, in their order."""
         normal = None if self.normal_force_N is None else self.normal_force_N[order]
         return replace(
             self,
@@ -97,11 +99,11 @@ class CleanLoop:
         )
 
     def noted(self, note: str) -> "CleanLoop":
-        """Return the loop with one more note."""
+        """Copy of the loop with one more note."""
         return replace(self, notes=(*self.notes, note))
 
     def without_smooth_drive(self) -> "CleanLoop":
-        """Return the loop with the displacement's own samples."""
+        """Copy of the loop with displacements as sampled, not smoothed."""
         raw = self.raw_displacement_um
         return replace(self, displacement_um=raw, displacement_noise_um=self.raw_noise_um, smoothed=False)
 
@@ -211,9 +213,10 @@ def _channel(values: ArrayLike, name: str, length: int | None = None) -> Array:
 
 
 def _read_anew(displacement: Array, force: Array) -> tuple[NDArray[np.intp], Array, Array, str | None]:
-    """The samples at which a channel that a logger keeps for some samples at a time is read, both channels, and what is
-    said of it. Of two such channels it is the one that is read less often, and the other one runs straight from reading
-    to reading. Else all samples.
+    """Indices of the samples at which a sample-and-hold channel takes a new reading, both channels, and a note on it.
+
+    If both channels hold their readings, the slower one gives the indices and the other is interpolated. If neither
+    does, all samples are taken and the note is None.
     """
     channels = {"displacement": displacement, "tangential force": force}
     found = {name: read for name, values in channels.items() if (read := _readings(values)) is not None}
@@ -226,7 +229,9 @@ def _read_anew(displacement: Array, force: Array) -> tuple[NDArray[np.intp], Arr
 
 
 def _readings(values: Array) -> NDArray[np.intp] | None:
-    """Where a channel (n,) that keeps its readings is read; None if it does not, or is only read in coarse steps."""
+    """Indices at which a channel (n,) that holds its value for several samples takes a new one; None if it does not
+    hold.
+    """
     starts = np.flatnonzero(np.diff(values, prepend=np.nan) != 0.0)
     runs = np.diff(np.append(starts, values.size))
     if starts.size < FEWEST_SAMPLES or values.size < KEPT * starts.size:
@@ -241,7 +246,7 @@ def _readings(values: Array) -> NDArray[np.intp] | None:
 
 
 def _normal_channel(values: ArrayLike | None, length: int) -> tuple[Array | None, bool]:
-    """The normal force, positive where it presses, and whether its sign was changed: of samples, not of a number."""
+    """Normal force, positive where it presses, and True if its sign was changed; a single number keeps its sign."""
     if values is None:
         return None, False
     one = np.ndim(values) == 0
@@ -257,8 +262,9 @@ def _normal_channel(values: ArrayLike | None, length: int) -> tuple[Array | None
 
 
 def _clipping_notes(displacement: Array, force: Array) -> list[str]:
-    """What is said of channels of which a few samples are clipped.
-    Raises LoopError if so many are clipped that the loop's size is not known.
+    """Notes on channels of which up to 5 % of the samples are clipped.
+
+    Raises LoopError if more are, as the loop's size is then unknown.
     """
     notes = []
     found = {"displacement": clipped(displacement), "tangential force": clipped(force, beside=displacement)}
@@ -280,9 +286,10 @@ def _require_change(channel: Array, name: str) -> None:
 
 
 def _without_outliers(order: NDArray[np.intp], time: Array, displacement: Array, force: Array) -> NDArray[np.intp]:
-    """The samples that lie where their neighbours allow in both channels; an outlier can hide another one beside it.
+    """Indices of the samples that are no outliers in either channel; repeated, as one outlier can hide another beside
+    it.
 
-    Forces of stick-slip and of a static peak stand out, too, and stay.
+    Force peaks of stick-slip and of static friction stay.
     """
     signal = np.zeros(time.size, bool)
     while len(order) >= FEWEST_SAMPLES:
@@ -298,7 +305,7 @@ def _without_outliers(order: NDArray[np.intp], time: Array, displacement: Array,
 
 
 def _smooth_normal(normal: Array | None, time: Array, order: NDArray[np.intp]) -> tuple[Array | None, float]:
-    """The samples in order and the deviation of their mean; no samples of a contact that opens within the cycle."""
+    """Smoothed normal force of the samples in order, and the deviation of its mean; None if it falls to zero."""
     if normal is None:
         return None, 0.0
     if np.ptp(normal) == 0.0:
@@ -310,8 +317,9 @@ def _smooth_normal(normal: Array | None, time: Array, order: NDArray[np.intp]) -
 
 
 def _one_cycle(order: NDArray[np.intp], displacement: Array) -> NDArray[np.intp]:
-    """The samples, in order, without those that run on past one cycle.
-    Raises LoopError if they hold more than a cycle and a quarter: then it is doubtful what they are.
+    """Indices in order, without the samples behind one full cycle.
+
+    Raises LoopError if the samples hold more than a cycle and a quarter.
     """
     path = displacement[order]
     turns = turns_of(path)
@@ -328,7 +336,7 @@ def _one_cycle(order: NDArray[np.intp], displacement: Array) -> NDArray[np.intp]
 
 
 def _closed(loop: CleanLoop) -> CleanLoop:
-    """Refuse what is less than one cycle, and note a wide gap between the ends."""
+    """Loop with a note if its ends do not meet. Raises LoopError if they differ by more than half of the stroke."""
     low, high = np.percentile(loop.displacement_um, [1, 99])
     level = (loop.displacement_um - low) / (high - low)
     gap = float(abs(level[-1] - level[0]))
@@ -343,7 +351,10 @@ def _closed(loop: CleanLoop) -> CleanLoop:
 
 
 def _turned(loop: CleanLoop) -> CleanLoop:
-    """Turn a loop that seems to create energy: samples in reverse order if it leans forward, else opposite force."""
+    """Loop that dissipates energy: reversed in time if its force rises with the displacement, else with opposite force.
+
+    Raises LoopError if it dissipates although its force falls where the displacement rises.
+    """
     area = enclosed_area(loop.displacement_um, loop.force_N)
     thin = 5.0 * loop.force_noise_N * float(np.sqrt(np.sum(np.diff(loop.displacement_um) ** 2)))
     # Of both over the way, however many samples lie where.

@@ -1,4 +1,8 @@
-"""Times of samples whose clock goes back, or ticks more slowly than they come, so that neighbours share one."""
+"""Repair of sample times where the recording clock runs back or ticks more slowly than samples come.
+
+A clock runs back when it wraps around or is reset. A clock that ticks too slowly gives neighbouring samples the same
+time; a tick is its smallest step.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -28,7 +32,7 @@ STILL = "the clock stands still, and tells no time of a sample"
 
 @dataclass(frozen=True, eq=False)
 class Clock:
-    """Times of samples, in the order in which they came."""
+    """Repaired times of samples, in the order in which they were recorded."""
 
     time_s: Array | None  #: (n,); None where the clock does not tell them.
     note: str = ""  #: What was found or done, "" of a clock that is fine enough.
@@ -37,12 +41,13 @@ class Clock:
 
 
 def read_clock(time_s: Array, displacement_um: Array, force_N: Array, parts: Sequence[Array] = ()) -> Clock:
-    """The clock behind times (n,), NaN where none is known, of samples of a drive and a force (n,).
+    """Repaired times behind recorded times (n,), which are NaN where unknown, of samples of displacement and force
+    (n,).
 
-    Where the clock goes back while the drive goes on, times go on, too. Where neighbours share a time, samples come
-    evenly from one gap to the next.
+    Where the clock runs back while the drive goes on, later times are shifted so that they go on. Where neighbours
+    share a time, samples are spread evenly between gaps in the record.
 
-    parts: numbers of cycles and of repeats (n,); where one changes, a clock may start again.
+    parts: numbers of cycles and of repeats, each (n,); where one of them changes, the clock may restart.
     """
     going_on, note = _going_on(time_s, displacement_um, parts)
     clock = _between_ticks(going_on, displacement_um, force_N)
@@ -50,7 +55,9 @@ def read_clock(time_s: Array, displacement_um: Array, force_N: Array, parts: Seq
 
 
 def _going_on(time_s: Array, displacement_um: Array, parts: Sequence[Array]) -> tuple[Array, str]:
-    """Times (n,) that go on where the clock goes back and the rows do not, and a note if there is such a place."""
+    """Times (n,) shifted to go on wherever the clock runs back but the rows are in order, and a note on it ("" if
+    none).
+    """
     known = np.flatnonzero(np.isfinite(time_s) & np.isfinite(displacement_um))
     time, x = time_s[known], displacement_um[known]
     steps, moves = np.diff(time), np.abs(np.diff(x))
@@ -76,7 +83,7 @@ def _going_on(time_s: Array, displacement_um: Array, parts: Sequence[Array]) -> 
 
 
 def _are_exchanged(time: Array, steps: Array, usual: float) -> bool:
-    """Whether times (n,), with such steps, are those of a clock that goes on evenly, in another order of rows."""
+    """True if times (n,) are those of an even clock whose rows were put into another order."""
     values, counts = np.unique(time, return_counts=True)
     between = np.diff(values)
     run = (time.size - 1) / max(int(np.count_nonzero(steps)), 1)
@@ -85,7 +92,7 @@ def _are_exchanged(time: Array, steps: Array, usual: float) -> bool:
 
 
 def _between_ticks(time_s: Array, *channels: Array) -> Clock:
-    """The clock behind times (n,), where neighbours may share one that goes on."""
+    """Times spread evenly between the clock's ticks where neighbouring samples share one; other times are kept."""
     known = np.flatnonzero(np.isfinite(time_s))
     time, steps = time_s[known], np.diff(time_s[known])
     shared = steps == 0.0

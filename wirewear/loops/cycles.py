@@ -1,4 +1,7 @@
-"""Where a drive turns round and cycles begin."""
+"""Where a drive reverses and where cycles begin, in one row of displacement samples.
+
+A turn is a sample at which the drive reverses, and a sweep is the way between two turns.
+"""
 
 from itertools import pairwise
 
@@ -33,7 +36,9 @@ FEWEST_SLIPS = 4  #: So many single samples that fall alike are slips, and no ch
 
 
 def turns_of(displacement_um: Array) -> Places:
-    """First sample, every sample at which the drive turns round, and last sample of samples (n,) in order, n ≥ 2."""
+    """Indices of the first sample, of every reversal of the drive, and of the last sample, for displacements (n,), n ≥
+    2.
+    """
     calm = _without_spikes(displacement_um)
     places = np.arange(calm.size)
     noise = sample_noise(displacement_um, places.astype(float)) if calm.size > 8 else 0.0
@@ -64,11 +69,10 @@ def turns_of(displacement_um: Array) -> Places:
 
 
 def _without_ripples(x: Array, turns: Places) -> Places:
-    """Turns (k,) of a path without those of ripples that ride on its sweeps.
+    """Turns (k,) of a path, without those of ripples that ride on the sweeps.
 
-    Between turns that come back by a good part of the stroke, a ripple lasts no longer than a sweep does, be it the
-    slow one of a drive with a fast return; a block of smaller strokes does, and is parted by turns that come back by
-    less.
+    Between turns that come back by a good part of the stroke, a ripple lasts no longer than a sweep. A block of smaller
+    strokes lasts longer and keeps its turns.
     """
     least = OF_STROKE * float(np.ptp(x[turns]))
     lasts = np.diff(turns[_turns_by(x[turns], least)]).astype(float)
@@ -100,9 +104,8 @@ def _without_ripples(x: Array, turns: Places) -> Places:
 
 
 def _turns_by(levels: Array, least: float) -> Places:
-    """Places among levels (k,) of the first, the last, and those from which they come back by that much.
-
-    And of the outermost ones before the first of these and behind the last.
+    """Indices of the first and last level (k,), of turns that come back by at least `least`, and of outermost levels at
+    ends.
     """
     found, low, high, way = [0], 0, 0, 0
     for place, level in enumerate(levels.tolist()):
@@ -116,7 +119,7 @@ def _turns_by(levels: Array, least: float) -> Places:
 
 
 def cycles_between(displacement_um: Array, turns: Places) -> float:
-    """How many cycles lie between the first of these turns and the last: a whole sweep is half of one."""
+    """Number of cycles between the first and the last of these turns; a full sweep counts as half a cycle."""
     swings = np.abs(np.diff(_without_spikes(displacement_um)[turns]))
     if swings.size < 2:
         return 0.5
@@ -125,9 +128,10 @@ def cycles_between(displacement_um: Array, turns: Places) -> float:
 
 
 def cycle_starts(displacement_um: Array, turns: Places) -> Places:
-    """Samples at which a cycle begins: where the drive passes the place of the first sample again, the same way.
+    """Indices at which cycles begin: where the drive passes the first sample's displacement again in the same
+    direction.
 
-    A first sample at a reversal makes them all begin at reversals.
+    If the first sample lies at a reversal, all cycles begin at reversals.
     """
     x = _without_spikes(displacement_um)
     if turns.size < 3:
@@ -156,7 +160,11 @@ def cycle_starts(displacement_um: Array, turns: Places) -> Places:
 
 
 def split_cycles(displacement_um: Array) -> list[slice]:
-    """The whole cycles of samples (n,) in order of time, each of its own amplitude; all samples where there is one."""
+    """Slices of samples (n,) in order of time, one for each whole cycle; one slice of all samples if there is one
+    cycle.
+
+    Cycles may differ in amplitude. An incomplete last cycle is left out.
+    """
     turns = turns_of(displacement_um)
     if cycles_between(displacement_um, turns) <= MOST_CYCLES:
         return [slice(0, displacement_um.size)]
@@ -166,7 +174,7 @@ def split_cycles(displacement_um: Array) -> list[slice]:
 
 
 def _is_whole(last: Array, before: slice) -> bool:
-    """Whether the last samples are a cycle, the one before being those of the slice."""
+    """True if the last samples make a whole cycle; `before` is the slice of the cycle before them."""
     share = last.size / (before.stop - before.start)
     if share < LEAST_WHOLE:
         return False
@@ -175,7 +183,7 @@ def _is_whole(last: Array, before: slice) -> bool:
 
 
 def _without_spikes(values: Array) -> Array:
-    """Medians of five neighbours (n,), which one or two outliers do not move; the ends stay near their neighbours."""
+    """Running medians of five samples (n,), which one or two outliers do not move."""
     if values.size < 8:
         return values
     middle = np.median(np.lib.stride_tricks.sliding_window_view(values, 5), axis=1)
@@ -185,7 +193,10 @@ def _without_spikes(values: Array) -> Array:
 
 
 def signal_among(flagged: BoolArray, force: Array, time: Array, noise: float) -> BoolArray:
-    """Which of the forces (n,) of a closed loop that were flagged as outliers are none."""
+    """Mark the forces (n,) that were flagged as outliers but belong to the signal: slips, jumps or points on a line.
+
+    middle, noise and forces are in the same unit; `flagged` is not changed.
+    """
     middle = 0.5 * float(np.percentile(force, 5) + np.percentile(force, 95))
     kept = _alike_dips(force, flagged, middle) | _usual_jumps(force, flagged, middle)
     for sample in np.flatnonzero(flagged & ~kept):
@@ -194,9 +205,9 @@ def signal_among(flagged: BoolArray, force: Array, time: Array, noise: float) ->
 
 
 def continues_a_line(time: Array, force: Array, sample: int, noise: float) -> bool:
-    """Whether a sample of a closed loop goes on as those before it do, or those after it go on from it.
+    """True if a sample of a closed loop lies on the line of the three samples before it or of the three after it.
 
-    So do the tip of a stick and the first sample after a slip, but no outlier.
+    The tip of a stick stretch and the first sample after a slip do so, an outlier does not.
     """
     count = len(force)
     period = (time[-1] - time[0]) * count / (count - 1)
@@ -215,7 +226,9 @@ def continues_a_line(time: Array, force: Array, sample: int, noise: float) -> bo
 
 
 def _alike_dips(force: Array, flagged: BoolArray, middle: float) -> BoolArray:
-    """Flagged forces (n,) that fall towards the loop's middle, not beyond it, and are many: slips of one sample."""
+    """Flagged forces (n,) that fall towards the loop's middle but not across it; none unless four or more do
+    (slips).
+    """
     size = np.abs(force - middle)
     level = float(np.percentile(size, 60))
     before, after = np.roll(force, 1), np.roll(force, -1)
@@ -226,7 +239,7 @@ def _alike_dips(force: Array, flagged: BoolArray, middle: float) -> BoolArray:
 
 
 def _usual_jumps(force: Array, flagged: BoolArray, middle: float) -> BoolArray:
-    """Flagged forces (n,) within the range of their branch, to which the others jump as far many times."""
+    """Flagged forces (n,) within their branch's range, reached by a jump as large as four or more other jumps."""
     rest = force[~flagged]
     steps = np.diff(rest, prepend=rest[-1])
     # A stiff rig's reversals jump, too, twice in every loop.
@@ -240,7 +253,7 @@ def _usual_jumps(force: Array, flagged: BoolArray, middle: float) -> BoolArray:
 
 
 def _of_reversals(away: Array, steps: Array) -> BoolArray:
-    """Which steps (n,) to samples of a closed loop, so far from its middle (n,), lead from one plateau to the other."""
+    """Mark the steps (n,) that lead from one plateau to the other; `away` is the force less the loop's middle."""
     # A way from one side of the loop to the other is a reversal if it begins and ends beyond this share of the
     # plateaus.
     least = 0.5 * float(np.percentile(np.abs(away), 60))

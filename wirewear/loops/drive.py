@@ -1,4 +1,8 @@
-"""A smooth periodic signal (drive, normal load) separated from its noise."""
+"""Smooth course of a periodic signal (drive displacement, normal load) and its noise, drift and period.
+
+A smooth signal is a short Fourier series, or three straight ramps, fitted to the samples of one cycle. A drift is a
+constant rate at which the signal moves away while it cycles.
+"""
 
 from dataclasses import dataclass
 
@@ -23,7 +27,7 @@ WINDOWS, MOST_WINDOWS = 8, 2000  #: Beginnings in each cycle, and in all, of win
 
 @dataclass(frozen=True)
 class SmoothSignal:
-    """A signal and what is known of its noise."""
+    """Smooth course of a sampled signal, with the noise of its samples and the samples that stand out."""
 
     values: Array  #: The smooth signal, or the samples themselves where no smooth signal explains them (n,).
     noise: float  #: Standard deviation of one sample.
@@ -33,10 +37,11 @@ class SmoothSignal:
 
 
 def smooth_periodic(time: Array, values: Array, *, lowest_harmonic: int = 1) -> SmoothSignal:
-    """Separate one cycle of a signal from its noise by a short Fourier series with a linear drift, or by three ramps.
+    """Fit a smooth course to one cycle of a signal (n,): a Fourier series with a linear drift, or three straight ramps.
 
-    The number of harmonics minimises Schwarz's criterion. A fit whose residual exceeds the noise seen between
-    neighbours does not describe the signal: if that holds for both, the samples are returned unchanged.
+    Schwarz's criterion chooses the number of harmonics, from `lowest_harmonic` up. Where neither fit explains the
+    samples to within their noise, where there is next to no noise, or where samples are too few, the samples are
+    returned unchanged, with `smoothed` False.
     """
     count = len(values)
     noise = sample_noise(values, time)
@@ -59,22 +64,26 @@ def smooth_periodic(time: Array, values: Array, *, lowest_harmonic: int = 1) -> 
 
 
 def rough(values: Array, noise: float = 0.0) -> SmoothSignal:
-    """The samples (n,) themselves."""
+    """Samples (n,) as a signal that is not smoothed; `noise` is the standard deviation of a sample."""
     return SmoothSignal(values, noise, noise, np.zeros(len(values), bool), smoothed=False)
 
 
 @dataclass(frozen=True)
 class Drift:
-    """By how much a drive moves off per time, and whether it does for certain, or another period would do as well."""
+    """Rate at which a drive moves off, in its unit per time.
+
+    `certain` is False where a slightly different period would explain the samples as well as the drift does.
+    """
 
     rate: float = 0.0
     certain: bool = False
 
 
 def drift_of(time: Array, values: Array) -> Drift:
-    """The drift of a drive's samples (n,), told by a short Fourier series.
+    """Drift rate of a drive's samples (n,) over one cycle, found by a short Fourier series with a linear term.
 
-    A cycle that ends early or late is open, too: a series of free period tells the two apart, if they can be.
+    A cycle cut short or overrun also ends away from its start; a second fit with free period tells the two apart where
+    the samples allow. Returns a rate of 0 where no drift shows.
     """
     extent = float(np.ptp(values))
     if len(values) < 8 * (HIGHEST_HARMONIC - 1):
@@ -101,16 +110,18 @@ def drift_of(time: Array, values: Array) -> Drift:
 
 
 def uneven(time: Array) -> BoolArray:
-    """Whether the steps of each loop's times (..., n) are not alike."""
+    """True for each loop of times (..., n) whose sampling steps are uneven: upper quartile over 1.5 times the lower
+    one.
+    """
     low, high = np.percentile(np.diff(time), [25, 75], axis=-1)
     # Steps of time are alike whose upper quartile exceeds the lower one by no more than this factor.
     return np.asarray(high > 1.5 * low)
 
 
 def period_of(time: Array, displacement: Array) -> float:
-    """How long the cycle lasts of which these samples (n,) are, the last of which does not repeat the first.
+    """Duration of the cycle that samples (n,) cover, in the unit of `time`; the last sample does not repeat the first.
 
-    That of even steps, unless a sine shows another one: steps that a simulation chooses say nothing of their last.
+    The result assumes evenly spread samples, unless a sine of another period leaves clearly smaller residuals.
     """
 
     def sine(period: float) -> tuple[float, float]:
@@ -129,11 +140,12 @@ def period_of(time: Array, displacement: Array) -> float:
 
 
 def period_by_phase(time: Array, displacement: Array, about: float) -> float:
-    """Period at which the phase of the fundamental goes on in samples (n,) of over two cycles, without gaps in time.
+    """Period of samples (n,) that span more than two cycles without gaps, from the phase of their fundamental over
+    time.
 
-    Unlike the samples at which cycles begin, phases hardly move with what rides on the drive.
+    Ripples on the drive hardly move this phase, unlike the sample at which a cycle begins.
 
-    about: the period, well enough to count the cycles.
+    about: first estimate of the period, good enough to count the cycles.
     """
     period = about
     for _ in range(REFINED):
@@ -155,13 +167,15 @@ def period_by_phase(time: Array, displacement: Array, about: float) -> float:
 
 
 def even_period(time: Array) -> float:
-    """Period when the samples are evenly spread and the last does not repeat the first."""
+    """Period of samples that are evenly spread over one cycle and whose last does not repeat the first."""
     count = len(time)
     return float(time[-1] - time[0]) * count / (count - 1)
 
 
 def series(time: Array, period: float, harmonics: int) -> Array:
-    """Columns (n, 2 + 2k) of a constant, a drift and so many harmonics at times (n,)."""
+    """Columns (n, 2 + 2k) of a Fourier series at times (n,): constant, linear drift, then cosine and sine of k
+    harmonics.
+    """
     phase = 2.0 * np.pi * (time - time[0]) / period
     columns = [np.ones_like(phase), phase / np.pi - 1.0]
     for k in range(1, harmonics + 1):
@@ -170,7 +184,7 @@ def series(time: Array, period: float, harmonics: int) -> Array:
 
 
 def _period(time: Array, values: Array) -> float:
-    """Period that leaves the least residual: records may end a little early or late."""
+    """Period whose Fourier series leaves the smallest residual, within 12 % of that of evenly spread samples."""
     middle = even_period(time)
     factors = np.linspace(0.88, 1.12, 11)
 
@@ -188,7 +202,7 @@ def _period(time: Array, values: Array) -> float:
 
 
 def _ramps(time: Array, values: Array) -> LinearFit:
-    """Three joined straight lines, the corners found by alternating search around the two extremes."""
+    """Fit of three connected straight lines, whose two corners are sought around the two extremes."""
     corners = sorted([float(time[np.argmax(values)]), float(time[np.argmin(values)])])
     span = float(time[-1] - time[0])
 

@@ -76,10 +76,10 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 def crossing_travel(branch: Branch, slip: MicroSlip, level_N: float, force_noise_N: float) -> tuple[float, float]:
-    """Travel at which a branch passes a force (in the loop's own sign), and its standard deviation, in µm.
+    """Travel in µm at which a branch passes a force `level_N` (in the loop's sign), and its standard deviation in µm.
 
-    A parabola through the samples around it, short of the tip and of the onset of gross slip, where enough samples
-    lie there; else between the two samples on either side of it.
+    A parabola is fitted to samples around the crossing if at least six lie there; else it is interpolated between the
+    two samples on either side.
     """
     level = branch.direction * level_N
     z, y = branch.travel_um, branch.force_N - level
@@ -104,10 +104,10 @@ def crossing_travel(branch: Branch, slip: MicroSlip, level_N: float, force_noise
 
 
 def balance(travel: Array, force: Array) -> float:
-    """Travel before which a branch's forces (n,), less a level, are negative on the whole, and positive behind it.
+    """Travel at which a branch's forces (n,), counted from a level, change from negative to positive on the whole.
 
-    Where their sum over the travel is least. A force that passes the level once does so there; one that rings passes it
-    again and again, but over travels that hold little.
+    It minimises the integral of force over travel. Forces that oscillate cross the level several times, but over
+    travels that add little to the integral.
     """
     order = np.argsort(travel, kind="stable")
     z, y = travel[order], force[order]
@@ -116,7 +116,7 @@ def balance(travel: Array, force: Array) -> float:
 
 
 def _passage(slip: MicroSlip, level: float, z: Array, force: Array) -> float:
-    """Travel between two samples where the fitted course, bent to pass through both of them, reaches a level."""
+    """Travel between two samples at which the fitted course, adjusted to pass through both, reaches a level."""
     if z[0] == z[1]:
         return float(z[0])
     between = np.linspace(z[0], z[1], 65)
@@ -128,7 +128,7 @@ def _passage(slip: MicroSlip, level: float, z: Array, force: Array) -> float:
 def slip_amplitude(
     loop: CleanLoop, forward: tuple[Branch, MicroSlip], backward: tuple[Branch, MicroSlip], level_N: float
 ) -> Measured:
-    """δ0 in µm: half the distance of the two branches at a force."""
+    """δ0 in µm: half the distance between the two branches at the force `level_N`."""
     up, up_deviation = crossing_travel(*forward, level_N, loop.force_noise_N)
     down, down_deviation = crossing_travel(*backward, level_N, loop.force_noise_N)
     right = backward[0].origin_um - down
@@ -138,25 +138,27 @@ def slip_amplitude(
 
 
 def by_energy(energy: Measured, height_N: Measured) -> Measured:
-    """δ0 in µm from the area and the mean |Q| of both directions at mid-slip, E_d/(4Q).
+    """δ0 in µm from the loop's energy and the mean |Q| of both directions at mid-slip, E_d/(4Q).
 
-    That of a parallelogram, whatever curve its middle follows: a scar's walls raise one direction's force by what they
-    take from the other's.
+    It is exact for a parallelogram, whatever curve its middle follows: a scar's walls raise the force in one direction
+    as much as they lower it in the other.
     """
     return energy.over(height_N, times=0.25 / MICROJOULE_IN_MILLIJOULE)
 
 
 def narrow(slip: Measured, other: Measured, amplitude_um: float) -> bool:
-    """Whether a width at mid force is not the slip that the energy shows, or lies beyond the displacement itself."""
+    """True if a slip read from the loop's width is below 0.85 of that from its energy, or exceeds the displacement
+    amplitude.
+    """
     wide = slip.value > amplitude_um + (slip.interval95[1] - slip.value)
     # A width at mid force below this share of what energy and sliding force give was read where the loop slides.
     return wide or slip.value < 0.85 * min(other.value, amplitude_um)
 
 
 def force_amplitude(loop: CleanLoop, tops: tuple[Measured, Measured]) -> Measured:
-    """Q* in N: mean of the largest forces of both directions, which an offset does not shift.
+    """Amplitude Q* in N: mean of the largest forces of both directions, which a force offset does not shift.
 
-    `tops` are the largest |Q|/P of each, or |Q| without a normal force.
+    tops: largest |Q|/P of either direction, or largest |Q| if the normal force is unknown.
     """
     load = 1.0 if loop.normal_force_N is None else float(np.median(loop.normal_force_N))
     mean = mean_of(*tops)
@@ -164,7 +166,9 @@ def force_amplitude(loop: CleanLoop, tops: tuple[Measured, Measured]) -> Measure
 
 
 def energy_ratio(energy_mJ: Measured, amplitude_um: Measured, force_N: Measured) -> Measured | None:
-    """E_d/(4 δ Q*): A with the displacement amplitude for δ, B with the slip amplitude; None where the box is empty."""
+    """Energy over the box 4 δ Q*: ratio A with the displacement amplitude for δ, B with the slip amplitude; None if it
+    is 0.
+    """
     if amplitude_um.value * force_N.value <= 0.0:
         return None
     return energy_mJ.over(amplitude_um, force_N, times=0.25 / MICROJOULE_IN_MILLIJOULE)

@@ -1,4 +1,8 @@
-"""What a loop analysis returns: figures with their uncertainty."""
+"""Result types of a loop analysis: quantities with 95 % intervals.
+
+Symbols: Q tangential force, Q* its amplitude, P normal force, µ friction, δa displacement amplitude, δ0 slip amplitude,
+E_d dissipated energy.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -24,7 +28,7 @@ class LoopError(WirewearError):
 
 @dataclass(frozen=True)
 class Measured:
-    """A value and the interval that holds the true one with a probability of 95 %."""
+    """A value and the interval that contains the true one with a probability of 95 %."""
 
     value: float
     interval95: tuple[float, float]
@@ -36,22 +40,22 @@ class Measured:
 
     @property
     def deviation(self) -> float:
-        """Standard deviation that the interval stands for."""
+        """Standard deviation of a normal distribution with this 95 % interval."""
         return (self.interval95[1] - self.interval95[0]) / 3.92
 
     def reaching(self, other: float) -> "Measured":
-        """This value with its interval widened to hold another, equally uncertain estimate."""
+        """Copy of the value with its interval widened so that it covers another estimate with the same uncertainty."""
         return Measured.from_deviation(self.value, self.deviation + abs(other - self.value) / 1.96)
 
     def over(self, *divisors: "Measured", times: float = 1.0) -> "Measured":
-        """So many times this value over others that were measured apart."""
+        """This value times `times` over the product of the divisors, whose errors count as independent."""
         share = times / prod(one.value for one in divisors)
         parts = [share * self.deviation, *(share * self.value * one.deviation / one.value for one in divisors)]
         return Measured.from_deviation(share * self.value, float(np.linalg.norm(parts)))
 
 
 def mean_of(one: Measured, other: Measured) -> Measured:
-    """Mean of two that were measured apart."""
+    """Mean of two values with independent errors."""
     return Measured.from_deviation(
         0.5 * (one.value + other.value), 0.5 * float(np.hypot(one.deviation, other.deviation))
     )
@@ -71,7 +75,7 @@ class MicroSlipBranch:
 
 @dataclass(frozen=True)
 class StickSlip:
-    """Chatter of a sliding loop."""
+    """Stick-slip on the plateaus of a sliding loop."""
 
     share: float  #: Part of the sliding samples that lie between slips.
     slips_per_cycle: int  #: How often the force falls in one cycle.
@@ -82,7 +86,10 @@ class StickSlip:
 
 @dataclass(frozen=True, eq=False)
 class Sticking:
-    """Contacts whose loops are told from the measured one by no more than `chi_squared`; arrays have shape (n,)."""
+    """Candidate contacts (n,) in partial slip, each with the χ² by which its loop differs from the measured one.
+
+    `chi_squared` is counted from the best candidate.
+    """
 
     chi_squared: Array
     limit_N: Array  #: µP.
@@ -94,12 +101,12 @@ class Sticking:
     load_N: Measured | None  #: The steady load; None where none is known.
 
     def given(self, contact_um_per_N: float, doubt: float) -> "Sticking":
-        """What is left where the contact's compliance is known with a relative standard deviation."""
+        """Candidates that remain if the sticking contact's compliance is known, with the relative deviation `doubt`."""
         known = np.log(np.maximum(self.contact_um_per_N, 1e-300) / contact_um_per_N) / doubt
         return self.kept(self.chi_squared + known**2)
 
     def kept(self, chi_squared: Array) -> "Sticking":
-        """Those that another χ² leaves near the best of them."""
+        """Candidates whose new χ² (n,) lies within 25 of the best, with χ² counted from the best."""
         other = chi_squared - chi_squared.min()
         near = other <= KEPT
         return Sticking(
@@ -109,7 +116,10 @@ class Sticking:
 
     @property
     def friction(self) -> Measured | None:
-        """µ, with the doubt of the load; without a value where it is only bounded below, None without a load."""
+        """Coefficient of friction with the load's uncertainty; None without a load.
+
+        NaN, with an interval open above, where the loop bounds friction from below only.
+        """
         if self.load_N is None:
             return None
         load, limit = self.load_N, self.limit
@@ -118,7 +128,7 @@ class Sticking:
 
     @property
     def limit(self) -> Measured:
-        """µP in N; without a value, and with no upper end, where it is only bounded below."""
+        """Friction limit µP in N; NaN, with an interval open above, where the loop bounds it from below only."""
         low, high = self._ends
         if self._unseen:
             force = float((self.limit_N * self.share)[self._left].min())
@@ -127,7 +137,9 @@ class Sticking:
 
     @property
     def used(self) -> Measured:
-        """Q*/µP; without a value, and from 0, where µP is only bounded below."""
+        """Share Q*/µP of the friction limit that is reached; NaN with the interval 0 to 1 where µP is bounded from
+        below only.
+        """
         if self._unseen:
             return Measured(np.nan, (0.0, 1.0))
         share = self.share[self._left]
@@ -141,7 +153,7 @@ class Sticking:
 
     @property
     def regimes(self) -> tuple[Regime, ...]:
-        """What the loop allows for, in the order of growing slip."""
+        """Regimes that the remaining candidates allow, in the order of growing slip."""
         left = self._left
         found: list[tuple[Regime, bool]] = [
             ("stick", self._unseen),
@@ -213,17 +225,21 @@ class LoopFigures:
 
     @property
     def friction_partial_slip(self) -> Measured | None:
-        """µ of a loop without a plateau, by energy, stiffness and shape; NaN, open above, where it is only bounded."""
+        """Coefficient of friction of a loop without a plateau, from its energy, stiffness and shape.
+
+        None where the loop slides or no load is known; NaN, with an interval open above, where it is bounded from below
+        only.
+        """
         return None if self.sticking is None else self.sticking.friction
 
     @property
     def used_share(self) -> Measured | None:
-        """Q*/µP of a loop without a plateau; NaN where friction is only bounded."""
+        """Share Q*/µP of the friction limit in a loop without a plateau; NaN if friction is bounded from below only."""
         return None if self.sticking is None else self.sticking.used
 
 
 def regime_of(figures: Iterable[LoopFigures]) -> RegimeOfTest:
-    """Gross or partial slip of all loops, or mixed."""
+    """Regime of a test: that of all its loops, or "mixed" if only some of them slide as a whole."""
     slides = {one.regime != "partial slip" for one in figures}
     if len(slides) == 2:
         return "mixed"

@@ -1,4 +1,8 @@
-"""Free play of a loop: a shelf about zero force on both branches, while the holder floats between its stops."""
+"""Free play of the holder, seen in a loop as a shelf on both branches.
+
+A shelf is a stretch of a branch along which the displacement grows while the force stays near zero, because the holder
+floats between its stops. The rises before and after it are its flanks.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -38,9 +42,10 @@ SAME_FORCE, SAME_WIDTH = 0.12, 0.4
 
 @dataclass(frozen=True)
 class Shelf:
-    """The shelf of one branch: its width with its standard deviation, where it begins, and its force.
+    """Shelf of one branch: its width with its standard deviation, the travel at which it begins, its force, the
+    branch's rise.
 
-    The force is that of the branch's coordinates, in which both branches rise.
+    The force is in branch coordinates, in which the force of both branches rises along the travel.
     """
 
     width_um: float
@@ -51,7 +56,7 @@ class Shelf:
 
 
 def shelves_of(loop: CleanLoop, forward: Branch, backward: Branch) -> tuple[Shelf, Shelf] | None:
-    """The shelves of both branches, or None where they do not agree on there being one."""
+    """Shelves of the forward and the backward branch; None unless both have one, of similar width and force."""
     up, down = shelf_of(loop, forward), shelf_of(loop, backward)
     if up is None or down is None:
         return None
@@ -64,7 +69,7 @@ def shelves_of(loop: CleanLoop, forward: Branch, backward: Branch) -> tuple[Shel
 
 
 def play_of(shelves: tuple[Shelf, Shelf]) -> Measured:
-    """The play: the mean width of both shelves; how far they are apart is part of the doubt."""
+    """Free play in µm: mean width of both shelves, whose difference adds to its deviation."""
     up, down = shelves
     own = 0.5 * float(np.hypot(up.deviation_um, down.deviation_um))
     apart = 0.5 * abs(up.width_um - down.width_um)
@@ -72,9 +77,9 @@ def play_of(shelves: tuple[Shelf, Shelf]) -> Measured:
 
 
 def without_shelf(branch: Branch, shelf: Shelf, play_um: float) -> Branch:
-    """The branch that a rig without play would give: displacements less half the play, with the force's sign.
+    """Branch that a rig without play would give: the travel behind the shelf is shortened by the play `play_um`.
 
-    Samples on the shelf, which belong to neither side, are left out.
+    The origin moves by half the play along the direction of motion. Samples on the shelf are left out.
     """
     above = branch.travel_um >= shelf.begin_um + 0.5 * shelf.width_um
     on_it = (branch.travel_um > shelf.begin_um) & (branch.travel_um < shelf.begin_um + shelf.width_um)
@@ -93,7 +98,7 @@ def without_shelf(branch: Branch, shelf: Shelf, play_um: float) -> Branch:
 
 
 def shelf_of(loop: CleanLoop, branch: Branch) -> Shelf | None:
-    """The shelf of one branch: travel over force is a smooth curve with one step in it.
+    """Shelf of one branch, or None: travel over force is fitted by a smooth curve with one step in it.
 
     The curve is a line with a bend, as a contact softens on its way to sliding; both flanks share it.
     """
@@ -134,7 +139,9 @@ def _shelf_at(loop: CleanLoop, z: Array, q: Array, force: float, rise: float) ->
 
 
 def _rising(branch: Branch) -> tuple[Array, Array, float, float] | None:
-    """Travels and forces from the reversal to just below the plateau, and the forces at both ends."""
+    """Travels and forces from the reversal to just below the plateau, then the forces at both ends; None if too few
+    samples.
+    """
     z, q = branch.travel_um, branch.force_N
     late = q[z > 0.5 * branch.length_um]
     if late.size < 4 or q.size < 12:
@@ -152,7 +159,7 @@ def _rising(branch: Branch) -> tuple[Array, Array, float, float] | None:
 
 
 def _candidates(z: Array, q: Array, low: float, rise: float) -> list[float]:
-    """The forces at which more travel is passed than just below and just above them, the clearest first."""
+    """Up to four forces at which more travel is passed than just below and just above them, the clearest first."""
     edges = low + rise * np.linspace(0.02, 0.98, 33)
     # Noise makes the force waver: the first passage upwards and the last stand for one.
     first = np.interp(edges, np.maximum.accumulate(q), z)
@@ -171,7 +178,7 @@ def _candidates(z: Array, q: Array, low: float, rise: float) -> list[float]:
 
 
 def _fits(z: Array, q: Array, below: BoolArray, above: BoolArray, *, order: int) -> tuple[LinearFit, LinearFit]:
-    """Travel over force by a line, or a bent one of order 2, with a step between the flanks, and without."""
+    """Two fits of travel over force by a polynomial of this order: with a step between the flanks, and without."""
     flanks = below | above
     smooth = np.vander(q[flanks], order + 1, increasing=True)
     step = above[flanks].astype(float)
@@ -181,14 +188,14 @@ def _fits(z: Array, q: Array, below: BoolArray, above: BoolArray, *, order: int)
 
 
 def _rises_behind(branch: Branch, shelf: Shelf) -> bool:
-    """Whether the force rises by more over as much travel behind the shelf."""
+    """True if the force rises clearly more behind the shelf than along it, over the same travel."""
     middles = shelf.width_um * np.array([0.15, 0.85, 1.15, 1.85])
     force = np.interp(shelf.begin_um + middles, branch.travel_um, branch.force_N)
     return bool(force[1] - force[0] < LEVELLER * (force[3] - force[2]))
 
 
 def _level_inside(z: Array, q: Array, shelf: Shelf, slope: float) -> bool:
-    """Whether the force hardly rises between the shelf's ends; `slope` is the flanks' travel per force."""
+    """True if the force hardly rises between the shelf's ends; `slope` is the flanks' travel per force in µm/N."""
     margin = 0.15 * shelf.width_um
     inside = (z > shelf.begin_um + margin) & (z < shelf.begin_um + shelf.width_um - margin)
     if np.count_nonzero(inside) < 3:

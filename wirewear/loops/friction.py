@@ -1,4 +1,8 @@
-"""Friction from a loop: largest and geometry-independent."""
+"""Friction of one loop: its largest ratio of forces, and the value at mid-slip that the scar's shape does not change.
+
+The slip position x = δ − Q/K is the displacement less the elastic yielding of bodies and rig; mid-slip is the middle of
+its range. A plateau is the part of a branch that slides.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -40,23 +44,23 @@ class Plateau:
 
 
 def slip_position(branch: Branch, stiffness_N_per_um: float) -> Array:
-    """Displacement less what bodies and rig take up elastically, x = δ − Q/K, in µm (n,)."""
+    """Slip position x = δ − Q/K in µm (n,): displacement less the elastic yielding of bodies and rig."""
     displacement = branch.origin_um + branch.direction * branch.travel_um
     position: Array = displacement - branch.direction * branch.force_N / stiffness_N_per_um
     return position
 
 
 def sliding_part(branch: Branch, slip: MicroSlip, stiffness_N_per_um: float) -> Plateau:
-    """Samples after the onset of gross slip."""
+    """Samples of a branch behind the onset of gross slip."""
     slides = branch.travel_um > slip.travel_um
     position = slip_position(branch, stiffness_N_per_um)[slides]
     return Plateau(position, branch.travel_um[slides], branch.force_N[slides], force_ratio(branch)[slides])
 
 
 def advancing(branch: Branch) -> Branch:
-    """The branch without the samples of a drive that goes back on its way and has not yet come as far again.
+    """Branch without the samples at which the drive goes back and until it has come as far again.
 
-    A ripple of the drive unloads a contact that sticks: no such sample slides.
+    A ripple of the drive unloads the contact, which sticks there.
     """
     travel, pad = branch.travel_um, SAMPLES_OF_MEAN // 2
     if travel.size < FEWEST_SAMPLES:
@@ -87,7 +91,9 @@ def force_ratio(branch: Branch) -> Array:
 
 
 def value_at(position: Array, values: Array, where: float, half_window: float) -> Measured:
-    """Value at a position by a robust parabola over ± half_window (a chord if fewer than 5 samples lie there)."""
+    """Value at a slip position, by a robust parabola over ± half_window, or by interpolation if fewer than 5 samples
+    lie there.
+    """
     near = np.abs(position - where) <= half_window
     if np.count_nonzero(near) < 5:
         order = np.argsort(position)
@@ -98,10 +104,11 @@ def value_at(position: Array, values: Array, where: float, half_window: float) -
 
 
 def peak(travel: Array, values: Array, noise: float, *, slides: bool) -> Measured:
-    """Largest value of a branch, free of the upward bias of noise.
+    """Largest value of a branch, without the upward bias of noise.
 
-    With noise, that of a robust Legendre series whose degree (0 … 8) minimises Schwarz's criterion; else of the
-    samples, and where these pass the series by more than noise, as the tip of a branch that does not slide may.
+    With noise it is the top of a robust Legendre series whose degree (0 to 8) minimises Schwarz's criterion. Without
+    noise, or where the tip of a branch that does not slide exceeds the series by five noises, it is the largest sample.
+    noise: standard deviation of one value.
     """
     if noise <= 1e-3 * float(np.max(np.abs(values))) or len(values) < 20:
         return Measured.from_deviation(float(values.max()), noise)
@@ -120,10 +127,10 @@ def peak(travel: Array, values: Array, noise: float, *, slides: bool) -> Measure
 def height_at(
     branches: tuple[Branch, Branch], stiffnesses_N_per_um: Sequence[float], where: float, half_window: float
 ) -> Measured:
-    """Mean |Q| of both directions at a slip position, each pair of forces read at the same place.
+    """Mean |Q| of both directions in N at the slip position `where`, both forces being read at the same position.
 
-    A scar's walls raise one by what they take from the other. Where the stiffness is right that lets places be told
-    from displacements, the mean is alike all about: that stiffness counts which makes it so.
+    A scar's walls raise one direction's force as much as they lower the other's. The result uses the one of the given
+    stiffnesses for which the mean varies least over the window.
     """
 
     def read(stiffness: float) -> tuple[Array, Array]:
@@ -150,7 +157,7 @@ def middle_slope(plateau: Plateau) -> Measured:
 
 @dataclass(frozen=True)
 class SlidingFigures:
-    """Figures that only a sliding loop has; see `LoopFigures`. `height_N` is the mean |Q| at mid-slip."""
+    """Figures that only a sliding loop has, named as in `LoopFigures`; `height_N` is the mean |Q| at mid-slip."""
 
     height_N: Measured | None = None
     friction: Measured | None = None
@@ -162,14 +169,15 @@ class SlidingFigures:
 
 
 def peaks(loop: CleanLoop, forward: Course, backward: Course) -> tuple[Measured, Measured]:
-    """Largest |Q|/P of each direction (|Q| without a normal force)."""
+    """Largest |Q|/P of the forward and of the backward branch, or largest |Q| without a normal force."""
     return _peak(loop, *forward), _peak(loop, *backward)
 
 
 def largest_ratio(loop: CleanLoop, tops: tuple[Measured, Measured], *, slides: bool) -> Measured | None:
-    """Largest |Q|/P of the cycle: that of the peaks; in partial slip of the samples where these pass the peaks.
+    """Largest |Q|/P of the cycle; None without a normal force.
 
-    They do so under a normal force that changes: |Q|/P may then be largest after a reversal.
+    It is the larger of the two peaks `tops`. In partial slip under a changing normal force, |Q|/P may be larger just
+    after a reversal; then the largest sample counts.
     """
     if loop.normal_force_N is None:
         return None
@@ -193,7 +201,10 @@ def _peak(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> Measured:
 def sliding_figures(
     loop: CleanLoop, courses: tuple[Course, Course], tops: tuple[Measured, Measured], stiffness_N_per_um: float
 ) -> SlidingFigures:
-    """Plateau slope, hooks, asymmetry and (with a normal force) geometry-independent friction."""
+    """Plateau slope, hooks, asymmetry and (with a normal force) geometry-independent friction of a sliding loop.
+
+    tops: largest |Q|/P of each direction (largest |Q| without a normal force).
+    """
     branches = advancing(courses[0][0]), advancing(courses[1][0])
     plateaus = (
         sliding_part(branches[0], courses[0][1], stiffness_N_per_um),

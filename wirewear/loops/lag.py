@@ -1,4 +1,7 @@
-"""What a loop's clock shows: a force that is read late, or that goes with the velocity."""
+"""Lag of the force behind the displacement in one loop, and loops whose force follows the velocity.
+
+A lag is counted in samples: positive where the force is read late. It shows where the force turns after the drive.
+"""
 
 from dataclasses import replace
 
@@ -26,10 +29,10 @@ FULL = 0.5  #: Loops this full, of the box around them, are opened by more than 
 
 
 def lag_of(loop: CleanLoop) -> Measured | None:
-    """By how many samples the force comes late, told by where it falls about reversals; None where that tells nothing.
+    """Number of samples by which the force is read late (negative: early); None where the loop does not show it.
 
-    Behind a contact that sticks, the force's rise says when it began. The deviation is what the contact's unknown shape
-    leaves open, how far both reversals are apart, and what the steps of both readings hide.
+    Behind a contact that sticks, the rise of the force tells when the reversal was. The deviation covers the contact's
+    unknown shape, the difference of both reversals, and the steps in which both channels are read.
     """
     if loop.lean_um_per_N or not (loop.times_known or loop.smoothed) or not _even(loop):
         return None
@@ -46,7 +49,7 @@ def lag_of(loop: CleanLoop) -> Measured | None:
 
 
 def is_certain(lag: Measured) -> bool:
-    """Whether a lag, of the force or of the displacement, is one for certain."""
+    """True if a lag exceeds one sample and three of its standard deviations."""
     return abs(lag.value) > max(LEAST_LAG, CERTAIN * lag.deviation)
 
 
@@ -56,10 +59,9 @@ def _even(loop: CleanLoop) -> bool:
 
 
 def _branch_lags(before: Branch, branch: Branch, steps: tuple[float, float]) -> tuple[float, float, float] | None:
-    """The lags τ for which the travels at both levels, read τ earlier, have either of the ratios of travels.
+    """Lags in samples for the two ratios of travels in RATIOS, and their standard deviation by the reading steps.
 
-    And their deviation where displacement and force are read in such steps: a force stays on its step until it has
-    changed by half of one.
+    `steps` are those of displacement (µm) and force (N). None where the branch has too few samples.
     """
     later = branch.force_N[branch.travel_um > 0.4 * branch.length_um]
     if later.size < 4 or branch.travel_um.size < 8 or before.travel_um.size < BEFORE:
@@ -92,9 +94,9 @@ def _branch_lags(before: Branch, branch: Branch, steps: tuple[float, float]) -> 
 
 
 def _passed(rise: Array, begin: int, level: float) -> float:
-    """Place between samples (n,) at which a rise from one of them passes a level; that sample where it is above it.
+    """Fractional sample index at which a rise (n,), counted from index `begin`, first reaches a level.
 
-    One that never reaches the level passes it at the last sample, or as far beyond as its last step goes on to it.
+    Where it never does, the last step is extended to the level.
     """
     place = begin + int(np.argmax(rise[begin:] >= level)) if rise.max() >= level else rise.size - 1
     step = float(rise[place] - rise[place - 1]) if place > begin else 0.0
@@ -102,20 +104,20 @@ def _passed(rise: Array, begin: int, level: float) -> float:
 
 
 def earlier(loop: CleanLoop, samples: float) -> CleanLoop:
-    """The loop with its force read so many samples earlier, the cycle closed."""
+    """Copy of the loop with its force read so many samples earlier, on the closed cycle."""
     places = np.arange(loop.force_N.size, dtype=float)
     force = np.interp(places + samples, places, loop.force_N, period=loop.force_N.size)
     return replace(loop, force_N=force)
 
 
 def branch_earlier(branch: Branch, samples: float) -> Branch:
-    """The branch with its force read so many samples earlier."""
+    """Copy of the branch with its force read so many samples earlier."""
     places = np.arange(branch.force_N.size, dtype=float)
     return replace(branch, force_N=np.interp(places + samples, places, branch.force_N))
 
 
 def goes_with_velocity(loop: CleanLoop) -> bool:
-    """Whether a wide loop has no plateau: an ellipse, as viscous friction makes it, or an elastic force that lags."""
+    """True for a wide loop without a plateau: an ellipse, as viscous friction or a lagging elastic force makes it."""
     box = float(np.ptp(loop.displacement_um) * np.ptp(loop.force_N))
     if abs(enclosed_area(loop.displacement_um, loop.force_N)) < FULL * box or not _even(loop):
         return False

@@ -1,4 +1,8 @@
-"""The noise of samples, the outliers among them, and channels that ran into the end of their range."""
+"""Noise of samples, outliers among them, and channels clipped at the end of their range.
+
+Noise is white, or a first-order autoregression with correlation ρ between neighbours. Its stretch √((1+ρ)/(1−ρ)) is the
+factor by which ρ raises the error of a mean of many samples.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -40,15 +44,13 @@ LEAST_NOISE, COARSE, FINE = 2e-4, 0.01, 2e-3
 def correlated_noise(
     parts: Sequence[tuple[Array, Array]], stated: float | None, rounding: float = 0.0
 ) -> tuple[float, float]:
-    """Standard deviation of one sample of an AR(1) noise, and by how much correlation raises the error of a mean.
+    """Standard deviation of one sample of an AR(1) noise, and the factor by which correlation raises the error of a
+    mean.
 
-    `parts` are designs (m, k) of smooth curves and samples (m,) that follow them but for noise, which is alike in all.
-    A curve takes the slowest part of correlated noise for its own, so that what is left correlates too little: the
-    restricted likelihood allows for it. A mean of many samples whose neighbours correlate by ρ scatters as if there
-    were (1 − ρ)/(1 + ρ) of them. `stated` is what the record says of a sample's noise, if it does.
-
-    Rounding to steps adds white noise of the deviation `rounding`: an autoregression that had to follow both would
-    correlate too little.
+    `parts` are pairs of a design (m, k) of smooth curves and samples (m,) that follow them but for noise, which is
+    alike in all parts. `stated` is the deviation that the record states for a sample, if any. `rounding` is the
+    deviation of white noise added by rounding. The restricted likelihood allows for the slow noise that the curves
+    absorb.
 
     Source: Patterson & Thompson, Biometrika 58 (1971) 545, for a first-order autoregression.
     """
@@ -70,7 +72,7 @@ def correlated_noise(
 
 
 def _rounded(parts: Sequence[tuple[Array, Array]], correlation: float, share: float) -> tuple[float, int, float]:
-    """As of `_restricted`, beside white noise of that share of the variance."""
+    """Results of `_restricted` with white noise of `share` times the autoregression's variance added."""
     squares, free, determinants = 0.0, 0, 0.0
     for design, values in parts:
         apart = np.abs(np.subtract.outer(np.arange(values.size), np.arange(values.size)))
@@ -84,7 +86,7 @@ def _rounded(parts: Sequence[tuple[Array, Array]], correlation: float, share: fl
 
 
 def _restricted(parts: Sequence[tuple[Array, Array]], correlation: float) -> tuple[float, int, float]:
-    """Mean square of one sample, degrees of freedom, and the determinants in the restricted log-likelihood."""
+    """Mean square of the noise, degrees of freedom, and the term of determinants in the restricted log-likelihood."""
     squares, free, determinants = 0.0, 0, 0.0
     for design, values in parts:
         columns = np.column_stack([design, values])
@@ -99,7 +101,7 @@ def _restricted(parts: Sequence[tuple[Array, Array]], correlation: float) -> tup
 
 
 def _likeliest(variance: float, free: int, determinants: float, stated: float | None) -> tuple[float, float]:
-    """Largest log-likelihood over the standard deviation, what is stated of it included, and that deviation."""
+    """Largest log-likelihood over the standard deviation, given a stated one if any, and that deviation."""
     level = 0.5 * float(np.log(variance))
     if not stated:
         return determinants - free * (level + 0.5), float(np.sqrt(variance))
@@ -115,10 +117,9 @@ def _likeliest(variance: float, free: int, determinants: float, stated: float | 
 
 
 def noise_factor(weights: Array, order: NDArray[np.intp], correlation: float) -> float:
-    """From a sample's noise to that of a sum with weights (m,), of samples with these numbers (m,) on their branch.
+    """Standard deviation of a weighted sum of samples of one branch, over that of one sample.
 
-    Their noise is an autoregression of first order with that correlation of neighbours: few samples in a row average
-    less of it away than many, but have not yet the error of a mean of many such samples.
+    weights: (m,). order: numbers of the samples along their branch (m,). correlation: between neighbours (AR(1)).
     """
     if correlation <= 0.0:
         return float(np.linalg.norm(weights))
@@ -128,18 +129,21 @@ def noise_factor(weights: Array, order: NDArray[np.intp], correlation: float) ->
 def noise_product(
     weights: Array, order: NDArray[np.intp], others: Array, their_order: NDArray[np.intp], correlation: float
 ) -> float:
-    """Covariance of two sums over samples of one branch, (m,) and (k,), over a sample's variance, like that."""
+    """Covariance of two weighted sums over samples of one branch, over the variance of one sample.
+
+    weights, order: weights and sample numbers (m,) of the first sum; others, their_order: (k,) of the second.
+    """
     apart = np.abs(order[:, None] - their_order)
     return float(weights @ np.where(apart == 0, 1.0, max(correlation, 0.0) ** apart) @ others)
 
 
 def correlation_of(stretch: float) -> float:
-    """Correlation of neighbours whose noise makes means of many samples that much less certain."""
+    """Correlation of neighbours from the factor by which it raises the error of a mean of many samples."""
     return (stretch**2 - 1.0) / (stretch**2 + 1.0)
 
 
 def correlation_of_neighbours(factor: float, most: float) -> float:
-    """The correlation, `most` at most, of which `noise_of_neighbours` is that factor; 0 for one of at most 1."""
+    """Correlation at which `noise_of_neighbours` gives this factor, limited to 0 … `most`."""
     from scipy.optimize import brentq
 
     within = float(np.clip(factor, noise_of_neighbours(0.0), noise_of_neighbours(most)))
@@ -147,32 +151,32 @@ def correlation_of_neighbours(factor: float, most: float) -> float:
 
 
 def stretch_of(correlation: float) -> float:
-    """By what neighbours of that correlation make means of many samples less certain."""
+    """Factor by which a correlation of neighbours raises the error of a mean of many samples."""
     return float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
 
 
 def noise_of_neighbours(correlation: float) -> float:
-    """Factor from a noise that was told as uncorrelated, by cubics through four neighbours, to that of a sample.
+    """Factor by which the true noise of a sample exceeds the estimate that takes neighbours as uncorrelated.
 
-    Correlated neighbours go along with a sample, so that its distance to their cubic is smaller.
+    The estimate is the distance from the cubic through four neighbours, which correlated neighbours make too small.
     """
     weights = np.append(-WEIGHTS, 1.0)
     return float(np.linalg.norm(weights)) / noise_factor(weights, np.array([*NEIGHBOURS, 0]), correlation)
 
 
 def through_neighbours(loops: Array) -> Array:
-    """For each sample of closed loops (m, n) at even times the cubic through its four neighbours there."""
+    """Value (m, n) of the cubic through four neighbours at each sample of closed loops (m, n) sampled at even times."""
     parts = (weight * np.roll(loops, -shift, axis=1) for shift, weight in zip(NEIGHBOURS, WEIGHTS, strict=True))
     return np.asarray(sum(parts))
 
 
 def noises(loops: Array) -> Array:
-    """Standard deviations (m,) of one sample of closed loops (m, n) at even times (robust)."""
+    """Robust standard deviation of one sample of each closed loop (m, n) sampled at even times, shape (m,)."""
     return 1.4826 * np.median(np.abs(loops - through_neighbours(loops)), axis=1) / _SCATTER
 
 
 def sample_noise(values: Array, time: Array) -> float:
-    """Standard deviation of one sample, from its distance to the cubic through four neighbours (robust)."""
+    """Robust standard deviation of one sample, from its distance to the cubic through four neighbours at any times."""
     count = len(values)
     centre = np.arange(2, count - 2)
     offsets = np.array([-2, -1, 1, 2])
@@ -198,15 +202,15 @@ def sample_noise(values: Array, time: Array) -> float:
 
 
 def noise_along(values: Array) -> float:
-    """Standard deviation of one sample of a branch (n,), from the distances to the middles of neighbours."""
+    """Robust standard deviation of one sample of a branch (n,), from its distance to the mean of both neighbours."""
     return median_deviation(values[1:-1] - 0.5 * (values[:-2] + values[2:])) / float(np.sqrt(1.5))
 
 
 def outliers(values: Array, time: Array) -> BoolArray:
-    """Samples (n,) of a closed loop outside what their neighbours allow.
+    """Mark the samples (n,) of a closed loop that lie farther off than noise and the steps of their neighbours allow.
 
-    Of the four steps between neighbours the second smallest counts, as an outlier among them spoils two; where samples
-    are few, a hook at a reversal is as steep as an outlier, and the middle of the four counts.
+    The second smallest of the four steps between neighbours counts, as an outlier among them spoils two; below 100
+    samples it is the mean of the two middle ones, because a hook at a reversal is then as steep as an outlier.
     """
     extent = float(np.subtract(*np.percentile(values, [99, 1])))
     # Samples of a cycle from which on those next to a reversal's hook resolve it.
@@ -220,11 +224,10 @@ def outliers(values: Array, time: Array) -> BoolArray:
 
 
 def outside_neighbours(loops: Array, allowed: Callable[[Array], Array]) -> BoolArray:
-    """Samples of closed loops (m, n) outside what their three neighbours on either side bracket.
+    """Mark the samples of closed loops (m, n) outside the range between the medians of three neighbours on either side.
 
-    The medians of the two sides bracket a sample of any monotone stretch. Noise and the neighbours' own steps widen the
-    bracket, as a sharp tip stands out by two of them: `allowed` says by how much, given the sizes of the four steps
-    between neighbours (4, m, n), the smallest first.
+    `allowed` gives the margin (m, n) by which the range is widened, from the sizes of the four steps between neighbours
+    (4, m, n), sorted from small to large.
     """
     left = [np.roll(loops, shift, axis=1) for shift in (1, 2, 3)]
     right = [np.roll(loops, -shift, axis=1) for shift in (1, 2, 3)]
@@ -236,7 +239,7 @@ def outside_neighbours(loops: Array, allowed: Callable[[Array], Array]) -> BoolA
 
 
 def step_of(values: Array) -> float:
-    """Least distance of different values (n,) of which all others are multiples; 0 where they have no step."""
+    """Resolution of a channel (n,): the smallest distance of which its values are multiples; 0 if they have none."""
     levels = np.unique(values)
     apart = np.diff(levels)
     apart = apart[apart > 1e-9 * max(float(np.abs(levels).max(initial=0.0)), 1e-300)]
@@ -259,7 +262,7 @@ def step_of(values: Array) -> float:
 
 
 def _digit_of(values: Array) -> float:
-    """The last digit with which values (n,) are written, a power of ten; 0 of numbers that are not rounded."""
+    """Power of ten of the last digit with which values (n,) are written; 0 for numbers that are not rounded."""
     for digit in 10.0 ** -np.arange(DIGITS):
         counted = values / digit
         if np.abs(counted - np.round(counted)).max() < WITHIN:
@@ -277,9 +280,9 @@ def rounding_noise(step: float) -> float:
 
 @dataclass(frozen=True)
 class Clipped:
-    """The samples (n,) of a channel that read its largest or smallest value, and these values.
+    """Samples of a channel (n,) that read its largest or smallest value, and the values that they read.
 
-    `sure`: whether its steps are too fine for a plateau to lie within one of them.
+    `sure` is False where the channel's steps are so coarse that a plateau may lie within one of them.
     """
 
     samples: BoolArray
@@ -288,16 +291,16 @@ class Clipped:
 
     @property
     def text(self) -> str:
-        """How many read what."""
+        """Sentence part that says how many samples read which value."""
         count = int(np.count_nonzero(self.samples))
         return f"{count} samples read exactly {' or '.join(f'{value:.6g}' for value in self.values)}"
 
 
 def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
-    """What of a channel (n,) is clipped, on one side or both; None where nothing is.
+    """Samples of a channel (n,) that are clipped at either end of its range; None where none are.
 
-    A flat plateau of a noiseless loop reads the same value, too: only scatter elsewhere in the channel, or in the one
-    that was recorded `beside` it (n,), tells that this cannot be.
+    A flat plateau of a noiseless loop also repeats one value. Clipping is reported only if the channel, or the channel
+    `beside` (n,) recorded with it, scatters elsewhere.
     """
     extent = float(np.ptp(values))
     step, levels = step_of(values), np.unique(values)
@@ -339,7 +342,7 @@ def _longest(same: BoolArray) -> int:
 
 
 def _scatters(values: Array, left_out: BoolArray, extent: float) -> bool:
-    """Whether what neighbours leave of samples alternates from one to the next, as noise does and no course does."""
+    """True if samples alternate about the course of their neighbours, as noise does."""
     if values.size < FEWEST_LOOP:
         return False
     near = np.lib.stride_tricks.sliding_window_view(np.arange(values.size), 5)

@@ -1,4 +1,4 @@
-"""Points without an order of time, such as those of a picture, in the order of a loop."""
+"""Points of a loop in no order of time, such as those digitised from a figure, put in order along the loop."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +10,10 @@ MOST_POINTS = 3000  #: More points than this are no digitised loop, and would ta
 
 
 def outline(x: Array, y: Array) -> NDArray[np.intp] | None:
-    """An order of points (n,) along the loop on which they lie; None where they come in order of time, or on no loop.
+    """Indices (n,) that put points (x, y) in order along their loop.
 
-    Points in any order, and branches that both run the same way, are put in order. The shortest closed tour is sought
-    by turning round stretches of one that goes about the middle (Croes, Operations Research 6 (1958) 791).
+    None where the points are already in order of time, do not lie on a loop, or are more than MOST_POINTS. The order is
+    the shortest closed tour, found by reversing stretches of a first one (Croes, Operations Research 6 (1958) 791).
     """
     count = len(x)
     width, height = float(np.ptp(x)), float(np.ptp(y))
@@ -49,14 +49,16 @@ def step_lengths(points: Array, order: NDArray[np.intp]) -> Array:
 
 
 def _sweeps(level: Array) -> int:
-    """How often samples pass from one end of the stroke to the other, the closing step included."""
+    """Number of times that samples pass from one end of the stroke to the other, including the step that closes the
+    loop.
+    """
     ends = np.where(level > 0.75, 1, np.where(level < 0.25, -1, 0))
     ends = ends[ends != 0]
     return int(np.count_nonzero(ends != np.roll(ends, 1)))
 
 
 def _about_the_middle(points: Array) -> NDArray[np.intp]:
-    """Upper branch by rising x, then the lower one by falling x: told apart by a middle line along the loop."""
+    """First order of the points: the upper branch by rising x, then the lower branch by falling x."""
     line = np.interp(points[:, 0], *_middle_line(points))
     upper = points[:, 1] > line
     up, down = np.flatnonzero(upper), np.flatnonzero(~upper)
@@ -64,7 +66,9 @@ def _about_the_middle(points: Array) -> NDArray[np.intp]:
 
 
 def _middle_line(points: Array) -> tuple[Array, Array]:
-    """Middle between the highest and the lowest point of each of twelve parts of the stroke."""
+    """Line halfway between the highest and the lowest points, as x (k,) and y (k,), in up to twelve parts of the
+    stroke.
+    """
     parts = np.minimum((points[:, 0] * 12).astype(int), 11)
     held = [part for part in range(12) if np.any(parts == part)]
     middle = [0.5 * float(points[parts == part, 1].max() + points[parts == part, 1].min()) for part in held]
@@ -72,7 +76,7 @@ def _middle_line(points: Array) -> tuple[Array, Array]:
 
 
 def shortened(points: Array, order: NDArray[np.intp]) -> NDArray[np.intp]:
-    """The tour with stretches turned round as long as that shortens it."""
+    """Closed tour made shorter by reversing stretches of `order`, which is changed in place, as long as that helps."""
     count = len(order)
     for _ in range(20):
         turned = False

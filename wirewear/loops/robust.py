@@ -19,7 +19,7 @@ def median_deviation(values: Array) -> float:
 
 
 def biweight(residuals: Array, scale: float) -> Array:
-    """Tukey's biweights of residuals, zero beyond 6 scales (all ones for a perfect fit)."""
+    """Tukey's biweights (n,) of residuals: 0 beyond six scales; all 1 if the scale is not positive."""
     if scale <= 0.0:
         return np.ones_like(residuals)
     inside = np.clip(1.0 - (residuals / (6.0 * scale)) ** 2, 0.0, None)
@@ -38,9 +38,9 @@ class LinearFit:
 
 
 def fit_linear(design: Array, values: Array, iterations: int = 4) -> LinearFit:
-    """Fit values (n,) by design (n, p) × coefficients, re-weighting by Tukey's biweights.
+    """Fit values (n,) by design (n, p) × coefficients, reweighting `iterations` times by Tukey's biweights.
 
-    The covariance is that of the weighted fit with its own residual scale, widened by CHOICE.
+    The covariance uses the residual scale of the weighted fit, widened by CHOICE.
     """
     count, parameters = design.shape
     weights = np.ones(count)
@@ -65,7 +65,9 @@ def fit_linear(design: Array, values: Array, iterations: int = 4) -> LinearFit:
 
 
 def best_fit(designs: Sequence[Array], values: Array) -> int:
-    """Number of the design that minimises Schwarz's criterion, n ln s² + p ln n with the robust residual scale s."""
+    """Index of the design that minimises Schwarz's criterion n ln s² + p ln n, with s the robust scale of its
+    residuals.
+    """
     count = len(values)
     floor = 1e-12 * float(np.max(np.abs(values), initial=1e-300))
     scores = []
@@ -77,7 +79,7 @@ def best_fit(designs: Sequence[Array], values: Array) -> int:
 
 @dataclass(frozen=True)
 class RobustLine:
-    """y = intercept + slope·x with the slope's standard deviation (inf if the points do not spread in x)."""
+    """Line y = intercept + slope·x with the slope's standard deviation, infinite if the points do not spread in x."""
 
     slope: float
     intercept: float
@@ -85,10 +87,9 @@ class RobustLine:
 
 
 def fit_line(x: Array, y: Array, x_noise: float, y_noise: float) -> RobustLine:
-    """Line through points with errors in both coordinates (Deming's regression with biweights).
+    """Line through at least two points with errors in both coordinates (Deming's regression with biweights).
 
-    x_noise and y_noise are standard deviations of one point; if both vanish, they count as equal shares of the ranges.
-    Needs at least two points.
+    x_noise, y_noise: standard deviations of one point; if both are 0, only y counts as uncertain.
     """
     if x_noise <= 0.0 and y_noise <= 0.0:
         x_noise, y_noise = 0.0, 1.0

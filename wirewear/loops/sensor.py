@@ -1,4 +1,6 @@
-"""The sensors of a rig as one model, from true channels of a loop to readings and back, and a drive that obeys one."""
+"""Model of a rig's displacement and force sensors, from true signals to readings and back, and of a drive they
+control.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
@@ -21,11 +23,11 @@ _LAGS = ("first-order", "delay")
 
 @dataclass(frozen=True, eq=False)
 class LoopSignals:
-    """One cycle of a periodic loop; arrays (n,), `normal_force_N` None where it is not known.
+    """Signals of one cycle of a periodic loop, each (n,); `normal_force_N` is None where unknown.
 
     `time_s` counts within the cycle; the last sample does not repeat the first. `period_s` may be left out where the
-    samples are evenly spread over the cycle.
-    Raises SensorError for channels that differ in length or hold fewer than two samples.
+    samples are evenly spread over the cycle. Raises SensorError for channels that differ in length or hold fewer than
+    two samples.
     """
 
     time_s: Array
@@ -47,13 +49,13 @@ class LoopSignals:
 
     @property
     def displacement_amplitude_um(self) -> float:
-        """Half of the displacement's range, which is what a drive holds."""
+        """Half of the displacement's range."""
         return 0.5 * float(np.ptp(self.displacement_um))
 
     @property
     def spacing_s(self) -> Array:
-        """Times from each sample to the next, the last to the first of the next cycle (n,).
-        Raises SensorError for times that do not rise, or whose period is needed and neither given nor evident.
+        """Time from each sample to the next (n,); the last entry reaches the first sample of the next cycle. Raises
+        SensorError for times that do not rise, or a period that is needed but neither given nor evident.
         """
         steps = np.diff(self.time_s)
         if not (steps > 0.0).all():
@@ -75,15 +77,12 @@ class LoopSignals:
 
 
 def enclosed_area(x: Array, y: Array) -> float:
-    """Area of a closed loop (n,) of samples joined by straight lines, the last one with the first.
-
-    Positive when it turns clockwise, as a loop that dissipates does.
-    """
+    """Area of a closed loop (n,), samples joined by straight lines; positive where it turns clockwise (dissipates)."""
     return float(enclosed_areas(x[None], y[None])[0])
 
 
 def enclosed_areas(x: Array, y: Array) -> Array:
-    """Areas (m,) of closed loops (m, n)."""
+    """Area of each closed loop (m, n), shape (m,), positive where it turns clockwise."""
     # About its own middle, a loop far from the origin loses no digits.
     x, y = x - x.mean(axis=1, keepdims=True), y - y.mean(axis=1, keepdims=True)
     after_x, after_y = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
@@ -97,11 +96,11 @@ Transfer = Callable[[Array], ComplexArray]  #: Factors (n,) of the oscillations 
 
 @dataclass(frozen=True)
 class SensorNoise:
-    """Standard deviations of one sample of each channel, and how much of it the next sample remembers.
+    """Standard deviation of one sample of each channel, and the correlation ρ of neighbouring samples.
 
-    `correlation` ρ makes the noise a stationary autoregressive process of order one, e' = ρ e + √(1−ρ²) σ w with
-    white w (Box & Jenkins, Time Series Analysis, section 3.2); 0 is white noise. Each loop draws its own.
-    Raises SensorError for a deviation that is negative, or a correlation outside [0, 1).
+    The noise is a stationary autoregression of first order, e' = ρ e + √(1−ρ²) σ w with white w (Box & Jenkins, Time
+    Series Analysis, section 3.2); ρ = 0 is white noise. Each loop gets independent noise. Raises SensorError for a
+    negative deviation, or a correlation outside [0, 1).
     """
 
     displacement_um: float = 0.0
@@ -118,7 +117,7 @@ class SensorNoise:
             raise SensorError(f"the noise's correlation is {self.correlation}, but must be at least 0 and below 1")
 
     def on(self, values: Array, deviation: float, random: np.random.Generator) -> Array:
-        """The samples (n,) with noise of that standard deviation; without any, the samples themselves."""
+        """Samples (n,) plus random noise of this standard deviation; 0 returns the samples themselves."""
         if deviation == 0.0:
             return values
         white = random.standard_normal(values.size)
@@ -133,17 +132,17 @@ class SensorNoise:
 
 
 def lagged(signals: LoopSignals, values: Array, time_s: float, kind: LagKind) -> Array:
-    """The periodic channel `values` (n,) of a loop behind a lag.
+    """Channel `values` (n,) of a periodic loop, delayed by a lag of `time_s` seconds.
 
     A delay gives x(t − τ), a first-order lag the periodic solution of τ y' + y = x, both as products of the Fourier
-    series with exp(−iωτ) and 1/(1 + iωτ) (e.g. Bendat & Piersol, Random Data, 4th ed., section 2.3).
-    Raises SensorError for values that are not finite, or times without a period.
+    series with exp(−iωτ) and 1/(1 + iωτ) (e.g. Bendat & Piersol, Random Data, 4th ed., section 2.3). Raises SensorError
+    for values that are not finite, or times without a period.
     """
     return _filtered(signals, values, lambda frequency: _transfer(frequency, time_s, kind))
 
 
 def advanced(signals: LoopSignals, values: Array, time_s: float, kind: LagKind) -> Array:
-    """What `lagged` had been given, to round-off where the samples are evenly spread.
+    """Inverse of `lagged`: the channel (n,) before a lag of `time_s` seconds, to round-off for evenly spread samples.
     Raises SensorError as `lagged` does, or for a filter so slow that undoing it would raise the noise a hundredfold.
     """
 
@@ -198,29 +197,27 @@ _QUIET = SensorNoise()
 
 @dataclass(frozen=True)
 class Sensor:
-    """Displacement sensor and force cell; as it stands, it reads the truth.
+    """Model of displacement sensor and force cell; with its default values it reads the true signals.
 
     With δ, Q, P the true displacement, tangential and normal force of a loop, it reads
 
         δ' = lag[gain · (δ + remote · Q) + linear · Q + quadratic · Q²] + noise
         Q' = lag_Q[gain_Q · (Q + crosstalk · P)] + noise,    P' = gain_P · (P + crosstalk · Q) + noise
 
-    The remote point and the polynomial in the load are those of Infante-García et al., Sensors 20 (2020) 4152,
-    section 2.1: between the point that the sensor looks at and the contact lies compliance, so near displacement is
-    the remote reading corrected by a second-order polynomial of the load. Neither changes a loop's energy, as
-    ∮Q df(Q) = 0.
-    Raises SensorError for a number that makes no sense.
+    The remote compliance and the polynomial in the load follow Infante-García et al., Sensors 20 (2020) 4152, section
+    2.1: the bodies yield between the measured point and the contact. Neither changes a loop's energy, as ∮Q df(Q) = 0.
+    Raises SensorError for a number outside its range.
 
     Attributes:
-        remote_compliance_um_per_N: between the point that is looked at, on the driven side, and where δ is defined.
+        remote_compliance_um_per_N: of the driven side between the measured point and the point where δ is defined.
         displacement_gain: read over true displacement.
-        linear_um_per_N, quadratic_um_per_N2: of the reading's polynomial in the true tangential force.
+        linear_um_per_N, quadratic_um_per_N2: displacement read per tangential force, and per its square.
         tangential_force_gain, normal_force_gain: read over true force.
-        force_crosstalk: share of each force that the other's channel reads too.
-        lag_s: of the displacement behind the forces; negative, the forces lag instead (as a delay only).
-        lag_kind: "first-order" (a low-pass filter's time constant) or "delay"; of both lags.
-        force_lag_s: of the tangential force behind the other channels.
-        noise: of one sample.
+        force_crosstalk: share of each force that the other force channel reads too.
+        lag_s: lag of the displacement behind the forces; if negative (delay only), the forces lag instead.
+        lag_kind: kind of both lags, "first-order" (a low-pass filter's time constant) or "delay".
+        force_lag_s: lag of the tangential force behind the other channels.
+        noise: noise of one sample of each channel.
     """
 
     remote_compliance_um_per_N: float = 0.0
@@ -253,8 +250,8 @@ class Sensor:
                 raise SensorError(f"the sensor's {name} is {lag}, but must not be negative unless it is a delay")
 
     def read(self, truth: LoopSignals, random: np.random.Generator | None = None) -> LoopSignals:
-        """The readings of a loop; without a generator, those free of noise.
-        Raises SensorError for crosstalk without a normal force, or a lag of samples without a period.
+        """Readings of a loop with these true signals; noise is added only if a random generator is given. Raises
+        SensorError for crosstalk without a normal force, or a lag of samples without a period.
         """
         displacement = self.displacement_gain * truth.displacement_um
         if load_coupling := self._load_coupling(truth.tangential_force_N):
@@ -274,9 +271,9 @@ class Sensor:
         return replace(truth, displacement_um=displacement, tangential_force_N=tangential, normal_force_N=normal)
 
     def corrected(self, readings: LoopSignals) -> LoopSignals:
-        """The true signals behind readings, which keep their noise; to round-off for noise-free, evenly spread ones.
-        Raises SensorError for crosstalk without a normal force, a lag of samples without a period, or too slow a
-        filter.
+        """True signals behind readings, which keep their noise; exact to round-off for noise-free, evenly spread
+        readings. Raises SensorError for crosstalk without a normal force, a lag of samples without a period, or too
+        slow a filter.
         """
         displacement = readings.displacement_um
         if self.lag_s != 0.0:
@@ -297,7 +294,9 @@ class Sensor:
         )
 
     def _load_coupling(self, force_N: Array) -> list[Array]:
-        """What the load adds to the displacement before the lag; an empty list leaves it as it is, to the last bit."""
+        """Terms (n,) in µm that the tangential force adds to the displacement before its lag; an empty list if there
+        are none.
+        """
         linear = self.linear_um_per_N + self.displacement_gain * self.remote_compliance_um_per_N
         terms = ((linear, 1), (self.quadratic_um_per_N2, 2))
         return [factor * force_N**power for factor, power in terms if factor != 0.0]
@@ -327,7 +326,9 @@ OTHER_NUMBERS = tuple(name for name in NUMBERS if not name.endswith("_gain"))
 
 @dataclass(frozen=True, eq=False)
 class HeldStroke:
-    """The true amplitude that was found, its loop and what the sensor reads of it; `evaluations` of the loop."""
+    """True amplitude that makes the sensor read the asked one, its loop, the readings, and the number of loops
+    computed.
+    """
 
     amplitude_um: float
     truth: LoopSignals
@@ -344,16 +345,14 @@ def sensor_held_stroke(
     tolerance: float = 1e-6,
     most_evaluations: int = 30,
 ) -> HeldStroke:
-    """Find the true displacement amplitude whose noise-free reading has the asked amplitude.
+    """Find the true displacement amplitude whose noise-free reading has the amplitude `asked_um`.
 
-    a ← a + (asked − read(a)), a fixed-point iteration; from the second step on divided by the secant's slope
-    (Steffensen's device), as a load-coupled sensor on a sticking contact reads several micrometres for each.
-    Raises SensorError if the asked amplitude is not positive, or no true amplitude was found.
+    Iterates a ← a + (asked − read(a)), from the second step on divided by the secant's slope (Steffensen's device).
+    Raises SensorError if the asked amplitude is not positive, or no true amplitude is found.
 
-    sensor: as the drive's control reads it.  asked_um: amplitude to be held on the reading.
-    loop_at: the true loop under a true amplitude in µm.  most_evaluations: of it.
-    first_guess_um: true amplitude to begin with, such as that of the cycle before; the asked one by default.
-    tolerance: largest |read − asked| / asked.
+    sensor: the sensor that controls the drive. loop_at: gives the true loop for a true amplitude in µm. first_guess_um:
+    true amplitude to begin with; the asked one by default. tolerance: largest |read − asked| / asked. most_evaluations:
+    largest number of calls of `loop_at`.
     """
     if not asked_um > 0.0:
         raise SensorError(f"the amplitude to be held on the sensor's reading is {asked_um} um, but must be positive")

@@ -1,4 +1,7 @@
-"""Stick-slip on the plateaus of a sliding loop, and the force by which its first passage exceeds the later ones."""
+"""Stick-slip on the plateaus of a sliding loop, and the static peak by which the force first exceeds its plateau.
+
+A slip is a sudden fall of the force within at most three samples.
+"""
 
 import numpy as np
 
@@ -26,7 +29,9 @@ EARLY = 0.12  #: Where a static force is sought: from the onset on over this sha
 
 
 def stick_slip(loop: CleanLoop, courses: tuple[Course, Course]) -> StickSlip | None:
-    """Slips of both plateaus of a sliding loop, or None where the forces fall no more often than chance lets them."""
+    """Stick-slip on both plateaus of a sliding loop; None if fewer than four slips are found or one plateau
+    has none.
+    """
     found = [_slips(loop, *course) for course in courses]
     slips = np.concatenate([drops for drops, _, _ in found])
     if slips.size < FEWEST_SLIPS or min(drops.size for drops, _, _ in found) == 0:
@@ -49,7 +54,7 @@ def stick_slip(loop: CleanLoop, courses: tuple[Course, Course]) -> StickSlip | N
 
 
 def _expected(courses: tuple[Course, Course], drop_share: float) -> float:
-    """Slips of a cycle whose stretches of sticking, each as long as the spring takes for the fall, fill the sliding."""
+    """Number of slips in a cycle if each stick stretch loads the spring by just one fall of the force."""
     count = 0.0
     for branch, slip in courses:
         stretched = drop_share * abs(slip.onset_force_N) * slip.travel_um / max(slip.height_N, 1e-300)
@@ -58,7 +63,9 @@ def _expected(courses: tuple[Course, Course], drop_share: float) -> float:
 
 
 def _slips(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> tuple[Array, int, float]:
-    """Falls of the force over the sliding force, samples of the plateau, and the share of them between slips."""
+    """Falls of the force on one plateau over the sliding force (k,), number of plateau samples, and share between
+    slips.
+    """
     force = branch.force_N[branch.travel_um > slip.travel_um]
     if force.size < 6:
         return np.empty(0), force.size, 0.0
@@ -79,13 +86,16 @@ def _slips(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> tuple[Array, int
 
 
 def _stick_noise(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> float:
-    """Noise of one force, from the stick branch where that has samples enough: there nothing slips."""
+    """Noise of one force sample in N, from the branch's stick part where that has at least ten samples."""
     stick = branch.force_N[branch.travel_um < 0.8 * slip.travel_um]
     return loop.force_noise_N if stick.size < 10 else noise_along(stick)
 
 
 def static_overshoot(loop: CleanLoop, courses: tuple[Course, Course]) -> Measured | None:
-    """By which share the force first passes the plateau's later peaks, mean of both directions; None if it does not."""
+    """Share by which the force before sliding exceeds the plateau's later peaks, mean of both directions.
+
+    None where either direction has no such static peak.
+    """
     found = [_overshoot(loop, *course) for course in courses]
     if None in found:
         return None

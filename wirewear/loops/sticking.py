@@ -54,8 +54,9 @@ _REMAINING = np.linspace(1.0, 0.0, 240) ** 1.5  # dense where a contact begins t
 
 
 def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | None:
-    """What a loop without a plateau leaves; None where its load is not steady, too few samples lie on it,
-    or its force falls.
+    """Contacts in partial slip that would leave such a loop.
+
+    None where the load varies by more than 5 % within the cycle, a branch has too few samples, or its force falls.
     """
     load = loop.normal_force_N
     if load is not None and float(np.ptp(load)) > STEADY * float(np.mean(load)):
@@ -95,9 +96,10 @@ def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | N
 def slip_of(
     loop: CleanLoop, courses: tuple[Course, Course], seen: Regime, *, hides: bool, viscous: bool
 ) -> tuple[Regime, tuple[Regime, ...], Sticking | None]:
-    """The regime of a loop whose branches show one, what doubt leaves of it, and contacts that stick in their middle.
+    """Regime of a loop, all regimes that its uncertainty allows, and the possible contacts in partial slip (or None).
 
-    `hides` says that walls may hide a plateau, and `viscous` that the force goes with the velocity.
+    seen: regime that the branches show. hides: walls of a scar may hide a plateau. viscous: the force follows the
+    velocity.
     """
     sticking = sticking_of(loop, courses) if seen == "partial slip" and not (hides or viscous) else None
     if sticking is None:
@@ -107,7 +109,7 @@ def slip_of(
 
 
 def notes_on(regime: Regime, sticking: Sticking | None) -> list[str]:
-    """What a loop without a plateau tells of friction, and what not."""
+    """Sentences on what a loop without a plateau tells of friction."""
     if regime != "partial slip":
         return [] if sticking is None else [SHORT]
     if sticking is None:
@@ -117,7 +119,7 @@ def notes_on(regime: Regime, sticking: Sticking | None) -> list[str]:
 
 @dataclass(frozen=True, eq=False)
 class _Readings:
-    """Both branches after one another (n,), forces over their noise, freed from what `basis` (n + k, k) explains."""
+    """Both branches one after the other (n,): forces over noise, with reading errors (k columns) projected out."""
 
     travel_um: Array
     length_um: float  #: Mean of both.
@@ -127,7 +129,7 @@ class _Readings:
     likely: float  #: Squares of what contacts depart from such courses by, over those of the noise.
 
     def clear(self, columns: Array) -> Array:
-        """Columns (…, n + k) freed from what readings may hide."""
+        """Columns (…, n + k) with the possible reading errors projected out."""
         cleared: Array = columns - (columns @ self.basis) @ self.basis.T
         return cleared
 
@@ -163,7 +165,7 @@ def _slope(branch: Branch, slip: MicroSlip) -> Array:
 
 
 def _about(readings: _Readings, tried: Array, left: Array) -> Array:
-    """A closer search of the ranges in which some of the tried contacts lie, and a step of each search beyond them."""
+    """A finer search over the ranges that the contacts `left` span, widened by one step; array as of `_searched`."""
     parts, travels = np.unique(tried[4]), np.unique(tried[5])
     low, high = left[4].min(), left[4].max()
     shares = np.linspace(max(parts[parts < low], default=low), min(parts[parts > high], default=high), SHARES.size)
@@ -173,9 +175,10 @@ def _about(readings: _Readings, tried: Array, left: Array) -> Array:
 
 
 def _searched(readings: _Readings, travels: Array, shares: Array) -> Array:
-    """Contacts of all shapes, travels until sliding over a branch's, and shares of the contact in them, (7, n).
+    """Contacts of all shapes for these travels until sliding and shares of the contact in the travel, as an array (7,
+    n).
 
-    Rows: squares that each leaves, µP, its deviation were there noise alone, Q*/µP, share, travel, exponent.
+    Rows: sum of squares left, µP, deviation of µP by noise alone, Q*/µP, share, travel, exponent.
     """
     count = readings.travel_um.size
     tried = []
@@ -201,7 +204,7 @@ def _searched(readings: _Readings, travels: Array, shares: Array) -> Array:
 
 
 def _chi_squared(readings: _Readings, tried: Array) -> tuple[Array, float]:
-    """χ² of the contacts tried, less the least, and the variance of a reading over that of its noise alone."""
+    """χ² of each contact less the smallest one (n,), and the variance of a reading over that of its noise alone."""
     count = readings.travel_um.size
     least = float(tried[0].min()) / count
     # Misfit that noise does not explain is alike in all samples, as a departure of the contact is.
@@ -211,7 +214,7 @@ def _chi_squared(readings: _Readings, tried: Array) -> tuple[Array, float]:
 
 
 def _travel(exponent: float, share: float) -> Array:
-    """Travel over that until sliding, where _REMAINING shares of the force's rise are still to come."""
+    """Travel, over that until sliding, at which the shares _REMAINING of the force's rise are still to come."""
     left = _REMAINING
     own = 1.0 - left**exponent if exponent < 1.0 else 1.0 - left + left * np.log(np.maximum(left, 1e-300))
     travel: Array = (1.0 - share) * (1.0 - left) + share * own

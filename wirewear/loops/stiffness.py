@@ -1,4 +1,7 @@
-"""Micro-slip: stiffness, a line over half of its region on each branch, and how sharply it passes into sliding."""
+"""Micro-slip stiffness, from a line over the first half of each branch's micro-slip, and the roundness of its corner.
+
+The corner is where a branch passes from micro-slip into its plateau.
+"""
 
 import math
 from dataclasses import dataclass
@@ -26,9 +29,10 @@ _MOST_STEPS = 25
 
 @dataclass(frozen=True)
 class Corner:
-    """Share r of the micro-slip's travel that a Cattaneo–Mindlin contact takes, mean of both branches.
+    """Share r of the micro-slip travel that a Cattaneo–Mindlin contact takes, mean of both branches, with its
+    deviation.
 
-    0 makes a sharp corner (a spring and Coulomb friction), 1 that of the contact alone.
+    0 makes a sharp corner (a spring and Coulomb friction), 1 the corner of the contact alone.
     """
 
     share: float
@@ -36,20 +40,19 @@ class Corner:
 
     @property
     def curvature(self) -> Measured:
-        """Area that rounding cuts off the corner over that of the triangle below it.
+        """Area that the rounded corner cuts off, over the area of the triangle below the sharp corner.
 
-        The corner is where the branch's first tangent meets the plateau's continuation; the triangle lies between the
-        reversal, the corner and the force's rise there. 0 is sharp, 0.2 a Cattaneo–Mindlin contact alone.
+        The sharp corner is where the branch's first tangent meets the extended plateau; the triangle lies between the
+        reversal, that corner and the force's rise there. 0 is sharp, 0.2 is a Cattaneo–Mindlin contact alone.
         """
         low, high = np.clip([self.share - 1.96 * self.deviation, self.share + 1.96 * self.deviation], *SHARES)
         return Measured(_rounding(self.share), (_rounding(float(low)), _rounding(float(high))))
 
     @property
     def sliding_over_measured_stiffness(self) -> float:
-        """Rise over travel of the whole micro-slip in shares of K_t,m, the slope of its first half.
+        """Secant stiffness of the whole micro-slip over K_t,m, which is the slope of its first half; at most 1.
 
-        This is what bodies and rig take up while sliding; a Mindlin contact has by then given way by more than K_t,m
-        says.
+        The secant stiffness is what bodies, rig and contact have yielded by when sliding begins.
         """
         travel = np.linspace(0.0, 0.5, 101)
         slope = np.polyfit(travel, remaining_force(travel, min(self.share, 1.0)), 1)[0]
@@ -57,7 +60,7 @@ class Corner:
 
 
 def corner_of(forward: tuple[Branch, MicroSlip], backward: tuple[Branch, MicroSlip]) -> Corner | None:
-    """The corners of both branches; None where too few samples lie at one of them."""
+    """Mean corner of both branches; None where fewer than four samples lie near the corner of one of them."""
     found = [_corner(*course) for course in (forward, backward)]
     known = [corner for corner in found if corner is not None]
     if len(known) < len(found):
@@ -67,15 +70,16 @@ def corner_of(forward: tuple[Branch, MicroSlip], backward: tuple[Branch, MicroSl
 
 
 def _rounding(share: float) -> float:
-    """(2r/15)/(1 − r/3): from ∫g dx over the course x(s) = (1−r)(1−s³) + r(1−s²), g = s³ of `remaining_force`."""
+    """Rounded-off area (2r/15)/(1 − r/3), from ∫g dx over the course x(s), g(s) of `remaining_force`."""
     return 2.0 * share / 15.0 / (1.0 - share / 3.0)
 
 
 def _corner(branch: Branch, slip: MicroSlip) -> tuple[float, float] | None:
-    """Least-squares share r of a Mindlin contact in the micro-slip's travel, and its standard deviation.
+    """Least-squares share r of a Mindlin contact in the micro-slip travel, and its standard deviation; None if too few
+    samples.
 
-    Gauss–Newton steps in r and the logarithm of the elastic travel; the rise and the plateau follow linearly from
-    them (variable projection; Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413).
+    Gauss–Newton steps in r and the logarithm of the elastic travel; the rise and the plateau follow linearly from them
+    (variable projection; Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413).
     """
     onset = min(slip.travel_um, branch.length_um)
     inside = branch.travel_um <= onset + NEAR * (branch.length_um - onset)
@@ -119,7 +123,7 @@ def _corner(branch: Branch, slip: MicroSlip) -> tuple[float, float] | None:
 
 
 def micro_slip_branch(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> MicroSlipBranch:
-    """Fit the line; its interval also holds what a region a fifth longer or shorter would give."""
+    """Line fitted over the first half of a branch's micro-slip; its interval covers a region 20 % longer or shorter."""
     travel = min(slip.travel_um, branch.length_um)
     line, fitted = _line(loop, branch, 0.5 * travel)
     others = [_line(loop, branch, part * travel)[0].slope for part in (0.4, 0.6)]
@@ -153,10 +157,10 @@ def _line(
 
 
 def bent(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> bool:
-    """Whether half of the micro-slip region is no line of a contact that yields.
+    """True if the first half of the micro-slip is too bent, flat or scattered for a line: its stiffness has no meaning.
 
-    Its halves rise by slopes that have too little in common, it rises by less than the region on the whole, or samples
-    are off the line by more than any contact's: a force that rings, or a play that too few of them resolve.
+    That is so if its halves differ in slope by more than any contact's, if it rises by less than the whole micro-slip
+    on average, or if samples lie too far off the line, as where the force oscillates or free play is hidden.
     """
     reach = 0.5 * min(slip.travel_um, branch.length_um)
     line, inside = _line(loop, branch, reach)
@@ -183,7 +187,7 @@ def bent(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> bool:
 
 
 def mean_stiffness(forward: MicroSlipBranch, backward: MicroSlipBranch) -> Measured | None:
-    """K_t,m, mean slope of both branches; None where the samples jump over the branches, which leaves no slope."""
+    """K_t,m in N/µm, mean slope of both branches; None where either slope is not positive."""
     slopes = forward.stiffness_N_per_um, backward.stiffness_N_per_um
     if min(slope.value for slope in slopes) <= 0.0:
         return None
@@ -191,7 +195,7 @@ def mean_stiffness(forward: MicroSlipBranch, backward: MicroSlipBranch) -> Measu
 
 
 def sliding_stiffness(measured: Measured | None, corner: Corner | None) -> float:
-    """What bodies and rig take up per force while sliding, in N/µm; infinite where the loop shows no stiffness."""
+    """Stiffness in N/µm by which bodies and rig have yielded while the contact slides; infinite if not measured."""
     if measured is None:
         return math.inf
     return measured.value * (1.0 if corner is None else corner.sliding_over_measured_stiffness)

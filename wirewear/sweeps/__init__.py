@@ -1,4 +1,6 @@
-"""Many runs of one study: keys and effects varied by a design, one table, what the figures depend on."""
+"""Sweeps: many runs of one study with varied keys and effects, their table of figures, and the influence of
+each key.
+"""
 
 from wirewear.sweeps.running import SweepResult, run_sweep
 from wirewear.sweeps.sweep import Sweep, load_sweep

@@ -1,4 +1,4 @@
-"""What a sweep will take, predicted from its first runs."""
+"""Forecast of the time, memory and disk that a sweep takes, from its first runs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ ROW_BYTES, RESULT_BYTES = 1_500, 60.0
 
 @dataclass(frozen=True)
 class Forecast:
-    """What a sweep takes in all on so many workers: `cpu_s` and `wall_s`, memory of one worker, disk."""
+    """CPU time of all runs in s, peak memory of one worker in bytes, and disk space in bytes."""
 
     runs: int
     workers: int
@@ -33,7 +33,7 @@ class Forecast:
 
     @property
     def wall_s(self) -> float:
-        """Time from begin to end, when nothing else is going on."""
+        """Time from start to end in s, on workers that do nothing else."""
         return self.cpu_s / max(min(self.workers, self.runs), 1)
 
     @property
@@ -47,7 +47,7 @@ class Forecast:
 
 
 def sizes_of(sweep: Sweep) -> np.ndarray:
-    """Unknowns of every run; of a large sweep interpolated between some. NaN for what cannot be."""
+    """Number of unknowns of every run (n,), interpolated for large sweeps; NaN for all if no run can be planned."""
     count = len(sweep)
     # Runs that are planned to know the sizes of all.
     planned = np.unique(np.linspace(0, count - 1, min(count, 200)).round().astype(int))
@@ -60,13 +60,13 @@ def sizes_of(sweep: Sweep) -> np.ndarray:
 
 
 def pilots(sizes: np.ndarray) -> list[int]:
-    """Places of the runs that show most of all the others: the smallest, a middle one, the largest."""
+    """Indices of the runs that are made first, for the forecast: of middle, largest and smallest size."""
     order = np.argsort(sizes, kind="stable")
     return list(dict.fromkeys(int(order[place]) for place in (order.size // 2, order.size - 1, 0)))
 
 
 def forecast(sweep: Sweep, sizes: np.ndarray, rows: Sequence[SweepRow], workers: int) -> Forecast:
-    """From the rows that are there."""
+    """Forecast from the rows of finished runs; `sizes` holds the unknowns of every run of the sweep."""
     done = [row for row in rows if row.cpu_s > 0.0]
     at, cpu = np.array([sizes[row.number - 1] for row in done]), np.array([row.cpu_s for row in done])
     power = _power(at, cpu)
@@ -79,7 +79,7 @@ def forecast(sweep: Sweep, sizes: np.ndarray, rows: Sequence[SweepRow], workers:
 
 
 def time_text(seconds: float) -> str:
-    """``12 min``: a time for people, to two digits."""
+    """Duration in words with two digits, such as ``12 min``."""
     for unit, length in (("s", 1.0), ("min", 60.0), ("h", 3600.0), ("days", 86400.0)):
         if seconds < 99.5 * length or unit == "days":
             return f"{float(f'{seconds / length:.2g}'):,.4g} {unit}"

@@ -1,4 +1,4 @@
-"""How far each key of a sweep counts: shares of the variance of a figure."""
+"""Sensitivity indices: the share of a figure's variance that each varied key causes."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ CONSTANT = 1e-9  #: Figures that vary by less than this share of their mean are 
 
 @dataclass(frozen=True)
 class Index:
-    """Share of a figure's variance that a key makes: alone (`first`), and with all others (`total`, of Sobol only).
+    """Share of a figure's variance that a key causes: alone (`first`), and with all interactions (`total`, for Sobol
+    only).
 
-    Half-widths of 95 % intervals, by bootstrap.
+    Errors are half-widths of 95 % intervals by bootstrap.
     """
 
     figure: str
@@ -30,10 +31,12 @@ class Index:
 
 
 def indices(design: Design, rows: Mapping[int, SweepRow], figure: str, seed: int = 1) -> list[Index]:
-    """The indices of all keys; none of a grid, a constant figure, or where too few runs are complete.
+    """Sensitivity indices of all keys; empty for a grid, a constant figure, or too few complete runs (FEWEST_RUNS).
 
-    Sobol's by Saltelli's and Jansen's estimators (Saltelli et al., Comput. Phys. Commun. 181 (2010) 259), of a Latin
-    hypercube first-order ones by RBD-FAST (Plischke, Reliab. Eng. Syst. Saf. 95 (2010) 354).
+    rows: by the number of the run, from 1.
+
+    Sobol's indices by Saltelli's and Jansen's estimators (Saltelli et al., Comput. Phys. Commun. 181 (2010) 259); for a
+    Latin hypercube first-order indices by RBD-FAST (Plischke, Reliab. Eng. Syst. Saf. 95 (2010) 354).
     """
     if design.kind not in FEWEST_RUNS:
         return []

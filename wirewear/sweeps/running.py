@@ -1,4 +1,7 @@
-"""Running a sweep: an engine makes the rows that are missing."""
+"""Running a sweep: an engine computes the runs whose rows are not yet in the output folder's journal.
+
+A row holds the figures of one run. The journal is the file to which each row is added when its run ends.
+"""
 
 import json
 import os
@@ -25,16 +28,18 @@ RESULTS = "runs"
 
 
 class Journal:
-    """Rows of one sweep in a folder that this process holds."""
+    """Rows of one sweep in the journal of an output folder, which this process has locked."""
 
     def __init__(self, folder: Path, identity: Identity) -> None:
-        """Nothing is read or written before it is asked for."""
+        """Prepare the journal; nothing is read or written yet."""
         self.path = folder / JOURNAL
         self._identity = identity
 
     def rows_so_far(self) -> tuple[dict[int, SweepRow], str]:
-        """Rows by their number that stand there already, and a sentence if such were given up.
-        Raises RunError if another sweep's rows stand there, or the file cannot be read or written.
+        """Rows already in the journal, by their number, and a sentence if rows of another program version were dropped
+        ("" if not).
+
+        Raises RunError if the journal belongs to another sweep, or cannot be read or written.
         """
         note, rows = "", {}
         lines = self._lines()
@@ -57,19 +62,21 @@ class Journal:
 
     @contextmanager
     def open(self) -> Iterator[TextIO]:
-        """The file, to add rows to."""
+        """Open the journal for adding rows."""
         with writing(RunError, f"cannot write {self.path}"), self.path.open("a", encoding="utf-8") as file:
             yield file
 
     def add(self, file: TextIO, row: SweepRow) -> None:
-        """Add a row; it is on disk when this returns. Raises RunError if it cannot be written."""
+        """Append a row to the open journal; it is on disk when this returns. Raises RunError if it cannot be
+        written.
+        """
         with writing(RunError, f"cannot write {self.path}", "the same command goes on"):
             file.write(_line(row.to_json()))
             file.flush()
             os.fsync(file.fileno())
 
     def _lines(self) -> Iterator[dict[str, Any]]:
-        """What stands there and is whole; a line that a full disk or an end from outside cut off is passed over."""
+        """Entries of the journal whose checksum is right; incomplete lines, as a full disk leaves them, are skipped."""
         try:
             text = self.path.read_text(encoding="utf-8", errors="replace")
         except FileNotFoundError:
@@ -95,42 +102,43 @@ def _row(values: dict[str, Any]) -> SweepRow | None:
 
 
 class SweepObserver:
-    """Watches a sweep. This one takes note of nothing."""
+    """Receives the progress of a sweep; this base class ignores it."""
 
     def note(self, sentence: str) -> None:
-        """What the user should know."""
+        """Receive a sentence for the user."""
 
     def expected(self, forecast: Forecast) -> None:
-        """What all runs will take, once the first ones are done."""
+        """Receive the forecast of all runs, after the first ones have ended."""
 
     def done(self, row: SweepRow, rows: int, of: int) -> None:
-        """A run came to its end: so many are done now."""
+        """Receive the row of a run that ended; `rows` of `of` runs have ended now."""
 
 
 @dataclass(frozen=True)
 class SweepResult:
-    """The rows of a sweep by their number."""
+    """Rows of a sweep by their number, from 1."""
 
     sweep: Sweep
     rows: Mapping[int, SweepRow]
 
     @property
     def whole(self) -> bool:
-        """Whether every run came to its end."""
+        """True if every run has ended."""
         return len(self.rows) == len(self.sweep)
 
     @property
     def failures(self) -> list[SweepRow]:
-        """Runs without figures."""
+        """Rows of runs that failed."""
         return [row for _, row in sorted(self.rows.items()) if row.failed]
 
 
 def run_sweep(
     sweep: Sweep, output: Path, engine: Engine, observer: SweepObserver | None = None, *, only_pilots: bool = False
 ) -> SweepResult:
-    """Make every row that OUTPUT does not hold yet; with `only_pilots`, only what a forecast needs.
-    Raises RunError if OUTPUT holds another sweep, is written to by somebody else, or cannot be written; StudyError if
-    the sweep needs more memory or disk than there is; EngineError if the cluster cannot be reached, or runs another
+    """Compute every row that OUTPUT does not hold yet; with `only_pilots`, only the runs that a forecast needs.
+
+    Raises RunError if OUTPUT holds another sweep, is in use by another process, or cannot be written; StudyError if the
+    sweep needs more memory or disk than there is; EngineError if the cluster cannot be reached, or runs another
     program.
     """
     watcher = observer or SweepObserver()
@@ -154,7 +162,7 @@ def _make_missing(
     *,
     only_pilots: bool,
 ) -> None:
-    """Make the rows that are missing, and add them to the others."""
+    """Compute the missing rows and add them to `rows`, which is changed in place, and to the journal."""
     output = journal.path.parent
     missing = [place for place in range(len(sweep)) if place + 1 not in rows]
     results = prepared_folder(output / RESULTS).resolve() if sweep.keep_results else None
@@ -194,7 +202,7 @@ def _make_missing(
 
 
 def _row_of(number: int, row: SweepRow | None, error: BaseException | None) -> SweepRow:
-    """The row that a task returned; a lost process is a failed run, anything else that was raised is raised."""
+    """Row that a task returned, or of a failed run if its process was lost; any other error of the task is raised."""
     if isinstance(error, LostTaskError):
         return SweepRow(number, None, str(error).rstrip("."))
     if error is not None:

@@ -1,4 +1,4 @@
-"""The signature of an effect: one study run without and with it, and what differs."""
+"""Signature of an effect: the difference between a run of one study without the effect and a run with it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -20,14 +20,14 @@ _STUDY = "signature_study.toml"
 
 
 def signature_study() -> Study:
-    """The steel-wire test, on which signatures are drawn by default."""
+    """Steel-wire test on which signatures are drawn by default."""
     text = files("wirewear.sweeps").joinpath(_STUDY).read_text(encoding="utf-8")
     return parse_study(text, _STUDY)
 
 
 @dataclass(frozen=True)
 class Signature:
-    """A run of the nominal model and one with the effect; loops are those that the sensors read."""
+    """Run of the nominal model and run with the effect; their loops are the sensors' readings."""
 
     effect: AnyEffect
     nominal: RunResult
@@ -35,13 +35,14 @@ class Signature:
 
     @cached_property
     def loops(self) -> tuple[tuple[Loop, Loop], ...]:
-        """Pairs of loops of the same cycle, nominal and with the effect."""
+        """Pairs of loops of the same cycle: nominal, then with the effect."""
         return tuple(zip(read_loops(self.nominal), read_loops(self.changed), strict=True))
 
     def on_one_phase(self, place: int) -> tuple[Array, Array, Array]:
-        """Phases of the drive in cycles (n,), and of both loops of a pair displacement and force there (2, n).
+        """Phases of the drive as shares of a cycle (n,), then displacement and force (2, n) of the nominal and the
+        changed loop.
 
-        Runs may take different increments: between those of a loop its channels are straight lines.
+        place: index of the pair in `loops`. Both loops are interpolated linearly at the phases of all their increments.
         """
         pair = self.loops[place]
         turns = [float(self.nominal.study["conditions"]["frequency_Hz"]) * loop.time_s % 1.0 for loop in pair]
@@ -62,11 +63,13 @@ class Signature:
 
     @cached_property
     def figures(self) -> tuple[tuple[LoopFigures, LoopFigures], ...]:
-        """Their figures, as `analyse_loop` finds them."""
+        """Figures of each pair of loops, as `analyse_loop` finds them."""
         return tuple((_figures(nominal), _figures(changed)) for nominal, changed in self.loops)
 
     def changes(self) -> Mapping[str, list[float]]:
-        """By how much the figures of each cycle's loop change, relative to the nominal ones."""
+        """Relative change of slip amplitude, dissipated energy and largest friction, by name, for each pair of
+        loops.
+        """
         names = ("slip_amplitude_um", "dissipated_energy_mJ", "friction_max")
         return {
             name: [_value(changed, name) / _value(nominal, name) - 1.0 for nominal, changed in self.figures]
@@ -82,11 +85,10 @@ def signature_of(
     fidelity: str = "quick",
     observer_of: ObserverOf | None = None,
 ) -> Signature:
-    """Run a study without and with an effect, in OUTPUT/nominal and OUTPUT/<effect>; finished runs are kept.
+    """Run a study without and with an effect, in OUTPUT/nominal and OUTPUT/<effect>; finished runs are reused.
 
-    A run that was interrupted is continued; one of another study, fidelity or version is replaced. An effect of the
-    sensor needs no run of its own, as the test itself goes on as without it.
-    Raises SolverError or StudyError as `run_study` does.
+    An interrupted run is continued; one of another study, fidelity or version is replaced. An effect of the sensor
+    needs no run of its own, as it does not change the test. Raises SolverError or StudyError as `run_study` does.
     """
     base = study or signature_study()
     nominal = _run(base.with_effects(), "nominal", output, fidelity, observer_of)

@@ -1,4 +1,7 @@
-"""A sweep as a value: its study, its design (a grid, a Latin hypercube, or Saltelli's), what its runs leave."""
+"""A sweep as a value: its study, its design of runs (grid, Latin hypercube, or Saltelli's), and the row of each run.
+
+A share is the position of a value between its lower end (0) and its upper end (1).
+"""
 
 import resource
 from collections import defaultdict
@@ -55,7 +58,7 @@ CODE = (*RUN_CODE, "wirewear/sweeps", "wirewear/stress")
 
 @dataclass(frozen=True)
 class VariedInput:
-    """A varied key: from `low` to `high`, spread evenly or over their logarithm, or over a grid's `values`."""
+    """A varied key: from `low` to `high`, spread linearly or logarithmically; on a grid, over the list `values`."""
 
     key: str
     low: float
@@ -64,7 +67,7 @@ class VariedInput:
     values: tuple[float, ...] = ()
 
     def at(self, share: float) -> float:
-        """The value at a share of the way from the lower to the upper end."""
+        """Value at a share of the way from the lower to the upper end, rounded to DIGITS digits."""
         if self.logarithmic:
             value = exp(log(self.low) + share * log(self.high / self.low))
         else:
@@ -74,7 +77,7 @@ class VariedInput:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """Points (n, d) of d factors, with the shares of the way between their ends that they stand for."""
+    """Design of n runs over d varied keys: values `points` (n, d), and their `shares` (n, d) between the keys' ends."""
 
     kind: str
     factors: tuple[VariedInput, ...]
@@ -87,18 +90,19 @@ class Design:
 
     @cached_property
     def problem(self) -> dict[str, object]:
-        """The factors as SALib describes them, in shares."""
+        """Description of the varied keys, in shares, as SALib expects it."""
         count = len(self.factors)
         return {"num_vars": count, "names": list(self.keys), "bounds": [[0.0, 1.0]] * count}
 
     def values(self, place: int) -> dict[str, float]:
-        """The varied keys' values in the run of that place."""
+        """Values of the varied keys in the run of this index, by key."""
         return dict(zip(self.keys, self.points[place].tolist(), strict=True))
 
 
 def design_of(tables: SweepTables, where: str) -> Design:
-    """The design that a sweep asks for.
-    Raises StudyError if a key is named twice, or its ends, its values or the samples do not go with the design.
+    """Design that a sweep file asks for; `where` names the file in messages.
+
+    Raises StudyError if a key is named twice, or its ends, its values or the number of samples do not suit the design.
     """
     keys = [vary.key for vary in tables.vary]
     twice = next((key for key in keys if keys.count(key) > 1), None)
@@ -165,7 +169,10 @@ def _between_ends(vary: Vary, kind: str, where: str) -> VariedInput:
 
 
 def figures_named(bodies: Sequence[str], *, life: bool = False) -> tuple[str, ...]:
-    """All figures of a row, in the table's order, of a driven and a held body; life: of a study that states [life]."""
+    """Names of all figures of a row, in the table's order; `bodies` names the driven body, then the held one.
+
+    life: the study states [life], so that a row has a life, too.
+    """
     depths = (f"{DEPTH}{body}_um" for body in bodies)
     at_end = (*AT_END[:_BEFORE_DEPTHS], *depths, *AT_END[_BEFORE_DEPTHS:])
     return (*at_end, VOLUME, *(f"{FIRST}{name}" for name in AT_START), *TECHNICAL, *([LIFE] if life else []))
@@ -173,9 +180,9 @@ def figures_named(bodies: Sequence[str], *, life: bool = False) -> tuple[str, ..
 
 @dataclass(frozen=True)
 class SweepRow:
-    """A run that came to its end: its figures, or the sentence that says why there are none.
+    """Result of one run that has ended: its figures, or in `failure` the sentence that says why there are none.
 
-    `cpu_s`, without compiling, and `peak_bytes` are what it took; they differ from machine to machine.
+    `cpu_s` (without compiling) and `peak_bytes` are the run's CPU time and memory; they differ between machines.
     """
 
     number: int
@@ -189,16 +196,16 @@ class SweepRow:
         return self.figures is None
 
     def to_json(self) -> dict[str, object]:
-        """The row as plain values."""
+        """Row as plain values for JSON."""
         return dict(vars(self))
 
 
 def run_case(
     study: Study | LineStudy, values: Mapping[str, float], fidelity: str, number: int, results: Path | None
 ) -> SweepRow:
-    """Simulate the study with these values of its keys; with `results`, the result file is left there in a folder.
+    """Simulate the study with these values of its keys; errors of study or simulation are stated in the returned row.
 
-    What goes wrong with the study or its simulation is in the row.
+    results: folder in which the result file is kept; None to keep none.
     """
     start_s = working_cpu_s()
     figures, failure = None, ""
@@ -217,7 +224,9 @@ def run_case(
 
 
 def shortest_life(study: Study | LineStudy, result: RunResult) -> float | None:
-    """Cycles until a crack begins in the first body of a finished run, endless if in none; None without [life]."""
+    """Cycles until a crack begins in the first body to crack, infinite if none does; None if the study has no
+    [life].
+    """
     if study.tables.life is None:
         return None
     inside = contacts_of(result).inside
@@ -228,7 +237,7 @@ def shortest_life(study: Study | LineStudy, result: RunResult) -> float | None:
 
 
 def figures_of(result: RunResult, life: float | None = None) -> dict[str, float | None]:
-    """The figures of a finished run, and its life where that is asked for; None for what it does not have."""
+    """Figures of a finished run by name, with `life` (in cycles) if given; None for a figure that is not finite."""
     evolution = result.evolution
     names = figures_named(result.bodies, life=life is not None)
     last = {name: float(evolution[name][-1]) for name in names if name in evolution}
@@ -242,7 +251,7 @@ def figures_of(result: RunResult, life: float | None = None) -> dict[str, float 
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """A study without variants, and the runs that are made of it."""
+    """A study without variants and the runs that are made of it."""
 
     name: str  #: Its title.
     study: Study | LineStudy
@@ -256,12 +265,12 @@ class Sweep:
 
     @property
     def figures(self) -> tuple[str, ...]:
-        """Names of the figures of its rows."""
+        """Names of the figures in each row."""
         return figures_named(self.study.body_names, life=self.study.tables.life is not None)
 
     @property
     def identity(self) -> Identity:
-        """Of all its rows: sweeps of one identity have the same table."""
+        """Identity of the sweep's table of rows: sweeps of equal identity have equal rows."""
         asked = {
             "study": self.study.resolved(),
             "fidelity": self.fidelity,
@@ -272,17 +281,18 @@ class Sweep:
         return identity_of(asked, CODE, {"added": added})
 
     def case(self, place: int) -> tuple[Study | LineStudy, dict[str, float]]:
-        """The study that a run begins with, and the values that it varies."""
+        """Base study, and the values of the varied keys in the run of this index."""
         return self.study, self.design.values(place)
 
     def study_of(self, place: int) -> Study | LineStudy:
-        """The study of a run. Raises StudyError if there is no such key, or its value cannot be."""
+        """Study of the run of this index. Raises StudyError if a key does not exist, or a value is not allowed."""
         return varied(*self.case(place))
 
 
 def load_sweep(path: str | Path) -> Sweep:
-    """Read a sweep and its study, and see that its first run makes sense.
-    Raises StudyError, in one sentence, if a file cannot be read, or asks for what cannot be.
+    """Read a sweep and its study, and check that all its keys can be varied as asked.
+
+    Raises StudyError, in one sentence, if a file cannot be read or asks for something impossible.
     """
     path = Path(path)
     require_no_other(path, StudyError, Held.SWEEP)
@@ -298,8 +308,9 @@ def load_sweep(path: str | Path) -> Sweep:
 
 
 def _require_possible(sweep: Sweep, where: str) -> None:
-    """See that every key can be varied as far as it is to be, the others as in the first run.
-    Raises StudyError if there is no such key, or one of its ends cannot be.
+    """Check the study at both ends of every varied key, the other keys being as in the first run.
+
+    Raises StudyError if a key does not exist, or a value is not allowed.
     """
     first = sweep.design.values(0)
     for factor in sweep.design.factors:
@@ -313,10 +324,10 @@ def _require_possible(sweep: Sweep, where: str) -> None:
 
 
 def varied(study: Of, values: Mapping[str, float]) -> Of:
-    """The study with values named by their keys; those of effects as effects.<effect>.<parameter>.
+    """Copy of the study with these values by key; parameters of effects have keys effects.<effect>.<parameter>.
 
-    An effect that the study lacks comes in; of one that it has, the named parameters change.
-    Raises StudyError if there is no such key, or its value cannot be.
+    An effect that the study lacks is added; of one that it has, only the named parameters change. Raises StudyError if
+    a key does not exist, or a value is not allowed.
     """
     plain = {key: _whole(value) for key, value in values.items() if not key.startswith(f"{EFFECTS}.")}
     changed: defaultdict[str, dict[str, float]] = defaultdict(dict)
@@ -349,5 +360,5 @@ def varied(study: Of, values: Mapping[str, float]) -> Of:
 
 
 def _whole(value: float) -> float:
-    """Numbers of cycles and the like must be whole in a study."""
+    """Value as an int if it is whole, as numbers of cycles must be in a study."""
     return int(value) if value == int(value) else value

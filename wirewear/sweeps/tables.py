@@ -1,4 +1,4 @@
-"""Keys of a sweep's file."""
+"""Keys of a sweep file."""
 
 from typing import Annotated
 
@@ -38,7 +38,7 @@ Number = Annotated[float, PlainValidator(_NUMBER)]
 
 
 class Vary(Table):
-    """A key that is varied: between two ends, or over a list of values."""
+    """A varied key: between two ends, or over a list of values."""
 
     key: Annotated[str, PlainValidator(checked_text)] = Field(
         description="key of the study, or effects.<effect>.<parameter>", examples=["contact.friction"]
@@ -54,7 +54,7 @@ class Vary(Table):
 
 
 class SweepTables(NamedTable):
-    """A whole sweep."""
+    """All tables of a sweep file."""
 
     study: Annotated[str, PlainValidator(checked_text)] = Field(
         description="the study's file, beside the sweep's", examples=["study.toml"]

@@ -1,4 +1,8 @@
-"""Intervals of a run's loops and figures from the scatter of its inputs: some thirty quick runs and polynomials."""
+"""95 % intervals of a run's loops and figures from the scatter of its inputs, by some thirty quick runs and
+polynomials.
+
+The nominal run has all inputs at their mean; the others draw them from their scatter.
+"""
 
 from __future__ import annotations
 
@@ -29,24 +33,25 @@ PERCENTILES = (2.5, 50.0, 97.5)
 
 @dataclass(frozen=True, eq=False)
 class Surrogate:
-    """A polynomial of the first or second degree; `error` is the root mean square of what it misses where left out."""
+    """Polynomial of first or second degree in d inputs; `error` is its rms leave-one-out error."""
 
     terms: IntArray  #: Exponents (m, d).
     coefficients: Array  #: (m,).
     error: float
 
     def at(self, points: Array) -> Array:
-        """Values (n,) at points (n, d)."""
+        """Values (n,) of the polynomial at points (n, d)."""
         values: Array = _columns(points, self.terms) @ self.coefficients
         return values
 
 
 def fitted(points: Array, values: Array) -> Surrogate:
-    """The polynomial of either degree that predicts left-out points better, by least squares.
+    """Least-squares polynomial of first or second degree, whichever predicts left-out points better.
+
+    points: (n, d), in standard deviations from the mean of each input. values: (n,). Raises ValueError if there are too
+    few points for a first-degree polynomial.
 
     Leave-one-out residuals follow from the hat matrix (Allen's PRESS, Technometrics 16 (1974) 125).
-    points: (n, d), in standard deviations from the middle.  values: (n,).
-    Raises ValueError if there are too few points for a straight line.
     """
     count, factors = points.shape
     degrees = [degree for degree in (1, 2) if len(_terms(factors, degree)) < 0.8 * count]
@@ -77,7 +82,7 @@ def _columns(points: Array, terms: IntArray) -> Array:
 
 @dataclass(frozen=True)
 class Input:
-    """A value of the study that scatters: key, middle and standard deviation in the key's unit."""
+    """A key of the study that scatters: mean (`middle`) and standard deviation in the key's unit, and largest value."""
 
     key: str
     middle: float
@@ -85,7 +90,7 @@ class Input:
     most: float = float("inf")
 
     def at(self, deviations: float) -> float:
-        """The value so many standard deviations from the middle; an angle beyond a right one is its mirror image."""
+        """Value this many standard deviations from the mean; beyond `most` it is mirrored, as for an angle over 90°."""
         value = self.middle + deviations * self.deviation
         if value > self.most:
             value = 2.0 * self.most - value
@@ -94,7 +99,9 @@ class Input:
 
 @dataclass(frozen=True)
 class Interval:
-    """A figure: of the run in the middle, and what 95 % of tests lie between; `error` is the polynomial's."""
+    """Nominal value of a figure, median and 95 % interval of tests (`low` to `high`), and the polynomial's rms
+    error.
+    """
 
     figure: str
     nominal: float
@@ -106,7 +113,7 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class LoopBand:
-    """A cycle's loop and its 95 % band at equal phases (PHASES,)."""
+    """Loop of one cycle and its 95 % band of forces, at equal phases (PHASES,)."""
 
     cycle: int
     displacement_um: Array
@@ -117,7 +124,7 @@ class LoopBand:
 
 @dataclass(frozen=True, eq=False)
 class Uncertainty:
-    """What is known of a run whose inputs scatter."""
+    """Intervals and loop bands of a run whose inputs scatter, with the number of runs and of those that failed."""
 
     study: Study
     inputs: tuple[Input, ...]
@@ -128,8 +135,9 @@ class Uncertainty:
 
 
 def inputs_of(study: Study) -> tuple[Input, ...]:
-    """What scatters, by the study's `[scatter]`.
-    Raises StudyError if nothing does, or something that the study has no value of.
+    """Inputs that scatter, from the study's table `[scatter]`.
+
+    Raises StudyError if nothing scatters, or a key without a value in the study does.
     """
     stated = study.tables.scatter
     given = {} if stated is None else {name: value for name, value in stated if value}
@@ -160,7 +168,7 @@ def _input(study: Study, name: str, size: float) -> Input:
 
 
 def sweep_of(study: Study, fidelity: str, runs: int = RUNS) -> tuple[Sweep, Array]:
-    """The runs that count, the one in the middle first, and where they lie in standard deviations (runs + 1, d)."""
+    """Sweep of the nominal run followed by `runs` others, and their inputs in standard deviations (runs + 1, d)."""
     inputs = inputs_of(study)
     drawn = qmc.LatinHypercube(len(inputs), rng=np.random.default_rng(SEED)).random(runs)
     inside = norm.cdf(-FARTHEST) + drawn * (norm.cdf(FARTHEST) - norm.cdf(-FARTHEST))
@@ -176,9 +184,10 @@ def sweep_of(study: Study, fidelity: str, runs: int = RUNS) -> tuple[Sweep, Arra
 
 
 def run_uncertain(study: Study, output: Path, engine: Engine, observer: SweepObserver | None = None) -> Uncertainty:
-    """Make the runs that OUTPUT does not hold yet, and say what 95 % of tests lie between.
-    Raises StudyError if the study states no scatter, or the run in the middle failed, or too many others did, and
-    whatever `run_sweep` raises.
+    """Compute the runs that OUTPUT does not hold yet, and the intervals in which 95 % of tests lie.
+
+    Raises StudyError if the study states no scatter, the nominal run failed, or too few runs are complete, and whatever
+    `run_sweep` raises.
     """
     sweep, deviations = sweep_of(study, "quick")
     rows = run_sweep(sweep, output, engine, observer).rows
@@ -202,7 +211,7 @@ def run_uncertain(study: Study, output: Path, engine: Engine, observer: SweepObs
 
 
 def _varying(nominal: SweepRow, complete: Sequence[int], rows: Mapping[int, SweepRow]) -> list[str]:
-    """Figures that all complete runs have and that are not the same in all."""
+    """Names of the figures that all complete runs have and that vary among them, those of the first cycle last."""
     found = []
     for name in nominal.figures or {}:
         if name in TECHNICAL or (nominal.figures or {}).get(name) is None:
@@ -222,7 +231,7 @@ def _interval(name: str, at: Array, rows: Sequence[SweepRow], drawn: Array) -> I
 
 
 def _drawn(model: Surrogate, drawn: Array, component: int = 0) -> Array:
-    """Values at the draws, with what the polynomial misses, in each component of a loop something else."""
+    """Polynomial at the drawn inputs plus random error of its size, independent for each component of a loop."""
     missed = np.random.default_rng(SEED + 10 * component + 1).standard_normal(len(drawn))
     return model.at(drawn) + model.error * missed
 
@@ -244,7 +253,7 @@ def _bands(results: Sequence[Path], frequency_Hz: float, at: Array, drawn: Array
 
 
 def _band(cycle: int, displacement_um: Array, forces: Array, at: Array, drawn: Array) -> LoopBand:
-    """The band by principal components of the loops, each with a polynomial of its own."""
+    """Band of a loop, by principal components of the forces with one polynomial for each component."""
     mean = forces.mean(axis=0)
     left, size, shapes = np.linalg.svd(forces - mean, full_matrices=False)
     # Share of the loops' variance that principal components may leave out.
