@@ -342,7 +342,7 @@ loop_cycles = [1, 2000]
 
 [mesh]
 contact_mesh_um = 16.0
-jump_tolerance = 0.1
+jump_tolerance = 0.3
 
 [life]
 averaging_length_um = 20.0
