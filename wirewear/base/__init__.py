@@ -1,1 +1,1 @@
-"""The ground that all rooms stand on: errors, quantities, files, the engine for many tasks, the frame of pages."""
+"""Base of all other packages: errors, quantities, files, the engine for many tasks, the frame of pages."""

@@ -1,4 +1,4 @@
-"""Tables below one another that words such as "Cycle 5000" number, by cycle or by repeat."""
+"""Blocks of one text: tables below one another, each numbered by words above it such as "Cycle 5000" or "Test 2"."""
 
 import re
 from collections.abc import Sequence
@@ -37,8 +37,10 @@ _COUNTS = {key: _patterns(key) for key in NUMBER_WORDS}
 
 
 def counts_in(labels: Sequence[str], key: str) -> list[int] | None:
-    """The numbers of cycles or of repeats that labels state in words; None where one of them states none, or all of
-    them may be thousands or fractions of three digits: ``"Cycle 1.000"``.
+    """Numbers of cycles or of repeats that these labels state in words, one for each label.
+
+    None if a label states no number, or if every number may be read both as thousands and as a fraction: ``"Cycle
+    1.000"``.
 
     key: "cycle" or "repeat".
     """
@@ -69,10 +71,10 @@ def _count(number: str, unit: str | None) -> float | None:
 
 
 def blocks_of(lines: Sequence[str], head: int) -> tuple[list[str], list[range]]:
-    """What the words above each table say, the nearest last, and the places of its lines, some of them perhaps blank.
+    """Words above each table of a text, and the range of its line indices, which may include blank lines.
 
-    The names of columns stand at `head`, and may stand again above each table; those of a sheet must, whose title is
-    nearest.
+    head: index of the line of column names. It may be repeated above each table; in a text of several sheets it must
+    be, and the sheet's title comes last in the words.
     """
     labels, blocks = list[str](), list[range]()
     names, title, words, begin, named = lines[head].strip(), "", list[str](), -1, True
@@ -96,14 +98,16 @@ def blocks_of(lines: Sequence[str], head: int) -> tuple[list[str], list[range]]:
 
 
 def is_row(line: str) -> bool:
-    """Whether a line has two numbers at least, and begins with no word but one for what is missing."""
+    """True if a line holds at least two numbers and does not begin with a word, other than one for a missing value."""
     fields = re.split(r"[\t;,]\s*|\s+", line.strip())
     numbers = (re.match(r"\"?[-+]?\.?\d", field) or MISSING.fullmatch(field) for field in fields)
     return not WORDS.match(line) and sum(found is not None for found in numbers) > 1
 
 
 def is_comment(line: str) -> bool:
-    """Whether a line among rows is a comment: its first sign says so, and it has no numbers behind a missing one."""
+    """True if a line among rows is a comment: it begins with a comment sign and is no row with a missing first
+    value.
+    """
     if _COMMENT.match(line) or not _PERHAPS.match(line):
         return _COMMENT.match(line) is not None
     first, *others = re.split(r"[\t;,]\s*|\s+", line.strip())
@@ -114,8 +118,9 @@ def is_comment(line: str) -> bool:
 
 
 def numbering(labels: Sequence[str]) -> dict[str, list[int]]:
-    """The numbers of cycles and of repeats of several blocks, as far as all labels state them; none where two blocks
-    would be alike.
+    """Numbers of cycles and of repeats of several blocks, by key, as far as every label states them.
+
+    Empty if there is only one block, or if two blocks would have the same numbers.
     """
     stated = {key: counts_in(labels, key) for key in NUMBER_WORDS}
     known = {key: counts for key, counts in stated.items() if counts is not None}
@@ -124,7 +129,10 @@ def numbering(labels: Sequence[str]) -> dict[str, list[int]]:
 
 
 def numbered(lines: Sequence[str], head: int, delimiter: str | None) -> list[str]:
-    """As many lines: rows of all blocks have their numbers behind them, below the names at `head`; others are blank."""
+    """Lines of the text in which every row has its block's cycle and repeat appended; lines outside blocks are blank.
+
+    The number of lines stays the same; the line of names at index `head` gets the names of the two new columns.
+    """
     labels, blocks = blocks_of(lines, head)
     numbers, sign = numbering(labels), delimiter or " "
     found, width = [""] * len(lines), len(lines[head].split(delimiter))

@@ -1,7 +1,7 @@
-"""What is kept to be used again: its identity, by which equal answers are found, and the folder, within a size.
+"""Cache of computed results: the identity by which equal results are found, and the folder, kept within a size.
 
-What stands in it is used without being computed again, so nobody else may write there. Where no such folder can be had,
-nothing is kept, and a warning says so once.
+Cached files are used without being recomputed, so nobody else may write to the folder. Where no such folder is
+available, nothing is kept, and a warning says so once.
 """
 
 import hashlib
@@ -45,9 +45,9 @@ ALL_CODE = ("geometry", "solvers", "wirewear")  #: The whole program.
 
 
 def cache_directory() -> Path | None:
-    """The folder, made if need be: WIREWEAR_CACHE, else the user's cache folder; None where neither can be used.
+    """Cache folder, created if missing: WIREWEAR_CACHE, else the user's cache folder; None if neither can be used.
 
-    In a folder that others can write to, or that is another's, it is one of the user's own.
+    If others can write to that folder, or it belongs to another user, a private folder inside it is used.
     """
     try:
         return private_folder(chosen_cache())
@@ -58,13 +58,13 @@ def cache_directory() -> Path | None:
 
 
 def kept_file(name: str) -> Path | None:
-    """Where a file of that name is kept; None where nothing is."""
+    """Path of the cached file of this name, whether it exists or not; None if nothing can be cached."""
     folder = cache_directory()
     return None if folder is None else folder / name
 
 
 def allowed_bytes() -> float:
-    """The size from WIREWEAR_CACHE_GB, or the default one if that is no number of zero or more."""
+    """Size limit of the cache in bytes, from WIREWEAR_CACHE_GB; the default if that is not a number of at least 0."""
     with suppress(ValueError):
         chosen = float(os.environ.get("WIREWEAR_CACHE_GB", DEFAULT_GB))
         if chosen >= 0.0:
@@ -73,18 +73,20 @@ def allowed_bytes() -> float:
 
 
 def mark_used(path: Path) -> None:
-    """Note that a kept file is of use now."""
+    """Set the time of a cached file's last use to now."""
     with suppress(OSError):
         os.utime(path)
 
 
 def not_kept(path: Path, problem: OSError) -> None:
-    """Warn, once, that a file could not be kept."""
+    """Warn, once, that a file could not be cached."""
     _warn_once(f"nothing can be written to the cache folder {path.parent} ({why_not_written(problem)})")
 
 
 def remove_abandoned(directory: Path, pattern: str) -> None:
-    """Delete files and folders of that pattern which somebody who was killed has left unfinished."""
+    """Delete unfinished files and folders that match the pattern and are older than a day, as killed processes leave
+    them.
+    """
     for left in directory.glob(pattern):
         with suppress(OSError):
             # Nothing that is kept takes a day to be made: what is unfinished after one belongs to nobody.
@@ -96,9 +98,9 @@ def remove_abandoned(directory: Path, pattern: str) -> None:
 
 
 def keep_within(directory: Path, allowed: float, newest: Path | None = None) -> None:
-    """Delete what is kept until the rest takes at most `allowed` bytes, least recently used first, `newest` never.
+    """Delete cached files, least recently used first and never `newest`, until the rest takes at most `allowed` bytes.
 
-    Files that go or cannot be deleted meanwhile are left to whoever holds them.
+    Files that vanish or cannot be deleted meanwhile are skipped.
     """
     kept = []
     for pattern in _KEPT:
@@ -129,41 +131,44 @@ installed = cache(version)  #: The version of a package; each is read from a fil
 
 @dataclass(frozen=True)
 class Identity:
-    """Of an answer: `asked` is a digest of the question, `made` one of the code and of all that it adds."""
+    """Identity of a result: digest `asked` of the question, and digest `made` of the code and plan that answer it."""
 
     asked: str
     made: str
 
     def __str__(self) -> str:
-        """Both, as they stand in files."""
+        """Both digests in one text, as files hold it."""
         return f"{self.asked}.{self.made}"
 
     @property
     def name(self) -> str:
-        """A name for a file that holds the answer."""
+        """Name for a file that holds the result."""
         return digest({"asked": self.asked, "made": self.made})[:24]
 
     @classmethod
     def of_text(cls, text: object) -> "Identity":
-        """The identity that stands in a file; of an earlier version it is one that nothing equals."""
+        """Identity written in a file; one of an earlier format equals no other."""
         asked, _, made = str(text).partition(".")
         return cls(asked, made)
 
 
 def identity_of(asked: Mapping[str, object], code: Iterable[str], plan: Mapping[str, object]) -> Identity:
-    """The identity of what is asked, made by code (files and folders) by a plan that follows from both."""
+    """Identity of what is asked, answered by this code (files and folders of the program) with a plan that follows from
+    both.
+    """
     beneath = {name: installed(name) for name in _BENEATH}
     return Identity(digest(asked), digest({"code": code_hash(tuple(code)), "beneath": beneath, "plan": plan}))
 
 
 def digest(parts: Mapping[str, object]) -> str:
-    """Digest of nested tables, 32 hexadecimal digits, whatever their order."""
+    """Digest of nested tables as 32 hexadecimal digits, independent of the order of their keys."""
     return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:32]
 
 
 @cache
 def code_hash(code: tuple[str, ...] = ALL_CODE) -> str:
-    """SHA-256 over the program's own files in these files and folders, so that no two states of it pass for one.
+    """SHA-256 over the program's own files in these files and folders, which changes with any of them.
+
     Raises WirewearError if one of them does not exist.
     """
     hashed = hashlib.sha256()
@@ -178,7 +183,7 @@ def code_hash(code: tuple[str, ...] = ALL_CODE) -> str:
 
 
 def added_code(objects: Iterable[object]) -> dict[str, str]:
-    """SHA-256 of the files of other packages in which these classes, or those of these objects, stand, by module."""
+    """SHA-256 of the source file of each class, or object's class, that is not part of this program, by module name."""
     modules = {(item if isinstance(item, type) else type(item)).__module__ for item in objects}
     foreign = sorted(name for name in modules if name.partition(".")[0] not in (*ALL_CODE, "builtins"))
     files = {name: getattr(sys.modules.get(name), "__file__", None) for name in foreign}

@@ -1,4 +1,4 @@
-"""How a quantity changes over the cycles of a test: exponentially from one value towards another."""
+"""Course of a quantity over the cycles of a test, from an initial towards a final value."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ _FLAT = 1e-9  #: An energy that falls as the reciprocal of the cycles within thi
 
 @dataclass(frozen=True)
 class Course:
-    """A value that goes exponentially from the initial to the final one: f + (i − f) exp(−(n/n_c)^m)."""
+    """Value that changes exponentially from initial to final: f + (i − f) exp(−(n/n_c)^m) after n cycles."""
 
     initial: float
     final: float
@@ -30,7 +30,7 @@ class Course:
 
     @classmethod
     def constant(cls, value: float) -> "Course":
-        """A value that stays."""
+        """Course that always has this value."""
         return cls(value, value)
 
     @overload
@@ -54,14 +54,14 @@ class Course:
         return self.final + (self.initial - self.final) * (self.lasting + (1.0 - self.lasting) * left)
 
     def times(self, factor: float) -> "Course":
-        """The course with both values multiplied."""
+        """Course with its initial and final value multiplied by a factor."""
         return replace(self, initial=factor * self.initial, final=factor * self.final)
 
 
 def enclosed_energy(cycles: Sequence[float] | Array, per_cycle: Sequence[float] | Array) -> float:
-    """Sum of what is given per cycle, from the first of the cycles, which increase, to the last.
+    """Sum of an energy per cycle, from the first to the last of these increasing cycles.
 
-    Between two of them it is taken to be a power of the cycles.
+    Between two of them the energy per cycle is taken as a power of the number of cycles.
     """
     return sum(_enclosed(*pair) for pair in pairwise(zip(cycles, per_cycle, strict=True)))
 

@@ -1,7 +1,7 @@
-"""Delimited text in any encoding, with any delimiter and decimal sign: rows of fields below a line of names.
+"""Delimited text in any encoding, with any delimiter and decimal sign: rows of fields below a line of column names.
 
-Columns of numbers are read by polars. Where it meets anything unusual, the same bytes are read again line by line: that
-either finds the first mistake and names its place, or reads what the fast reader could not.
+Columns of numbers are read by polars. If it meets anything unusual, the same bytes are read again line by line, which
+either names the place of the first mistake or reads what the fast reader could not.
 """
 
 import codecs
@@ -49,26 +49,28 @@ _LABEL = re.compile(r"[^\W\d_]{2}|[^\W\d_]\W*[=\d]")  #: Of what numbers in word
 
 
 def is_clock(field: str) -> bool:
-    """Whether a field is a time of day, perhaps with a date before it."""
+    """True if a field is a time of day, with or without a date before it."""
     return _CLOCK.fullmatch(field) is not None
 
 
 def ungrouped(field: str, decimal: str) -> str:
-    """A number without the signs that part its thousands, where it has any: ``1,234.5`` is 1234.5."""
+    """Number without the signs between its thousands: ``1,234.5`` gives ``1234.5``; other fields are returned
+    unchanged.
+    """
     found = _GROUPED.fullmatch(field)
     alike = found is None or found[1] == decimal or found[3] not in (None, decimal)
     return field if found is None or alike else field.replace(found[1], "")
 
 
 def in_doubt(field: str) -> bool:
-    """Whether a number may be one of thousands or a fraction of three digits: ``1,234``."""
+    """True if a number such as ``1,234`` may be read as thousands or as a fraction of three digits."""
     found = _GROUPED.fullmatch(field)
     return found is not None and found[1] in ".," and not found[2] and found[3] is None
 
 
 @dataclass(frozen=True)
 class DelimitedLayout:
-    """How a text is laid out."""
+    """Layout of a delimited text."""
 
     delimiter: str | None = ","  #: Between fields, None for any white space.
     decimal: str = "."  #: Sign, "." or ",".
@@ -82,12 +84,12 @@ class DelimitedLayout:
 
     @property
     def line_of_names(self) -> int:
-        """Number of the line that names the columns, from 1."""
+        """Number of the line that names the columns, counted from 1."""
         return self.header_lines + 1
 
     @property
     def lines_before_rows(self) -> int:
-        """Lines above the first row."""
+        """Number of lines above the first row."""
         return self.header_lines + self.names_line + self.lines_after_names
 
 
@@ -96,20 +98,23 @@ CSV = DelimitedLayout()
 
 @dataclass(frozen=True)
 class Numbers:
-    """Columns of numbers (n,) by name, NaN where a field is empty; `line_numbers` is None where none is left out."""
+    """Columns of numbers (n,) by name, NaN for empty fields, and the lines of the file that they stand on.
+
+    `line_numbers` (n,) is None if the rows stand on consecutive lines from `first_line`.
+    """
 
     columns: dict[str, Array]
     first_line: int
     line_numbers: IntArray | None = None
 
     def line(self, row: int) -> int:
-        """Line of the file on which a row stands, from 1."""
+        """Number of the file's line on which this row (from 0) stands, counted from 1."""
         return row + self.first_line if self.line_numbers is None else int(self.line_numbers[row])
 
 
 @dataclass(frozen=True)
 class DelimitedText:
-    """A text read from `path`: `data` is its contents in UTF-8, with lines that end in a line feed."""
+    """Text read from `path`: `data` holds its bytes in UTF-8, with lines that end in a line feed."""
 
     path: Path
     data: bytes
@@ -117,14 +122,14 @@ class DelimitedText:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Names of the columns; none where no line names them."""
+        """Names of the columns; empty if no line names them."""
         if not self.layout.names_line:
             return ()
         line = next(islice(self._lines(), self.layout.header_lines, None), "")
         return tuple(self._fields(line)) if line.strip() else ()
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Number of the line, from 1, and fields of every row that is neither blank nor a comment."""
+        """Line number, counted from 1, and fields of every row; blank lines and comments are skipped."""
         number = self.layout.lines_before_rows + 1
         lines = islice(self._lines(), number - 1, None)
         if b'"' not in self.data or self.layout.delimiter is None:
@@ -134,12 +139,12 @@ class DelimitedText:
             yield from self._quoted(("" if is_comment(line) else line for line in lines), number)
 
     def numbers(self, places: Mapping[str, int], *, as_logged: bool = False, clock: str | None = None) -> Numbers:
-        """The columns at these places, counted from 0.
+        """Columns of numbers by name, from the column index (from 0) of each name.
 
-        as_logged: rows may be of different lengths, a word such as "No Data" stand for what is missing, and the columns
-        cycle and repeat hold their numbers in words such as "Cycle 5000".
-        clock: the column that may hold times of day, which become seconds.
-        Raises RecordError if a field is no number or missing; the message names its line and column.
+        as_logged: rows may differ in length, a word such as "No Data" stands for a missing value, and the columns cycle
+        and repeat hold their numbers in words such as "Cycle 5000". clock: name of the column that may hold times of
+        day, which are converted to seconds. Raises RecordError, naming line and column, if a field is missing or not a
+        number.
         """
         found = self._fast(places) or self._slow(places, as_logged, clock)
         for values in found.columns.values() if as_logged else ():
@@ -164,7 +169,7 @@ class DelimitedText:
         return next((fields for _, fields in self._quoted([line], 1)), [])
 
     def _quoted(self, lines: Iterable[str], first: int) -> Iterator[tuple[int, list[str]]]:
-        """Rows of which a field in quotation marks may hold the delimiter, or go over several lines."""
+        """Line number and fields of rows in which a quoted field may hold the delimiter or span several lines."""
         delimiter = self.layout.delimiter or ","
         reader, before = csv.reader((f"{line}\n" for line in lines), delimiter=delimiter, skipinitialspace=True), 0
         try:
@@ -176,7 +181,7 @@ class DelimitedText:
             raise RecordError(f"{self.path}, line {first + before}: the line cannot be read ({problem}).") from None
 
     def _fast(self, places: Mapping[str, int]) -> Numbers | None:
-        """The columns by polars, or None where the text is not as plain as it expects."""
+        """Columns read by polars; None if the text is not simple enough for it."""
         import polars as pl
 
         layout, start = self.layout, self._start_of_rows()
@@ -267,7 +272,7 @@ class DelimitedText:
 
     @cached_property
     def _shows_fractions(self) -> bool:
-        """Whether some number shows the decimal sign, so that the other one can only part thousands."""
+        """True if some number shows the decimal sign, so that the other sign can only separate thousands."""
         fraction = re.compile(rf"[-+]?\d+{re.escape(self.layout.decimal)}\d+")
         return any(fraction.fullmatch(field) and not in_doubt(field) for _, row in self.rows() for field in row)
 
@@ -292,7 +297,7 @@ class DelimitedText:
 
 
 def fields_of(line: str, delimiter: str | None) -> list[str]:
-    """The fields of a line, those in quotation marks whole; None is any white space."""
+    """Fields of a line without their quotation marks; the delimiter None stands for any white space."""
     if delimiter is None:
         line = re.sub(r"no\s+data", "***", line, flags=re.IGNORECASE)
     elif '"' in line:
@@ -303,7 +308,7 @@ def fields_of(line: str, delimiter: str | None) -> list[str]:
 
 
 def _seconds(field: str) -> float | None:
-    """Seconds since midnight, or since a clock began; None of what is no time of day."""
+    """Seconds since midnight, or since a clock's start; None if the field is no time of day."""
     found = _CLOCK.fullmatch(field)
     if found is None:
         return None
@@ -315,7 +320,9 @@ def _seconds(field: str) -> float | None:
 
 
 def contents_of(path: Path) -> tuple[bytes, list[Sheet]]:
-    """A file's bytes, or of a spreadsheet its sheets and the text of that with the most numbers.
+    """Bytes of a file and an empty list; for a spreadsheet the text of the sheet with the most numbers, and all its
+    sheets.
+
     Raises RecordError if the file cannot be read.
     """
     data = read_bytes(path, RecordError)
@@ -327,7 +334,8 @@ def contents_of(path: Path) -> tuple[bytes, list[Sheet]]:
 
 
 def sheets_left_out(path: Path, layout: DelimitedLayout) -> tuple[str, ...]:
-    """A sentence on the sheets of a spreadsheet that `read_delimited` does not read, if there are any.
+    """Sentence that names the sheets of a spreadsheet that `read_delimited` does not read; empty if there are none.
+
     Raises RecordError if the file cannot be read.
     """
     _, sheets = contents_of(path)
@@ -339,13 +347,15 @@ def sheets_left_out(path: Path, layout: DelimitedLayout) -> tuple[str, ...]:
 
 @lru_cache(maxsize=1)
 def _sheets_of(path: Path, _digest: bytes) -> list[Sheet]:
-    """The sheets of a file, read once for each contents, however many columns are asked for."""
+    """Sheets of a spreadsheet file; the last result is kept, by the digest of the contents."""
     return sheets_of(read_bytes(path, RecordError), path)
 
 
 def read_delimited(path: Path, layout: DelimitedLayout = CSV) -> DelimitedText:
-    """The delimited text of a file, or of the sheet of a spreadsheet that holds the numbers.
-    Raises RecordError if the file cannot be read, or is no text in that encoding.
+    """Delimited text of a file; of a spreadsheet, the sheet with the most numbers, or all sheets if `layout.blocks`
+    says so.
+
+    Raises RecordError if the file cannot be read, or is not text in the layout's encoding.
     """
     data, sheets = contents_of(path)
     if sheets:

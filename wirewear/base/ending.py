@@ -1,4 +1,4 @@
-"""What ends work before it is done: time that is used up, or the end of the process that started it."""
+"""Ending work early: after a time limit, or when the parent process has ended."""
 
 import multiprocessing
 import os
@@ -12,9 +12,10 @@ from threading import Thread, current_thread, main_thread
 
 @contextmanager
 def within(seconds: float) -> Iterator[None]:
-    """Raise TimeoutError in what is done within it after so many seconds at work; in the main thread only.
+    """Raise TimeoutError in the enclosed work after this much processor time in s; does nothing outside the main
+    thread.
 
-    Only time on a processor counts: a busy machine makes nothing late. Signals go to the main thread alone.
+    Only time on a processor counts, so that a busy machine makes nothing late. Signals go to the main thread only.
     """
     if current_thread() is not main_thread():
         yield
@@ -33,7 +34,7 @@ def within(seconds: float) -> Iterator[None]:
 
 
 def end_with_parent() -> None:
-    """End this process as soon as its parent is gone; to be called once, as the initializer of a pool's processes.
+    """End this process as soon as its parent has ended; called once, as the initializer of a pool's processes.
 
     A task that went on would write into the same files as its own resumption.
     """

@@ -1,4 +1,4 @@
-"""Engines do tasks that do not depend on one another and hand over each as it is done: here, or on a cluster."""
+"""Engines compute independent tasks in parallel, on this machine or on a cluster, and yield each when it is done."""
 
 from __future__ import annotations
 
@@ -33,24 +33,24 @@ PATIENCE_s = 20.0  #: How long a scheduler may take to answer, and its first wor
 
 @dataclass(frozen=True)
 class Done(Generic[Result]):
-    """A task that came to its end: `place` among the tasks, and what it returned, or what it raised."""
+    """A task that has ended: its index `place` among the tasks, and its result or the error that it raised."""
 
     place: int
     result: Result | None = None
     error: BaseException | None = None
 
     def value(self) -> Result:
-        """What it returned; raises what it raised."""
+        """Result of the task; raises the error that the task raised."""
         if self.error is not None:
             raise self.error
         return self.result  # type: ignore[return-value]
 
 
 class Engine(ABC):
-    """Does tasks, each in a process that does nothing else meanwhile.
+    """Computes tasks in parallel, each in a process that does nothing else meanwhile.
 
-    A task is a function without arguments that can be pickled, as can what it returns. When its process is lost, it is
-    started once more; it is handed over once, however often it was started.
+    A task is a function without arguments that can be pickled, as must its result. If its process is lost it is started
+    once more; its result is yielded once.
     """
 
     #: In a message: what the engine works with.
@@ -59,38 +59,38 @@ class Engine(ABC):
     @property
     @abstractmethod
     def workers(self) -> int:
-        """How many tasks it does at a time. Raises EngineError if there is nobody to do them."""
+        """Number of tasks computed at the same time. Raises EngineError if there are no workers."""
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Within, what is needed to reach those that do the tasks is set up once and kept."""
+        """Keep the connection to the workers open inside this context."""
         yield
 
     @abstractmethod
     def done(self, tasks: Sequence[Callable[[], Result]], until: float = inf) -> Iterator[Done[Result]]:
-        """Every task as it comes to its end; none starts after `until` (of time.monotonic).
+        """Yield every task when it has ended; no task starts after the time `until` (of time.monotonic).
 
-        When the caller stops asking, those that run come to their end, and no other starts.
-        Raises EngineError if the cluster cannot be reached, or runs another program.
+        If the caller stops iterating, running tasks end and no other starts. Raises EngineError if the cluster cannot
+        be reached, or runs another program.
         """
 
 
 def results_of(engine: Engine, tasks: Sequence[Callable[[], Result]]) -> list[Result]:
-    """What the tasks return, in their order; raises the first error that one of them raised, once all are done."""
+    """Results of the tasks in their order; if tasks raised errors, the first is raised after all tasks have ended."""
     every = sorted(engine.done(tasks), key=lambda one: one.place)
     return [one.value() for one in every]
 
 
 class LocalProcesses(Engine):
-    """Up to `jobs` processes, which end with the one that started them.
+    """Engine with up to `jobs` processes on this machine, which end when the parent process ends.
 
-    New ones now and then: what libraries keep of one task does not add up over a night.
+    Each process is replaced after `tasks_per_process` tasks, so that memory kept by libraries does not add up.
     """
 
     words = "processes of this machine"
 
     def __init__(self, jobs: int, tasks_per_process: int = 20) -> None:
-        """Nothing is started before it is needed."""
+        """Prepare the engine; no process is started yet."""
         self._jobs = jobs
         self._tasks_per_process = tasks_per_process
 
@@ -99,7 +99,7 @@ class LocalProcesses(Engine):
         return self._jobs
 
     def done(self, tasks: Sequence[Callable[[], Result]], until: float = inf) -> Iterator[Done[Result]]:
-        """Every task as it comes to its end; see `Engine.done`."""
+        """Yield every task when it has ended; see `Engine.done`."""
         lost: list[int] = []
         waiting = deque(range(len(tasks)))
         while waiting:
@@ -113,7 +113,10 @@ class LocalProcesses(Engine):
     def _until_lost(
         self, tasks: Sequence[Callable[[], Result]], waiting: deque[int], jobs: int, until: float
     ) -> Generator[Done[Result], None, list[int]]:
-        """Hands over tasks until none is waiting or a process is lost; returns the places of those that were lost."""
+        """Yield ended tasks until none is waiting or a process is lost; returns the indices of the lost tasks.
+
+        Indices are taken from `waiting`, which is changed in place.
+        """
         cache_directory()  # where there is none, this process says so, for all
         # Threads of the parent's libraries do not survive a fork.
         context = multiprocessing.get_context("spawn")
@@ -151,7 +154,7 @@ class LocalProcesses(Engine):
 
 
 def _begin(warned: frozenset[str]) -> None:
-    """What a process does before its tasks; its user has been warned of that already."""
+    """Set up a new process before its tasks; warnings in `warned` were already shown to the user."""
     end_with_parent()
     show_warnings_plainly()
     WARNED.update(warned)
@@ -162,20 +165,22 @@ if TYPE_CHECKING:
 
 
 def engine_of(jobs: int | None = None, scheduler: str | None = None) -> Engine:
-    """Processes of this machine, by default one a core, or the cluster whose scheduler is named."""
+    """Engine on this machine, by default with one process for each core, or on the cluster with this scheduler
+    address.
+    """
     if scheduler is not None:
         return DaskCluster(scheduler)
     return LocalProcesses(jobs or os.cpu_count() or 1)
 
 
 class DaskCluster(Engine):
-    """A cluster by the address of its scheduler, such as tcp://10.0.0.1:8786.
+    """Engine on a Dask cluster, given by the address of its scheduler, such as tcp://10.0.0.1:8786.
 
-    Its workers must run the same program, one thread each: gmsh knows one mesh a process.
+    Its workers must run the same program with one thread each, as gmsh handles one mesh per process.
     """
 
     def __init__(self, address: str) -> None:
-        """Nothing is reached before it is needed."""
+        """Prepare the engine; the cluster is not contacted yet."""
         self.address = address
         self.words = f"the Dask cluster at {address}"
         self._kept: Client | None = None
@@ -186,7 +191,7 @@ class DaskCluster(Engine):
             return len(_workers(client))
 
     def done(self, tasks: Sequence[Callable[[], Result]], until: float = inf) -> Iterator[Done[Result]]:
-        """Every task as it comes to its end; see `Engine.done`."""
+        """Yield every task when it has ended; see `Engine.done`."""
         from distributed import as_completed
         from distributed.client import FutureCancelledError
         from distributed.scheduler import KilledWorker
@@ -221,7 +226,7 @@ class DaskCluster(Engine):
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Within, the cluster is connected to and asked for its program once."""
+        """Connect to the cluster and check its program once, and keep the connection inside this context."""
         if self._kept is not None:
             yield
             return

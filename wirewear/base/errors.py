@@ -1,4 +1,4 @@
-"""What can go wrong for a user, and what a message says of a value: its unit, its range, and what would be right."""
+"""Errors and warnings for users, and how messages state a value, its unit and its allowed range."""
 
 import math
 import sys
@@ -82,15 +82,15 @@ _LARGEST_FLOAT = int(sys.float_info.max)  # An integer beyond cannot be compared
 
 
 class KeptNothingWarning(UserWarning):
-    """What is computed cannot be kept for the next time; nothing is wrong with it."""
+    """A result cannot be cached; the result itself is correct."""
 
 
 class AssumedWarning(UserWarning):
-    """Something was not stated, and is taken over from elsewhere."""
+    """An unstated value was assumed from elsewhere."""
 
 
 class StudyError(WirewearError):
-    """A study cannot be read or asks for something that makes no sense."""
+    """A study cannot be read or asks for something impossible."""
 
 
 class ResultError(WirewearError):
@@ -98,7 +98,7 @@ class ResultError(WirewearError):
 
 
 class NoColumnError(ResultError, KeyError):
-    """A table has no column of that name; a KeyError as well, as of any mapping."""
+    """A table has no column of this name; also a KeyError, as for any mapping."""
 
     __str__ = Exception.__str__
 
@@ -112,19 +112,21 @@ class RunError(WirewearError):
 
 
 class SensorError(WirewearError):
-    """A sensor cannot be as described, cannot read these signals, or its reading cannot be undone."""
+    """A sensor's parameters are invalid, it cannot read these signals, or its readings cannot be inverted."""
 
 
 class EngineError(WirewearError):
-    """Tasks cannot be done where they were to be done."""
+    """An engine cannot compute its tasks."""
 
 
 class LostTaskError(EngineError):
-    """A task's process was lost each time that it was started."""
+    """The process of a task was lost each time the task was started."""
 
 
 def show_warnings_plainly() -> None:
-    """Show our own warnings as one sentence; libraries' ones are for whoever asks Python for warnings, with -W."""
+    """Print this program's warnings as one sentence each; warnings of libraries appear only if Python was started with
+    -W.
+    """
     otherwise = warnings.showwarning
 
     def shown(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
@@ -138,9 +140,10 @@ def show_warnings_plainly() -> None:
 
 @dataclass(frozen=True)
 class Quantity:
-    """Which values a key may take: a number from `low` to `high` in `unit` (a key of UNIT_NAMES), or one of `words`.
+    """Allowed values of a key: numbers from `low` to `high` in `unit` (a key of UNIT_NAMES), or one of `words`.
 
-    Calling it returns the value, as a float or, with `whole`, as an int that `multiple_of` divides.
+    Calling it with a value checks and returns the value, as a float or, with `whole`, as an int divisible by
+    `multiple_of`.
     """
 
     unit: str
@@ -151,8 +154,9 @@ class Quantity:
     words: tuple[str, ...] = ()
 
     def __call__(self, value: object) -> float | int | str:
-        """Check a value read from a study.
-        Raises ValueError if the value is none of the allowed ones; the message goes on from the key's name.
+        """Check and return a value read from a study.
+
+        Raises ValueError if it is not allowed, with a message that continues after the key's name.
         """
         if isinstance(value, str) and value in self.words:
             return value
@@ -179,7 +183,7 @@ class Quantity:
 
     @property
     def range_text(self) -> str:
-        """What is allowed, in words: ``between 0.02 and 20 millimetres``."""
+        """Allowed range in words, such as ``between 0.02 and 20 millimetres``."""
         words = "".join(f', or "{word}"' for word in self.words)
         return f"between {self.low:.12g} and {self.high:.12g} {UNIT_NAMES[self.unit]}".rstrip() + words
 
@@ -198,7 +202,7 @@ class Quantity:
 
 
 def finite_number(value: object) -> float:
-    """A finite number; anything else raises ValueError, whose message goes on from the name of what has the value."""
+    """Value as a float; raises ValueError, with a message that continues after a name, if it is not a finite number."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if not number or not -_LARGEST_FLOAT <= value <= _LARGEST_FLOAT:  # type: ignore[operator]
         raise ValueError(f"is {shown(value)}, but must be a finite number")
@@ -206,13 +210,13 @@ def finite_number(value: object) -> float:
 
 
 def counted(number: float) -> str:
-    """A whole number as it is written everywhere: 9999, and with thin spaces from 10 000 on."""
+    """Whole number as text, such as 9999; from 10 000 on with thin spaces between thousands."""
     whole = round(number)
     return f"{whole:,}".replace(",", "\u2009") if abs(whole) >= 10_000 else str(whole)
 
 
 def unit_of(name: str) -> str:
-    """The unit that a name ends in, as it is written: "µm" for `depth_um`; "1" for a plain number."""
+    """Symbol of the unit at the end of a column's name: "µm" for `depth_um`; "1" if there is none."""
     if name in _OF_ITSELF:
         return _OF_ITSELF[name]
     units = {unit: symbol.strip() for unit, symbol in UNIT_SYMBOLS.items() if unit != "1"} | RESULT_UNITS
@@ -221,14 +225,14 @@ def unit_of(name: str) -> str:
 
 
 def words_of(name: str) -> str:
-    """A name without its unit, in words: "slip amplitude" for `slip_amplitude_um`."""
+    """Name of a column in words, without its unit: "slip amplitude" for `slip_amplitude_um`."""
     units = sorted({*UNIT_SYMBOLS, *RESULT_UNITS} - {"1", "cycles"}, key=len, reverse=True)
     ending = next((f"_{unit}" for unit in units if name.endswith(f"_{unit}")), "")
     return name.removesuffix(ending).replace("_", " ")
 
 
 def shown(value: object) -> str:
-    """A value as it may stand in a message: short, whatever it is."""
+    """Value as text for a message, shortened to 60 characters."""
     try:
         text = value.isoformat() if isinstance(value, date | time) else repr(value)
     except ValueError:  # an integer of thousands of digits
@@ -239,12 +243,12 @@ def shown(value: object) -> str:
 
 
 def as_sentence(text: str) -> str:
-    """A text with a full stop, unless it ends as a sentence already: "did you mean 'Ti-6Al-4V'?" needs none."""
+    """Text with a full stop added, unless it already ends with a full stop, question mark or exclamation mark."""
     return text if text.endswith((".", "?", "!")) else f"{text}."
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """The known name that is most like another one, whatever its capitals; None where none is."""
+    """Known name that is most similar to `name`, ignoring capitals; None if none is similar."""
     by_small = {own.casefold(): own for own in known}
     found = get_close_matches(name.casefold(), by_small, n=1, cutoff=0.6)
     return by_small[found[0]] if found else None

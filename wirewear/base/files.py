@@ -1,4 +1,4 @@
-"""Files read whole, TOML among them, with one sentence for whatever prevents that."""
+"""Reading of whole files, TOML among them, with one clear sentence if that fails."""
 
 import codecs
 import hashlib
@@ -32,13 +32,14 @@ _TOML = ("study file", "sweep file", "TOML file")  #: What is called so is a TOM
 
 
 def read_toml(path: Path, kind: type[WirewearError], what: str = "TOML file") -> dict[str, object]:
-    """The tables of a TOML file. Raises WirewearError, of the given kind, if it cannot be read, or is no valid TOML."""
+    """Tables of a TOML file. Raises an error of class `kind` if it cannot be read or is not valid TOML."""
     return parsed_toml(read_text(path, kind, what), str(path), kind)
 
 
 def parsed_toml(text: str, where: str, kind: type[WirewearError]) -> dict[str, object]:
-    """The tables of a TOML text; `where` names its origin in messages.
-    Raises WirewearError, of the given kind, if the text is no valid TOML.
+    """Tables of a TOML text; `where` names its origin in messages.
+
+    Raises an error of class `kind` if the text is not valid TOML.
     """
     try:
         return tomllib.loads(text)
@@ -50,13 +51,13 @@ def parsed_toml(text: str, where: str, kind: type[WirewearError]) -> dict[str, o
 
 
 def table_of(tables: Mapping[str, object], name: str) -> Mapping[str, object]:
-    """One of the tables of a TOML file, empty where it has none of that name."""
+    """Table of this name within TOML tables; empty if there is none."""
     found = tables.get(name)
     return found if isinstance(found, Mapping) else {}
 
 
 def _hint(text: str, reason: str) -> str:
-    """What would be right in the line of an error, where it is known."""
+    """Part of a sentence that says how to correct the line that a TOML error names; "" if that is not known."""
     if (at := re.search(r"line (\d+)", reason)) is None:
         return ""
     key, is_given, value = text.splitlines()[int(at[1]) - 1].split("#")[0].partition("=")
@@ -67,7 +68,7 @@ def _hint(text: str, reason: str) -> str:
 
 
 def toml_text(tables: Mapping[str, object], prefix: str = "") -> str:
-    """Tables of texts, numbers, lists and tables as TOML."""
+    """TOML text of tables that hold texts, numbers, lists and tables; `prefix` begins the names of inner tables."""
     own = [f"{key} = {spelled(value)}" for key, value in tables.items() if not isinstance(value, Mapping)]
     inner = []
     for key, value in tables.items():
@@ -80,7 +81,7 @@ def toml_text(tables: Mapping[str, object], prefix: str = "") -> str:
 
 
 def spelled(value: object) -> str:
-    """A text, number, list or table as a value in TOML."""
+    """TOML spelling of a text, number, list or table."""
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{key} = {spelled(own)}" for key, own in value.items()) + " }"
     if isinstance(value, list | tuple):
@@ -90,7 +91,7 @@ def spelled(value: object) -> str:
 
 
 def is_encoding_of_text(name: str) -> bool:
-    """Whether texts are encoded so; Python calls encodings, too, what packs bytes, or spells hosts or its literals."""
+    """True if `name` is an encoding that Python knows and that stores text, rather than packed bytes or host names."""
     try:
         return "1,5".encode(name).decode(name) == "1,5" and codecs.lookup(name).name not in _NO_TEXTS
     except (LookupError, ValueError):
@@ -98,8 +99,9 @@ def is_encoding_of_text(name: str) -> bool:
 
 
 def read_bytes(path: Path, kind: type[WirewearError], what: str = "file") -> bytes:
-    """The contents of an ordinary file; where there is none, an error of that kind says so.
-    Raises WirewearError, of the given kind, if it cannot be read.  what: is needed: "a study file".
+    """Contents of an ordinary file; `what` names its kind in messages, such as "study file".
+
+    Raises an error of class `kind` if it does not exist or cannot be read.
     """
     try:
         if path.is_dir():
@@ -116,7 +118,7 @@ def read_bytes(path: Path, kind: type[WirewearError], what: str = "file") -> byt
 
 
 def _meant(path: Path, what: str) -> str:
-    """What to say of the file of that name with .toml behind it, where a TOML file is needed."""
+    """Part of a sentence naming the file with .toml appended, if a TOML file is needed and that one exists; else ""."""
     if what not in _TOML:
         return ""
     beside = path.parent / f"{path.name}.toml"
@@ -128,13 +130,14 @@ def _meant(path: Path, what: str) -> str:
 
 
 def read_text(path: Path, kind: type[WirewearError], what: str = "file") -> str:
-    """The text of a file in UTF-8. Raises WirewearError, of the given kind, if it cannot be read or is no text."""
+    """Text of a file in UTF-8. Raises an error of class `kind` if it cannot be read or is not text."""
     return utf8(read_bytes(path, kind, what), path, kind)
 
 
 def require_within(path: Path, folder: Path, kind: type[WirewearError], where: str) -> None:
-    """See that a file lies in a folder, also when links on the way to it are followed.
-    Raises WirewearError, of the given kind, if it does not; the sentence beginning with `where`.
+    """Check that a file lies in a folder, after following links.
+
+    Raises an error of class `kind`, with a sentence that begins with `where`, if it does not.
     """
     try:
         inside = path.resolve().is_relative_to(folder.resolve())
@@ -145,14 +148,15 @@ def require_within(path: Path, folder: Path, kind: type[WirewearError], where: s
 
 
 def with_checksum(table: Mapping[str, object]) -> dict[str, object]:
-    """A table that becomes JSON, with the SHA-256 of all the rest under `sha256`."""
+    """Copy of a table for JSON with the SHA-256 of all other entries under the key `sha256`."""
     rest = {name: item for name, item in table.items() if name != "sha256"}
     return {**rest, "sha256": hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()}
 
 
 def require_unchanged(table: Mapping[str, object], where: str, kind: type[WirewearError]) -> None:
-    """See that a table that was read from JSON is what `with_checksum` made; one without a checksum passes.
-    Raises WirewearError, of the given kind, if it has changed since.
+    """Check the checksum of a table made by `with_checksum` and read from JSON; a table without one passes.
+
+    Raises an error of class `kind` if the table has changed.
     """
     try:
         whole = "sha256" not in table or with_checksum(table)["sha256"] == table["sha256"]
@@ -163,8 +167,8 @@ def require_unchanged(table: Mapping[str, object], where: str, kind: type[Wirewe
 
 
 def utf8(data: bytes, path: Path, kind: type[WirewearError]) -> str:
-    """Bytes of a file as text in UTF-8, without a mark at its beginning.
-    Raises WirewearError, of the given kind, if they are no text.
+    """Text of bytes in UTF-8, without a byte-order mark. Raises an error of class `kind`, naming the line, if it is
+    none.
     """
     try:
         return data.decode("utf-8-sig")

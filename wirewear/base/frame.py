@@ -1,4 +1,4 @@
-"""The frame of all pages: one style, a sentence first, all within the one file."""
+"""Common frame of all HTML pages: one style, a summary sentence first, everything within one file."""
 
 import json
 import re
@@ -35,7 +35,7 @@ CITATION = (
 
 
 def rendered(template: Path, values: Mapping[str, object], filters: Mapping[str, Filter] | None = None) -> str:
-    """A page from a template that extends frame.html and stands anywhere."""
+    """HTML page from a template that extends frame.html, filled with these values."""
     own = _version()
     return environment(template.parent, filters).get_template(template.name).render(
         css=(HERE / "frame.css").read_text(encoding="utf-8"),
@@ -46,7 +46,7 @@ def rendered(template: Path, values: Mapping[str, object], filters: Mapping[str,
 
 
 def environment(folder: Path, filters: Mapping[str, Filter] | None = None) -> "jinja2.Environment":
-    """Templates of that folder and of this one; what they are given is escaped unless it is marked as safe."""
+    """Jinja environment for templates in `folder` and beside this file; values are escaped unless marked as safe."""
     import jinja2
 
     made = jinja2.Environment(
@@ -60,17 +60,17 @@ def environment(folder: Path, filters: Mapping[str, Filter] | None = None) -> "j
 
 
 def script(*paths: Path) -> str:
-    """Scripts one after another, for a page's own script element."""
+    """Contents of several script files joined, for one script element of a page."""
     return "\n".join(path.read_text(encoding="utf-8") for path in paths)
 
 
 def embedded(data: object) -> str:
-    """Plain values as JSON that may stand inside a script element."""
+    """JSON of plain values that can stand safely inside a script element."""
     return json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
 
 
 def inline_svg(image: bytes, name: str) -> str:
-    """An SVG picture to stand in a page: without its prologue, and with names of its own, which start with `name`."""
+    """SVG picture to embed in a page: without its prologue and metadata, all its ids prefixed with `name`."""
     text = image.decode("utf-8")
     text = text[text.index("<svg") :]
     for own in sorted(set(re.findall(r'\bid="([^"]+)"', text)), key=len, reverse=True):
@@ -79,17 +79,17 @@ def inline_svg(image: bytes, name: str) -> str:
 
 
 def number(value: float, digits: int = 5) -> float | None:
-    """Rounded to what can be seen; None for what is no number."""
+    """Value rounded to this number of digits; None if it is not finite."""
     return float(f"{value:.{digits}g}") if isfinite(value) else None
 
 
 def numbers(values: Iterable[float], digits: int = 5) -> list[float | None]:
-    """Rounded to what can be seen; None where there is no number."""
+    """Values rounded to this number of digits, None in place of those that are not finite."""
     return [number(float(value), digits) for value in values]
 
 
 def figure(value: float | None, digits: int = 3, sign: bool = False) -> str:
-    """A figure for people; a dash for what does not exist."""
+    """Number as text for readers, with powers of ten as 10ⁿ; a dash for None and NaN. sign: show a plus sign."""
     if value is None or value != value:  # noqa: PLR0124 (NaN)
         return "–"
     if value in (float("inf"), -float("inf")):

@@ -1,4 +1,4 @@
-"""How a delimited text is laid out, guessed from its first lines: encoding, delimiter, decimal sign, header, units."""
+"""Guess of a delimited text's layout from its first lines: encoding, delimiter, decimal sign, header, units."""
 
 import re
 import unicodedata
@@ -46,7 +46,9 @@ class NoTableError(RecordError):
 
 @dataclass(frozen=True)
 class GuessedLayout:
-    """A layout with the names of its columns, and the units where a line or the names state them ("" where not)."""
+    """Guessed layout of a text, with its column names, and their units as a line or the names state them ("" if
+    unstated).
+    """
 
     layout: delimited.DelimitedLayout
     names: tuple[str, ...]
@@ -63,12 +65,13 @@ class GuessedLayout:
 
     @property
     def plain(self) -> bool:
-        """Whether a line names the columns, and all that is read below it are numbers of one table."""
+        """True if a line names the columns, there is a single table, and no column holds times of day."""
         return self.layout.names_line and not self.clocks and len(self.tables) < 2
 
 
 def guessed_layout(path: Path) -> GuessedLayout:
-    """How a text file or spreadsheet with a table of numbers is laid out.
+    """Guessed layout of a text file or spreadsheet with a table of numbers.
+
     Raises RecordError if the file cannot be read, and NoTableError if no table of numbers is found in it.
     """
     data, sheets = delimited.contents_of(path)
@@ -114,10 +117,7 @@ def guessed_layout(path: Path) -> GuessedLayout:
 
 
 def _of_blocks(path: Path, guessed: GuessedLayout, text: str, sheets: list[Sheet]) -> GuessedLayout:
-    """The layout of all blocks of a text, or all sheets with the same names, where words number them.
-
-    And sentences on what is read and what is not.
-    """
+    """Layout extended to all numbered blocks of a text, or sheets with the same column names, with remarks on them."""
     layout, lines = guessed.layout, text.split("\n")
     own = sheet_text(sheets).decode().split("\n") if sheets else lines
     name = own[layout.header_lines] if layout.header_lines < len(own) else ""
@@ -136,7 +136,7 @@ def _of_blocks(path: Path, guessed: GuessedLayout, text: str, sheets: list[Sheet
 
 
 def _place(text: str, lines: int) -> int:
-    """Where a text goes on behind so many lines."""
+    """Index of the character behind this number of lines."""
     place = 0
     for _ in range(lines):
         place = text.find("\n", place) + 1
@@ -144,7 +144,10 @@ def _place(text: str, lines: int) -> int:
 
 
 def _tables(text: str, layout: delimited.DelimitedLayout) -> tuple[delimited.DelimitedLayout, ...]:
-    """The tables of a text that goes on below the first one's rows: with the same names again, or with words alone."""
+    """Layouts of the tables in a text that continues behind the first table; empty if it does not.
+
+    The rest must repeat the line of names, or hold nothing but lines of words.
+    """
     head, start = layout.header_lines, layout.lines_before_rows
     starts = [0, *(match.end() for match in re.finditer("\n", text))]
     if start >= len(starts) or WORDS.match(text, starts[start]) or not (end := WORDS.search(text, starts[start])):
@@ -166,7 +169,7 @@ def _tables(text: str, layout: delimited.DelimitedLayout) -> tuple[delimited.Del
 
 
 def _thousands_or_fractions(lines: list[str], table: "_Table") -> str:
-    """A number that may be either: no number of the table shows which, and its column has others without any sign."""
+    """First number that may be read as thousands or as a fraction, if no number of the table settles it; else ""."""
     rows = [delimited.fields_of(line, table.delimiter) for line in lines if line.strip()]
     signed = [field for row in rows for field in row if table.decimal in field]
     if not signed or not all(map(delimited.in_doubt, signed)):
@@ -187,7 +190,7 @@ class _Table:
 
 
 def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2) -> _Table:
-    """The longest run of lines whose fields are alike: so many numbers at least, and perhaps times of day and words."""
+    """Longest run of similar lines with at least `least` numbers each, read with this delimiter and decimal sign."""
     if delimiter == decimal and not any('"' in line for line in lines):
         return _Table(delimiter, decimal)
     number = re.compile(_NUMBER.replace("[.,]", re.escape(decimal)))
@@ -225,14 +228,16 @@ def _kind(field: str, number: re.Pattern[str]) -> str:
 
 
 def _has_a_word(profile: str, kinds: str) -> bool:
-    """Whether a line is a row of a table but for a word in the place of some of its numbers."""
+    """True if a line is like the table's rows but has a word in place of some numbers."""
     pairs = set(zip(profile, kinds, strict=False))
     odd = {(one, other) for one, other in pairs if one != other and " " not in (one, other)}
     return len(profile) == len(kinds) and ("n", "n") in pairs and bool(odd) and odd <= {("n", "t"), ("c", "t")}
 
 
 def _joined(profile: str, kinds: str) -> str | None:
-    """What two lines' fields have in common; None where they are no rows of one table."""
+    """Common kinds of field of two lines ("n" number, "c" clock, "t" text); None if they cannot be rows of one
+    table.
+    """
     if not profile or not kinds or abs(len(profile) - len(kinds)) > 1:
         return None
     short, long = sorted((profile, kinds), key=len)
@@ -257,14 +262,14 @@ def _run(lines: list[str], rows: list[int], profile: str, spelled: _Table) -> _T
 
 
 def _are_halves(lines: list[str], rows: list[int]) -> bool:
-    """Whether two whole numbers a row are the halves of one with a decimal comma: ``0,0123`` has no column of 0123."""
+    """True if each row's two whole numbers are the halves of one number with a decimal comma, such as ``0,0123``."""
     halves = [delimited.fields_of(lines[place], ",") for place in rows]
     whole = all(len(own) == 2 and re.fullmatch(r"-?\d+", own[0]) and own[1].isdecimal() for own in halves)
     return whole and any(re.match(r"0\d", own[1]) for own in halves)
 
 
 def _names(lines: list[str], table: _Table) -> tuple[tuple[str, ...], int, tuple[str, ...]]:
-    """Names of the columns, the line on which they stand, and their units as the line below has them."""
+    """Column names, the index of their line, and the units in the line below; () and 0 if no line names the columns."""
     candidates = []
     # Lines that may stand between the names of the columns and the numbers: units, a blank one, a word such as DATA.
     for place in range(table.first - 1, max(table.first - 2 - 4, -1), -1):
@@ -288,7 +293,7 @@ def _names(lines: list[str], table: _Table) -> tuple[tuple[str, ...], int, tuple
 
 
 def _named_fields(line: str, table: _Table) -> list[str]:
-    """The fields of a line that may name a table's columns; none where they are too few."""
+    """Fields of a line that may name the table's columns; empty if they are too few."""
     line = _COMMENT.sub("", line) if table.delimiter is None else line
     fields = delimited.fields_of(line, table.delimiter)
     if table.delimiter is None and len(fields) != table.width:
@@ -299,7 +304,7 @@ def _named_fields(line: str, table: _Table) -> list[str]:
 
 
 def _are_units(fields: list[str]) -> bool:
-    """Whether a line holds units: short, in brackets or not, most of them known ones."""
+    """True if the fields are units: at most 12 characters each, and more than half of them known."""
     bare = [usual_unit(field.strip("[]() ")) for field in fields]
     stated = [unit for unit in bare if unit not in _NO_UNIT]
     known = sum(unit in KNOWN_UNITS for unit in stated)
@@ -307,7 +312,9 @@ def _are_units(fields: list[str]) -> bool:
 
 
 def _units_in_header(header: list[str], table: _Table, names: tuple[str, ...]) -> tuple[str, ...]:
-    """Units of LabVIEW's channels, which a line of the header states; its times are in seconds."""
+    """Units of LabVIEW's channels as a header line states them, with s for their times; empty if there is no
+    such line.
+    """
     labels = next(
         (delimited.fields_of(line, table.delimiter)[1:] for line in header if line.startswith("Y_Unit_Label")), None
     )
@@ -337,7 +344,9 @@ def _rate(header: list[str], table: _Table) -> float | None:
 
 
 def known_columns(file: Path, names: Sequence[str]) -> dict[str, Array]:
-    """Columns (n,) of a table, as far as it has any of these names. Raises RecordError if it cannot be read."""
+    """Columns (n,) of a text file by name, for those of `names` that it has. Raises RecordError if it cannot
+    be read.
+    """
     text = delimited.read_delimited(file, guessed_layout(file).layout)
     places: dict[str, int] = {name: text.names.index(name) for name in names if name in text.names}
     return text.numbers(places).columns if places else {}

@@ -1,7 +1,7 @@
 """HDF5 files with a checksum, built and read in memory.
 
-A disk that is full or gone meets an ordinary write or read, and not HDF5. Behind the HDF5 file, where other programs do
-not look, stands a line with the SHA-256 of all before it: whatever has changed since is found before it is used.
+Building in memory lets ordinary writes and reads meet a full or missing disk instead of HDF5. Behind the HDF5 data
+stands a line with their SHA-256, which other programs ignore and which reveals any later change.
 """
 
 import hashlib
@@ -29,20 +29,20 @@ _SEAL_LENGTH = len("\nwirewear sha256 \n") + 64
 
 
 def hdf5_image(fill: Callable[[h5py.File], None], *, track_order: bool = False) -> bytes:
-    """The bytes of an HDF5 file that `fill` has filled; groups keep the order of their making with `track_order`."""
+    """Bytes of a new HDF5 file that `fill` writes to; with `track_order` groups keep the order of their creation."""
     with _in_memory(track_order=track_order) as file:
         return _filled(file, fill)
 
 
 class GrowingImage:
-    """An HDF5 file in memory whose bytes are asked for again and again while it grows."""
+    """HDF5 file in memory whose bytes are taken repeatedly while it grows."""
 
     def __init__(self) -> None:
-        """Of an empty file."""
+        """Begin with an empty file."""
         self._file = _in_memory()
 
     def filled(self, fill: Callable[[h5py.File], None]) -> bytes:
-        """The bytes once `fill` has added to what is there."""
+        """Bytes of the file after `fill` has added to it."""
         return _filled(self._file, fill)
 
 
@@ -58,9 +58,9 @@ def _filled(file: h5py.File, fill: Callable[[h5py.File], None]) -> bytes:
 
 
 def write_arrays(group: h5py.Group | h5py.File, arrays: Mapping[str, ArrayLike]) -> None:
-    """New data sets of a group, without time stamps: equal results are equal files.
+    """Write arrays as new data sets of a group, without time stamps, so that equal results make equal files.
 
-    By HDF5's own functions: a run writes a thousand small ones, and h5py's way takes as long again for each.
+    It uses HDF5's low-level functions: a run writes a thousand small arrays, for which h5py takes twice as long.
     """
     untimed = h5p.create(h5p.DATASET_CREATE)
     untimed.set_obj_track_times(False)
@@ -71,7 +71,7 @@ def write_arrays(group: h5py.Group | h5py.File, arrays: Mapping[str, ArrayLike])
 
 
 def sealed(image: bytes) -> bytes:
-    """The bytes of a file with the line of their checksum behind them, in place of one that is there."""
+    """File contents with the line of their checksum appended, replacing an earlier one."""
     image = _SEAL.sub(b"", image)
     return image + f"\nwirewear sha256 {hashlib.sha256(image).hexdigest()}\n".encode()
 
@@ -80,12 +80,12 @@ def sealed(image: bytes) -> bytes:
 def opened_hdf5(
     path: Path, kind: type[WirewearError], what: str, *, unsealed: tuple[int, ...] = ()
 ) -> Iterator[h5py.File]:
-    """An HDF5 file that `hdf5_image` made, to be read; what it holds that cannot be read is reported as damage.
-    Raises WirewearError, of the given kind, if there is no such file, it is damaged or cut off, or it reaches beyond
-    itself.
+    """Open an HDF5 file made by `hdf5_image` for reading, checking its checksum.
 
-    what: the file is: "a result file".
-    unsealed: formats, by the attribute of that name, of files that earlier versions wrote without a checksum.
+    Raises an error of class `kind` if there is no such file, it is damaged or truncated, or it refers to other files.
+
+    what: kind of file in messages, such as "result file". unsealed: values of the attribute `format` of older files,
+    which have no checksum.
     """
     data = read_bytes(path, kind, what)
     if not data.startswith(_SIGNATURE):
@@ -110,8 +110,9 @@ def opened_hdf5(
 
 
 def require_self_contained(file: h5py.File, path: Path, kind: type[WirewearError], size: int) -> None:
-    """See that an open file of `size` bytes holds all that it shows.
-    Raises WirewearError, of the given kind, if it refers to other files, or its arrays are larger than it can hold.
+    """Check that an open file of `size` bytes contains all that it refers to.
+
+    Raises an error of class `kind` if it refers to other files, or states arrays too large for its size.
     """
     total, ahead, seen = 0, [file["/"]], {hash(file["/"].id)}
     while ahead:
@@ -135,6 +136,6 @@ def require_self_contained(file: h5py.File, path: Path, kind: type[WirewearError
 
 
 def _stated_size(data: bytes) -> int:
-    """Size of an HDF5 file as its superblock states it, that of a superblock where it is cut off itself."""
+    """Size of an HDF5 file in bytes by its superblock; the superblock's own end if that is truncated."""
     place = {0: 40, 1: 44}.get(data[8], 28) if len(data) > 8 else 28
     return int(struct.unpack_from("<Q", data, place)[0]) if len(data) >= place + 8 else place + 8

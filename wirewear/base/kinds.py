@@ -1,4 +1,4 @@
-"""Kinds of contact as studies, records and results name them."""
+"""Names of the kinds of contact in studies, records and results."""
 
 CROSSED_WIRES, LINE_CONTACT, BALL_ON_FLAT, POINT_CONTACT, JOINT = (
     "crossed-wires",

@@ -1,7 +1,7 @@
-"""Folders that one process at a time writes to.
+"""Locks on output folders, so that one process at a time writes to a folder.
 
-The lock is the kernel's, on a file in the folder: it ends with the process that holds it, however that ends. The file
-says who holds the folder, and remains when that one did not come to its end.
+The lock is the kernel's, on a file in the folder, and ends with the process that holds it. The file says who holds the
+folder, and remains if that process did not finish.
 """
 
 import errno
@@ -22,11 +22,11 @@ LOCK_FILE_NAME = ".wirewear-lock"
 
 @contextmanager
 def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, object]]:
-    """Hold a folder, which is made if need be, and note what for.
+    """Lock a folder, which is created if missing, for the enclosed work; `what` names the work for messages.
 
-    Yields what the last one noted that held it and did not come to its end; nothing if it did. What is `noted` beside
-    `what` stays there when the work ends in an error; else nothing does.
-    Raises RunError if somebody else holds the folder, or it cannot be written to.
+    Yields what the last holder noted, if it did not finish; else an empty mapping. `noted` is written to the lock file,
+    and the file remains only if something was noted and the work ends in an error. Raises RunError if another process
+    holds the folder, or it cannot be written to.
     """
     path = prepared_folder(folder) / LOCK_FILE_NAME
     with writing(RunError, f"the output folder {folder} cannot be used"):
@@ -50,7 +50,7 @@ def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, obj
 
 
 def last_noted(folder: Path) -> Mapping[str, object]:
-    """What somebody noted who holds a folder, or held it and did not come to an end; nothing if there is nobody."""
+    """Note of the process that holds a folder, or that held it and did not finish; empty if there is none."""
     try:
         descriptor = os.open(folder / LOCK_FILE_NAME, os.O_RDONLY | os.O_NOFOLLOW)
     except OSError:
@@ -62,7 +62,7 @@ def last_noted(folder: Path) -> Mapping[str, object]:
 
 
 def clear_abandoned(folder: Path) -> None:
-    """Delete the note of somebody who was killed, if nobody holds the folder now and it may be deleted."""
+    """Delete the lock file of a killed process, if no process holds the folder."""
     with suppress(OSError):
         descriptor = os.open(folder / LOCK_FILE_NAME, os.O_RDWR | os.O_NOFOLLOW)
         try:
@@ -73,7 +73,7 @@ def clear_abandoned(folder: Path) -> None:
 
 
 def _locked(path: Path, folder: Path) -> int:
-    """Descriptor of the lock's file, locked unless the file system knows no locks."""
+    """File descriptor of the lock file, locked where the file system supports locks."""
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
         try:

@@ -1,4 +1,4 @@
-"""What the machine has left, so that hopeless work is refused before it begins."""
+"""Free memory and disk space, so that work too large for them is refused before it starts."""
 
 import os
 import re
@@ -16,8 +16,10 @@ MOST_EXPANSION, HARMLESS = 100, 100e6
 
 
 def require_room(path: Path, need: float, kind: type[WirewearError]) -> None:
-    """See that what a file states to hold, in bytes of memory, can be held and can be true.
-    Raises WirewearError, of the given kind, if it cannot.
+    """Check that contents of `need` bytes, as a file states them, fit into memory and are plausible for the file's
+    size.
+
+    Raises an error of class `kind` if not.
     """
     size, free = path.stat().st_size, free_memory()
     if need > max(HARMLESS, MOST_EXPANSION * size):
@@ -30,9 +32,9 @@ def require_room(path: Path, need: float, kind: type[WirewearError]) -> None:
 
 
 def free_memory() -> float:
-    """Bytes of memory that may be used: as WIREWEAR_MOST_MEMORY_GB says, else what is free, also in a container.
+    """Usable memory in bytes: WIREWEAR_MOST_MEMORY_GB if set, else what is free, within the limits of a container.
 
-    Infinity where the system does not report it.
+    Infinity if the system does not report it.
     """
     with suppress(ValueError):
         chosen = float(os.environ.get(MOST_MEMORY_GB, ""))
@@ -42,7 +44,7 @@ def free_memory() -> float:
 
 
 def free_disk(path: Path) -> float:
-    """Bytes that are free where a file or folder is, or is to be made; infinity where the system does not report it."""
+    """Free bytes on the disk of a path, which need not exist yet; infinity if the system does not report it."""
     while not path.exists() and path != path.parent:
         path = path.parent
     try:
@@ -52,7 +54,7 @@ def free_disk(path: Path) -> float:
 
 
 def size_text(size: float) -> str:
-    """``46 TB``: bytes for people, to two digits."""
+    """Number of bytes as text with two digits, such as ``46 TB``."""
     for unit in ("bytes", "kB", "MB", "GB", "TB"):
         if size < 999.5 or unit == "TB":
             break
@@ -70,7 +72,7 @@ def _of_machine() -> float:
 
 
 def _of_container() -> float:
-    """What a control group (version 2) leaves."""
+    """Free memory in bytes within the control group (version 2) of a container; infinity outside one."""
     group = Path("/sys/fs/cgroup")
     with suppress(OSError, ValueError):
         limit, used = (int((group / name).read_text(encoding="ascii")) for name in ("memory.max", "memory.current"))

@@ -1,4 +1,7 @@
-"""Usual names of channels and units in the languages of many countries, and by them the encoding of a text."""
+"""Usual names of channels and units in many languages, and the encoding of a text found by them.
+
+A channel is a measured quantity such as "force" or "displacement".
+"""
 
 import codecs
 import re
@@ -83,7 +86,7 @@ _HEAD_bytes = 20_000  #: In which the names of columns stand.
 
 
 def plain(text: str) -> str:
-    """A text in small letters without accents."""
+    """Text in lower case and without accents."""
     signs = unicodedata.normalize("NFKD", unicodedata.normalize("NFKD", text).casefold()).translate(_LETTERS)
     return "".join(sign for sign in signs if not unicodedata.combining(sign))
 
@@ -116,7 +119,7 @@ _WRITTEN_OUT = {
 
 
 def usual_unit(unit: str) -> str:
-    """A unit as a mapping writes it, where its name is written out or in other letters; else as it stands."""
+    """Unit as mappings write it ("s" for "seconds"); a unit that is not known is returned unchanged."""
     if unit in KNOWN_UNITS:
         return unit
     joined = unicodedata.normalize("NFKC", unit)
@@ -124,18 +127,24 @@ def usual_unit(unit: str) -> str:
 
 
 def states_factor(name: str) -> bool:
-    """Whether a column's name says that its numbers stand for others by a power of ten."""
+    """True if a column's name states a power of ten by which its numbers are to be multiplied or divided."""
     return _FACTOR.search(unicodedata.normalize("NFKC", name)) is not None
 
 
 def units_of(channel: str) -> dict[str, float]:
-    """Units in which loggers write a channel, those per length of a line contact among them."""
+    """Units in which loggers write a channel, including those per length of a line contact, and their factors to its
+    unit.
+    """
     unit = UNIT_OF.get(channel, "")
     return FIELD_UNITS.get(unit, {}) | UNITS_PER_LENGTH.get(unit, {})
 
 
 def stem_and_unit(name: str, known: dict[str, float]) -> tuple[str, str | None]:
-    """``"Tangential force [N]"`` and ``"tangential_force_N"`` as ``("tangential_force", "N")``."""
+    """Name of a column without its unit, and the unit, or None: ``("tangential_force", "N")`` for ``"Tangential force
+    [N]"``.
+
+    known: units that count, by name.
+    """
     name = unicodedata.normalize("NFKC", name).lstrip("#%/; ")
     bracketed = re.fullmatch(r"(.+?)[\s_]*[\[(]\s*([^\[\]()]+?)\s*[\])]", name)
     match = bracketed or re.fullmatch(r"(.+?)(?:,\s+|[\s_/]*[_\[(\s/]\s*)([^\s_\[\]()/]+)\s*[\])]?", name)
@@ -148,13 +157,13 @@ def stem_and_unit(name: str, known: dict[str, float]) -> tuple[str, str | None]:
 
 
 def recognised(names: Sequence[str], channel: str, units: Sequence[str] = ()) -> list[int]:
-    """Places of the columns of a channel's usual names, the most usual first; then of those with a sensor or number
-    beside the name.
+    """Indices of the columns that hold a channel: first those with its exact usual names, then those with words beside
+    them.
 
-    Of columns of one name, that with a unit of the channel stands before its raw twin, and that whose zero was set
-    before the other.
+    Within each group the most usual names come first. Of columns with equal names, one in a unit of the channel is
+    preferred to its raw signal, and one that was zeroed to the other.
 
-    units: what is stated of each column's unit, "" where nothing is; else by the names.
+    units: stated unit of each column ("" if unstated); by default the units in the names.
     """
     known, parted = units_of(channel), [stem_and_unit(name, units_of(channel)) for name in names]
     own = list(units) or [unit or "" for _, unit in parted]
@@ -182,7 +191,7 @@ def recognised(names: Sequence[str], channel: str, units: Sequence[str] = ()) ->
 
 
 def _alone(stem: str, beside: frozenset[str]) -> str:
-    """``"ch_1_displacement"`` and ``"wegaufnehmer_1"`` as ``"displacement"`` and ``"weg"``."""
+    """Name without sensor words and numbers: ``"displacement"`` for ``"ch_1_displacement"``."""
     words = [word.removesuffix("aufnehmer") for word in re.split(r"[_/]", _RATE.sub("", stem))]
     return "_".join(dict.fromkeys(word for word in words if word not in beside and not re.fullmatch(r"\W*\d*", word)))
 
@@ -193,7 +202,7 @@ _WORDS = frozenset(
 
 
 def encoding_of(data: bytes) -> str:
-    """In which encoding a text seems to be: that in which most of its words are known ones."""
+    """Most likely encoding of a text: the one in which most of its words are known."""
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16"
     try:
@@ -209,7 +218,7 @@ def encoding_of(data: bytes) -> str:
 
 
 def _known(head: bytes, encoding: str) -> int:
-    """How many words of a text are usual ones in an encoding; -1 where it is not in it."""
+    """Number of usual words in a text under this encoding; -1 if it cannot be decoded."""
     try:
         words = re.findall(r"[^\W\d_]+", plain(head.decode(encoding)))
     except UnicodeDecodeError:

@@ -1,4 +1,4 @@
-"""Values as notebooks show them."""
+"""HTML in which notebooks show values."""
 
 import base64
 from collections.abc import Mapping, Sequence
@@ -6,7 +6,7 @@ from html import escape
 
 
 def notebook_table(heading: str, rows: Mapping[str, str], *, note: str = "", pictures: Sequence[bytes] = ()) -> str:
-    """A heading, one line for each row, a note, and PNG pictures below."""
+    """HTML with a heading, one line for each row (name and value), a note, and PNG pictures below."""
     lines = "".join(
         f"<tr><td style='text-align:left'>{escape(name)}</td><td style='text-align:left'>{escape(value)}</td></tr>"
         for name, value in rows.items()

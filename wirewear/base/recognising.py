@@ -1,4 +1,4 @@
-"""What a path holds or a name stands for: a record, a result, a study, numbers, an example of the program."""
+"""Recognition of what a path holds: record, result, study, measured numbers, or a bundled example."""
 
 import re
 import tomllib
@@ -28,7 +28,7 @@ _FOLDERS = (_HERE.parents[1] / "examples", _HERE.parents[2] / "studies")
 
 
 class Held(StrEnum):
-    """What a path may hold."""
+    """Kinds of content that a path may hold."""
 
     RECORD = "record"
     RUN = "result of a run"
@@ -53,8 +53,9 @@ _TAKEN = {
 
 
 def require_no_other(path: Path, kind: type[WirewearError], *wanted: Held) -> None:
-    """See that a path does not hold what only other commands take; what is not recognised passes.
-    Raises WirewearError, of the given kind and in one sentence that says what it is and names a command, if it does.
+    """Check that a path does not hold content that only other commands accept; unrecognised content passes.
+
+    Raises an error of class `kind` that names the content and a suitable command.
     """
     held = None
     with suppress(OSError, ValueError):
@@ -66,7 +67,7 @@ def require_no_other(path: Path, kind: type[WirewearError], *wanted: Held) -> No
 
 
 def recognised(path: Path) -> Held | None:
-    """What a path holds; None for what looks like nothing of ours."""
+    """Kind of content at a path; None if it is not recognised."""
     if (path / TABLE_FILE_NAME).is_file() or (path.name == TABLE_FILE_NAME and path.is_file()):
         return Held.RECORD
     if path.is_dir():
@@ -102,7 +103,7 @@ def _held_by(tables: Mapping[str, object]) -> Held | None:
 
 
 def example(name: str) -> Path | None:
-    """The file of the study, or the folder of the record, of that name; None where there is none."""
+    """Path of the bundled study (file) or record (folder) of this name; None if there is none."""
     inner = {one: f"{one}/study.toml" for one in STUDIES}
     inner |= {one: f"steel_wires/example_records/{one}" for one in RECORDS}
     places = (folder / inner[name] for folder in _FOLDERS if name in inner)

@@ -1,4 +1,4 @@
-"""Spreadsheets as text, a tab between cells, so that one reader takes both."""
+"""Spreadsheets (.xlsx) converted to text with a tab between cells, so that one reader handles both."""
 
 import re
 import zipfile
@@ -33,7 +33,7 @@ _FORMULA, _VALUE = re.compile(rb"<(?:\w+:)?f[\s/>]"), re.compile(rb"<(?:\w+:)?(?
 
 @dataclass(frozen=True)
 class Sheet:
-    """A sheet's title, how many numbers it holds, and its rows as lines."""
+    """Sheet of a spreadsheet: its title, how many numbers it holds, and its rows as lines of text."""
 
     title: str
     numbers: int
@@ -41,13 +41,14 @@ class Sheet:
 
 
 def is_spreadsheet(data: bytes) -> bool:
-    """Whether a file's bytes are those of an .xlsx, whatever its name."""
+    """True if these bytes are of an .xlsx file, whatever its name."""
     return data.startswith(b"PK\x03\x04") and b"xl/workbook" in data
 
 
 def sheets_of(data: bytes, path: Path) -> list[Sheet]:
-    """The sheets that hold numbers, in their order.
-    Raises RecordError if the file cannot be read, or holds more than the memory takes or a sheet can have.
+    """Sheets of a spreadsheet that hold numbers, in their order.
+
+    Raises RecordError if the file cannot be read, or would take more memory or cells than it may.
     """
     import openpyxl
 
@@ -74,22 +75,25 @@ def sheets_of(data: bytes, path: Path) -> list[Sheet]:
 
 
 def largest(sheets: list[Sheet]) -> Sheet:
-    """The sheet with the most numbers."""
+    """Sheet with the most numbers."""
     return max(sheets, key=lambda sheet: sheet.numbers)
 
 
 def sheet_text(sheets: list[Sheet]) -> bytes:
-    """The sheet with the most numbers as lines of cells, in UTF-8."""
+    """Text of the sheet with the most numbers, in UTF-8."""
     return "\n".join([*largest(sheets).lines, ""]).encode()
 
 
 def workbook_text(sheets: list[Sheet]) -> bytes:
-    """All sheets below one another, each below its title."""
+    """Text of all sheets one after another, each below its title, in UTF-8."""
     return "\n".join([line for sheet in sheets for line in (SHEET + sheet.title, *sheet.lines)] + [""]).encode()
 
 
 def left_out(path: Path, sheets: list[Sheet], names: str | None = None) -> tuple[str, ...]:
-    """A sentence on those sheets that are not read: all but the largest, or but those with that line of names."""
+    """Sentence that names the sheets that are not read, as a tuple; empty if there are none.
+
+    names: line of column names that the sheets to be read contain; if None, only the largest sheet is read.
+    """
     left = [
         repr(one.title) for one in sheets if (one is not largest(sheets) if names is None else names not in one.lines)
     ]
@@ -99,14 +103,17 @@ def left_out(path: Path, sheets: list[Sheet], names: str | None = None) -> tuple
 
 
 def refuse_other_sheets(data: bytes, path: Path) -> None:
-    """Say of spreadsheets that are not read what would be. Raises RecordError if the bytes are those of one."""
+    """Raise RecordError, saying what to do, if the bytes are of another spreadsheet format (old Excel,
+    OpenDocument).
+    """
     if data.startswith(_OLD_EXCEL) or data[30:80].startswith(b"mimetypeapplication/vnd.oasis.opendocument.spreadsheet"):
         raise RecordError(f"{path} is a spreadsheet of a kind that is not read: save it as .xlsx or as CSV.")
 
 
 def _weighed(parts: zipfile.ZipFile, name: str, path: Path) -> set[tuple[int, int]]:
-    """Row and column, from 1, of formulas without a value in a sheet.
-    Raises RecordError if its cells lie beyond what a sheet has, or too far apart.
+    """Row and column, counted from 1, of the formulas in a sheet that have no stored value.
+
+    Raises RecordError if its cells exceed a sheet's limits or lie too far apart.
     """
     uncomputed: set[tuple[int, int]] = set()
     row = column = last = cells = places = 0
@@ -137,7 +144,9 @@ def _weighed(parts: zipfile.ZipFile, name: str, path: Path) -> set[tuple[int, in
 
 
 def _tags(parts: zipfile.ZipFile, name: str) -> Iterator[tuple[bytes | Any, ...]]:
-    """Attributes of rows, or attributes and contents of cells, in their order."""
+    """For each row or cell, in order: attributes of the row, attributes of the cell, contents of the cell; None if
+    absent.
+    """
     with parts.open(name) as stream:
         rest = b""
         while chunk := stream.read(_CHUNK):

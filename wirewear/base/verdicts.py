@@ -1,4 +1,4 @@
-"""Simulated figures beside expected ones and statements beside their evidence, each with a verdict, for any study."""
+"""Checks of simulated figures against expected ones, and of statements against results, each with a verdict."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from rich.text import Text
 
 @dataclass(frozen=True)
 class Comparison:
-    """A simulated figure beside the one expected, with the relative tolerance and where the expectation comes from."""
+    """Simulated and expected figure, the relative tolerance, and the source of the expected one."""
 
     name: str
     simulated: float
@@ -20,18 +20,18 @@ class Comparison:
 
     @property
     def deviation(self) -> float:
-        """Difference relative to the expected figure, which must not be zero."""
+        """Simulated over expected figure, less 1; the expected figure must not be 0."""
         return self.simulated / self.expected - 1.0
 
     @property
     def holds(self) -> bool:
-        """Whether the figures agree within the tolerance; NaN agrees with nothing."""
+        """True if the deviation is within the tolerance; False for NaN."""
         return abs(self.deviation) <= self.tolerance
 
 
 @dataclass(frozen=True)
 class Finding:
-    """A statement, what the results say about it, and whether they bear it out."""
+    """A statement, the results as evidence, and True in `holds` if they support it."""
 
     statement: str
     evidence: str
@@ -39,7 +39,7 @@ class Finding:
 
 
 def comparison_table(comparisons: Sequence[Comparison]) -> Table:
-    """Simulated and expected figures side by side, to be printed with rich."""
+    """Table of simulated and expected figures with verdicts, to be printed with rich."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("figure", no_wrap=True)
     for heading in ("simulated", "expected", "difference"):
@@ -56,7 +56,7 @@ def comparison_table(comparisons: Sequence[Comparison]) -> Table:
 
 
 def finding_table(findings: Sequence[Finding]) -> Table:
-    """Statements, their evidence and the verdicts, to be printed with rich."""
+    """Table of statements, evidence and verdicts, to be printed with rich."""
     table = Table("finding", "computed", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("verdict", no_wrap=True)
     for finding in findings:

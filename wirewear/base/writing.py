@@ -1,8 +1,7 @@
-"""Files written in one step: whoever reads, or is killed or finds the disk full at any moment, meets old or new.
+"""Writing of files and folders in one step: at any moment others see the old or the new state, never a partial one.
 
-A file is made beside its place under a name of its own, synchronised with the disk, and then put into its place, so
-that processes that write the same file at once do not meet. What a killed process left is deleted by the next that
-writes the file: a lock that ended with the process shows that nobody is at it.
+A file is written beside its place under a unique name, synchronised with the disk, and then moved into its place. What
+a killed process left is deleted by the next one that writes the file; a kernel lock shows which files are in use.
 """
 
 from __future__ import annotations
@@ -36,13 +35,14 @@ _AT_WORKING_FOLDER, _SWAP = -100, 2  #: Of renameat2, in Linux's fcntl.h and fs.
 
 
 def json_text(value: object, indent: int | None = 2) -> str:
-    """A value as JSON, which knows no number that is not finite: null stands for one."""
+    """Value as JSON text, with null in place of numbers that are not finite."""
     return json.dumps(finite(value), indent=indent, ensure_ascii=False, allow_nan=False)
 
 
 def write_csv(path: Path, table: pl.DataFrame | Sequence[Mapping[str, object]]) -> Path:
-    """Write a table, or its rows, in one step; text that begins like a formula has an apostrophe before it.
-    Raises OSError if the file cannot be written.
+    """Write a table (or its rows) as CSV in one step and return its path.
+
+    Text that begins like a formula gets an apostrophe before it. Raises OSError if the file cannot be written.
     """
     import polars as pl
 
@@ -73,8 +73,9 @@ def finite(value: object) -> object:
 
 
 def prepared_folder(path: Path) -> Path:
-    """Make an output folder if need be, and see that files can be written there.
-    Raises RunError if the folder cannot be made, or takes no files.
+    """Create an output folder if missing, check that files can be written to it, and return it.
+
+    Raises RunError if the folder cannot be created or written to.
     """
     with writing(RunError, f"the output folder {path} cannot be used"):
         path.mkdir(parents=True, exist_ok=True)
@@ -83,8 +84,10 @@ def prepared_folder(path: Path) -> Path:
 
 
 def usable_folder(path: Path) -> Path:
-    """See that an output folder takes files, or could be made and would; one that is not there is not left there.
-    Raises RunError if it cannot be made, or takes no files.
+    """Check that an output folder exists and takes files, or could be created; nothing is left behind. Returns the
+    path.
+
+    Raises RunError if it cannot be created or written to.
     """
     with writing(RunError, f"the output folder {path} cannot be used"):
         made = _missing(path)
@@ -98,8 +101,10 @@ def usable_folder(path: Path) -> Path:
 
 
 def usable_file(path: Path) -> Path:
-    """See that a file can be written or replaced, its folder made if need be; nothing is left or changed.
-    Raises RunError if it cannot.
+    """Check that a file could be written or replaced, its folder being created if missing; nothing is left behind or
+    changed.
+
+    Returns the path. Raises RunError if it could not.
     """
     with writing(RunError, f"{path} cannot be written"):
         if is_special(path):
@@ -120,7 +125,7 @@ def usable_file(path: Path) -> Path:
 
 
 def _missing(path: Path) -> list[Path]:
-    """What is not there of a path, the innermost first; OSError where nothing can be."""
+    """Parts of a path that do not exist, the innermost first. Raises OSError if they cannot exist."""
     try:
         path.stat()
     except FileNotFoundError:
@@ -129,21 +134,22 @@ def _missing(path: Path) -> list[Path]:
 
 
 def write_text(path: Path, text: str) -> Path:
-    """Write or replace a text file (UTF-8) in one step and return its path; OSError when it cannot be written."""
+    """Write or replace a text file (UTF-8) in one step and return its path. Raises OSError if it cannot be written."""
     return write_bytes(path, text.encode())
 
 
 def write_bytes(path: Path, data: bytes) -> Path:
-    """Write or replace a file in one step and return its path; OSError when it cannot be written."""
+    """Write or replace a file in one step and return its path. Raises OSError if it cannot be written."""
     with in_one_step(path) as partial:
         partial.write_bytes(data)
     return path
 
 
 def write_grid(path: Path, grid: vtkDataObject) -> Path:
-    """Write or replace a VTU or VTP file (by the ending) of a VTK grid or of points in one step and return its path.
+    """Write or replace a VTU or VTP file (by the ending) of a VTK grid or points in one step and return its path.
 
-    By way of the memory: VTK's writers end the process where a disk is full. OSError when it cannot be written.
+    The contents are built in memory, as VTK's writers end the process if a disk is full. Raises OSError if it cannot be
+    written.
     """
     from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
@@ -157,11 +163,10 @@ def write_grid(path: Path, grid: vtkDataObject) -> Path:
 
 @contextmanager
 def in_one_step(path: Path) -> Iterator[Path]:
-    """A path beside `path`, with the same ending, to write to; it takes the place of `path` when all went well.
+    """Yield a temporary path beside `path`, with the same ending, that replaces `path` if the enclosed work succeeds.
 
-    A link is followed. What is no regular file, a device or a pipe, stays and is given what was written; what is open
-    already, such as /dev/stdout, is given it where it is.
-    Raises OSError if the file cannot be written, and RunError if it is special, and there is no temporary folder.
+    Links are followed. A device, a pipe or a stream already open, such as /dev/stdout, stays and receives the contents.
+    Raises OSError if the file cannot be written, and RunError if it is special and there is no temporary folder.
     """
     if is_special(path):
         with temporary_folder() as folder:
@@ -188,11 +193,10 @@ def in_one_step(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def folder_in_one_step(path: Path, *, in_place_of: Sequence[str] = ()) -> Iterator[Path]:
-    """A new folder beside `path` to fill; it becomes `path` when all went well.
+    """Yield a new folder beside `path`, to be filled, that becomes `path` if the enclosed work succeeds.
 
-    in_place_of: what `path` may hold that goes; if any is named, whatever else is there stays. Else `path` may at most
-    be an empty folder.
-    Raises OSError if the folder cannot be written, or `path` holds files that cannot stay.
+    in_place_of: names in `path` that are replaced; all else in it is kept. If empty, `path` must not exist, or be an
+    empty folder. Raises OSError if the folder cannot be written, or `path` holds files that cannot stay.
     """
     # The name of "." is that of the folder.
     path = link_followed(path).resolve()
@@ -220,10 +224,10 @@ def folder_in_one_step(path: Path, *, in_place_of: Sequence[str] = ()) -> Iterat
 
 
 def put_back(path: Path) -> None:
-    """Clear what a process left that was killed while it exchanged `path`: the folder before is put back.
+    """Clean up after a process that was killed while exchanging `path`: its previous folder is restored.
 
-    Where the system exchanges no folders in one step, it may have ended between two. Nothing is touched while another
-    process is at it.
+    That is needed only where the system cannot exchange folders in one step. Nothing is touched while another process
+    works on `path`.
     """
     _remove_abandoned(path)
     if (aside := set_aside(path)) is not None and not [*_partials(path)]:
@@ -231,16 +235,17 @@ def put_back(path: Path) -> None:
 
 
 def set_aside(path: Path) -> Path | None:
-    """The folder that was at `path`, where nothing is now, before a process was killed that exchanged it; None of none.
+    """Previous folder of `path`, left aside by a process killed during the exchange; None if `path` exists or none is
+    found.
 
-    Nor is there any where several could be it.
+    None also if several folders could be it.
     """
     found = [] if os.path.lexists(path) else [*path.parent.glob(f"{_literal(path.name)}{_BEFORE}*")]
     return found[0] if len(found) == 1 else None
 
 
 def _link(source: Path, target: Path) -> None:
-    """A second name of a file, or of all files of a folder; a copy where the file system knows no such names."""
+    """Make a hard link to a file, or to all files of a folder; a copy if the file system does not support links."""
     if source.is_dir() and not source.is_symlink():
         shutil.copytree(source, target, symlinks=True, copy_function=lambda own, other: _link(Path(own), Path(other)))
         return
@@ -251,10 +256,9 @@ def _link(source: Path, target: Path) -> None:
 
 
 def _exchange(new: Path, old: Path) -> None:
-    """Exchange two folders in one step; where the system knows none, the old one is put back if the new cannot come.
+    """Exchange two folders, in one step if the system can; else in two, restoring the old folder if the second fails.
 
-    Should the process be killed between two steps, `put_back` does so.
-    Raises OSError if they cannot be exchanged.
+    If the process is killed in between, `put_back` restores it. Raises OSError if they cannot be exchanged.
     """
     rename = getattr(ctypes.CDLL(None), "renameat2", None)
     names = (_AT_WORKING_FOLDER, os.fsencode(new), _AT_WORKING_FOLDER, os.fsencode(old), _SWAP)
@@ -272,18 +276,20 @@ def _exchange(new: Path, old: Path) -> None:
 
 
 def require_absent(paths: Iterable[Path], kind: type[WirewearError]) -> None:
-    """See that there is nothing at these paths yet. Raises WirewearError, of the given kind, if there is."""
+    """Check that none of these paths exists. Raises an error of class `kind` if one does."""
     if (there := next((path for path in paths if path.exists()), None)) is not None:
         raise kind(f"{there} exists already, and is not overwritten unasked: choose another folder, or --overwrite.")
 
 
 def is_special(path: Path) -> bool:
-    """Whether there is something that is neither file nor folder (a device, a pipe, a socket), or is open already."""
+    """True for a device, pipe or socket, and for a stream that this process already has open."""
     return open_number(path) is not None or (path.exists() and not path.is_file() and not path.is_dir())
 
 
 def open_number(path: Path) -> int | None:
-    """The number of this process's open file that a path leads to, such as 1 for /dev/stdout; None of any other."""
+    """Descriptor of this process's open stream that a path leads to, such as 1 for /dev/stdout; None for other
+    paths.
+    """
     for _ in range(_MOST_LINKS):
         if path.name.isdecimal() and path.parent.resolve() == Path("/proc/self/fd").resolve():
             return int(path.name)
@@ -295,8 +301,9 @@ def open_number(path: Path) -> int | None:
 
 @contextmanager
 def temporary_folder(prefix: str = "wirewear-") -> Iterator[Path]:
-    """A folder that is deleted in the end, in the system's one for such.
-    Raises RunError if there is none that can be written to.
+    """Create a folder in the system's temporary folder and delete it at the end of the context.
+
+    Raises RunError if no temporary folder can be created.
     """
     with writing(RunError, "no temporary folder can be made", "TMPDIR names the folder for them"):
         made = TemporaryDirectory(prefix=prefix)
@@ -305,8 +312,9 @@ def temporary_folder(prefix: str = "wirewear-") -> Iterator[Path]:
 
 
 def link_followed(path: Path) -> Path:
-    """Where a symbolic link leads in the end; the path itself where it is none.
-    Raises OSError if it leads in a circle, or is another user's: who wrote would choose a file, and that user which.
+    """Final target of a symbolic link; the path itself if it is not a link.
+
+    Raises OSError if links form a circle, or one belongs to another user, who could redirect the file.
     """
     for _ in range(_MOST_LINKS):
         if not path.is_symlink():
@@ -319,9 +327,9 @@ def link_followed(path: Path) -> Path:
 
 @contextmanager
 def writing(kind: type[WirewearError], what: str, then: str = "") -> Iterator[None]:
-    """Whatever cannot be written within it is raised as an error of that kind: ``{what}: no space left on device.``.
+    """Raise OSErrors of the enclosed work as errors of class `kind`, such as ``{what}: no space left on device.``.
 
-    `then` says what can be done about it.
+    then: what the user can do about it, added to the sentence.
     """
     try:
         yield
@@ -330,7 +338,7 @@ def writing(kind: type[WirewearError], what: str, then: str = "") -> Iterator[No
 
 
 def why_not_written(error: OSError) -> str:
-    """Why something could not be written, as the end of a sentence."""
+    """Reason for an OSError in writing, as the end of a sentence."""
     if isinstance(error, FileExistsError):
         nowhere = isinstance(error.filename, str | os.PathLike) and os.path.islink(error.filename)  # noqa: PTH114
         return "it is a link that leads nowhere" if nowhere else "it is a file, not a folder"
@@ -341,7 +349,7 @@ def why_not_written(error: OSError) -> str:
 
 
 def _beside(path: Path, *, folder: bool) -> tuple[Path, int]:
-    """A new, empty file or folder beside `path`, and its descriptor, which holds its lock."""
+    """New empty file or folder beside `path`, and its descriptor, which holds its lock."""
     while True:
         partial = name_beside(path)
         if folder:
@@ -355,12 +363,12 @@ def _beside(path: Path, *, folder: bool) -> tuple[Path, int]:
 
 
 def name_beside(path: Path) -> Path:
-    """A name of its own for what is written beside a path until it is whole."""
+    """Unique name beside a path for a file that is being written."""
     return path.with_name(f".{path.stem}.{secrets.token_hex(4)}.partial{path.suffix}")
 
 
 def _remove_abandoned(path: Path) -> None:
-    """Delete what processes that were killed while writing `path` have left."""
+    """Delete what killed processes left while writing `path`."""
     for left in _partials(path):
         with suppress(OSError):
             holder = os.open(left, os.O_RDONLY | os.O_NOFOLLOW)
@@ -374,17 +382,17 @@ def _remove_abandoned(path: Path) -> None:
 
 
 def _partials(path: Path) -> Iterator[Path]:
-    """What stands beside `path` of `name_beside`."""
+    """Unfinished files or folders beside `path` that were named by `name_beside`."""
     return path.parent.glob(f".{_literal(path.stem)}.*.partial{_literal(path.suffix)}")
 
 
 def _literal(text: str) -> str:
-    """Text as a pattern of file names that matches only itself."""
+    """Pattern of file names that matches only this text."""
     return "".join(f"[{sign}]" if sign in "*?[" else sign for sign in text)
 
 
 def _locked(descriptor: int) -> bool:
-    """Whether this process has, or just took, the lock of an open file; it ends with the process."""
+    """True if this process holds, or could just take, the lock of an open file; the lock ends with the process."""
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
