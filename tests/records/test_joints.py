@@ -2,54 +2,15 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from tests.commands import wirewear
+from tests.records.joint_records import FORCE_N, OWN_N_per_mm, RIG_N_per_mm, joint
 from wirewear import RecordError, StudyError, read_record, write_record
 from wirewear.diagnosis.fit import fit_record
 from wirewear.kinds import load_any_study
 from wirewear.records import check_record
 from wirewear.simulation import simulate
-
-FORCE_N, RIG_N_per_mm, OWN_N_per_mm, AMPLITUDE_um = 39.0, 900.0, 4500.0, 500.0
-
-TABLES = """
-format = 1
-name = "friction damper"
-[contact]
-kind = "joint"
-contact_stiffness_N_per_mm = {own}
-[conditions]
-{load}displacement_amplitude_um = 500.0
-frequency_Hz = 0.25
-cycles = 30
-[stated]
-{friction}
-tangential_stiffness_N_per_mm = 900.0
-[files]
-loops = "loops.csv"
-"""
-
-
-def joint(folder: Path, load: str = "", friction: str = "friction_force_N = 39.0", own: object = OWN_N_per_mm) -> Path:
-    """A record of a slider behind two springs in series, of two repeats and cycles."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "experiment.toml").write_text(TABLES.format(load=load, friction=friction, own=own), encoding="utf-8")
-    random, count = np.random.default_rng(1), 400
-    stroke = AMPLITUDE_um * np.sin(2.0 * np.pi * np.arange(2 * count) / count)
-    stiffness = 1e-3 / (1.0 / RIG_N_per_mm + 1.0 / OWN_N_per_mm)
-    force = np.zeros(stroke.size)
-    for i in range(1, stroke.size):
-        force[i] = np.clip(force[i - 1] + stiffness * (stroke[i] - stroke[i - 1]), -FORCE_N, FORCE_N)
-    lines = ["repeat,cycle,sample,time_s,displacement_um,tangential_force_N"]
-    for repeat in (1, 2):
-        for cycle in (1, 30):
-            noise = 0.1 * random.standard_normal(count)
-            rows = enumerate(zip(stroke[count:], force[count:] + noise, strict=True))
-            lines += [f"{repeat},{cycle},{i},{4.0 * i / count},{x},{q}" for i, (x, q) in rows]
-    (folder / "loops.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return folder
 
 
 def test_a_friction_force_stands_for_load_and_friction_of_a_joint(tmp_path: Path) -> None:

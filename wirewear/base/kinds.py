@@ -19,3 +19,5 @@ NAMES = {
 }
 #: Contacts whose bodies wear a scar that is as wide as it is long.
 AT_A_POINT = (CROSSED_WIRES, BALL_ON_FLAT, POINT_CONTACT)
+#: Contacts of bodies, which wear.
+OF_BODIES = (*AT_A_POINT, LINE_CONTACT)

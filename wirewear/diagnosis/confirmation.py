@@ -19,7 +19,7 @@ from wirewear.diagnosis.infer.shrink import achieved
 from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.nominal import ObserverOf
-from wirewear.diagnosis.surrogate.nominal_model import nominal_model
+from wirewear.diagnosis.surrogate.nominal_model import JointModel, LineModel, PointModel, nominal_model
 from wirewear.effects import Age, Seam, applied
 from wirewear.loops.branches import lean_of
 from wirewear.loops.sensor import Sensor
@@ -38,37 +38,48 @@ _INCREMENTS, _POINTS = _KNOWN.count("increments"), _KNOWN.count("points")
 #: Said of wires whose gap, on what was left out of the fit, shows in scars alone.
 SCARS_ALONE = "the gap shows in scars alone, and --confirm compares loops: the full simulation was not asked"
 
+#: Said of joints.
+NO_BODIES = "a joint states no bodies: there is no full simulation that could confirm the answer"
+
 
 def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) -> Diagnosed:
     """The diagnosis with what the full simulation with the leading effects achieves; unchanged without any.
 
-    Loops are compared, of line contacts profiles, too. Where the gap of wires shows in scars alone, a note says so.
+    Loops are compared, of line contacts profiles, too. A note says so where the gap of wires shows in scars alone, or where
+    there are no bodies to be simulated.
 
     Raises StudyError or SolverError if the simulation with the effects cannot be run.
     """
     best = diagnosed.search.best
     if diagnosed.diagnosis.verdict == "no_gap" or not best.candidates:
         return diagnosed
-    shrink = diagnosed.diagnosis.shrink
-    if shrink.scar_held_out and not nominal_model(diagnosed.study).predicts_scars:
-        notes = (*diagnosed.diagnosis.notes, SCARS_ALONE)
-        return replace(diagnosed, diagnosis=replace(diagnosed.diagnosis, notes=notes))
+    shrink, nominal = diagnosed.diagnosis.shrink, nominal_model(diagnosed.study)
+    if isinstance(nominal, JointModel):
+        return _noted(diagnosed, NO_BODIES)
+    if shrink.scar_held_out and not nominal.predicts_scars:
+        return _noted(diagnosed, SCARS_ALONE)
     share, after = achieved(
         diagnosed.search.problem,
         diagnosed.search.covariance,
         diagnosed.observed,
         shrink,
-        _course(diagnosed, observer_of),
+        _course(diagnosed, nominal, observer_of),
     )
     diagnosis = replace(diagnosed.diagnosis, confirmed=Confirmed(share, after, best.names))
     return replace(diagnosed, diagnosis=diagnosis)
 
 
-def _course(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], PredictedLoops]:
+def _noted(diagnosed: Diagnosed, note: str) -> Diagnosed:
+    diagnosis = diagnosed.diagnosis
+    return replace(diagnosed, diagnosis=replace(diagnosis, notes=(*diagnosis.notes, note)))
+
+
+def _course(
+    diagnosed: Diagnosed, nominal: PointModel | LineModel, observer_of: ObserverOf | None
+) -> Callable[[Array], PredictedLoops]:
     """Loops that a run of the study with the leading effects leaves, and profiles where these are predicted."""
     from wirewear.simulation import Observer, run_study
 
-    nominal = nominal_model(diagnosed.study)
     last = diagnosed.study.conditions.cycles
     logged = sorted({loop.cycle for loop in diagnosed.observed.loops if loop.cycle <= last})
     amplitude_um = _true_amplitude_um(diagnosed, np.array(logged or [last], dtype=float))

@@ -312,12 +312,12 @@ def of_the_record(
         notes.append("there are no loops: what only these show cannot be seen")
     elif not shrink.held_out:
         notes.append("there are loops of one cycle only, so that no cycle could be left out of the fit")
-    if setup.wear_um3_per_mJ == 0.0:
+    if record.tables.body_names and setup.wear_um3_per_mJ == 0.0:
         notes.append(
             "the model does not wear, so that what a scar does to the loops counts as a gap: give it a wear "
             "coefficient, from the scars of both bodies (`wirewear fit` for wires) or from other tests of such bodies"
         )
-    if not record.scars:
+    if record.tables.body_names and not record.scars:
         notes.append("there are no scars: effects that only scars show cannot be seen")
     return (*notes, *of_pairs(record))
 

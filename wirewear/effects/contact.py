@@ -109,6 +109,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
 
     name = "roughness_compliance"
     seam = Seam.CONTACT
+    contacts = kinds.OF_BODIES
     ages = Ageing.BY_CYCLES
     signature = "a soft stick branch early on that vanishes as it wears in and stiffens with the load"
     remedy = "measure the roughness of fresh specimens, or run them in before you measure"
@@ -172,6 +173,7 @@ class ThirdBodyLayer(Effect[ContactLaw]):
 
     name = "third_body"
     seam = Seam.CONTACT
+    contacts = kinds.OF_BODIES
     signature = "a soft stick branch that grows with the cycles; hooks smaller than the worn depth would give"
     remedy = "look at the debris in and around the scars before they are cleaned"
     confused_with = ("roughness_compliance", "wear_rate_offset", "tangential_compliance")

@@ -27,6 +27,7 @@ class WearRateOffset(Effect[WearRates]):
 
     name = "wear_rate_offset"
     seam = Seam.WEAR
+    contacts = kinds.OF_BODIES
     ages = Ageing.NEVER
     signature = "nothing in fresh loops; end hooks and scar volume grow faster or slower"
     remedy = "map the scars again, and fit the wear coefficient to these materials"
@@ -56,6 +57,7 @@ class WearRateEvolution(Effect[WearRates]):
 
     name = "wear_rate_evolution"
     seam = Seam.WEAR
+    contacts = kinds.OF_BODIES
     ages = Ageing.BY_CYCLES
     signature = "the path of end hooks and volumes over the cycles, not only their end"
     remedy = "stop tests early and map their scars; if wear runs in, state it"

@@ -1,28 +1,29 @@
 """The nominal model of a test: its wear states, the surrogate's inputs, and which studies may stand in its place.
 
-Contacts at a point and line contacts differ here, and nowhere above.
+Contacts at a point, line contacts and joints differ here, and nowhere above.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, TypeVar, cast
 
 from wirewear.base.errors import RecordError, RunError, StudyError
 from wirewear.diagnosis.surrogate import nominal
 from wirewear.diagnosis.surrogate.candidates import nominal_inputs, nominal_line_setup
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
+from wirewear.diagnosis.surrogate.joint_states import JointStates
 from wirewear.diagnosis.surrogate.line_states import LineStates
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_the_same
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import Effect
-from wirewear.records import ExperimentRecord, LineRecord
+from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
 from wirewear.results.scar import called
 from wirewear.test import AnyStudy, LineStudy, Study
 from wirewear.test.bodies import Gap
-from wirewear.test.kinds import kind_of
 from wirewear.test.programme import held_by, held_keys
+from wirewear.test.study import JointStudy
 
 
 @dataclass(frozen=True)
@@ -116,6 +117,29 @@ class LineModel:
         return self.study.changed({"effects": every, "conditions": {"displacement_amplitude_um": amplitude_um}})
 
 
+@dataclass(frozen=True)
+class JointModel:
+    """The study of a joint, which has its states in closed form."""
+
+    study: JointStudy
+
+    def of_record(self, record: AnyRecord) -> JointStudy:
+        """The study. Raises RecordError if it is of another load or amplitude than the record's test."""
+        own, asked = self.study.conditions, record.tables.conditions
+        keys = ("normal_load_N", "displacement_amplitude_um")
+        require_the_same(record, self.study, {key: (getattr(own, key), getattr(asked, key)) for key in keys})
+        return self.study
+
+    def states(self, _tables: Any, _observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
+        """States of the joint as it is stated. Raises RunError if the drive holds a force that slides it."""
+        return _driven(JointStates.of_study(self.study), self.study), ()
+
+    def inputs(self, tables: Any) -> SurrogateInputs:
+        """The circumstances that the study states."""
+        setup = SurrogateInputs.of(self.study, tables.conditions.drive, 0.0)
+        return replace(setup, effects=self.study.effects)
+
+
 States = TypeVar("States", bound=WearStates)
 
 
@@ -130,13 +154,11 @@ def _driven(states: States, study: AnyStudy[Any]) -> States:
     return states
 
 
-NominalModel = PointModel | LineModel
+NominalModel = PointModel | LineModel | JointModel
 
 
 def nominal_model(study: AnyStudy[Any]) -> NominalModel:
-    """What a diagnosis and a fit ask of the study of a record's test.
-    Raises StudyError if there is none for its kind yet.
-    """
-    if not kind_of(study).simulated:
-        raise StudyError(f"a {study.contact_kind} is checked and fitted, but not diagnosed yet.")
+    """What a diagnosis and a fit ask of the study of a record's test."""
+    if isinstance(study, JointStudy):
+        return JointModel(study)
     return LineModel(study) if isinstance(study, LineStudy) else PointModel(cast("Study", study))
