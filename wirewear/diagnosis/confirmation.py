@@ -45,8 +45,8 @@ NO_BODIES = "a joint states no bodies: there is no full simulation that could co
 def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) -> Diagnosed:
     """The diagnosis with what the full simulation with the leading effects achieves; unchanged without any.
 
-    Loops are compared, of line contacts profiles, too. A note says so where the gap of wires shows in scars alone, or where
-    there are no bodies to be simulated.
+    Loops are compared, of line contacts profiles, too. A note says so where the gap of wires shows in scars alone, or
+    where there are no bodies to be simulated.
 
     Raises StudyError or SolverError if the simulation with the effects cannot be run.
     """

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, TypeVar, cast
 
-from wirewear.base.errors import RecordError, RunError, StudyError
+from wirewear.base.errors import RecordError, RunError
 from wirewear.diagnosis.surrogate import nominal
 from wirewear.diagnosis.surrogate.candidates import nominal_inputs, nominal_line_setup
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
