@@ -40,7 +40,7 @@ class Course:
     def at(self, cycles: Array) -> Array: ...
 
     def at(self, cycles: float | Array) -> float | Array:
-        """The value after so many cycles, one or (n,)."""
+        """Value after this number of cycles; a number or an array (n,)."""
         passed = cycles / self.cycles
         if self.steepness != 1.0:
             passed = passed**self.steepness

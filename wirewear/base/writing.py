@@ -62,7 +62,7 @@ def finite(value: object) -> object: ...
 
 
 def finite(value: object) -> object:
-    """A value of mappings, sequences and plain values with None in place of numbers that are not finite."""
+    """Copy of a value of mappings, sequences and plain values, with None in place of numbers that are not finite."""
     if isinstance(value, float):
         return value if isfinite(value) else None
     if isinstance(value, Mapping):

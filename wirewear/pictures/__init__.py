@@ -1,7 +1,7 @@
 """Pictures of results, drawn off screen: no window, no X server, no global plotting state.
 
-`show` draws all of them. Each other function takes results and returns one matplotlib figure; `save` writes it. What it
-offers is loaded when it is first asked for: pages share its colours and curves, and draw nothing.
+`show` draws all of them. Each other drawing function takes results and returns one matplotlib figure, which `save`
+writes. Names are imported only when first used, so that pages can share colours and curves without loading the rest.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""All pictures of one result or of a folder of variants: loops, and what changes over the cycles."""
+"""All pictures of one result or of a folder of variants: loops, evolution over the cycles, scars."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -50,7 +50,9 @@ def amplitude_evolution(results: Sequence[RunResult]) -> Figure:
 
 
 def evolution_panels(results: Sequence[RunResult]) -> Figure:
-    """Four panels over the cycles: amplitudes, deepest points of both scars, energy per cycle, largest force."""
+    """Four panels over the cycles: amplitudes, largest depth of both scars, energy per cycle, largest
+    tangential force.
+    """
     figure = style.new_figure(5.4)
     panels = list(figure.subplots(2, 2).flat)
     draw_amplitudes(panels[0], results)
@@ -71,7 +73,7 @@ def evolution_panels(results: Sequence[RunResult]) -> Figure:
 
 
 def _draw_course(axes: Axes, result: RunResult, column: str, *, label: str = "", **look: Any) -> None:
-    """A column over the cycles; in a test by blocks a line for each, with the block's number at its end."""
+    """Draw a column over the cycles; in a test by blocks one line for each block, with its number at the end."""
     cycles, values, blocks = result.evolution["cycle"], result.evolution[column], _blocks(result)
     for number in np.unique(blocks):
         own = blocks == number
@@ -83,12 +85,12 @@ def _draw_course(axes: Axes, result: RunResult, column: str, *, label: str = "",
 
 
 def _blocks(result: RunResult) -> Array:
-    """Of each row of the evolution, the number of the block that it belongs to; 0 in a test of one."""
+    """Number of the programme's block for each row of the evolution; 0 in a test without blocks."""
     return result.evolution["block"] if "block" in result.evolution else np.zeros(len(result.evolution["cycle"]))
 
 
 def _shown_cycles(results: Sequence[RunResult]) -> Sequence[int]:
-    """Cycles whose loops are shown; in a test by blocks the last logged one of each block."""
+    """Cycles whose loops are shown; in a test by blocks the last logged cycle of each block."""
     logged = {loop.cycle for result in results for loop in result.loops}
     latest = {
         (index, number): int(cycle)
@@ -100,7 +102,7 @@ def _shown_cycles(results: Sequence[RunResult]) -> Sequence[int]:
 
 
 def draw_amplitudes(axes: Axes, results: Sequence[RunResult]) -> None:
-    """Displacement and slip amplitude over the cycles."""
+    """Draw displacement and slip amplitude over the cycles."""
     for index, result in enumerate(results):
         label = f"{result.label}: slip δ0"
         _draw_course(axes, result, "slip_amplitude_um", **style.variant_style(index), label=label)
@@ -113,7 +115,7 @@ def draw_amplitudes(axes: Axes, results: Sequence[RunResult]) -> None:
 
 
 def draw_depths(axes: Axes, results: Sequence[RunResult]) -> None:
-    """Deepest wear of each body over the cycles."""
+    """Draw the largest worn depth of each body over the cycles."""
     lines = list(zip(results[0].bodies, DASHES, strict=True))[::-1]
     for index, result in enumerate(results):
         colour = style.variant_style(index)["color"]
@@ -132,7 +134,7 @@ def draw_depths(axes: Axes, results: Sequence[RunResult]) -> None:
 
 
 def _widen(axes: Axes) -> None:
-    """A nearly constant curve is no zig-zag: show at least 5 % of its value."""
+    """Extend the vertical axis to at least 5 % of its middle value, so that a nearly constant curve looks constant."""
     low, high = axes.get_ylim()
     middle, least = 0.5 * (low + high), 0.05 * abs(0.5 * (low + high))
     if high - low < least:
@@ -140,7 +142,7 @@ def _widen(axes: Axes) -> None:
 
 
 def loops_by_run(results: Sequence[RunResult], unit: str = "N") -> Figure:
-    """One panel for each run, its loops at chosen cycles in colour; all panels on the same axes. unit: of forces."""
+    """One panel for each run with its loops at chosen cycles; all panels have the same axes. unit: of the forces."""
     figure, panels = _panels(len(results))
     cycles = _shown_cycles(results)
     for axes, result in zip(panels, results, strict=True):
@@ -156,9 +158,9 @@ def loops_by_run(results: Sequence[RunResult], unit: str = "N") -> Figure:
 
 
 def draw_loops(axes: Axes, result: RunResult, cycles: Sequence[int] | None = None) -> None:
-    """Loops of one run at these cycles, by default some of those that it has logged.
+    """Draw loops of one run at these cycles, by default at a choice of the logged ones.
 
-    Earlier loops are drawn broader below later ones, so that loops which coincide are seen to.
+    Earlier loops are drawn with wider lines below later ones, so that coinciding loops all remain visible.
     """
     chosen = _shown_cycles([result]) if cycles is None else cycles
     logged = {loop.cycle: loop for loop in result.loops}
@@ -171,7 +173,8 @@ def draw_loops(axes: Axes, result: RunResult, cycles: Sequence[int] | None = Non
 
 
 def loops_by_cycle(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure:
-    """One panel for each cycle, the runs overlaid; all panels on the same axes.
+    """One panel for each cycle with the loops of all runs; all panels have the same axes.
+
     Raises ResultError if a run has logged no loop near one of the cycles.
     """
     figure, panels = _panels(len(cycles))
@@ -209,7 +212,8 @@ def _finish(panels: Sequence[Axes], unit: str = "N") -> None:
 
 
 def overview(results: Sequence[RunResult]) -> Figure:
-    """Four panels: loops of the first run, amplitudes and depths of all over the cycles, sections of the held bodies.
+    """Four panels: loops of the first run, then amplitudes, depths and final sections of the held bodies of all runs.
+
     Raises ResultError if a run has no measured cycle yet.
     """
     if not all(result.evolution["cycle"].size for result in results):
@@ -242,8 +246,9 @@ def _draw_last_sections(axes: Axes, results: Sequence[RunResult]) -> None:
 
 
 def animation(result: RunResult, path: Path) -> Path:
-    """Write the moving picture as GIF and return its path.
-    Raises ResultError if there is no cycle of which both a loop and scars are recorded, or the file cannot be written.
+    """Write the loop and the scar over the cycles as an animated GIF and return its path.
+
+    Raises ResultError if no cycle has both a loop and scars, or the file cannot be written.
     """
     cycles = sorted(set(result.scar_cycles()) & {loop.cycle for loop in result.loops})
     if not cycles:
@@ -266,7 +271,7 @@ def animation(result: RunResult, path: Path) -> Path:
 
 
 def _frame(result: RunResult, cycle: int, cycles: Sequence[int]) -> Figure:
-    """Loop and scar of one cycle; axes and colours are those of all cycles."""
+    """Figure with the loop and scar of one cycle, on axes and a colour scale common to all `cycles`."""
     scars = [result.scar(one, result.bodies[1]) for one in cycles]
     half_x, half_y = (1.25 * half for half in worn_half_extent(scars))
     norm = Normalize(0.0, max(scar.max_depth_um for scar in scars) or 1.0)
@@ -299,10 +304,11 @@ def show(
 ) -> list[Path]:
     """Draw all pictures of the run or runs at `result_path` and return their paths.
 
-    They go to `output_dir`, by default a folder `pictures` beside the result file or in the folder of variants. What a
-    run that is still going has not logged yet is left out. `ending` is png, svg or pdf; with `moving`, loop and scar of
-    each run are drawn as a GIF, too. `drawn` says what there is to draw of results, without it of contacts at a point.
-    Raises ResultError if there is no readable result, none has logged anything to draw, or a picture cannot be written.
+    They go to `output_dir`, by default a folder `pictures` beside the result file or in the folder of variants. What an
+    unfinished run has not logged yet is left out. `ending` is png, svg or pdf; with `moving`, the loop and scar of each
+    run are also drawn as an animated GIF. `drawn` lists the pictures of results, by default those of contacts at a
+    point. Raises ResultError if there is no readable result, none has logged anything to draw, or a picture cannot be
+    written.
     """
     results = read_results(result_path)
     if drawn is None or moving:
@@ -325,7 +331,7 @@ def show(
 
 
 def drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
-    """What can be drawn of these results, by file name."""
+    """Functions that draw each picture these results allow, by file name."""
     found: dict[str, Callable[[], Figure]] = {}
     if with_loops := [result for result in results if result.loops]:
         found["loops"] = partial(loops_by_run, with_loops)
@@ -345,7 +351,9 @@ def drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
 
 
 def section_cycles(results: Sequence[RunResult]) -> tuple[int, ...]:
-    """The last cycle of whose scars all runs have logged, and before it the first whose wear is well seen beside it."""
+    """Cycles whose sections are shown: the last one with scars of all runs, and the first whose depth is a quarter of
+    its.
+    """
     shared = sorted(set.intersection(*(set(result.scar_cycles()) for result in results)))
     if not shared:
         return (min(result.scar_cycles()[-1] for result in results),)

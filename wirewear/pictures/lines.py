@@ -1,4 +1,4 @@
-"""Pictures of line contacts: worn profiles, pressure, loops, growth of scars, holders."""
+"""Pictures of line contacts: worn profiles, pressure, loops, growth of scars, supports."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from wirewear.test import LineStudy
 
 
 def line_supports(study: LineStudy, pad: PlanarMesh, specimen: PlanarMesh) -> Figure:
-    """Both bodies with what holds and moves them, per mm of thickness."""
+    """Section of both bodies with their supports, load and motion; forces per mm of thickness."""
     unit = study.of_length(1.0)
     conditions, holder = unit.conditions, unit.holder
     tangential, rotational = holder.tangential_stiffness_N_per_mm, holder.rotational_stiffness_N_mm_per_rad
@@ -44,7 +44,7 @@ def _held(body: PlanarMesh, *, upper: bool) -> HeldBody:
 
 
 def line_drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
-    """What can be drawn of these results, by file name: each run by itself, and several side by side."""
+    """Functions that draw each picture these results allow, by file name: each run alone, and several side by side."""
     logged = [result.computed for result in results if result.loops]
     found: dict[str, Callable[[], Figure]] = {}
     for result in logged:
@@ -57,7 +57,7 @@ def line_drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure
 
 
 def line_variants(results: Sequence[RunResult]) -> Figure:
-    """Depth of both bodies, pressure at mid-stroke and loop at the last logged cycle, run beside run."""
+    """Worn depth of both bodies, pressure at mid-stroke and loop at the last logged cycle, for all runs."""
     figure = style.new_figure(5.2)
     panels = figure.subplots(2, 2)
     results = [result.computed for result in results]
@@ -95,7 +95,7 @@ def line_variants(results: Sequence[RunResult]) -> Figure:
 
 
 def line_profiles(result: RunResult) -> Figure:
-    """Depth of both bodies and pressure at mid-stroke over x, from the first logged cycle to the last."""
+    """Worn depth of both bodies and pressure at mid-stroke over x, for chosen cycles from the first to the last."""
     cycles = chosen_cycles([loop.cycle for loop in result.loops])
     figure = style.new_figure(5.2)
     panels = figure.subplots(2, 2)
@@ -140,7 +140,7 @@ def _growth(axes: Axes, result: RunResult) -> None:
 
 
 def _reach(result: RunResult) -> float:
-    """Half-width of the picture: all that is worn or under pressure, with a margin."""
+    """Half-width in µm of the picture: the worn or pressed range with a margin of 15 %."""
 
     def of_one(scar: Scar) -> float:
         shown = (scar.pressure_MPa > 0.0) | (scar.depth_um > 0.01 * max(scar.max_depth_um, 1e-12))

@@ -1,4 +1,4 @@
-"""A friction loop in a panel: every picture of one is drawn here, with the same line, axes and signs."""
+"""Drawing of a friction loop in a panel, for all pictures, with the same line, axes and signs."""
 
 from typing import Unpack
 
@@ -18,7 +18,7 @@ def draw_loop(axes: Axes, displacement_um: Array, force: Array, *, label: str = 
 
 
 def draw_loop_band(axes: Axes, displacement_um: Array, low: Array, high: Array, **area: Unpack[AreaLook]) -> None:
-    """Fill between the lowest and the highest force at each sample (n,) of a loop, branch by branch."""
+    """Fill the area between the forces `low` and `high` (n,) at each sample of a loop, branch by branch."""
     n, top, bottom = displacement_um.size, int(displacement_um.argmax()), int(displacement_um.argmin())
     for start, end in ((bottom, top), (top, bottom)):
         # In order of time, each with the reversals at its ends.
@@ -27,7 +27,7 @@ def draw_loop_band(axes: Axes, displacement_um: Array, low: Array, high: Array, 
 
 
 def name_axes(axes: Axes, unit: str = "N") -> None:
-    """Name the axes of a loop, and draw its zero lines. unit: of forces."""
+    """Label the axes of a loop and draw its zero lines. unit: of the forces."""
     for line in (axes.axhline, axes.axvline):
         line(0.0, color=GREY, linewidth=0.6, zorder=1)
     axes.set(xlabel=DISPLACEMENT, ylabel=f"tangential force Q [{unit}]")

@@ -1,4 +1,7 @@
-"""The finite-element meshes of both bodies, as they lie against each other."""
+"""Pictures of the finite-element meshes of both bodies in contact.
+
+A facet is a quadrilateral face of an element; a patch is the finely meshed surface where contact may occur.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -27,10 +30,11 @@ EDGE_COLOUR = "#303438"
 
 
 def round_facets(points_mm: Array, facets: IntArray, radius_mm: float | None) -> tuple[Array, IntArray, IntArray]:
-    """Finer points (m, 3), quads (k·PARTS², 4) of them, and the facets' edges (4k, PARTS + 1) as rows of points.
+    """Subdivided facets: points (m, 3), quads (k·PARTS², 4) and edges (4k, PARTS + 1), the latter two as indices of
+    points.
 
-    The body's axis is x, its crown the origin, its material below; facets (k, 4) name their corners in order. Of a bar
-    of a radius, those on its surface are made round.
+    The body's axis is x, its crown is the origin and its material lies below. facets (k, 4) hold the indices of their
+    corners in order. If a radius is given, facets on the surface of the round bar are curved.
     """
     corners = points_mm[facets]
     u, v = np.meshgrid(*2 * [np.linspace(0.0, 1.0, PARTS + 1)], indexing="ij")
@@ -57,7 +61,9 @@ def round_facets(points_mm: Array, facets: IntArray, radius_mm: float | None) ->
 
 
 def _bulge(start: Array, end: Array, along: Array, radius_mm: float) -> Array:
-    """How far the points of edges (k, n, 3) are from the straight lines between their ends (k, 3): onto the wire."""
+    """Vectors from points on straight edges to the round surface (k, n, 3); start and end hold the edges' ends
+    (k, 3).
+    """
     straight = start[:, None] + along[None, :, None] * (end - start)[:, None]
     centre = np.array([0.0, 0.0, -radius_mm])
     across = (straight - centre) * np.array([0.0, 1.0, 1.0])
@@ -74,10 +80,10 @@ def body_meshes(
     names: tuple[str, str],
     first_moving: BodyMesh | None = None,
 ) -> Figure:
-    """Both meshes in contact, and the driven body's patch from close by; grips dark, contact patches red.
+    """Both meshes in contact, and a close view of the driven body's patch; grips are dark, contact patches red.
 
-    names: what the bodies are called.
-    first_moving: the driven body's mesh for the fresh contact, shown beside that for the grown scar.
+    names: of the driven and the held body. first_moving: mesh of the driven body for the fresh contact, shown beside
+    the one for the grown scar.
     """
     patches = {f"contact patch of the {names[0]}": moving}
     if first_moving is not None:
@@ -115,7 +121,7 @@ def _extent(body: BodyMesh) -> float:
 
 
 def surface_fields(body: BodyMesh) -> dict[str, Array]:
-    """Point data that mark a mesh's named surfaces, for export: name -> (n,) 1 on the surface, 0 elsewhere."""
+    """Point data (n,) for each named surface of a mesh, by its name: 1 on the surface, 0 elsewhere."""
     fields = {}
     for name in body.mesh.surfaces:
         field = np.zeros(len(body.mesh.points))
@@ -126,7 +132,7 @@ def surface_fields(body: BodyMesh) -> dict[str, Array]:
 
 @dataclass(frozen=True)
 class _Body:
-    """A body's mesh with its colour, its name and how it is put in its place."""
+    """A body's mesh with its colour, name and the function that moves its points to their place."""
 
     meshed: BodyMesh
     colour: str
@@ -136,7 +142,7 @@ class _Body:
 
 @dataclass(frozen=True)
 class DrawnBodies:
-    """A rendered image (PIXELS, PIXELS, 3), its scale, and where the names stand [pixels from the upper left]."""
+    """Rendered image (PIXELS, PIXELS, 3), its scale, and positions of the names in pixels from the upper left."""
 
     image: NDArray[np.uint8]
     mm_per_pixel: float
@@ -144,7 +150,7 @@ class DrawnBodies:
 
 
 def _rendered(bodies: Sequence[_Body], eye: tuple[float, float, float], height_mm: float | None) -> DrawnBodies:
-    """A view from `eye` of everything, or of so much about the point of contact."""
+    """View of the bodies from the direction `eye`, whole or limited to `height_mm` about the point of contact."""
     import pyvista
 
     # VTK looks for an X server first and complains before it takes EGL.
@@ -183,12 +189,12 @@ def _add(plotter: Any, body: _Body) -> None:
 
 
 def _counted_rows(rows: NDArray[np.int_]) -> NDArray[np.int_]:
-    """Rows of points as VTK wants them: each with its length before it."""
+    """Flat array of rows of point indices, each preceded by its length, as VTK expects."""
     return np.column_stack([np.full(len(rows), rows.shape[1]), rows]).ravel()
 
 
 def _above_end(plotter: Any, body: _Body) -> tuple[float, float]:
-    """The middle of the body's nearer end in the image [pixels from the upper left]."""
+    """Middle of the body's nearer end in the image, in pixels from the upper left."""
     length, middle = body.meshed.geometry.half_length_mm, 0.5 * float(body.meshed.mesh.points[:, 2].min())
     ends = body.placed(np.array([[-length, 0.0, middle], [length, 0.0, middle]]))
     nearer = ends[np.argmax(ends @ np.array(plotter.camera.position))]
@@ -200,7 +206,7 @@ def _above_end(plotter: Any, body: _Body) -> tuple[float, float]:
 
 
 def show_bodies(axes: Axes, view: DrawnBodies) -> None:
-    """The image with a scale bar in its lower left corner and the bodies' names on their ends."""
+    """Draw the image with a scale bar in its lower left corner and the bodies' names."""
     axes.imshow(view.image)
     axes.set_axis_off()
     box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.2}
@@ -214,7 +220,9 @@ def show_bodies(axes: Axes, view: DrawnBodies) -> None:
 
 
 def upper_position(points: Array, angle_rad: float) -> Array:
-    """The upper body, turned over about its axis and then about the normal by the crossing angle."""
+    """Points (n, 3) of the upper body turned upside down about its axis and then about the normal by the crossing
+    angle.
+    """
     x, y, z = points[:, 0], -points[:, 1], -points[:, 2]
     c, s = np.cos(angle_rad), np.sin(angle_rad)
     return np.column_stack([c * x - s * y, s * x + c * y, z])

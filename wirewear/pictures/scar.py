@@ -1,6 +1,6 @@
-"""A scar in a panel: every map of one from above is drawn here, in true proportions, with the axis of the body.
+"""Drawing of a scar from above in a panel, for all pictures, in true proportions and with the body's axis.
 
-Fields are drawn smoothly between the grid points (see `smooth`).
+Fields are interpolated smoothly between the grid points (see `smooth`).
 """
 
 from typing import Literal
@@ -20,7 +20,9 @@ RESOLUTION = 420  #: Pixels along the longer side of a map of a simulated scar.
 
 
 def draw_scar(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normalize) -> None:
-    """Depth of a simulated scar over |x| ≤ half_x and |y| ≤ half_y [µm], with the axis of a body that has one."""
+    """Draw the depth of a simulated scar over |x| ≤ half_x and |y| ≤ half_y in µm, and the body's axis if it
+    has one.
+    """
     step = 2.0 * max(half_x, half_y) / RESOLUTION
     x, y = (np.arange(-half + step / 2, half, step) for half in (half_x, half_y))
     extent = (x[0] - step / 2, x[-1] + step / 2, y[0] - step / 2, y[-1] + step / 2)
@@ -41,9 +43,9 @@ def draw_map(
     *,
     shading: Literal["nearest", "gouraud"] = "nearest",
 ) -> QuadMesh:
-    """A field (n_x, n_y) at its own points, over |x| and |y| ≤ half_um, by default as far as it reaches.
+    """Draw a field (n_x, n_y) at its grid points, over |x| and |y| ≤ half_um, by default as far as it reaches.
 
-    at_um: along and across the motion, grid lines (n_x,) and (n_y,), or both at each point (n_x, n_y).
+    at_um: coordinates along and across the motion, as grid lines (n_x,) and (n_y,) or at each point (n_x, n_y).
     """
     places = np.meshgrid(*at_um, indexing="ij") if at_um[0].ndim == 1 else at_um
     drawn = axes.pcolormesh(*places, values, norm=norm, cmap=colours, shading=shading, rasterized=True)
@@ -60,6 +62,6 @@ def _frame(axes: Axes, half_x: float | None = None, half_y: float | None = None)
 
 
 def draw_axis(axes: Axes, angle_deg: float) -> None:
-    """A body's axis at an angle to the motion: dash-dotted, as engineers draw that of a cylinder."""
+    """Draw a body's axis as a dash-dotted line at this angle to the motion."""
     angle, dashes = np.radians(angle_deg), (0, (8, 2, 1, 2))
     axes.axline((0.0, 0.0), (np.cos(angle), np.sin(angle)), color=GREY, linewidth=0.7, linestyle=dashes)

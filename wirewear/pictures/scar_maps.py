@@ -1,9 +1,8 @@
-"""Both scars from above, in true colours of depth.
+"""Pictures of scars: depth maps, sections along the motion, maps of pressure at mid-stroke and of slip distance per
+cycle.
 
-Sections through both scars along the motion; pressure at mid-stroke and distance slid in a cycle, as maps.
-
-The maps are of the held body, whose contact stays where it is. The fields are drawn smoothly between the grid points
-(see `smooth`), and blank where nothing is pressed or slides.
+Pressure and slip are shown on the held body, whose contact does not move. Fields are interpolated smoothly (see
+`smooth`), and blank where there is neither pressure nor slip.
 """
 
 from collections.abc import Sequence
@@ -30,10 +29,10 @@ LEAST_TICK_DISTANCE = 0.1  #: Least distance of ticks on a root-of-depth colour 
 
 
 def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure:
-    """Unworn and worn profile on y = 0: one row for each cycle, one column for each body, the runs overlaid.
+    """Unworn and worn profile on y = 0 of all runs: one row for each cycle, one column for each body.
 
-    All panels have the same scale; the heights are exaggerated by a round factor, stated in the picture.
-    Raises ResultError if a run has logged no scar near one of the cycles.
+    All panels have the same scale; heights are exaggerated by a round factor, stated in the picture. Raises ResultError
+    if a run has logged no scar near one of the cycles.
     """
     bodies = results[0].bodies
     shown = {(c, w): [smooth_scar(result.scar(c, w)) for result in results] for c in cycles for w in bodies}
@@ -79,13 +78,15 @@ def _draw_section(axes: Axes, results: Sequence[RunResult], scars: Sequence[Scar
 
 
 def profile(scar: Scar, x: Array) -> tuple[Array, Array]:
-    """Heights [µm] of the unworn and the worn surface at (x, 0), above the crown."""
+    """Heights in µm of the unworn and the worn surface at (x, 0), counted from the crown."""
     unworn = scar.unworn_height_um(*scar.wire_coordinates(x, 0.0))
     return unworn, unworn - scar.sampled(x, np.zeros(1))[:, 0]
 
 
 def _lowest_worn_height(scar: Scar) -> float:
-    """Lowest height [µm] of the worn surface on the section, where a hundredth of the worst depth is worn."""
+    """Lowest height in µm of the worn surface on the section, where it is worn by more than 1 % of the largest
+    depth.
+    """
     x, depth = scar.section_along_motion()
     worn = depth > 0.01 * scar.max_depth_um
     heights = profile(scar, x[worn] if worn.any() else x)[1]
@@ -93,14 +94,14 @@ def _lowest_worn_height(scar: Scar) -> float:
 
 
 def _half_extent(scar: Scar) -> float:
-    """Largest |x| [µm] on the section at which a hundredth of the worst depth is worn."""
+    """Largest |x| in µm on the section at which more than 1 % of the largest depth is worn."""
     x, depth = scar.section_along_motion()
     worn = depth > 0.01 * scar.max_depth_um
     return float(abs(x[worn]).max()) if worn.any() else float(abs(x).max())
 
 
 def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
-    """Pressure and slip of one run at several cycles, one column each; every row has one colour scale."""
+    """Pressure and slip distance of one run, one column for each cycle; each row has one colour scale."""
     held = result.bodies[1]
     scars = [result.scar(cycle, held) for cycle in cycles]
     half_x, half_y = (1.15 * half for half in touched_half_extent(scars))
@@ -135,15 +136,15 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
 
 
 def _mean(scar: Scar) -> float:
-    """Mean pressure [MPa] of the nodes under pressure: the load over the area that carries it."""
+    """Mean pressure in MPa over the area under pressure."""
     area = np.outer(np.gradient(scar.axial_um), np.gradient(scar.transverse_um)) * (scar.pressure_MPa > 0.0)
     return float((area * scar.pressure_MPa).sum() / area.sum()) if area.any() else 0.0
 
 
 def touched_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
-    """Largest |x| and |y| [µm] in the sliding frame where the wires touch at mid-stroke or slide on each other.
+    """Largest |x| and |y| in µm, along and across the motion, where the bodies touch at mid-stroke or slide.
 
-    At least to the grid points beside the middle, where they touch at one alone.
+    At least one grid spacing, where they touch at a single point.
     """
     half_x = half_y = 0.0
     for scar in scars:
@@ -159,9 +160,9 @@ def touched_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
 
 
 def _step_um(result: RunResult, cycle: int) -> float:
-    """Longest way between two samples of a cycle's loop.
+    """Largest displacement in µm between two samples of this cycle's loop; 0 without a loop.
 
-    A point under the contact's edge slides all of it or none: averages over it do not depend on where the edge was.
+    Slip distances at the contact's edge are uncertain by it, so that pictures average over this length.
     """
     motion = [loop.displacement_um for loop in result.loops if loop.cycle == cycle]
     return float(abs(np.diff(motion[0])).max(initial=0.0)) if motion else 0.0
@@ -172,7 +173,9 @@ def _short(value: float) -> str:
 
 
 def scars_from_above(results: Sequence[RunResult]) -> Figure:
-    """Depth of both scars at each run's last logged cycle: one row for each run, one frame and colour scale for all."""
+    """Depth of both scars at each run's last logged cycle: one row for each run, with a common frame and
+    colour scale.
+    """
     rows = [last_scars(result) for result in results]
     figure, grid = _grid_of_maps(rows, Normalize(0.0, deepest(rows)))
     for row, scars, result in zip(grid, rows, results, strict=True):
@@ -188,7 +191,9 @@ def scars_from_above(results: Sequence[RunResult]) -> Figure:
 
 
 def scar_series(result: RunResult, cycles: Sequence[int]) -> Figure:
-    """Depth of both scars of one run at several cycles, one row for each body; colours follow the root of the depth."""
+    """Depth of both scars of one run, one column for each cycle, one row for each body; colours follow the root of the
+    depth.
+    """
     rows = [[result.scar(cycle, body) for cycle in cycles] for body in result.bodies]
     worst = deepest(rows)
     figure, grid = _grid_of_maps(rows, PowerNorm(0.5, 0.0, worst), root_ticks(worst))
@@ -207,7 +212,8 @@ def scar_series(result: RunResult, cycles: Sequence[int]) -> Figure:
 
 
 def last_scars(result: RunResult) -> list[Scar]:
-    """The driven and the held body's scar at the last cycle that has both.
+    """Scars of the driven and the held body at the last logged cycle.
+
     Raises ResultError if the run has logged no scars.
     """
     last = max(result.scar_cycles(), default=1)
@@ -215,12 +221,14 @@ def last_scars(result: RunResult) -> list[Scar]:
 
 
 def deepest(rows: Sequence[Sequence[Scar]]) -> float:
-    """Worst depth [µm] of all scars, the end of their common colour scale; 1 µm if all are unworn."""
+    """Largest depth in µm of all scars, for their common colour scale; 1 µm if all are unworn."""
     return max(scar.max_depth_um for row in rows for scar in row) or 1.0
 
 
 def root_ticks(worst: float) -> list[float]:
-    """Zero and the round depths up to the worst that are far enough apart on a colour bar of the root of the depth."""
+    """Depths for the ticks of a colour bar that follows the root of depth: 0 and round values up to the
+    largest depth.
+    """
     ticks, step = [worst], style.round_below(worst)
     while (step / worst) ** 0.5 > LEAST_TICK_DISTANCE:
         if (ticks[-1] / worst) ** 0.5 - (step / worst) ** 0.5 > LEAST_TICK_DISTANCE:
@@ -252,7 +260,7 @@ def _grid_of_maps(
 
 
 def _draw_layers(axes: Axes, result: RunResult, scar: Scar) -> None:
-    """Lines around the places where layers are worn through, on a map of the depth."""
+    """Draw outlines of the areas where layers are worn through on a map of depth."""
     faces = [face for face in result.layer_faces_um(scar.body) if 0.0 < face < scar.max_depth_um]
     if faces:
         x, y = (np.linspace(*ends, RESOLUTION) for ends in (axes.get_xlim(), axes.get_ylim()))

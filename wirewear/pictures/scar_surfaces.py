@@ -1,4 +1,4 @@
-"""Both scars in 3D: the worn wires' surfaces in true proportions, coloured by depth."""
+"""3D pictures of both scars: the worn surfaces in true proportions, coloured by depth."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,7 +33,9 @@ PIXELS = 1100  #: Width of a rendering, about twice the width of its panel: shri
 
 @dataclass(frozen=True)
 class View:
-    """An orthographic view: unit vectors to the right, upwards and towards the eye, in the sliding frame."""
+    """Orthographic view: unit vectors to the right, upwards and towards the eye, in the sliding frame (x along the
+    motion).
+    """
 
     right: Array
     up: Array
@@ -41,14 +43,14 @@ class View:
 
     @classmethod
     def from_angles(cls, azimuth_deg: float, elevation_deg: float) -> "View":
-        """Seen from that azimuth (from x towards y) and elevation above the surface; z points up in the picture."""
+        """View from this azimuth (from x towards y) and elevation above the surface, with z upwards in the picture."""
         a, e = np.radians(azimuth_deg), np.radians(elevation_deg)
         eye = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
         right = np.array([-np.sin(a), np.cos(a), 0.0])
         return cls(right, np.cross(eye, right), eye)
 
     def project(self, points: ArrayLike) -> Array:
-        """Positions in the picture's plane [µm], shape (..., 2), of points (..., 3)."""
+        """Coordinates (..., 2) in the plane of the picture, in µm, of points (..., 3)."""
         positions: Array = np.asarray(points, dtype=np.float64) @ np.stack([self.right, self.up], axis=1)
         return positions
 
@@ -57,7 +59,9 @@ VIEW = View.from_angles(azimuth_deg=-62.0, elevation_deg=38.0)
 
 
 def scars_in_3d(results: Sequence[RunResult]) -> Figure:
-    """Both bodies at each run's last logged cycle, crowns up: one row for each run, one view and scale for all."""
+    """Worn surface of both bodies at each run's last logged cycle, crowns up: one row a run, one view and scale for
+    all.
+    """
     rows = [last_scars(result) for result in results]
     scars = [scar for row in rows for scar in row]
     half_length = 1.3 * max(worn_half_extent(scars))
@@ -92,9 +96,9 @@ def scars_in_3d(results: Sequence[RunResult]) -> Figure:
 
 
 def worn_surface(scar: Scar, half_length_um: float, half_strip_um: float) -> "pyvista.StructuredGrid":
-    """The worn body near its crown, in the sliding frame [µm], with the point data `depth_um`.
+    """Worn surface near a body's crown in the sliding frame in µm, with the point data `depth_um`.
 
-    Over |axial| ≤ half_length_um and |transverse| ≤ half_strip_um, cut short of its flanks.
+    It covers |axial| ≤ half_length_um and |transverse| ≤ half_strip_um, limited to where the body's surface exists.
     """
     import pyvista
 
@@ -113,7 +117,7 @@ def worn_surface(scar: Scar, half_length_um: float, half_strip_um: float) -> "py
 def _render(
     scar: Scar, half_length_um: float, half_strip_um: float, worst_um: float
 ) -> tuple[NDArray[np.uint8], tuple[float, float, float, float]]:
-    """An image of the wire, and its extent (left, right, bottom, top) in the picture's plane [µm]."""
+    """Image of the worn body, and its extent (left, right, bottom, top) in the plane of the picture in µm."""
     import pyvista
 
     surface = worn_surface(scar, half_length_um, half_strip_um)
@@ -161,7 +165,7 @@ def _render(
 
 
 def _cut_faces(surface: "pyvista.StructuredGrid") -> list["pyvista.PolyData"]:
-    """The plane faces at both ends of the wire, from its surface down to the strip's lower edges."""
+    """Plane faces that close both ends of the body, from its surface down to the lower edge of the strip."""
     import pyvista
 
     points = surface.points.reshape((*surface.dimensions[:2], 3), order="F")
@@ -171,7 +175,7 @@ def _cut_faces(surface: "pyvista.StructuredGrid") -> list["pyvista.PolyData"]:
 
 
 def _draw_rulers(axes: Axes, length_um: float, text_um: float) -> None:
-    """Three arrows of that true length along x, y and z in the lower left corner, projected as the wire is."""
+    """Draw arrows of this length along x, y and z in the lower left corner, projected as the body is."""
     directions = {"x (sliding)": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
     tips = {name: VIEW.project(direction) * length_um for name, direction in directions.items()}
     corner = np.array([axes.get_xlim()[0], axes.get_ylim()[0]])

@@ -1,9 +1,9 @@
-"""Scars and loops on finer grids, so that pictures show surfaces and fields, not the elements they were computed on.
+"""Scars and loops interpolated to finer grids, so that pictures show surfaces and not elements.
 
 Between grid points a field follows monotone cubics (F. N. Fritsch & R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238),
-along one axis after the other: smooth, through every computed value, and nowhere beyond its neighbours. The area where
-it is not zero ends somewhere between two grid points; there a depth is carried on as a thin plate bends, other fields
-as they came.
+along one axis after the other: smooth, through every computed value, and never beyond its neighbours. Where a field
+falls to zero between two grid points, it is extrapolated from inside to find its edge: a depth like a bent thin plate,
+other fields linearly.
 """
 
 from collections.abc import Mapping, Sequence
@@ -42,7 +42,7 @@ _NEIGHBOURS = [(a, t) for a in (-1, 0, 1) for t in (-1, 0, 1) if (a, t) != (0, 0
 
 
 def chosen_cycles(logged: Sequence[int], most: int = MOST_LOOPS) -> tuple[int, ...]:
-    """At most `most` of the logged cycles: the last, and the first and the decades before it, evenly thinned."""
+    """At most `most` of the logged cycles: first, last and the powers of ten between them, thinned evenly."""
     cycles = sorted(set(logged))
     decades = [c for c in cycles if 10 ** round(np.log10(max(c, 1))) == c]
     wanted = cycles if len(cycles) <= most else sorted({cycles[0], *decades, cycles[-1]})
@@ -51,14 +51,14 @@ def chosen_cycles(logged: Sequence[int], most: int = MOST_LOOPS) -> tuple[int, .
 
 
 def smooth_loop(loop: Loop, points: int = POINTS) -> tuple[Array, Array]:
-    """Displacement [µm] and force [N] of the closed loop through all of its samples, see `smooth_curve`."""
+    """Displacement in µm and force in N of the closed loop through all of its samples, see `smooth_curve`."""
     return smooth_curve(loop.displacement_um, loop.tangential_force_N, points)
 
 
 def smooth_curve(displacement_um: Array, force: Array, points: int = POINTS) -> tuple[Array, Array]:
-    """A closed loop through all of its samples (n,), with at least `points` points of each coordinate.
+    """Coordinates of a closed smooth loop through all samples (n,), at `points` places or more.
 
-    Monotone cubics over the length along the loop; nothing is drawn beyond neighbouring samples.
+    Monotone cubics over the length along the loop, never beyond neighbouring samples.
     """
     x, q = (np.append(values, values[0]) for values in (displacement_um, force))
     # Slopes of forces that next to no friction leaves would not be finite.
@@ -81,7 +81,9 @@ def smooth_curve(displacement_um: Array, force: Array, points: int = POINTS) -> 
 
 
 def extended(first: Array, second: Array, values: Array, inside: Mask) -> Array:
-    """The values (n_1, n_2) with those of RINGS rings of points around `inside` replaced; first, second: grid lines."""
+    """Copy of values (n_1, n_2) in which RINGS rings of points around `inside` are extrapolated; first, second: grid
+    lines.
+    """
     band = sliding_window_view(np.pad(inside, RINGS), (2 * RINGS + 1,) * 2).any(axis=(2, 3)) & ~inside
     if not inside.any() or not band.any():
         return values
@@ -97,7 +99,7 @@ def extended(first: Array, second: Array, values: Array, inside: Mask) -> Array:
 
 
 def _bending(first: Array, second: Array, known: Mask, axis: int) -> sparse.coo_array:
-    """Second differences along an axis wherever all three points are known."""
+    """Rows of second differences along an axis, wherever all three points are known."""
     line, along = (first, known) if axis == 0 else (second, known.T)
     index = np.arange(known.size).reshape(known.shape)
     index = index if axis == 0 else index.T
@@ -110,7 +112,7 @@ def _bending(first: Array, second: Array, known: Mask, axis: int) -> sparse.coo_
 
 
 def _twist(first: Array, second: Array, known: Mask) -> sparse.coo_array:
-    """Mixed differences over the cells whose corners are all known, weighted as the energy counts them."""
+    """Rows of mixed differences over cells whose four corners are known, weighted as in the bending energy."""
     index = np.arange(known.size).reshape(known.shape)
     i, j = np.nonzero(known[:-1, :-1] & known[1:, :-1] & known[:-1, 1:] & known[1:, 1:])
     weight = 2.0**0.5 / (np.diff(first)[i] * np.diff(second)[j])
@@ -125,9 +127,10 @@ def _rows(points: list[NDArray[np.int_]], weights: list[Array], size: int) -> sp
 
 
 def smooth_scar(scar: Scar) -> Scar:
-    """The scar's worn depth on a finer grid that contains its own; the other fields are zero there, and no print is.
+    """Scar with its worn depth on a finer grid that contains its own; other fields are zero there, and prints are left
+    out.
 
-    The scar ends where the depth, carried on from inside, vanishes.
+    The scar ends where the depth, extrapolated from inside, becomes zero.
     """
     inside, near, _ = _carried_on(scar, scar.depth_um, 0.0)
     beyond = extended(scar.axial_um, scar.transverse_um, scar.depth_um, inside)
@@ -143,10 +146,10 @@ def smooth_scar(scar: Scar) -> Scar:
 
 
 def smooth_field(scar: Scar, field: str, over_um: float = 0.0) -> tuple[Array, Array, MaskedField]:
-    """Finer grid lines (n_a,), (n_t,) in µm and a field of the scar on them, masked outside the area where it is.
+    """Finer grid lines (n_a,) and (n_t,) in µm, and a field of the scar on them, masked where it is zero.
 
-    Unlike a depth, a pressure or a slip need not vanish at the edge: the area has an outline of its own. The field is
-    averaged over that length along the motion.
+    Unlike a depth, pressure or slip may end abruptly: the area gets a smooth outline of its own. The field is averaged
+    over the length `over_um` along the motion.
     """
     from scipy.ndimage import gaussian_filter, uniform_filter
 
@@ -169,7 +172,7 @@ def smooth_field(scar: Scar, field: str, over_um: float = 0.0) -> tuple[Array, A
 
 
 def worn_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
-    """Largest |x| and |y| [µm] in the sliding frame at which a hundredth of the worst depth of all scars is worn."""
+    """Largest |x| and |y| in µm, along and across the motion, where 1 % of the largest depth of all scars is worn."""
     least = 0.01 * max(scar.max_depth_um for scar in scars)
     half_x = half_y = 0.0
     for scar in scars:
@@ -182,7 +185,7 @@ def worn_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
 
 
 def _finer(line: Array) -> Array:
-    """The line's points and others evenly between them."""
+    """The line's points and further ones spread evenly between them."""
     # Points that a picture needs along each axis of a scar's grid, at least.
     parts = int(np.ceil(400 / (line.size - 1)))
     between = line[:-1, None] + np.diff(line)[:, None] * (np.arange(parts) / parts)
@@ -195,8 +198,9 @@ def _interpolated(scar: Scar, values: Array, axial: Array, transverse: Array) ->
 
 
 def _carried_on(scar: Scar, values: Array, least: float) -> tuple[BoolArray, Array, Array]:
-    """Where a field exceeds a value; the mean of each point's neighbours there; the mean of what the field would be at
-    the point if it went on as it came to them. Each is (n_a, n_t), and zero at points without such neighbours.
+    """Three arrays (n_a, n_t): where a field exceeds `least`, and two estimates at each point from neighbours that do.
+
+    The estimates are the mean of these neighbours, and the mean of linear extrapolations through them; 0 without any.
     """
     inside = values > least
     near, beyond, count = np.zeros_like(values), np.zeros_like(values), np.zeros_like(values)
@@ -212,20 +216,20 @@ def _carried_on(scar: Scar, values: Array, least: float) -> tuple[BoolArray, Arr
 
 
 def _from(values: Array, step_a: int, step_t: int) -> Array:
-    """The neighbour's value at each point, zero beyond the grid's edge."""
+    """Value of the neighbour at this step from each point; zero beyond the grid's edge."""
     padded = np.pad(values, 1)
     return padded[1 + step_a :, 1 + step_t :][: values.shape[0], : values.shape[1]]
 
 
 def _lengthening(scar: Scar, step_a: int, step_t: int) -> Array:
-    """Distance to a neighbour over that from it to the one behind it, (n_a, n_t)."""
+    """Distance of each point to a neighbour, over that from the neighbour to the next point in line, (n_a, n_t)."""
     (a_near, a_far), (t_near, t_far) = _spans(scar.axial_um, step_a), _spans(scar.transverse_um, step_t)
     near = np.hypot(a_near[:, None], t_near[None, :])
     return np.asarray(near / np.hypot(a_far[:, None], t_far[None, :]))
 
 
 def _spans(line: Array, step: int) -> tuple[Array, Array]:
-    """Distance from each point to its neighbour, and from that to the next, (n,) each."""
+    """Distances from each point to its neighbour in the direction of `step`, and from there to the next, (n,) each."""
     if step == 0:
         return np.zeros_like(line), np.zeros_like(line)
     widths = np.pad(np.diff(line), 2, mode="edge")

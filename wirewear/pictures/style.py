@@ -1,4 +1,4 @@
-"""The one design language of all pictures: sizes, fonts, colours, marks. Nothing here touches global plotting state."""
+"""Common style of all pictures: sizes, fonts, colours, marks. Nothing here changes global plotting state."""
 
 import math
 import tomllib
@@ -53,7 +53,7 @@ _used: ContextVar[Mapping[str, Any]] = ContextVar("used", default=_SETTINGS)
 
 
 class LineLook(TypedDict, total=False):
-    """How a line looks, in matplotlib's words."""
+    """Properties of a line, named as in matplotlib."""
 
     color: ColorType
     linestyle: LineStyleType
@@ -61,7 +61,7 @@ class LineLook(TypedDict, total=False):
 
 
 class AreaLook(TypedDict, total=False):
-    """How an area looks, in matplotlib's words."""
+    """Properties of a filled area, named as in matplotlib."""
 
     color: ColorType
     alpha: float
@@ -69,7 +69,7 @@ class AreaLook(TypedDict, total=False):
 
 @contextmanager
 def on_paper() -> Iterator[None]:
-    """Within it, pictures are made for a journal of two columns: one panel for one, several for both."""
+    """Draw pictures for a two-column journal inside this context: single panels in one column, others across both."""
     before = _used.set(_PAPER)
     try:
         yield
@@ -79,13 +79,13 @@ def on_paper() -> Iterator[None]:
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Within it, figures are made in the house style; afterwards matplotlib's settings are what they were."""
+    """Apply the common style inside this context; matplotlib's settings are restored afterwards."""
     with mpl.rc_context(_used.get()):  # type: ignore[arg-type]
         yield
 
 
 class HouseFigure(Figure):
-    """A figure that a notebook shows, though it does not belong to pyplot."""
+    """Figure that a notebook displays although it does not belong to pyplot."""
 
     def _repr_png_(self) -> bytes:
         image = BytesIO()
@@ -102,8 +102,10 @@ def new_figure(height_in: float, width_in: float = WIDTH_in) -> Figure:
 
 
 def save(draw: Callable[[], Figure], path: Path) -> Path:
-    """Make a figure in the house style, write it to `path` as PNG (or as its ending says) and return the path.
-    Raises ResultError if the file cannot be written, or matplotlib knows no such ending.
+    """Draw a figure in the common style, write it in the format of the path's ending (PNG without one), and return the
+    path.
+
+    Raises ResultError if the file cannot be written, or matplotlib does not know the ending.
     """
     require_picture_name(path)
     with styled():
@@ -116,13 +118,13 @@ def save(draw: Callable[[], Figure], path: Path) -> Path:
 
 
 def require_picture_name(path: Path) -> None:
-    """See that a picture can be drawn under that name. Raises ResultError if matplotlib knows no such ending."""
+    """Check that matplotlib can write the format of the path's ending. Raises ResultError if not."""
     if path.suffix[1:].lower() not in {"", *FigureCanvasAgg.get_supported_filetypes()}:
         raise ResultError(f"the picture {path} cannot be drawn: its name must end in .png, .svg or .pdf.")
 
 
 def svg(draw: Callable[[], Figure]) -> bytes:
-    """A figure in the house style as SVG: texts are texts, and equal figures are equal files."""
+    """SVG of a figure in the common style, with text as text and the same bytes for the same figure."""
     image = BytesIO()
     with styled(), mpl.rc_context({"svg.hashsalt": "wirewear"}):
         draw().savefig(image, format="svg", metadata={"Date": None})
@@ -130,7 +132,7 @@ def svg(draw: Callable[[], Figure]) -> bytes:
 
 
 def variant_style(index: int) -> LineLook:
-    """Line colour and dashes of the variant at that place."""
+    """Line colour and dashes of the variant with this index."""
     return {
         "color": VARIANT_COLOURS[index % len(VARIANT_COLOURS)],
         "linestyle": VARIANT_DASHES[index % len(VARIANT_DASHES)],
@@ -138,13 +140,13 @@ def variant_style(index: int) -> LineLook:
 
 
 def cycle_colours(count: int) -> list[tuple[float, float, float, float]]:
-    """One colour for each of `count` cycles, the last the darkest."""
+    """One colour for each of `count` cycles, from light to dark."""
     shades = [0.0] if count == 1 else np.linspace(0.82, 0.0, count)
     return [colormaps["viridis"](shade) for shade in shades]
 
 
 def depth_scale(depths_um: Iterable[Array]) -> tuple[Colormap, Normalize]:
-    """Colours of measured depths [µm] and their scale: worn as `DEPTH_COLOURS`, what rises above the surface green."""
+    """Colours and scale for measured depths in µm: `DEPTH_COLOURS` where worn, green where raised above the surface."""
     fields = list(depths_um)
     deepest = max([1e-6, *(float(np.nanmax(depth)) for depth in fields)])
     lowest = min([0.0, *(float(np.nanmin(depth)) for depth in fields)])
@@ -156,12 +158,12 @@ def depth_scale(depths_um: Iterable[Array]) -> tuple[Colormap, Normalize]:
 
 
 def cycle_name(cycle: int) -> str:
-    """12 345 with a thin space, from 10 000 on."""
+    """Number of cycles as text, with thin spaces from 10 000 on."""
     return counted(cycle)
 
 
 def cycle_axis(axes: Axes) -> None:
-    """A logarithmic axis of cycles from the first on, with ticks at the decades; for axes that have their curves."""
+    """Make the x axis a logarithmic axis of cycles with ticks at powers of ten; call it after the curves are drawn."""
     axes.set_xscale("log")
     axes.set_xlim(left=1.0)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: cycle_name(round(value))))
@@ -171,7 +173,7 @@ def cycle_axis(axes: Axes) -> None:
 
 
 def _narrow(axes: Axes) -> bool:
-    """Whether numbers at all decades up to the last cycle would touch."""
+    """True if labels at all powers of ten up to the last cycle would touch."""
     figure = axes.get_figure(root=True)
     width_in = axes.get_position().width * (figure.get_figwidth() if figure is not None else WIDTH_in)
     # Room that the number of a decade takes on an axis of cycles.
@@ -179,7 +181,7 @@ def _narrow(axes: Axes) -> bool:
 
 
 def panel_letters(panels: Sequence[Axes]) -> None:
-    """(a), (b), … before the title of each panel."""
+    """Put (a), (b), … before the title of each panel."""
     for letter, axes in zip("abcdefghijklmnopqrstuvwxyz", panels, strict=False):
         axes.set_title(f"({letter})  {axes.get_title(loc='left')}", loc="left")
 
@@ -191,7 +193,7 @@ def round_below(value: float) -> float:
 
 
 def scale_bar(axes: Axes, length_um: float) -> None:
-    """A bar of that length in data units [µm], with its label, in the lower left corner of a panel."""
+    """Draw a bar of this length in µm with its label in the lower left corner of a panel."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     start, y = left + 0.04 * (right - left), bottom + 0.06 * (top - bottom)
     axes.plot([start, start + length_um], [y, y], color=INK, linewidth=2.5, solid_capstyle="butt")
@@ -201,7 +203,7 @@ def scale_bar(axes: Axes, length_um: float) -> None:
 
 
 def sliding_arrow(axes: Axes) -> None:
-    """A double arrow along x in the upper right corner: the motion goes to and fro."""
+    """Draw a double arrow for the sliding direction in the upper right corner of a panel."""
     axes.annotate(
         "",
         xy=(0.97, 0.86),

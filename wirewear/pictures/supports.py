@@ -1,4 +1,4 @@
-"""How two bodies in contact are held and moved, drawn on their sections: grips, load, stroke, springs."""
+"""Pictures of the boundary conditions of two bodies in contact: grips, load, stroke, springs."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ _MOST_LINES = 15  #: At most so many lines are drawn from a reference node to wh
 
 @dataclass(frozen=True, eq=False)
 class HeldBody:
-    """A body in one section: its edge and the part of it that is held, as lines (k, 2, 2) in mm."""
+    """Section of a body: its outline and its held part, both as line segments (k, 2, 2) in mm."""
 
     edge: Array
     grip: Array
@@ -29,7 +29,7 @@ class HeldBody:
 
 @dataclass(frozen=True)
 class Supports:
-    """What acts on both: texts for load, stroke of the lower body, and springs of the holder, "" for a rigid one."""
+    """Labels of the load, of the lower body's stroke and of the holder's springs, each "" where rigid."""
 
     load: str
     stroke: str
@@ -43,7 +43,7 @@ class Supports:
 def draw_boundary_conditions(
     views: Sequence[tuple[str, HeldBody, HeldBody]], supports: Supports, *, along_motion: Sequence[bool]
 ) -> Figure:
-    """One panel for each view: its title, the upper and the lower body. Motion is drawn where it lies in the view."""
+    """One panel for each view (title, upper body, lower body); the motion is drawn where `along_motion` is True."""
     figure = new_figure(3.9)
     panels = figure.subplots(1, len(views), squeeze=False)[0]
     for axes, (title, upper, lower), moves in zip(panels, views, along_motion, strict=True):
@@ -92,7 +92,7 @@ def _draw_view(axes: Axes, upper: HeldBody, lower: HeldBody, supports: Supports,
 
 
 def _spread(places: Array) -> Array:
-    """At most _MOST_LINES of the places (k, 2), spread evenly to both sides."""
+    """At most _MOST_LINES of the points (k, 2), spread evenly over the width."""
     if not len(places):
         return places
     reach = float(np.abs(places[:, 0]).max())
@@ -102,7 +102,7 @@ def _spread(places: Array) -> Array:
 
 
 def _draw_holder(axes: Axes, node: Array, wide: float, size: float, supports: Supports) -> None:
-    """The holder's spring from its reference node to ground, or a guide where it is rigid, and its rotation."""
+    """Draw the holder's spring, or a rigid link, from its reference node to ground, and its pivot if it rotates."""
     wall = max(0.95 * wide, 0.6 * size)
     if supports.tangential:
         t = np.linspace(0.15, 0.85, 15)
@@ -137,7 +137,7 @@ def _draw_lines(axes: Axes, lines: Array, **style: object) -> None:
 
 
 def supports(study: Study, moving: BodyMesh, fixed: BodyMesh) -> Figure:
-    """Both bodies' sections along the motion and across it."""
+    """Sections of both bodies along and across the motion with their supports."""
     angle = np.radians(study.crossing_angle_deg)
     motion = np.radians(study.motion_angle_deg)
 
@@ -164,7 +164,7 @@ def _supports(study: Study) -> Supports:
 
 
 def _held(body: BodyMesh, placed: Callable[[Array], Array], axis: int) -> HeldBody:
-    """A body's section, round where it is; `placed` takes its points to where it lies in the test."""
+    """Section of a body normal to a coordinate axis; `placed` moves its points (n, 3) to their place in the test."""
 
     def cut(facets: IntArray) -> Array:
         points, finer, _ = round_facets(body.mesh.points, facets, body.geometry.round_mm)
@@ -175,7 +175,9 @@ def _held(body: BodyMesh, placed: Callable[[Array], Array], axis: int) -> HeldBo
 
 
 def _cut(points: Array, facets: IntArray, axis: int) -> Array:
-    """Lines (k, 2, 2), in the other coordinate and z, along which facets (m, 4) cross a coordinate's zero."""
+    """Line segments (k, 2, 2), in the other horizontal coordinate and z, where facets (m, 4) cross zero of coordinate
+    `axis`.
+    """
     import pyvista
 
     faces = np.column_stack([np.full(len(facets), 4), facets]).ravel()

@@ -1,4 +1,4 @@
-"""From a rope to its contacts: closed forms of strand mechanics, and a study of each contact."""
+"""From a strand or rope to its contacts: closed forms of strand mechanics, and a study of each contact."""
 
 from wirewear.strand.found import RopeContacts, strand_contacts
 

@@ -1,8 +1,9 @@
-"""From stick to slip: how layers of a strand slide under tension and friction as the strand is bent (N, mm, rad).
+"""From stick to slip: how layers of a strand slide under tension and friction as it is bent (N, mm, rad).
 
-Papailiou (IEEE Trans. Power Delivery 12 (1997) 1576): a wire sticks until the gain of its tension along it exceeds the
-friction that radial pressure allows. It slips first at the neutral axis, then up to the extrados. Reversals follow
-Masing's rule to first order in µ sin α, so that an amplitude of curvature takes the place of a first bend.
+Papailiou (IEEE Trans. Power Delivery 12 (1997) 1576): a member (wire or strand of a layer) sticks until its tension
+grows along it by more than radial pressure and friction allow. It slips first at the neutral axis, at last at the
+extrados. Reversals follow Masing's rule to first order in µ sin α, so that the amplitude of curvature can be used in
+place of a first bend.
 """
 
 from collections.abc import Sequence
@@ -20,7 +21,7 @@ ANGLES = np.linspace(0.0, 0.5 * pi, _PLACES)
 
 @dataclass(frozen=True, eq=False)
 class SlipCourse:
-    """One member of a layer, a wire or a strand; gain (ANGLES): tension over its mean one where all of it slips."""
+    """Slip of one member of a layer; `gain_N` holds its tension over the mean at ANGLES if it slips everywhere."""
 
     helix: Helix
     stiffness_N: float  #: EA.
@@ -28,27 +29,27 @@ class SlipCourse:
 
     @property
     def _lever_N_mm(self) -> float:
-        """Change of tension per curvature of a member that sticks: EA r cos²α."""
+        """Change of tension per curvature in N mm of a member that sticks: EA r cos²α."""
         return self.stiffness_N * self.helix.radius_mm * cos(self.helix.angle_rad) ** 2
 
     @property
     def _ratio(self) -> Array:
-        """Curvature at which slip has come as far as each of ANGLES."""
+        """Curvature in 1/mm at which the slip zone, which grows from the neutral axis, has reached each of ANGLES."""
         first = self.gain_N[1] / ANGLES[1] * 2.0 - self.gain_N[2] / ANGLES[2]
         return np.concatenate([[first], self.gain_N[1:] / np.sin(ANGLES[1:])]) / self._lever_N_mm
 
     @property
     def first_per_mm(self) -> float:
-        """Curvature at which slip begins at the neutral axis."""
+        """Curvature in 1/mm at which slip begins, at the neutral axis."""
         return float(self._ratio[0])
 
     @property
     def full_per_mm(self) -> float:
-        """Curvature from which on all of the member slips."""
+        """Curvature in 1/mm from which the whole member slips."""
         return float(self._ratio[-1])
 
     def slip_mm(self, curvature_per_mm: float) -> float:
-        """Slip along the member at the neutral axis, 0 while it sticks."""
+        """Slip in mm along the member at the neutral axis; 0 while it sticks."""
         reached = float(np.interp(curvature_per_mm, self._ratio, ANGLES))
         if curvature_per_mm <= self.first_per_mm:
             return 0.0
@@ -58,13 +59,13 @@ class SlipCourse:
         return self.helix.radius_mm / sin(self.helix.angle_rad) * (free - held)
 
     def gained_N(self, curvature_per_mm: float) -> float:
-        """Tension over the mean one at the extrados: that of a member that sticks, up to what friction allows."""
+        """Tension over the mean at the extrados in N: that of a sticking member, limited by friction."""
         return min(self._lever_N_mm * curvature_per_mm, float(self.gain_N[-1]))
 
 
 @dataclass(frozen=True)
 class BentLayer:
-    """What the slip of a layer depends on: its helix, number, tension and stiffness of each member."""
+    """Layer of a bent strand: its helix, number of members, and tension and axial stiffness EA of each in N."""
 
     helix: Helix
     count: int
@@ -75,11 +76,12 @@ class BentLayer:
 def slip_courses(
     layers: Sequence[BentLayer], friction: float, outside_N_per_mm: float, presses: Sequence[float]
 ) -> list[SlipCourse]:
-    """Slip of each layer, from the innermost on, under what presses on the outermost per millimetre of the axis.
+    """Slip of each layer, from the innermost to the outermost.
 
-    presses: the part of each layer's load that presses on the one below, 0 of one that arches.
-    A member is held below by its own radial pressure and that of layers above, above by the latter. Those have slipped
-    when it does, as Papailiou has it, and arches are held by their neighbours as a layer is by its core.
+    outside_N_per_mm: radial load on the outermost layer per mm of the strand's axis. presses: share of each layer's
+    radial load that it passes to the layer below, 0 for one that arches. A member is held below by its own radial
+    pressure and that of the layers above, and above by the latter. Layers above are taken to have slipped already
+    (Papailiou); an arching layer is held by its neighbours as by a core.
     """
     found: list[SlipCourse] = []
     above = np.full(_PLACES, outside_N_per_mm)
@@ -98,10 +100,10 @@ def slip_courses(
 
 
 def relative_slip_mm(outer: Helix | None, outer_mm: float, inner: Helix | None, inner_mm: float) -> tuple[float, float]:
-    """Slip of an outer against an inner member at the neutral axis, along the strand's axis and around it.
+    """Slip in mm of an outer member against an inner one at the neutral axis: along the strand's axis, then around it.
 
-    Each slides along itself; those of opposite lay to opposite sides, so that along the axis both add up. None: a
-    straight core, which does not slide.
+    Each slides along itself by outer_mm or inner_mm; with opposite lays both add up along the axis. A helix of None is
+    a straight core, which does not slide.
     """
     parts = [(h, u) for h, u in ((outer, outer_mm), (inner, -inner_mm)) if h is not None]
     return (sum(h.hand * u * cos(h.angle_rad) for h, u in parts), sum(u * sin(h.angle_rad) for h, u in parts))

@@ -1,7 +1,7 @@
-"""A strand or rope as a value: wires, layers of wires or of strands, and how a tension shares itself out among them.
+"""Construction of a strand or rope: wires, layers of wires or strands, and how a tension is shared among them.
 
-Hruska (Wire and Wire Products 26 (1951) 766): no rotation, and no contraction of the radii. A strand in a rope is a
-member as a wire is, of its own stiffness.
+Hruska (Wire and Wire Products 26 (1951) 766): no rotation, no contraction of the radii. A strand in a rope counts as a
+member with its own stiffness, as a wire does. A layer arches if its members touch each other and not the layer below.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ STEEPEST_deg = 45.0
 
 @dataclass(frozen=True)
 class RopeWire:
-    """A round wire; its yield stress is None where it is not stated."""
+    """Round wire; its yield stress is None where unknown."""
 
     diameter_mm: float
     elastic: Elastic
@@ -35,38 +35,38 @@ class RopeWire:
 
     @property
     def stiffness_N(self) -> float:
-        """EA."""
+        """Axial stiffness EA."""
         return self.elastic.youngs_modulus_MPa * self.area_mm2
 
     @property
     def bending_N_mm2(self) -> tuple[float, float]:
-        """EI, twice: a wire has one."""
+        """Bending stiffness EI, given twice: as the least and the largest one."""
         own = self.elastic.youngs_modulus_MPa * pi * self.diameter_mm**4 / 64.0
         return own, own
 
     def torque_N_mm(self, tension_N: float) -> float:
-        """None by tension."""
+        """Torque by a tension: 0 for a straight wire."""
         return 0.0 * tension_N
 
 
 @dataclass(frozen=True)
 class Fibre:
-    """A core that fills, and bears no tension."""
+    """Core of fibres, which fills the middle and carries no tension."""
 
     diameter_mm: float
     stiffness_N: float = 0.0
     bending_N_mm2: tuple[float, float] = (0.0, 0.0)
 
     def torque_N_mm(self, tension_N: float) -> float:
-        """None."""
+        """Torque by a tension: 0."""
         return 0.0 * tension_N
 
 
 @dataclass(frozen=True)
 class Layer:
-    """So many wires, or strands, on a helix; gap_mm: between it and what lies below.
+    """Wires or strands on a common helix; gap_mm is the distance to the layer or core below.
 
-    presses: the part of its load that it presses on what lies below with: 1, less in valleys, 0 of one that arches.
+    presses: share of its radial load that it passes on: 1, less where its members lie in valleys, 0 if it arches.
     """
 
     count: int
@@ -78,13 +78,13 @@ class Layer:
 
     @property
     def touches(self) -> bool:
-        """Whether it presses on what lies below; else it arches, its members on one another."""
+        """True if the layer presses on what lies below, False if it arches."""
         return self.presses > 0.0
 
 
 @dataclass(frozen=True)
 class Strand:
-    """A core, a wire, a fibre or a strand, with layers around it, from the innermost on."""
+    """A core (wire, fibre or strand) with layers around it, from the innermost to the outermost."""
 
     core: "RopeWire | Fibre | Strand"
     layers: tuple[Layer, ...]
@@ -95,14 +95,16 @@ class Strand:
 
     @cached_property
     def stiffness_N(self) -> float:
-        """EA = Σ n EA cos³α, rotation held."""
+        """Axial stiffness Σ n EA cos³α of core and layers, with rotation prevented."""
         return self.core.stiffness_N + sum(
             own.count * own.member.stiffness_N * cos(own.helix.angle_rad) ** 3 for own in self.layers
         )
 
     @cached_property
     def bending_N_mm2(self) -> tuple[float, float]:
-        """EI where all members slip freely, and where all stick: Σ n EI cos α, and ½ Σ n EA r² cos³α more."""
+        """Bending stiffness with all members slipping, Σ n EI cos α, and with all sticking, which adds ½ Σ n EA r²
+        cos³α.
+        """
         least, most = self.core.bending_N_mm2
         for own in self.layers:
             slips, sticks = (own.count * one * cos(own.helix.angle_rad) for one in own.member.bending_N_mm2)
@@ -115,12 +117,12 @@ class Strand:
         return tension_N * self.core.stiffness_N / self.stiffness_N
 
     def member_tension_N(self, layer: Layer, tension_N: float) -> float:
-        """Tension along a member of a layer: EA ε cos²α at the strand's strain ε."""
+        """Tension along one member of a layer under the strand's tension: EA ε cos²α at the strand's strain ε."""
         share = layer.member.stiffness_N * cos(layer.helix.angle_rad) ** 2 / self.stiffness_N
         return tension_N * share
 
     def torque_N_mm(self, tension_N: float) -> float:
-        """What holds the rotation: Σ n (T sin α r + M cos α), positive of a right lay."""
+        """Torque that prevents rotation under this tension: Σ n (T sin α r + M cos α), positive for a right lay."""
         total = self.core.torque_N_mm(self.core_tension_N(tension_N))
         for own in self.layers:
             tension, alpha = self.member_tension_N(own, tension_N), own.helix.angle_rad
@@ -133,7 +135,7 @@ Member: TypeAlias = RopeWire | Fibre | Strand
 
 
 def outer_diameter_mm(core: Member, layers: Sequence[Layer]) -> float:
-    """Of a core and the layers around it so far."""
+    """Diameter over a core and the layers around it."""
     if not layers:
         return core.diameter_mm
     return 2.0 * layers[-1].helix.radius_mm + layers[-1].member.diameter_mm
@@ -141,7 +143,7 @@ def outer_diameter_mm(core: Member, layers: Sequence[Layer]) -> float:
 
 @dataclass(frozen=True)
 class AskedLayer:
-    """A layer as it is stated, on a core and the layers so far; `where` names it in messages."""
+    """A layer as it is stated, on the core and layers `below` it; `where` names it in messages."""
 
     below: tuple[Member, Sequence[Layer]]
     count: int
@@ -152,8 +154,9 @@ class AskedLayer:
     where: str
 
     def laid(self) -> Layer:
-        """The layer at its stated radius or where it comes to rest: on what lies below, or arched over it.
-        Raises StudyError, in one sentence, if it cannot hold its members.
+        """The layer at its stated radius, or where it comes to rest: on what lies below, or arched over it.
+
+        Raises StudyError, in one sentence, if its members do not fit.
         """
         resting, least, d = self._resting_mm, self._least_mm, self.member.diameter_mm
         stated = self.radius_mm
@@ -187,7 +190,7 @@ class AskedLayer:
 
     @property
     def _valleys(self) -> Layer | None:
-        """The layer below, if it has this one's number and lay."""
+        """The layer below, if it has the same number and lay, so that members lie in its valleys; else None."""
         for beneath in self.below[1][-1:]:
             own, helix = (self.count, self.lay_length_mm, self.hand), beneath.helix
             if (beneath.count, helix.lay_length_mm, helix.hand) == own:
@@ -196,7 +199,7 @@ class AskedLayer:
 
     @property
     def _resting_mm(self) -> float:
-        """The radius at which it touches what lies below."""
+        """Radius at which the layer touches what lies below."""
         if (valleys := self._valleys) is None:
             return 0.5 * (self._base_mm + self.member.diameter_mm)
         found = valley_radius_mm(valleys.helix, valleys.member.diameter_mm, self.member.diameter_mm, self.count)
@@ -209,7 +212,7 @@ class AskedLayer:
 
     @property
     def _least_mm(self) -> float:
-        """The radius at which its members touch one another."""
+        """Radius at which members of the layer touch one another."""
         found = least_radius_mm(self.member.diameter_mm, self.lay_length_mm, self.count)
         if found == inf:
             raise StudyError(

@@ -1,4 +1,7 @@
-"""Every kind of contact in a bent strand or rope: its angle, load, slip, and what its wires bear in a cycle."""
+"""All kinds of contact in a bent strand or rope: angle, load and slip, and the stresses in its wires over a cycle.
+
+A crown is where a wire of an outer strand comes nearest to, or farthest from, the rope's axis.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -17,9 +20,9 @@ FLATTEST_deg = 5.0  #: Wires that cross at less lie along each other; no study c
 
 @dataclass(frozen=True)
 class Bend:
-    """A cycle of bending: the amplitude of curvature, whether it begins at a straight rope, and friction.
+    """Cycle of bending: amplitude of curvature, whether it starts from a straight rope, and friction.
 
-    tension_share: amplitude of the tension over its mean.
+    tension_share: amplitude of the tension over its mean, in step with the bending.
     """
 
     curvature_per_mm: float
@@ -30,9 +33,10 @@ class Bend:
 
 @dataclass(frozen=True)
 class LoadedWire:
-    """A wire of a layer with its stresses in a cycle, along its axis; the bending is E d/D (Reuleaux), all at extrados.
+    """Wire of a layer with its stresses along its axis in a cycle; all are those at the extrados.
 
-    axial_amplitude_MPa is the tension's own and that which friction lets build up while the strand is bent.
+    Bending stress is E d/D (Reuleaux). `axial_amplitude_MPa` is that of the tension and of what friction adds in
+    bending.
     """
 
     name: str
@@ -54,7 +58,7 @@ class LoadedWire:
 
 @dataclass(frozen=True)
 class SheaveGroove:
-    """Bottom of a groove: curvatures along the rope and, negative, across."""
+    """Bottom of a sheave's groove: curvatures in 1/mm along the rope and, negative, across it."""
 
     elastic: Elastic
     curvatures_per_mm: tuple[float, float]
@@ -62,7 +66,10 @@ class SheaveGroove:
 
 @dataclass(frozen=True)
 class ContactSlip:
-    """Slip amplitudes at a contact along the axis of the strand and around it, free and held by friction, and Q/µP."""
+    """Slip amplitudes in mm at a contact, along the strand's axis and around it, without and with friction.
+
+    share: tangential force over its limit, Q/µP.
+    """
 
     free_mm: tuple[float, float] = (nan, nan)
     held_mm: tuple[float, float] = (nan, nan)
@@ -71,9 +78,9 @@ class ContactSlip:
 
 @dataclass(frozen=True)
 class WireContact:
-    """Contacts of one kind; the load is that of one of them, of a line that of one millimetre.
+    """Contacts of one kind; the load is that of one contact, or of one millimetre of a line contact.
 
-    Angles are those of the wires to the axis of the strand or rope.
+    Angles are those of the wires to the axis of the strand or rope, positive for a right lay.
     """
 
     name: str
@@ -95,7 +102,7 @@ class WireContact:
 
     @property
     def angle_deg(self) -> float:
-        """Of the wires to each other."""
+        """Angle between both wires, 0 to 90°."""
         return between_deg(self.lower_rad, self.upper_rad)
 
     @property
@@ -108,19 +115,19 @@ class WireContact:
 
     @property
     def motion_rad(self) -> float:
-        """Direction of the slip to the strand's axis."""
+        """Direction of the slip, as an angle to the strand's axis."""
         along, around = self.slip.free_mm
         return atan2(around, along)
 
     @property
     def along_across_mm(self) -> tuple[float, float]:
-        """Slip along the lower wire and across it."""
+        """Slip amplitude along the lower wire, and across it."""
         turned = self.motion_rad - self.lower_rad
         return self.slip_amplitude_mm * cos(turned), self.slip_amplitude_mm * sin(turned)
 
     @property
     def wires(self) -> list[LoadedWire]:
-        """Bodies that are wires, one or both."""
+        """The bodies in contact that are wires: both, or one on a sheave."""
         return [own for own in (self.lower, self.upper) if isinstance(own, LoadedWire)]
 
     @property
@@ -130,7 +137,7 @@ class WireContact:
 
     @property
     def gap_per_mm(self) -> tuple[float, float]:
-        """A and B of the gap Ax² + By², A being 0 of a line."""
+        """Coefficients A ≤ B in 1/mm of the gap Ax² + By²; A = 0 for a line contact."""
         across = 2.0 / self.upper.wire.diameter_mm
         if isinstance(self.lower, SheaveGroove):
             below, angle = self.lower.curvatures_per_mm, self.upper_rad
@@ -143,9 +150,9 @@ class WireContact:
 
 
 def contacts_of(rope: Strand, tension_N: float, bend: Bend, groove: SheaveGroove | None = None) -> list[WireContact]:
-    """All kinds of contact of a strand, or of a rope and its strands, from the innermost on.
+    """All kinds of contact in a strand, or in a rope and its strands, from the innermost to the outermost.
 
-    groove: of a sheave, whose curvature along the rope is that to which the rope is bent.
+    groove: of a sheave, if the rope runs on one; its curvature along the rope is that of the bent rope.
     """
     found = list(_Bent(rope, tension_N, 0.0, 0.0, bend).contacts())
     if groove is not None:
@@ -155,7 +162,7 @@ def contacts_of(rope: Strand, tension_N: float, bend: Bend, groove: SheaveGroove
 
 @dataclass(frozen=True)
 class _Bent:
-    """A strand under its tension, what friction adds to that, and a load from outside per millimetre of its axis."""
+    """Strand with its tension, the tension that friction adds, and a radial load per millimetre of its axis."""
 
     strand: Strand
     tension_N: float
@@ -189,7 +196,7 @@ class _Bent:
         return slip_courses(layers, self.bend.friction, self.outside_N_per_mm, presses)
 
     def loads_N_per_mm(self) -> list[float]:
-        """What each layer presses inwards with, all its members together per millimetre of the axis."""
+        """Radial load of each layer on what lies below, of all its members per mm of the axis."""
         found: list[float] = []
         above = self.outside_N_per_mm
         for own in reversed(self.strand.layers):
@@ -200,18 +207,18 @@ class _Bent:
         return found[::-1]
 
     def core_strand(self, core: Strand) -> "_Bent":
-        """What lies under the strands of a rope."""
+        """Core strand of a rope under its share of tension and the load of the strands around it."""
         share = self.strand.core_tension_N(1.0)
         outside = self.loads_N_per_mm()[0] if self.strand.layers[0].touches else 0.0
         return _Bent(core, share * self.tension_N, share * self.gained_N, outside, self.bend, "core strand: ")
 
     def of_member(self, place: int) -> "_Bent":
-        """A strand of a rope."""
+        """One strand of the layer with this index under its share of tension."""
         member = cast("Strand", self.strand.layers[place].member)
         return _Bent(member, *self._tensions(place), 0.0, self.bend, "outer strands: ")
 
     def wire(self, place: int) -> LoadedWire:
-        """A wire of a layer."""
+        """One wire of the layer with this index, with its stresses."""
         member = cast("RopeWire", self.strand.layers[place].member)
         return self._loaded(f"layer {place + 1}", member, *self._tensions(place))
 
@@ -220,7 +227,7 @@ class _Bent:
         return self._loaded("core", core, share * self.tension_N, share * self.gained_N)
 
     def _tensions(self, place: int) -> tuple[float, float]:
-        """Tension of a member of a layer, and what friction adds to it at the extrados."""
+        """Tension of one member of the layer with this index, and what friction adds to it at the extrados, in N."""
         share = self.strand.member_tension_N(self.strand.layers[place], 1.0)
         own = self.courses()[place].gained_N(self.bend.curvature_per_mm)
         return share * self.tension_N, share * self.gained_N + own
@@ -235,7 +242,9 @@ class _Bent:
         )  # fmt: skip
 
     def _slip(self, outer: SlipCourse, inner: SlipCourse | None = None, times: float = 1.0) -> ContactSlip:
-        """Of an outer member against an inner one, at the neutral axis; None: a core that does not slide."""
+        """Slip between an outer and an inner member at the neutral axis; inner is None for a core that does
+        not slide.
+        """
         curvature = self.bend.curvature_per_mm
         courses = [outer] if inner is None else [outer, inner]
         below = None if inner is None else inner.helix
@@ -264,7 +273,7 @@ class _Bent:
         )
 
     def _side_by_side(self, place: int, course: SlipCourse, load_N_per_mm: float) -> WireContact:
-        """Neighbours of a layer that arches; they slide against each other most at the extrados and the intrados."""
+        """Contacts between neighbours in an arching layer, which slide most at the extrados and the intrados."""
         layer, helix = self.strand.layers[place], course.helix
         along, turned, spacing = cos(helix.angle_rad), 0.0, inf
         if isinstance(layer.member, Strand):
@@ -313,7 +322,7 @@ class _Bent:
         )
 
     def _crowns(self, course: SlipCourse, load_N_per_mm: float) -> Iterator[WireContact]:
-        """Innermost crowns of strands on the core strand, or on a core of one wire; none on fibres."""
+        """Contacts of the strands' innermost wires with a core strand or core wire; none on a core of fibres."""
         ring, core = self.strand.layers[0], self.strand.core
         if isinstance(core, Fibre) or not isinstance(ring.member, Strand):
             return
@@ -340,7 +349,7 @@ class _Bent:
 
 
 def _points_or_line(contact: WireContact) -> WireContact:
-    """Contacts of a line load: the points at which wires cross, or the line itself where they hardly do."""
+    """Separate contact points where wires cross; the line contact unchanged if they cross at less than FLATTEST_deg."""
     if contact.angle_deg < FLATTEST_deg:
         return contact
     spacing = contact.spacing_mm
@@ -348,9 +357,9 @@ def _points_or_line(contact: WireContact) -> WireContact:
 
 
 def _on_sheave(rope: Strand, tension_N: float, bend: Bend, groove: SheaveGroove) -> WireContact:
-    """Crowns of the outermost wires in a groove that bears T/ρ; how they creep there is not computed.
+    """Contacts of the outermost wires with a groove that carries T/ρ; their slip is not computed.
 
-    A wire of a strand touches it once a lay, one strand of a rope bears at a time: estimates.
+    Estimates: a wire of a strand touches the groove once a lay, and one strand of a rope carries the load at a time.
     """
     last = rope.layers[-1]
     line_load = tension_N * groove.curvatures_per_mm[0]
@@ -383,9 +392,10 @@ def _on_sheave(rope: Strand, tension_N: float, bend: Bend, groove: SheaveGroove)
 
 
 def degrees_of(contact: WireContact) -> tuple[float, float]:
-    """Crossing angle and direction of the slip as a study of crossed wires states them, about the outward normal.
+    """Crossing angle and direction of slip in degrees, as a study of crossed wires states them about the outward
+    normal.
 
-    The lower wire is the driven one. The axis, the way around and the outward normal are a left-handed set.
+    The lower wire is the driven one. Axis, direction around it and outward normal form a left-handed system.
     """
     crossing = degrees(contact.lower_rad - contact.upper_rad) % 180.0
     motion = degrees(contact.lower_rad - contact.motion_rad)

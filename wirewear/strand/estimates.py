@@ -1,6 +1,6 @@
-"""What contacts of a strand come to by closed forms: pressure, yielding, friction energy, wear, life (N, mm, MPa, mJ).
+"""Estimates of a strand's contacts by closed forms: pressure, yielding, friction energy, wear, life (N, mm, MPa, mJ).
 
-Hertz, Cattaneo and Mindlin on the circle of equal area, or of a line along which wires slide; unworn half-spaces.
+Hertz, Cattaneo and Mindlin on a circle of equal area, or a line contact sliding along itself; unworn half-spaces.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,9 @@ _PLACES = 400
 
 @dataclass(frozen=True)
 class ContactEstimate:
-    """One kind of contact; energies and volumes are of a cycle, of one contact or of one millimetre of a line."""
+    """Estimates of one kind of contact; energies and volumes are per cycle, for one contact or one millimetre of a
+    line.
+    """
 
     contact: WireContact
     peak_pressure_MPa: float
@@ -56,7 +58,7 @@ class ContactEstimate:
 
     @property
     def severity(self) -> tuple[float, float]:
-        """What puts contacts in order, the worst first: the life, and friction energy per area."""
+        """Sorting key, the smallest being the worst: life in cycles, then the negative friction energy per area."""
         life = self.life_cycles
         area = pi * self.minor_mm * self.major_mm if self.major_mm < inf else 2.0 * self.minor_mm
         energy = self.energy_mJ / area
@@ -66,7 +68,7 @@ class ContactEstimate:
 def estimated(
     contact: WireContact, friction: float, wear_mm3_per_J: float, cycles: int, life: LifeTable | None
 ) -> ContactEstimate:
-    """The estimates of a contact; life: criterion and data, which the wires' materials complete."""
+    """Estimates of a contact; life: criterion and data, completed by the wires' materials, or None."""
     first, second = contact.elastic
     modulus = contact_modulus(first, second)
     small, large = contact.gap_per_mm
@@ -99,7 +101,7 @@ def estimated(
 
 
 def _worn_depth_mm(contact: WireContact, volume_mm3: float) -> float:
-    """A flat scar over the gap: V = πh²/(2√(AB)) of a cap, or the segment of a line (Archard's geometry)."""
+    """Depth of a flat scar with this volume: V = πh²/(2√(AB)) for a cap, or the segment of a line contact (Archard)."""
     small, large = contact.gap_per_mm
     if not volume_mm3 > 0.0:
         return volume_mm3
@@ -119,7 +121,7 @@ def _yielding(contact: WireContact, peak_MPa: float, ratio: float) -> tuple[floa
 
 
 def _partial_line_mJ(half_width_mm: float, shear_MPa: float, share: float, first: Elastic, second: Elastic) -> float:
-    """Energy that a millimetre of line contact takes per cycle while its middle still sticks, sliding along itself.
+    """Energy per cycle of a millimetre of line contact in partial slip along the line, in mJ.
 
     Antiplane shear µp0 [√(1 − x²/a²) − (c/a)√(1 − x²/c²)] strains two bodies against each other by µp0 √(x² − c²)/a
     (1/G₁ + 1/G₂) outside the stick zone c; each half of a cycle slips twice the first loading there (Masing).
@@ -154,9 +156,9 @@ def _life(
     reach_mm: float,
     life: LifeTable,
 ) -> float:
-    """Cycles until a crack begins at either edge of the contact, with stresses averaged as [life] has it.
+    """Cycles until a crack begins at either edge of the contact, with stresses averaged as [life] states.
 
-    Friction and bulk stress are largest at the same time, and where the bulk stress is: at the extrados.
+    Friction and bulk stress are taken to be largest at the same time, the bulk stress as at the extrados.
     """
     from wirewear.stress.averaging import kernel_of
     from wirewear.stress.criteria import criterion_of
@@ -189,7 +191,7 @@ def _stress(
     friction: float,
     peak_MPa: float,
 ) -> Array:
-    """Stresses (k, 6) at places about an edge of the contact at one end of the motion."""
+    """Stresses (k, 6) at points (k, 3) relative to an edge of the contact, at one end of the motion."""
     x, y, z = places[:, 0] + edge_mm, places[:, 1], places[:, 2]
     ratio, sign = wire.wire.elastic.poissons_ratio, 1.0 if share > 0.0 else -1.0
     if contact.is_line:
@@ -212,7 +214,9 @@ def _stress(
 
 
 def _antiplane(x_mm: Array, z_mm: Array, half_width_mm: float) -> Array:
-    """τ_yz + i τ_xy in a half-plane z > 0 under the shear √(1 − x²/a²) along y, which is harmonic and decays."""
+    """τ_yz + i τ_xy in the half-plane z > 0 under a unit shear √(1 − x²/a²) along y; harmonic and decaying
+    with depth.
+    """
     at = (x_mm + 1j * z_mm) / half_width_mm
     root = np.sqrt(1.0 - at) * np.sqrt(1.0 + at)
     return np.asarray(-(root + 1j * at))
@@ -221,6 +225,6 @@ def _antiplane(x_mm: Array, z_mm: Array, half_width_mm: float) -> Array:
 def estimates(
     contacts: Sequence[WireContact], friction: float, wear_mm3_per_J: float, cycles: int, life: LifeTable | None
 ) -> list[ContactEstimate]:
-    """Of all contacts, the worst first."""
+    """Estimates of all contacts, the worst first."""
     found = [estimated(one, friction, wear_mm3_per_J, cycles, life) for one in contacts]
     return sorted(found, key=lambda one: one.severity)

@@ -1,4 +1,4 @@
-"""A rope's file read, its contacts found and put in order: what the command and Python offer."""
+"""A rope's contacts, read from its file and sorted by severity, for the command line and Python."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STRONGEST_MPa = 1e4  #: Stresses beyond this are no wire's.
 
 @dataclass(frozen=True, eq=False)
 class RopeContacts:
-    """A strand or rope and all kinds of contact in it, the worst first."""
+    """A strand or rope with all kinds of contact in it, the worst first."""
 
     tables: RopeTables
     rope: Strand
@@ -33,7 +33,7 @@ class RopeContacts:
 
     @property
     def figures(self) -> dict[str, float]:
-        """Of the whole rope: its size, stiffnesses and torque."""
+        """Diameter, stiffnesses and torque of the whole rope, by column name."""
         least, most = self.rope.bending_N_mm2
         return {
             "diameter_mm": self.rope.diameter_mm,
@@ -45,7 +45,7 @@ class RopeContacts:
 
     @property
     def notes(self) -> list[str]:
-        """What must be known of single contacts."""
+        """Sentences on contacts whose estimates need caution."""
         found = [note for one in self.contacts for note in notes(one)]
         if all(isnan(one.yield_ratio) for one in self.contacts):
             found.append("No yield_stress_MPa is stated in [wires]: whether contacts yield is not known.")
@@ -53,19 +53,21 @@ class RopeContacts:
 
     @property
     def rows(self) -> list[dict[str, Any]]:
-        """A row of plain values for each kind of contact; what is not known is None."""
+        """One row of plain values for each kind of contact; None for unknown values."""
         return [_row(one) for one in self.contacts]
 
     def studies(self) -> dict[str, Study | LineStudy]:
-        """The study of each contact whose motion is known, by the contact's name.
-        Raises StudyError if a value lies outside what a study takes.
+        """Study of each contact with known slip, by the contact's name.
+
+        Raises StudyError if a value lies outside the range of a study.
         """
         return studies_of(self.contacts, self.tables)
 
 
 def strand_contacts(rope: str | Path | dict[str, Any]) -> RopeContacts:
-    """The contacts of a rope whose file, or tables, are given.
-    Raises StudyError, in one sentence, if they do not fit.
+    """Contacts of a rope, given by its file or by tables.
+
+    Raises StudyError, in one sentence, if the data are not consistent.
     """
     if isinstance(rope, dict):
         tables, where = rope_of(rope, "the rope"), "the rope"

@@ -1,4 +1,4 @@
-"""Wires and strands laid as helices: angles, curvatures, where neighbours touch, how layers cross (mm, rad)."""
+"""Wires and strands as helices: angles, curvatures, where neighbours touch, how layers cross (mm, rad)."""
 
 from dataclasses import dataclass
 from math import atan, atan2, cos, degrees, hypot, pi, sin
@@ -9,7 +9,7 @@ Hand = Literal[1, -1]  #: Right and left lay.
 
 @dataclass(frozen=True)
 class Helix:
-    """A centre line at a radius about an axis, once around it in a lay length."""
+    """Helical centre line of this radius about an axis, with one turn for each lay length."""
 
     radius_mm: float
     lay_length_mm: float
@@ -17,33 +17,33 @@ class Helix:
 
     @property
     def angle_rad(self) -> float:
-        """Lay angle α of the helix to its axis: tan α = 2πr/L."""
+        """Lay angle α to the axis: tan α = 2πr/L."""
         return atan(2.0 * pi * self.radius_mm / self.lay_length_mm)
 
     @property
     def signed_angle_rad(self) -> float:
-        """The lay angle, negative of a left lay."""
+        """Lay angle, negative for a left lay."""
         return self.hand * self.angle_rad
 
     @property
     def curvature_per_mm(self) -> float:
-        """sin²α/r."""
+        """Curvature sin²α/r of the helix."""
         return sin(self.angle_rad) ** 2 / self.radius_mm
 
     def free_slip_mm(self, curvature_per_mm: float) -> float:
-        """Slip r² cos²α κ/sin α along the helix at the neutral axis of a strand that is bent without friction.
+        """Slip r² cos²α κ/sin α along the helix at the neutral axis, when the strand is bent to κ without friction.
 
-        It varies as the sine of the angle from the extrados, where it is none (Feyrer, Wire Ropes, 2007; Papailiou,
+        It varies as the sine of the angle from the extrados, where it is zero (Feyrer, Wire Ropes, 2007; Papailiou,
         IEEE Trans. Power Delivery 12 (1997) 1576: strains of plane sections summed up along the helix).
         """
         return self.radius_mm**2 * cos(self.angle_rad) ** 2 * curvature_per_mm / sin(self.angle_rad)
 
 
 def least_radius_mm(diameter_mm: float, lay_length_mm: float, count: int) -> float:
-    """The radius at which so many round wires of one layer touch their neighbours.
+    """Radius at which `count` round wires of one layer touch their neighbours; infinite if they never fit.
 
-    Where their centre lines come closest. Costello's r = d/2 √(1 + tan²(π/2 − π/n)/cos²α) (Theory of Wire Rope, 1997)
-    takes sections for ellipses, and is some 0.2 % too small at 17°.
+    It is exact. Costello's r = d/2 √(1 + tan²(π/2 − π/n)/cos²α) (Theory of Wire Rope, 1997) takes sections for
+    ellipses, and is some 0.2 % too small at 17°.
     """
     from scipy.optimize import brentq
 
@@ -58,14 +58,17 @@ def least_radius_mm(diameter_mm: float, lay_length_mm: float, count: int) -> flo
 
 
 def radial_share(helix: Helix, count: int) -> float:
-    """Part |n_r| of the force between neighbours of a layer that points along the radius of either."""
+    """Share of the force between neighbours of a layer that acts along the radius of either."""
     radii = helix.radius_mm, helix.radius_mm
     distance_mm, turned_rad = _nearest(radii, helix.lay_length_mm, 2.0 * pi / count)
     return helix.radius_mm * (1.0 - cos(turned_rad)) / distance_mm
 
 
 def valley_radius_mm(inner: Helix, inner_mm: float, outer_mm: float, count: int) -> float:
-    """The radius at which a layer lies in the valleys of one below of as many wires and the same lay (Seale's)."""
+    """Radius at which a layer lies in the valleys of a layer of as many wires and the same lay (Seale).
+
+    It is the inner layer's radius if the valleys are so wide that the outer wires fall between the inner ones.
+    """
     from scipy.optimize import brentq
 
     touching = 0.5 * (inner_mm + outer_mm)
@@ -79,7 +82,9 @@ def valley_radius_mm(inner: Helix, inner_mm: float, outer_mm: float, count: int)
 
 
 def valley_shares(inner: Helix, outer: Helix, count: int) -> tuple[float, float]:
-    """Parts of the force between a wire in a valley and one below that point along the radius of each, outer first."""
+    """Shares of the force between a wire in a valley and one below that act along the radius of each, the outer wire
+    first.
+    """
     distance_mm, turned_rad = _nearest((inner.radius_mm, outer.radius_mm), inner.lay_length_mm, pi / count)
     return (
         (outer.radius_mm - inner.radius_mm * cos(turned_rad)) / distance_mm,
@@ -88,7 +93,9 @@ def valley_shares(inner: Helix, outer: Helix, count: int) -> tuple[float, float]
 
 
 def _nearest(radii_mm: tuple[float, float], lay_length_mm: float, apart_rad: float) -> tuple[float, float]:
-    """Shortest distance of centre lines of one lay, so far apart about the axis, and the angle between both places."""
+    """Shortest distance in mm of two centre lines of one lay, apart_rad apart about the axis, and the angle between
+    both places.
+    """
     from scipy.optimize import brentq
 
     pitch, (first, second) = lay_length_mm / (2.0 * pi), radii_mm
@@ -103,8 +110,9 @@ def _nearest(radii_mm: tuple[float, float], lay_length_mm: float, apart_rad: flo
 
 
 def crossing_spacing_mm(inner: Helix, inner_count: int, outer: Helix) -> float:
-    """How far apart along the axis an outer wire crosses wires of the layer below: 1/(n_i |s_o/L_o − s_i/L_i|).
-    Infinite where both layers have the same lay.
+    """Distance along the axis between crossings of an outer wire with wires of the layer below.
+
+    1/(n_i |s_o/L_o − s_i/L_i|), with s the hand of lay; infinite if both layers have the same lay.
     """
     turns = abs(outer.hand / outer.lay_length_mm - inner.hand / inner.lay_length_mm)
     return 1.0 / (inner_count * turns) if turns > 1e-12 else float("inf")
@@ -112,7 +120,7 @@ def crossing_spacing_mm(inner: Helix, inner_count: int, outer: Helix) -> float:
 
 @dataclass(frozen=True)
 class DoubleHelix:
-    """A wire of a strand that is itself laid around a rope's axis.
+    """Wire of a strand that is itself laid around a rope's axis.
 
     Its lay length is stated in the frame that turns with the strand's path, one radius of which points to the rope's
     axis (Lee, Int. J. Mech. Sci. 33 (1991) 471); angles are those of the curve's tangents.
@@ -123,30 +131,30 @@ class DoubleHelix:
 
     @property
     def twist(self) -> float:
-        """r(2πs/L + S sin β cos β/R): way around the strand per way along it, in space."""
+        """Path of the wire around the strand per path along it, r(2πs/L + S sin β cos β/R)."""
         beta = self.strand.angle_rad
         own = 2.0 * pi * self.wire.hand / self.wire.lay_length_mm
         return self.wire.radius_mm * (own + self.strand.hand * sin(beta) * cos(beta) / self.strand.radius_mm)
 
     @property
     def outermost_rad(self) -> float:
-        """Angle of the wire to the rope's axis where it is farthest from it, positive of a right lay."""
+        """Angle of the wire to the rope's axis where it is farthest from it, positive for a right lay."""
         return self.strand.signed_angle_rad + atan2(self.twist, 1.0 + self._bent)
 
     @property
     def innermost_rad(self) -> float:
-        """Angle of the wire to the rope's axis where it is nearest to it."""
+        """Angle of the wire to the rope's axis where it is nearest to it, positive for a right lay."""
         return self.strand.signed_angle_rad - atan2(self.twist, 1.0 - self._bent)
 
     @property
     def crown_curvature_per_mm(self) -> float:
-        """Of the wire towards the rope's axis where it is farthest from it."""
+        """Curvature of the wire towards the rope's axis where it is farthest from it."""
         along, twist = 1.0 + self._bent, self.twist
         turning = self.strand.curvature_per_mm * along + twist**2 / self.wire.radius_mm
         return turning / (along**2 + twist**2)
 
     def crown_spacing_mm(self, count: int) -> float:
-        """How far apart along the strand one of so many wires comes to its inner side."""
+        """Distance along the strand between places where one of its `count` wires reaches the inner side."""
         return self.wire.lay_length_mm / count
 
     @property
@@ -155,6 +163,6 @@ class DoubleHelix:
 
 
 def between_deg(first_rad: float, second_rad: float) -> float:
-    """The smaller angle between two lines, 0 to 90°."""
+    """Smaller angle between two lines, 0 to 90°."""
     apart = abs(degrees(second_rad - first_rad)) % 180.0
     return min(apart, 180.0 - apart)

@@ -1,4 +1,4 @@
-"""Runs of a strand's contacts, by the engine of sweeps: interrupted ones go on with the same command."""
+"""Runs of a strand's contacts by the engine of sweeps; interrupted runs are continued by the same command."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ OF_RUN = {
 
 @dataclass(frozen=True, eq=False)
 class ContactRuns(Sweep):
-    """Studies of different contacts, each as it stands, the worst first; worst: how many of them are run."""
+    """Sweep over the studies of different contacts, the worst first; `worst` is the number of them that are run."""
 
     studies: tuple[Study | LineStudy, ...] = ()
     worst: int = 0
@@ -52,9 +52,9 @@ def run_contacts(
     *,
     worst: int | None = None,
 ) -> dict[str, SweepRow]:
-    """The rows of the studies by their contacts' names, of the first few or of all; results stay in a folder each.
+    """Run the studies of the `worst` first contacts (all by default) and return their rows by the contacts' names.
 
-    Rows that stand in the folder are taken, of however many. Errors as of `run_sweep`.
+    Each result is kept in a folder. Rows that the output folder already holds are reused. Raises as `run_sweep` does.
     """
     if not studies:
         return {}
@@ -66,7 +66,7 @@ def run_contacts(
 
 
 def with_runs(table: list[dict[str, Any]], runs: Mapping[str, SweepRow]) -> list[dict[str, Any]]:
-    """A table of contacts with what came out of their runs beside the estimates."""
+    """Rows of the table of contacts, each with the figures of its run added."""
     return [row | _of_run(runs.get(row["contact"])) for row in table] if runs else table
 
 

@@ -1,4 +1,4 @@
-"""Contacts of a strand as studies that `wirewear run` takes."""
+"""Studies of a strand's contacts, to be simulated by `wirewear run`."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,12 +26,12 @@ _LINE = (
 
 
 def file_name(contact_name: str) -> str:
-    """Of a contact's study."""
+    """File name for the study of this contact."""
     return re.sub(r"[^a-z0-9]+", "_", contact_name.lower()).strip("_") + ".toml"
 
 
 def has_study(found: ContactEstimate) -> bool:
-    """Whether a contact's motion is known, and large enough for a study."""
+    """True if a contact's motion is known and at least 0.1 µm in amplitude."""
     return _amplitude_um(found) >= _LEAST_um
 
 
@@ -40,7 +40,7 @@ def _amplitude_um(found: ContactEstimate) -> float:
 
 
 def study_tables(found: ContactEstimate, rope: RopeTables) -> dict[str, Any] | None:
-    """The tables of a contact's study; None of one that next to does not move, or whose motion is not computed."""
+    """Tables of a contact's study; None if its motion is below 0.1 µm or not computed."""
     contact = found.contact
     lower, upper, amplitude_um = contact.lower, contact.upper, _amplitude_um(found)
     if not isinstance(lower, LoadedWire) or not has_study(found):
@@ -93,16 +93,17 @@ def study_tables(found: ContactEstimate, rope: RopeTables) -> dict[str, Any] | N
 
 
 def studies_of(found: Sequence[ContactEstimate], rope: RopeTables) -> dict[str, Study | LineStudy]:
-    """The study of each contact that has one, by the contact's name.
+    """Study of each contact that has one, by the contact's name.
 
-    Raises StudyError, in one sentence, if a value lies outside what a study takes.
+    Raises StudyError, in one sentence, if a value lies outside the range of a study.
     """
     tables = {one.contact.name: study_tables(one, rope) for one in found}
     return {name: any_study(own, f"the study of {name!r}") for name, own in tables.items() if own is not None}
 
 
 def write_studies(found: Sequence[ContactEstimate], rope: RopeTables, folder: Path) -> dict[str, Path]:
-    """Write the study of each contact that has one; returns their files by the contacts' names.
+    """Write the study of each contact that has one, and return the files by the contacts' names.
+
     Raises ResultError if the folder cannot be written; StudyError as `studies_of` does.
     """
     studies_of(found, rope)
@@ -122,7 +123,7 @@ def _written(found: Sequence[ContactEstimate], rope: RopeTables, folder: Path) -
 
 
 def notes(found: ContactEstimate) -> list[str]:
-    """What must be known of a contact's figures."""
+    """Sentences on a contact whose estimates need caution: it yields, arches, or lies on a sheave."""
     contact, said = found.contact, []
     if found.yield_ratio > FULLY:
         said.append(
@@ -166,5 +167,5 @@ def _wear(coefficient: float, is_line: bool) -> Mapping[str, float]:
 
 
 def _figure(value: float) -> float:
-    """To six digits."""
+    """Value rounded to six digits."""
     return float(f"{value:.6g}")

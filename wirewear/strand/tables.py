@@ -1,4 +1,4 @@
-"""The tables of a rope's file: construction, load, bending, friction; every key with its range and meaning."""
+"""Tables of a rope's file: construction, load, bending, friction; every key with its range and meaning."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,7 +18,7 @@ from wirewear.test.messages import validated
 
 
 class _LayQuantity(Quantity):
-    """A length whose sign some take for the direction of lay."""
+    """A length whose message on a negative value explains that its sign is not the direction of lay."""
 
     def __call__(self, value: object) -> float | int | str:
         if isinstance(value, int | float) and not isinstance(value, bool) and value < 0.0:
@@ -42,7 +42,7 @@ _YIELD = "yield stress, above which contacts are said to be plastic"
 
 
 class _OwnMaterial(keys.OfMaterial):
-    """What wires have different from [wires]."""
+    """Material of wires that differs from [wires]."""
 
     material: keys.MaterialName | None = Field(None, description="name of their material, in place of its constants")
     youngs_modulus_MPa: keys.YoungsModulus | None = Field(None, description="Young's modulus")
@@ -51,7 +51,7 @@ class _OwnMaterial(keys.OfMaterial):
 
 
 class AllWires(keys.OfMaterial):
-    """What wires have that state nothing else."""
+    """Material of all wires that state none of their own."""
 
     material: keys.MaterialName | None = Field(
         None, description="name of a material of the table, in place of its constants", examples=["steel"]
@@ -61,7 +61,7 @@ class AllWires(keys.OfMaterial):
     yield_stress_MPa: YieldStress | None = Field(None, description=_YIELD)
 
     def wire(self, diameter_mm: float, own: _OwnMaterial) -> RopeWire:
-        """A wire of a diameter, with its own constants where it states some."""
+        """Wire of this diameter, with its own constants where it states any."""
         modulus, ratio = own.youngs_modulus_MPa, own.poissons_ratio
         material = self.material if modulus is None and ratio is None else own.material
         elastic = Elastic(modulus or self.youngs_modulus_MPa, self.poissons_ratio if ratio is None else ratio)
@@ -70,7 +70,7 @@ class AllWires(keys.OfMaterial):
 
 
 class CoreTable(_OwnMaterial):
-    """What lies in the middle of a strand: a wire, or of a rope fibres."""
+    """Middle of a strand: a wire, or fibres in a rope."""
 
     wire_diameter_mm: keys.Diameter | None = Field(None, description="diameter of the core's wire", examples=[3.0])
     fibre_diameter_mm: Fibres | None = Field(None, description="diameter of a core of fibres, which bears no tension")
@@ -87,7 +87,7 @@ class LayerOfWires(_OwnMaterial):
 
 
 class OuterStrands(keys.Table):
-    """Strands around the core strand of a rope, or around its fibres, all alike."""
+    """Equal strands around the core strand, or the fibre core, of a rope."""
 
     strands: Count = Field(description="number of strands", examples=[6])
     lay_length_mm: LayLength = Field(description="length along the rope in which a strand goes around once")
@@ -98,7 +98,7 @@ class OuterStrands(keys.Table):
 
 
 class RopeConditions(keys.Table):
-    """What the rope bears and how it is bent."""
+    """Tension and bending of the rope."""
 
     tension_N: Tension = Field(description="tension of the rope", examples=[20000.0])
     tension_amplitude_N: TensionAmplitude = Field(0.0, description="amplitude of the tension, in step with the bending")
@@ -116,7 +116,7 @@ class RopeConditions(keys.Table):
 
 
 class RopeFriction(keys.Table):
-    """Friction in all contacts."""
+    """Coefficient of friction of all contacts."""
 
     friction: keys.Friction = Field(description="coefficient of friction", examples=[0.15])
 
@@ -130,7 +130,7 @@ class RopeWear(keys.Table):
 
 
 class Sheave(keys.OfMaterial):
-    """What the rope is bent over."""
+    """Sheave that the rope is bent over."""
 
     groove_radius_mm: Radius = Field(description="radius of the groove across the rope")
     material: keys.MaterialName | None = Field(None, description="name of its material, in place of its constants")
@@ -139,7 +139,7 @@ class Sheave(keys.OfMaterial):
 
 
 class RopeTables(keys.NamedTable):
-    """A rope's whole file."""
+    """All tables of a rope's file."""
 
     wires: AllWires = Field(description="material of wires that state none")
     core: CoreTable = Field(description="core of the strand, or of a rope's core strand")
@@ -152,7 +152,7 @@ class RopeTables(keys.NamedTable):
     life: LifeTable | None = Field(None, description="criterion and data by which lives are estimated")
 
     def construction(self, where: str) -> Strand:
-        """The strand, or the rope. Raises StudyError, in one sentence, if it cannot be made so."""
+        """Strand or rope that the tables describe. Raises StudyError, in one sentence, if it is impossible."""
         fibres, outer = self.core.fibre_diameter_mm, self.outer_strands
         core = self._core(self.core, f"[core] of {where}", may_be_fibre=outer is not None and not self.layers)
         if outer is None and not self.layers:
@@ -197,12 +197,14 @@ def _hand(lay: str) -> Hand:
 
 
 def load_rope(path: str | Path) -> RopeTables:
-    """The tables of a rope's file. Raises StudyError, in one sentence, if it cannot be read, or is none."""
+    """Tables of a rope's file. Raises StudyError, in one sentence, if it cannot be read or is no rope's file."""
     path = Path(path)
     require_no_other(path, StudyError, Held.ROPE)
     return rope_of(read_toml(path, StudyError, "TOML file"), str(path))
 
 
 def rope_of(tables: dict[str, Any], where: str) -> RopeTables:
-    """A rope's tables, checked; `where` names their origin. Raises StudyError, in one sentence, if they do not fit."""
+    """Checked tables of a rope; `where` names their origin. Raises StudyError, in one sentence, if they are
+    not valid.
+    """
     return validated(RopeTables, tables, where, StudyError)

@@ -1,4 +1,7 @@
-"""Reference problems with closed forms, run through the solver one after another: ``wirewear verify``."""
+"""Reference problems with closed-form solutions, solved one after another by ``wirewear verify``.
+
+A family is a group of problems; each row compares one computed quantity with its closed form.
+"""
 
 from collections.abc import Callable
 
@@ -38,16 +41,16 @@ FAMILIES: tuple[Family, ...] = (
 
 
 def _unwatched(title: str, done: int, of: int) -> None:
-    """Nobody looks."""
+    """Ignore the progress."""
 
 
 def verify(
     level: Level, started: Callable[[str, int, int], None] = _unwatched, families: tuple[Family, ...] | None = None
 ) -> tuple[Row, ...]:
-    """Rows of the families, all of them by default.
+    """Compute the rows of the given families, by default of all.
 
-    `started` is called with a family's title, how many are done and how many there are.
-    Raises SolverError if a problem could not be solved at all.
+    started: called before each family with its title, the number of families done and their total number. Raises
+    SolverError if a problem cannot be solved.
     """
     chosen = FAMILIES if families is None else families
     rows: list[Row] = []

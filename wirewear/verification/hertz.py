@@ -1,16 +1,14 @@
-"""Hertz contact of equal wires that cross, at right angles and as an ellipse (Johnson 1985, section 4.2).
-
-The bodies of the reference problems: gripped steel wires, and what in their compliance is not the contact's.
+"""Hertz contact of wires crossed at right angles and at 60° (Johnson 1985, section 4.2), and bodies of other checks.
 
 The closed forms are for half-spaces; a wire of radius R gripped at its back is one only near the contact. Displacement
-at a distance r from a point force is that on a half-space (Boussinesq, Cerruti) plus the body's own: bending and
-shear of the gripped wire, less what the half-space does beyond it. That part varies on the scale of R, so over a
-contact of radius a it is a constant kappa times the force, up to relative terms of (a/R)². kappa is read from the
-condensed compliance alone, as the mean of u(r) - u_half-space(r) over a ring just outside the contact; no contact is
-solved for it and no contact formula enters. Approach and tangential displacement are then compared after subtracting
-kappa times the force (both bodies), and in series with a rig's spring it is a second spring. Table rows give the
-error without this correction too. With a/R = 0.03-0.05 what is left, the curvature of surface and arc included, is
-below half a per cent. Pressures, radii and the energy at a given force need none: a rigid motion does not enter them.
+at a distance r from a point force is that on a half-space (Boussinesq, Cerruti) plus the body's own: bending and shear
+of the gripped wire, less what the half-space does beyond it. That part varies on the scale of R, so over a contact of
+radius a it is a constant kappa, the bulk compliance, times the force, up to relative terms of (a/R)². kappa is read
+from the condensed compliance alone, as the mean of u(r) - u_half-space(r) over a ring just outside the contact; neither
+a contact solution nor a contact formula enters it. Approach and tangential displacement are compared after subtracting
+kappa times the force for both bodies; in series with a rig's spring it is a second spring. Table rows also give the
+error without this correction. With a/R = 0.03-0.05 the remaining error is below half a per cent. Pressures, radii and
+the energy at a given force need no correction, as rigid motion does not change them.
 """
 
 from dataclasses import dataclass, replace
@@ -45,7 +43,7 @@ _FLOOR = 0.003
 
 
 def wire_geometry(resolution: float, *, radius_mm: float = RADIUS_mm, long_patch: bool = False) -> WireGeometry:
-    """A wire with `resolution` elements per contact radius; a long patch has room to slide by 3 contact radii."""
+    """Wire with `resolution` elements per contact radius; a long patch lets the contact slide by 3 contact radii."""
     a = CONTACT_RADIUS_mm
     element, outer = a / resolution, max(a / resolution, 0.75 * a)
     axial = GradedAxis(element, 4.2 * a, outer, 4.5 * a) if long_patch else GradedAxis(element, 2.0 * a, outer, 4.0 * a)
@@ -58,13 +56,13 @@ def wire_geometry(resolution: float, *, radius_mm: float = RADIUS_mm, long_patch
 
 @cache
 def condensed(geometry: BodyGeometry) -> CondensedBody:
-    """Such a body of steel, condensed again: what is verified must not come from the cache on disk."""
+    """Steel body of this geometry, condensed anew because a verification must not use the cache on disk."""
     meshed = build_body(geometry)
     return replace(condense(meshed.mesh, meshed.patch, STEEL), bricks=Bricks(STEEL, geometry.layers))
 
 
 def scaled_patch(wire: ContactPatch, radius_mm: float, factor: float) -> ContactPatch:
-    """The patch of a wire in another unit of length."""
+    """Patch of a wire of this radius, with all lengths multiplied by a factor."""
     axial, transverse, profile = factor * wire.axial_mm, factor * wire.transverse_mm, Cylinder(factor * radius_mm)
     return replace(wire, axial_mm=axial, transverse_mm=transverse, profile=profile)
 
@@ -79,7 +77,7 @@ def crossed(
     wear: WearRates | None = None,
     primary_is_upper: bool = True,
 ) -> ContactProblem:
-    """The lower wire along the motion, the upper one at an angle to it."""
+    """Contact problem of two bodies: the lower one's axis along the motion, the upper one's at `angle_deg` to it."""
     above = place(upper, upper=True, axis_angle_rad=float(np.radians(angle_deg)))
     below = place(lower, upper=False, axis_angle_rad=0.0)
     return ContactProblem(
@@ -93,7 +91,7 @@ def crossed(
 
 
 def element_mm(body: CondensedBody) -> float:
-    """Size of the elements in the middle of the patch; grading may stretch it a little from what was asked."""
+    """Element size in the middle of the patch, which grading may change a little from the asked one."""
     lines = body.patch.transverse_mm
     return float(np.diff(lines)[len(lines) // 2])
 
@@ -101,11 +99,11 @@ def element_mm(body: CondensedBody) -> float:
 def bulk_compliance(
     body: CondensedBody, axis: int, contact_radius_mm: float, ratio: float = 1.0, major_rad: float = 0.0
 ) -> float:
-    """Compliance kappa of the body beyond that of a half-space, in mm/N, for forces along its own axis 0, 1 or 2.
+    """Bulk compliance kappa in mm/N of a body for forces along its own axis 0, 1 or 2: what exceeds a half-space's.
 
-    The mean over nodes at 1 to 1.5 contact radii from a point force at the middle; half-space: Johnson, Contact
-    Mechanics, 1985, sections 3.2 and 3.6. ratio, major_rad: of an ellipse's axes, whose radius is their geometric mean,
-    and the angle of the major one from the body's axis.
+    It is the mean over nodes at 1 to 1.5 contact radii from a point force in the middle; half-space: Johnson, Contact
+    Mechanics, 1985, sections 3.2 and 3.6. For an ellipse, `ratio` is that of its semi-axes, whose geometric mean is
+    `contact_radius_mm`, and `major_rad` the angle of the major one from the body's axis.
     """
     positions = body.patch.grid()
     loaded = int(np.argmin((positions**2).sum(axis=1)))
@@ -123,13 +121,13 @@ def bulk_compliance(
 
 
 def crossed_bulk_compliance(body: CondensedBody, *, normal: bool, contact_radius_mm: float) -> float:
-    """Bulk compliance of two such wires crossed at right angles, normal or along the motion, in mm/N."""
+    """Bulk compliance in mm/N of two such wires crossed at right angles, along the normal or along the motion."""
     axes = (2, 2) if normal else (0, 1)
     return sum(bulk_compliance(body, axis, contact_radius_mm) for axis in axes)
 
 
 def ellipse_rows(level: Level) -> tuple[Row, ...]:
-    """Peak pressure, approach, both semi-axes and the direction of the major one."""
+    """Peak pressure, approach, both semi-axes and direction of the major one, for wires crossed at 60°."""
     resolution = level.hertz_resolutions[-1]
     load = LOAD_N * level.enlarged**3
     large = condensed(wire_geometry(resolution))
@@ -150,10 +148,10 @@ def _wire_rows(
 def pressed_rows(
     name: str, lower: CondensedBody, upper: CondensedBody, exact: PointContact, angle_deg: float, level: Level
 ) -> tuple[Row, ...]:
-    """Two bodies pressed together beside Hertz's contact, the upper one's axis at an angle to the lower one's.
+    """Rows that compare two pressed bodies with Hertz's contact; `angle_deg` is between the bodies' axes.
 
-    The semi-axes are those of the Hertz pressure with the same second moments, a² = 5 <x²>. A round contact has no
-    direction.
+    Semi-axes are those of the Hertz pressure with the same second moments, a² = 5 <x²>. The direction is left out for a
+    round contact.
     """
     load_N = exact.normal_load_N
     problem = crossed(lower, upper, Holder(load_N), angle_deg=angle_deg)
@@ -204,10 +202,11 @@ class _Solution:
 
 
 def hertz_rows(level: Level) -> tuple[Row, ...]:
-    """Peak pressure, approach and radius on each mesh, whether their errors fall, and the finest's mean over a disc.
+    """Peak pressure, approach and radius on each mesh, rows on whether their errors fall, and further rows on the
+    finest.
 
     The radius is that of the Hertz pressure with the same second moment, a² = 5/2 <r²>; the radius of the nodes in
-    contact, which comes in steps, is checked to within an element. The layers under the patch are refined with it; with
+    contact, which comes in steps, is checked to within an element. The layers under the patch are refined as well; with
     their number fixed, the errors would level off at about 1 %.
     """
     exact = reference.hertz_point(LOAD_N, RADIUS_mm, CONTACT_MODULUS_MPa)

@@ -1,7 +1,7 @@
-"""Stresses inside the bodies and at their edge: Hertz, McEwen, Hamilton's sliding sphere, Cattaneo–Mindlin's slip.
+"""Stresses inside the bodies and at the contact's edge: Hertz, McEwen, Hamilton's sliding sphere, Cattaneo–Mindlin.
 
-Wires and a ball are thick beside their contact, as the closed forms are for half-spaces: on wires 33 contact radii
-thick the curvature alone changes the tension across a wire by 3 %.
+Bodies of edge stresses are thick, as the closed forms are for half-spaces: on wires 33 contact radii thick, curvature
+alone changes the tension across a wire by 3 %.
 """
 
 from collections.abc import Callable
@@ -50,7 +50,7 @@ _PARTIAL, _SLIDING = 0.5, 3.0
 
 
 def interior_rows(level: Level) -> tuple[Row, ...]:
-    """Largest von Mises stress and its depth under wires and a line contact, and what holds the wire."""
+    """Largest von Mises stress and its depth under wires and under a line contact, and equilibrium of the held wire."""
     return (*wire_rows(level), *line_rows(level))
 
 
@@ -84,7 +84,9 @@ def wire_rows(level: Level) -> tuple[Row, ...]:
 def _balance_rows(
     points: IntegrationPoints, stress: Array, nodes: IntArray, force: Array, held: IntArray
 ) -> tuple[Row, ...]:
-    """St. Venant: the grip's reaction has the contact's force and moment, and nothing acts in between."""
+    """Rows on static equilibrium: the grip's reaction balances the contact's force and moment, and no other node
+    carries any.
+    """
     residual = points.internal_forces(stress)
     residual[nodes] -= force
     reaction, places = residual[held], points.mesh.points
@@ -132,9 +134,9 @@ def _peak_rows(
     element_mm: float,
     tolerance: float,
 ) -> tuple[Row, Row]:
-    """Depth and size of the largest von Mises stress beside those of the stresses (n, 6) at depths (n,).
+    """Rows on the largest von Mises stress and its depth; `true` gives the exact stresses (n, 6) at depths (n,).
 
-    element_mm: of those at that depth, which grow towards the back of a pad.
+    found: computed depth and stress. element_mm: size of the elements at that depth.
     """
     depths = np.linspace(0.0, _DEEPEST * radius_mm, 2001)
     exact = von_mises(true(depths))
@@ -145,7 +147,7 @@ def _peak_rows(
 
 
 def _peak(points: IntegrationPoints, stress: Array, radius_mm: float) -> tuple[float, float]:
-    """Depth and size of the largest von Mises stress under the middle: of a parabola through the nodes next to it."""
+    """Depth and value of the largest von Mises stress under the middle, from a parabola through three nodes."""
     places = points.mesh.points
     middle = np.flatnonzero(
         (np.abs(places[:, :-1]).max(axis=1) < 1e-9) & (places[:, -1] > -_DEEPEST * radius_mm - 1e-9)
@@ -159,7 +161,7 @@ def _peak(points: IntegrationPoints, stress: Array, radius_mm: float) -> tuple[f
 
 
 def surface_rows(level: Level) -> tuple[Row, ...]:
-    """Tension at the trailing edge in partial slip and sliding, on wires along and across the motion, flat and ball."""
+    """Tension at the trailing edge in partial slip and in sliding: along and across wires, on a flat and on a ball."""
     wire, flat, ball = (build_body(geometry) for geometry in _geometries(level.surface_resolution))
     return (
         *_pair_rows({"along the wire": (wire, 0), "across the wire": (wire, 1)}, 90.0, level),
@@ -168,7 +170,7 @@ def surface_rows(level: Level) -> tuple[Row, ...]:
 
 
 def _pair_rows(pair: dict[str, tuple[BodyMesh, int]], angle_deg: float, level: Level) -> list[Row]:
-    """Of the lower and the upper body, each with its own axis along which the motion runs."""
+    """Rows of the lower and the upper body, each with its mesh and the axis of it along which the motion runs."""
     lower, upper = (condense(mesh.mesh, mesh.patch, STEEL) for mesh, _ in pair.values())
     problem = crossed(lower, upper, Holder(_LOAD_N), friction=FRICTION, angle_deg=angle_deg)
     exact = reference.partial_slip_point(
@@ -205,7 +207,7 @@ def _tension_rows(
 
 
 def _exact_tension(share: float) -> float:
-    """At first loading to that share of the force of sliding."""
+    """Tension at the trailing edge in MPa, on first loading to this share of the sliding force."""
     stick = CONTACT_RADIUS_mm * max(1.0 - share, 1e-12) ** (1.0 / 3.0)
     return float(
         reference.partial_slip_stress(

@@ -1,12 +1,10 @@
-"""Cattaneo–Mindlin line contact in plane strain: a cylinder on a flat, by the same contact code with planar bodies.
+"""Cattaneo–Mindlin line contact in plane strain: a cylinder on a flat, by the contact code with planar bodies.
 
-The tension behind it, at its very edge: McEwen's sliding cylinder, at the resolutions of standard and fine runs.
-
-The bodies are some forty contact half-widths wide and high, so that their finite size changes pressure and width by
-little; displacements, which diverge logarithmically on a half-plane, are not compared. The holder is rigid and the
-flat's displacement prescribed: it grows until the tangential force passes Q*, then falls until the force passes
-zero; the last step is repeated with the displacement that linear interpolation gives, and the closed forms are
-evaluated at the force that was computed.
+It also checks the tension at the trailing edge (McEwen's sliding cylinder) at the resolutions of standard and fine
+runs. The bodies are some forty contact half-widths wide and high, so that their finite size hardly changes pressure and
+width; displacements diverge logarithmically on a half-plane and are not compared. The holder is rigid and the flat's
+displacement prescribed: it grows until the tangential force reaches Q*, then falls until the force reaches zero. The
+closed forms are evaluated at the computed force.
 """
 
 import numpy as np
@@ -43,7 +41,7 @@ _BULK_SHARE = 0.8
 
 
 def stuck_line_rows(level: Level) -> tuple[Row, ...]:
-    """Stiffness per length between points 1 mm deep under a contact 0.2 mm wide."""
+    """Tangential stiffness per length between points 1 mm deep under a stuck contact 0.2 mm wide."""
     a = 0.1
     along = GradedAxis(a / level.line_resolution, 1.2 * a, a, 3.0 * a)
     block = build_planar(PlanarGeometry(Flat(), _BLOCK_mm, _BLOCK_mm, along, 3.0, 1.2))
@@ -54,7 +52,7 @@ def stuck_line_rows(level: Level) -> tuple[Row, ...]:
 
 
 def line_contact_rows(level: Level) -> tuple[Row, ...]:
-    """Half-width, peak and mean pressure; stick zone at Q* = 0.5 µP, and inner edge of reverse slip back at Q = 0."""
+    """Half-width, pressures, stick zone at Q* = 0.5 µP, and inner edge of the reverse slip back at Q = 0."""
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     problem = cylinder_on_flat(exact.half_width_mm / level.line_resolution)
     pressed, report = solvers.press(problem, solvers.unloaded_state(problem))
@@ -90,7 +88,9 @@ def line_contact_rows(level: Level) -> tuple[Row, ...]:
 
 
 def cylinder_on_flat(element_mm: float) -> solvers.ContactProblem:
-    """A cylindrical pad on a wide flat specimen, both 8 mm high, meshed with `element_mm` under the contact."""
+    """Contact problem of a cylindrical pad on a flat, both 8 mm high, with elements of `element_mm` under the
+    contact.
+    """
     pad = build_planar(pad_geometry(element_mm))
     specimen = build_planar(PlanarGeometry(Flat(), 8.0, 8.0, pad.geometry.along))
     upper, lower = (solvers.condense(body.mesh, body.patch, MATERIAL) for body in (pad, specimen))
@@ -104,7 +104,7 @@ def cylinder_on_flat(element_mm: float) -> solvers.ContactProblem:
 
 
 def pad_geometry(element_mm: float) -> PlanarGeometry:
-    """The cylindrical pad, with elements of that size under the contact."""
+    """Cylindrical pad with elements of this size under the contact."""
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     a = exact.half_width_mm
     along = GradedAxis(element_mm, 1.25 * a, max(element_mm, 0.25 * a), 2.5 * a)
@@ -114,8 +114,10 @@ def pad_geometry(element_mm: float) -> PlanarGeometry:
 def to_force(
     problem: solvers.ContactProblem, state: solvers.ContactState, force_N_per_mm: float
 ) -> solvers.ContactState:
-    """Displace the flat in steps until the tangential force passes the one given, the last step shortened to meet it.
-    Raises ValueError when the force is not reached, as beyond µP.
+    """State after displacing the flat until the tangential force equals `force_N_per_mm`, the last step being
+    shortened.
+
+    Raises ValueError if the force is not reached, as beyond µP.
     """
     start = tangential_force(state)
     step = float(np.copysign(2e-4, force_N_per_mm - start))
@@ -130,12 +132,12 @@ def to_force(
 
 
 def tangential_force(state: solvers.ContactState) -> float:
-    """Force per thickness on the pad along the motion, N/mm."""
+    """Tangential force on the pad along the motion in N/mm."""
     return float(state.primary_force[:, 0].sum())
 
 
 def half_width(problem: solvers.ContactProblem, elliptic: Array) -> float:
-    """Half-width of a distribution p0 sqrt(1 - x²/a²) given at the primary's nodes, from a² = 4 <x²>."""
+    """Half-width of a distribution p0 √(1 − x²/a²) given at the primary body's nodes, from a² = 4 <x²>."""
     weight = problem.primary.patch.node_areas() * elliptic
     x = problem.primary.node_positions[:, 0]
     x = x - (weight * x).sum() / weight.sum()
@@ -147,7 +149,7 @@ def _shear(state: solvers.ContactState) -> Array:
 
 
 def line_surface_rows(level: Level) -> tuple[Row, ...]:
-    """Tension at the trailing edge in partial slip and sliding, of the cylinder and of the flat."""
+    """Tension at the trailing edge of cylinder and flat, in partial slip and in sliding."""
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     element = exact.half_width_mm / level.line_surface_resolution
     problem = cylinder_on_flat(element)
@@ -177,8 +179,8 @@ def line_surface_rows(level: Level) -> tuple[Row, ...]:
 
 
 def bulk_rows(level: Level) -> tuple[Row, ...]:
-    """Shift and half-width of the stick zone of a cylinder on a flat that is pulled as it is moved, and the tension at
-    the trailing edge of the flat, where all stresses add up.
+    """Shift and half-width of the stick zone under a flat loaded by a bulk tension in step with the motion, and edge
+    tension.
     """
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     tension = _BULK_SHARE * FRICTION * exact.peak_pressure_MPa
@@ -217,9 +219,9 @@ def bulk_rows(level: Level) -> tuple[Row, ...]:
 def largest_tension(
     body: PlanarMesh | BodyMesh, surface: LineSurfaceStress | SurfaceStress, force: Array, axis: int = 0
 ) -> float:
-    """Largest stress along an axis where a body's contact ends, by forces (n, 3) on its patch's nodes.
+    """Largest stress along an axis at the contact's edges of a body, from forces (n, 3) on its patch's nodes.
 
-    force: in N, of a planar body in N/mm.
+    force: in N, or N/mm for a planar body.
     """
     nodes = body.patch.nodes.ravel()
     points, material = integration_points(body.mesh), surface.material
@@ -233,8 +235,9 @@ def largest_tension(
 
 
 def _exact_tension(contact: reference.LineContact, share: float, shift_mm: float = 0.0) -> float:
-    """At first loading to that share of the force of sliding, without a bulk stress: 2 µ p0 √share if none shifts the
-    stick zone away from that edge.
+    """Tension at the trailing edge in MPa on first loading to this share of the sliding force, without the bulk stress.
+
+    It is 2 µ p0 √share if the stick zone is centred (shift_mm = 0).
     """
     stress = reference.line_partial_slip_stress(
         -contact.half_width_mm,

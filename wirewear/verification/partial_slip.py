@@ -1,12 +1,8 @@
-"""Cattaneo–Mindlin partial slip of equal wires crossed at right angles behind a rigid rig.
+"""Cattaneo–Mindlin partial slip of equal wires crossed at right angles, and their final shape under wear.
 
-The drive is prescribed, so forces come out near the intended share of µP, and the closed forms are evaluated at the
-force that was computed.
-
-Wear under partial slip and constant approach, against the shape at which it ends.
-
-The shape depends steeply on the radius of the stuck core: a hundredth of it is a tenth of the worn volume. The core's
-edge is resolved by whole nodes, so what is left of the volume's error is that of a small part of an element.
+The drive is prescribed behind a rigid rig, so that the closed forms are evaluated at the computed force. Wear at
+constant approach ends at a known shape that depends steeply on the radius of the stuck core: 1 % of the radius is 10 %
+of the worn volume. The core's edge is resolved by whole nodes, which limits the volume's accuracy.
 """
 
 from math import pi, sqrt
@@ -63,7 +59,7 @@ _COMPLIANCE_TOLERANCE = 0.04
 
 
 def worn_pressure_rows(level: Level) -> tuple[Row, ...]:
-    """The worst mirror error, and beside finer runs the pressure at a node about mid-stroke and the largest mean."""
+    """Mirror error of a worn line contact's pressures, and its pressures beside those of three finer runs."""
     cycles = level.worn_line_cycles
     name, own = f"Worn line contact, {cycles} cycles", _worn(cycles, {})
     mirror = compared(
@@ -83,7 +79,7 @@ def _worn(cycles: int, mesh: dict[str, float]) -> RunResult:
 
 
 def _study(cycles: int, mesh: dict[str, float]) -> LineStudy:
-    """A steel cylinder in gross slip on a rigid rig."""
+    """Study of a steel cylinder in gross slip on a rigid rig, with this table of the mesh."""
     steel = {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3}
     tables: dict[str, Any] = {
         "format": 1,
@@ -138,7 +134,7 @@ def _worn_out(problem: solvers.ContactProblem) -> solvers.ContactState:
 
 
 def partial_slip_rows(level: Level) -> tuple[Row, ...]:
-    """Initial compliance; stick radius, displacement and energy of a closed cycle at two tangential forces."""
+    """Initial compliance, and stick radius, displacement and energy of a closed cycle at two tangential forces."""
     load, radius = LOAD_N * level.enlarged**3, CONTACT_RADIUS_mm * level.enlarged
     modulus = reference.tangential_contact_modulus(STEEL, STEEL)
     exact = reference.partial_slip_point(load, FRICTION, radius, modulus)
@@ -157,7 +153,10 @@ def sliding_rows(
     shares: tuple[float, ...] = _SHARES,
     of: str = "Mindlin",
 ) -> tuple[Row, ...]:
-    """Bodies in partial slip beside the closed form; `bulk` is what is not the contact's in their compliance."""
+    """Rows that compare two bodies in partial slip with the closed form; `bulk` is their bulk compliance in mm/N.
+
+    shares: tangential force amplitudes over µP. of: name of the problem in the rows.
+    """
     pressed, _ = solvers.press(problem, solvers.unloaded_state(problem))
     rows = [_initial_compliance(problem, pressed, exact, bulk, of)]
     for share in shares:
@@ -235,7 +234,7 @@ def _at_share(
 def _along(
     problem: solvers.ContactProblem, state: solvers.ContactState, drives_mm: Array
 ) -> tuple[solvers.ContactState, float]:
-    """State at the end of a path and the friction work on it, mJ."""
+    """State at the end of a path of drive displacements (n,), and the friction work on it in mJ."""
     work = 0.0
     for drive in drives_mm:
         state, reports = solvers.advance(problem, state, float(drive), 0.0)
@@ -248,7 +247,7 @@ def _tangential(state: solvers.ContactState) -> float:
 
 
 def _stick_radius(problem: solvers.ContactProblem, state: solvers.ContactState) -> float:
-    """Radius of the circle with the area of the nodes whose friction stays below its limit."""
+    """Radius of the circle whose area is that of the nodes with friction below its limit."""
     nodes = np.flatnonzero(state.traction[:, 2] > 0.0)
     wear = state.wear
     offset = problem.offset(state.drive, state.holder_x)

@@ -1,9 +1,8 @@
-"""A whole run of wires that wear under partial slip, as `wirewear run` goes through it, against the shape at its end.
+"""Whole runs in partial slip: wires that wear, compared with their final shape, and contacts of other bodies at a
+point.
 
-Its meshes, cycle jumps and loops are those of a run; it shares the closed form alone with `partial_slip_wear_rows`.
-
-A ball and barrels on flats and crossed cylinders, pressed and in partial slip, are on the meshes of runs, too: what the
-size of their blocks makes of approach and displacement is read from their compliances, as of wires.
+They use the meshes, cycle jumps and loops of `wirewear run`. Other bodies are a ball and barrels on flats and crossed
+cylinders; their bulk compliance (see `hertz`) is read from their condensed compliance, as for wires.
 """
 
 from collections.abc import Mapping
@@ -41,7 +40,7 @@ _BALL: Mapping[str, object] = {"shape": "ball", "diameter_mm": 12.7}
 
 
 def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
-    """Radius of the stuck core, worn volume and largest depth of both wires at a run's end."""
+    """Radius of the stuck core, worn volume and largest depth of both wires at the end of a run."""
     resolution = level.partial_slip_run_resolution
     study, exact = worn_out_study(resolution), limiting_shape(resolution)
     result = simulate(study, fidelity="quick")
@@ -69,7 +68,7 @@ def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
 
 
 def worn_out_study(resolution: float) -> Study:
-    """Steel wires held at an approach that move by half of what they need to slide."""
+    """Study of steel wires at constant approach, whose amplitude is half of what gross slip needs."""
     element_um = 1e3 * _CONTACT_RADIUS_mm / resolution
     steel = {"youngs_modulus_MPa": hertz.STEEL.youngs_modulus_MPa, "poissons_ratio": hertz.STEEL.poissons_ratio}
     tables = {
@@ -97,7 +96,7 @@ def worn_out_study(resolution: float) -> Study:
 
 
 def limiting_shape(resolution: float) -> reference.LimitingShape:
-    """The shape at which the wear of such a run ends, the bulk of its wires counted."""
+    """Shape at which the wear of such a run ends, with the bulk compliance of its wires."""
     body = hertz.condensed(discretise(worn_out_study(resolution), "quick").fixed)
     bulk = [hertz.crossed_bulk_compliance(body, normal=n, contact_radius_mm=_CONTACT_RADIUS_mm) for n in (True, False)]
     shear = reference.tangential_contact_modulus(hertz.STEEL, hertz.STEEL)
@@ -131,7 +130,7 @@ def study_of(
     cycles: int = 1,
     **tables: Mapping[str, object],
 ) -> Study:
-    """A study of two steel bodies."""
+    """Study of two steel bodies in contact at a point; lower and upper are their tables, `tables` any further ones."""
     steel = {"youngs_modulus_MPa": hertz.STEEL.youngs_modulus_MPa, "poissons_ratio": hertz.STEEL.poissons_ratio}
     conditions = {
         "normal_load_N": _LOAD_N,
@@ -160,7 +159,7 @@ def _meshed(study: Study, level: Level) -> tuple[CondensedBody, CondensedBody]:
 
 
 def block_rows(level: Level) -> tuple[Row, ...]:
-    """Peak pressure, approach and semi-axes of all; compliance, stick radius and energy of the ball's."""
+    """Peak pressure, approach and semi-axes of all pairs; compliance, stick radius and energy of the ball on a flat."""
     rows: list[Row] = []
     for name, lower, upper in _PAIRS:
         study = study_of(lower, upper)

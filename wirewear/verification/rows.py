@@ -1,4 +1,4 @@
-"""Lines of the verification table, the levels of its meshes, and what is derived from errors on several."""
+"""Rows and levels of the verification table, and measures of convergence."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -44,7 +44,7 @@ _LEVELS: dict[str, tuple[Any, Any]] = {
 
 @dataclass(frozen=True)
 class Level:
-    """Meshes and tolerances, which are relative."""
+    """Meshes and relative tolerances of a level of verification."""
 
     name: str
     fidelity: str  #: Of bodies that are meshed as runs have them.
@@ -77,7 +77,7 @@ QUICK, FULL = (Level(**{name: both[k] for name, both in _LEVELS.items()}) for k 
 
 
 def table(rows: "Sequence[Row]") -> Table:
-    """One line for each row; a caption says how many failed."""
+    """Table with one line for each row, and a caption on how many passed."""
     failed = sum(not row.passed for row in rows)
     caption = f"{len(rows) - failed} of {len(rows)} checks passed"
     result = Table(box=box.SIMPLE, pad_edge=False, caption=caption, caption_justify="left")
@@ -106,10 +106,10 @@ def _error(value: float) -> str:
 
 
 def write_json(path: Path, level: str, rows: "Sequence[Row]") -> None:
-    """Write version, level and all rows, replacing the file in one step; numbers that are not finite become null.
+    """Write version, level and all rows as JSON in one step; numbers that are not finite become null.
 
-    The folder is made if need be.
-    Raises ResultError if the file cannot be written, and RunError if the folder cannot be made.
+    The folder is created if missing. Raises ResultError if the file cannot be written, and RunError if the folder
+    cannot be created.
     """
     document = {
         "wirewear": version("wirewear"),
@@ -124,7 +124,7 @@ def write_json(path: Path, level: str, rows: "Sequence[Row]") -> None:
 
 @dataclass(frozen=True)
 class Row:
-    """A computed figure beside its closed form; passes when |error| <= tolerance."""
+    """A computed quantity and its closed form."""
 
     problem: str
     quantity: str
@@ -139,7 +139,7 @@ class Row:
 
     @property
     def passed(self) -> bool:
-        """Whether the error is a number within the tolerance."""
+        """True if the error is finite and within the tolerance."""
         return bool(isfinite(self.error) and abs(self.error) <= self.tolerance)
 
 
@@ -154,26 +154,26 @@ def compared(
     raw: float | None = None,
     order: float | None = None,
 ) -> Row:
-    """A row whose errors are relative to `scale`, or to |exact| when none is given."""
+    """Row with errors relative to `scale`, or to |exact| if none is given; `raw` is the uncorrected computed value."""
     size = abs(exact) if scale is None else scale
     raw_error = None if raw is None else (raw - exact) / size
     return Row(problem, quantity, computed, exact, (computed - exact) / size, tolerance, raw_error, order)
 
 
 def observed_order(coarse_error: float, fine_error: float, refinement: float) -> float:
-    """Order q of errors ~ h^q on two meshes whose sizes have the ratio `refinement` > 1; NaN when an error is zero."""
+    """Order q of errors ~ h^q on two meshes with the size ratio `refinement` > 1; NaN if an error is zero."""
     if coarse_error == 0.0 or fine_error == 0.0:
         return float("nan")
     return log(abs(coarse_error) / abs(fine_error)) / log(refinement)
 
 
 def largest_growth(errors: Sequence[float], floor: float) -> float:
-    """Largest ratio |error| / |error before| from coarse to fine; errors below `floor` count as having fallen."""
+    """Largest ratio of an error to the one before it, from coarse to fine; errors below `floor` count as 0."""
     ratios = [0.0 if abs(fine) <= floor else abs(fine) / max(abs(coarse), floor) for coarse, fine in pairwise(errors)]
     return max(ratios, default=0.0)
 
 
 def falling(problem: str, quantity: str, errors: Sequence[float], floor: float) -> Row:
-    """A row that passes when no error exceeds the one on the next coarser mesh."""
+    """Row that passes if no error exceeds that on the next coarser mesh."""
     growth = largest_growth(errors, floor)
     return Row(problem, f"{quantity}: error over coarser mesh's, ≤ 1", growth, 1.0, max(growth - 1.0, 0.0), 0.0)

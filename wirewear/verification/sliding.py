@@ -1,4 +1,4 @@
-"""Sliding wires, in proportions like the steel wires' test: the rig's loop, energies, symmetries of roles and signs."""
+"""Sliding wires in the proportions of the steel wires' test: loop behind a rig's spring, energies, symmetries."""
 
 from dataclasses import dataclass
 from math import nan
@@ -33,7 +33,7 @@ _WEAR = WearRates(upper_mm3_per_mJ=5e-8, lower_mm3_per_mJ=5e-8)
 
 
 def rig_loop_rows(level: Level) -> tuple[Row, ...]:
-    """Friction work, loop area, width at zero force and largest force of a loop."""
+    """Friction work, loop area, half-width at zero force and largest force of a loop behind the rig's spring."""
     body = hertz.condensed(hertz.wire_geometry(level.loop_resolution, long_patch=True))
     bulk = hertz.crossed_bulk_compliance(body, normal=False, contact_radius_mm=hertz.CONTACT_RADIUS_mm)
     contact = reference.partial_slip_point(
@@ -58,7 +58,9 @@ def rig_loop_rows(level: Level) -> tuple[Row, ...]:
 
 
 def book_keeping_rows(level: Level) -> tuple[Row, ...]:
-    """Worn volumes after a cycle jump, and a closed loop on the worn wires with the wear frozen."""
+    """Energy and worn volumes after a cycle jump, and loop area and friction work of a closed loop on the worn
+    wires.
+    """
     problem = sliding_wires(level.loop_resolution, wear=_RATES)
     fresh = at_end_of_stroke(problem)
     _, first = solvers.closed_adaptive_cycle(problem, fresh, solvers.Drive(AMPLITUDE_mm), INCREMENTS)
@@ -89,33 +91,33 @@ def sliding_wires(
     wear: solvers.WearRates | None = None,
     primary_is_upper: bool = True,
 ) -> solvers.ContactProblem:
-    """Equal wires crossed at right angles behind the rig's spring."""
+    """Contact problem of equal wires crossed at right angles behind the rig's spring."""
     body = hertz.condensed(hertz.wire_geometry(resolution, long_patch=True))
     holder = solvers.Holder(hertz.LOAD_N, rig_compliance_mm_per_N)
     return hertz.crossed(body, body, holder, friction=friction, wear=wear, primary_is_upper=primary_is_upper)
 
 
 def at_end_of_stroke(problem: solvers.ContactProblem, amplitude_mm: float = AMPLITUDE_mm) -> solvers.ContactState:
-    """Pressed together and moved from mid-stroke to `amplitude_mm`, which may be negative."""
+    """State after pressing and moving from mid-stroke to `amplitude_mm`, which may be negative."""
     pressed, _ = solvers.press(problem, solvers.unloaded_state(problem))
     return solvers.first_quarter(problem, pressed, solvers.Drive(amplitude_mm), INCREMENTS)
 
 
 def whole_loop(problem: solvers.ContactProblem, amplitude_mm: float = AMPLITUDE_mm) -> solvers.CycleTrace:
-    """The first full cycle from the end of the stroke at `amplitude_mm`, without wear."""
+    """First full cycle from the end of the stroke at `amplitude_mm`, without wear."""
     start = at_end_of_stroke(problem, amplitude_mm)
     return solvers.run_cycle(problem, start, solvers.Drive(abs(amplitude_mm)), INCREMENTS, 0.0)[1]
 
 
 def jumped(problem: solvers.ContactProblem, start: solvers.ContactState, cycles: float) -> solvers.ContactState:
-    """The state after so many cycles in one jump from the end of the stroke."""
+    """State after one jump over this number of cycles from the end of the stroke."""
     symmetry = solvers.symmetry_of(problem)
     begin, trace = solvers.closed_trace(problem, start, solvers.Drive(AMPLITUDE_mm), INCREMENTS, symmetry)
     return solvers.jump_cycles(lambda *_: problem, begin, trace, symmetry, 1.0, cycles).state
 
 
 def half_width_at_zero_force(drive_mm: Array, force_N: Array) -> float:
-    """Half the distance between the loop's two crossings of zero force, in mm."""
+    """Half the distance in mm between the loop's two crossings of zero force."""
     before = np.roll(force_N, 1)
     crossing = np.flatnonzero((force_N > 0.0) != (before > 0.0))
     share = before[crossing] / (before[crossing] - force_N[crossing])
@@ -125,7 +127,7 @@ def half_width_at_zero_force(drive_mm: Array, force_N: Array) -> float:
 
 @dataclass(frozen=True)
 class _UnitSystem:
-    """mm, N, MPa in the system's own units of length and stress."""
+    """Units of length and stress: the size of 1 mm and 1 MPa in them."""
 
     length: float
     stress: float
@@ -136,7 +138,9 @@ _SI = _UnitSystem(1e-3, 1e6)
 
 
 def limit_rows(level: Level) -> tuple[Row, ...]:
-    """Swapped roles, mirrored motion, rigid and frictionless limits, and SI units against mm, N, MPa."""
+    """Rows on swapped roles of the bodies, mirrored motion, rigid and frictionless limits, and SI units against mm, N,
+    MPa.
+    """
     resolution = level.loop_resolution
     plain = whole_loop(sliding_wires(resolution)).tangential_force
     swapped = whole_loop(sliding_wires(resolution, primary_is_upper=False)).tangential_force

@@ -1,7 +1,8 @@
-"""Bodies that yield, pressed as runs press them, beside finite elements of other make.
+"""Bodies that yield, pressed as in runs, compared with results of other finite-element programs.
 
-Those are axisymmetric, of perfectly plastic metal under von Mises' criterion and small strain, and within 1 % of Hertz
-where it stays elastic. Two wires that cross at right angles and both yield are two such halves.
+Those are axisymmetric, for a perfectly plastic metal with von Mises' criterion and small strain, and within 1 % of
+Hertz in the elastic range. Two wires crossed at right angles that both yield are taken as two such halves. A print is
+the permanent depth that pressing leaves.
 """
 
 from collections.abc import Mapping
@@ -19,7 +20,7 @@ _STROKE_um = 0.1  #: A run must move; this is next to nothing.
 
 @dataclass(frozen=True)
 class Pressed:
-    """Bodies under a load, and what finite elements make of them: MPa, µm, and µm of both bodies together."""
+    """Bodies under a load, and the reference values of largest pressure, contact radius and print of both bodies."""
 
     name: str
     bodies: Mapping[str, object]
@@ -45,12 +46,12 @@ CASES = (
 
 
 def yielding_rows(level: Level) -> tuple[Row, ...]:
-    """What each of the pressed bodies comes to."""
+    """Rows of all pressed bodies."""
     return tuple(row for case in CASES for row in rows_of(case, level))
 
 
 def rows_of(case: Pressed, level: Level) -> tuple[Row, ...]:
-    """Largest pressure, contact radius and print of one."""
+    """Largest pressure, contact radius and print of one pair of bodies."""
     conditions = {
         "normal_load_N": case.load_N,
         "displacement_amplitude_um": _STROKE_um,
