@@ -44,6 +44,8 @@ class Factor:
         left = forces.astype(np.float64, copy=True)
         for front in self.fronts:
             left[front.held] = 0.0
+            if not left[front.own].any():
+                continue
             own = blas.dtrsm(1.0, front.factor, left[front.own], lower=1)
             left[front.own] = own
             if len(front.boundary):

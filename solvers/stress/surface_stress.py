@@ -108,8 +108,8 @@ class SurfaceStress:
         """A size (rows, columns) in which the stencil reaches the whole window, and its Fourier transform of that size,
         (rows, columns / 2 + 1, 6, 3).
         """
-        rows, columns = (next_fast_len(len(self.stencil) + len(lines) - 1, real=True) for lines in self.lines)
-        return (rows, columns), np.fft.rfft2(self.stencil, (rows, columns), axes=(0, 1))
+        nu = self.material.poissons_ratio
+        return _waves(*self.spacing_mm, *self.layers, nu, *(len(lines) for lines in self.lines))
 
     @cached_property
     def is_symmetric(self) -> bool:
@@ -251,6 +251,16 @@ def _stencil(along_mm: float, across_mm: float, first_layer_mm: float, growth: f
         exact = half_space_stress(places, proportions, np.ones((size, size)), unit, False, nu)
         result[..., component] += exact.reshape(size, size, 6)
     return result
+
+
+@lru_cache(maxsize=8)
+def _waves(
+    along_mm: float, across_mm: float, first_layer_mm: float, growth: float, nu: float, rows: int, columns: int
+) -> tuple[tuple[int, int], ComplexArray]:
+    """As a `SurfaceStress` has them, whose window has so many rows and columns."""
+    stencil = _stencil(along_mm, across_mm, first_layer_mm, growth, nu)
+    size = tuple(next_fast_len(len(stencil) + lines - 1, real=True) for lines in (rows, columns))
+    return (size[0], size[1]), np.fft.rfft2(stencil, size, axes=(0, 1))
 
 
 def _proportions(along_mm: float, across_mm: float) -> Array:

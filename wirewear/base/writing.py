@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkDataObject
 
 _BEGINS_FORMULA = r"^[=+\-@\t\r]"  #: Signs with which spreadsheets let a formula begin: OWASP, "CSV injection".
+_COMPRESSION = 1  #: Of VTK's levels: higher ones take half as much time again for files that are 1 % smaller.
 _MOST_LINKS = 40  #: As many as Linux follows.
 
 _BEFORE = ".before."  #: In the name of a folder that is exchanged in two steps.
@@ -156,6 +157,7 @@ def write_grid(path: Path, grid: vtkDataObject) -> Path:
     writer = vtkXMLPolyDataWriter() if path.suffix == ".vtp" else vtkXMLUnstructuredGridWriter()
     writer.SetInputData(grid)
     writer.SetDataModeToBinary()
+    writer.SetCompressionLevel(_COMPRESSION)
     writer.WriteToOutputStringOn()
     writer.Write()
     return write_bytes(path, writer.GetOutputString().encode())

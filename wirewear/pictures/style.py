@@ -94,9 +94,9 @@ class HouseFigure(Figure):
         return image.getvalue()
 
 
-def new_figure(height_in: float, width_in: float = WIDTH_in) -> Figure:
-    """An empty figure with constrained layout that draws off screen."""
-    figure = HouseFigure(figsize=(width_in, height_in), layout="constrained")
+def new_figure(height_in: float, width_in: float = WIDTH_in, *, arranged: bool = True) -> Figure:
+    """An empty figure that draws off screen; with constrained layout unless its panels are put into fixed places."""
+    figure = HouseFigure(figsize=(width_in, height_in), layout="constrained" if arranged else None)
     FigureCanvasAgg(figure)
     return figure
 

@@ -213,8 +213,7 @@ def _panels(wide_um: float, tall_um: Sequence[float]) -> tuple[Figure, Any, list
     column = (WIDTH_in - _LEFT_in) / len(_MAPS)
     scale = min((column - _BESIDE_in) / wide_um, _TALLEST_in / max(tall_um))
     height = _ABOVE_in + sum(scale * tall + _UNDER_in for tall in tall_um) + _BAR_in + _FOOT_in
-    figure = new_figure(height)
-    figure.set_layout_engine("none")
+    figure = new_figure(height, arranged=False)
 
     def row(bottom_in: float, tall_in: float) -> list[Axes]:
         lefts = [_LEFT_in + column * k for k in range(len(_MAPS))]
