@@ -15,27 +15,30 @@ from wirewear.test import LineStudy, study_from_tables
 
 EXAMPLES = Path(__file__).parents[1] / "studies" / "steel_wires" / "example_records"
 
-_STEEL_WIRES = """
+_WIRES_IN_TEST = """
 format = 1
 name = "{name}"
-kind = "crossed-wires"
 [wires]
 diameter_mm = 0.45
-youngs_modulus_MPa = 210000
+youngs_modulus_MPa = 210000.0
 poissons_ratio = 0.3
 [conditions]
 normal_load_N = 2.0
 displacement_amplitude_um = {amplitude_um}
-frequency_Hz = 3.0
+frequency_Hz = {frequency_Hz}
 cycles = {cycles}
-[contact]
-friction = 0.62
 """
+
+
+def wires_in_test(name: str, *, amplitude_um: float = 60.0, cycles: int, frequency_Hz: float = 3.0) -> str:
+    """Steel wires and their conditions, as studies and mappings of records state them."""
+    return _WIRES_IN_TEST.format(name=name, amplitude_um=amplitude_um, cycles=cycles, frequency_Hz=frequency_Hz)
 
 
 def steel_wires(name: str, *, amplitude_um: float, cycles: int) -> str:
     """A study without wear on a rigid rig; tables that are added come behind it."""
-    return _STEEL_WIRES.format(name=name, amplitude_um=amplitude_um, cycles=cycles)
+    head = wires_in_test(name, amplitude_um=amplitude_um, cycles=cycles)
+    return f'kind = "crossed-wires"{head}[contact]\nfriction = 0.62\n'
 
 
 MINIMAL = steel_wires("test", amplitude_um=60.0, cycles=700)

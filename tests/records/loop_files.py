@@ -3,22 +3,10 @@
 from pathlib import Path
 from typing import Any
 
-HEAD = """
-format = 1
-name = "test 3"
-[wires]
-diameter_mm = 0.45
-youngs_modulus_MPa = 210000.0
-poissons_ratio = 0.3
-[conditions]
-normal_load_N = 2.0
-displacement_amplitude_um = 60.0
-frequency_Hz = 4.0
-cycles = 1000
-"""
-
+from tests.studies import wires_in_test
 
 SAMPLES, FREQUENCY_Hz = 128, 4.0
+HEAD = wires_in_test("test 3", cycles=1000, frequency_Hz=FREQUENCY_Hz)
 
 
 def mapped(folder: Path, loops: str) -> Path:

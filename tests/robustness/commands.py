@@ -10,23 +10,9 @@ import h5py
 import numpy as np
 
 from tests.robustness.forked import Commands
+from tests.studies import steel_wires, wires_in_test
 
-STUDY = """
-format = 1
-name = "two coarse wires"
-kind = "crossed-wires"
-[wires]
-diameter_mm = 0.45
-youngs_modulus_MPa = 210000.0
-poissons_ratio = 0.3
-[conditions]
-normal_load_N = 2.0
-displacement_amplitude_um = 60.0
-frequency_Hz = 3.0
-cycles = 30
-[contact]
-friction = 0.62
-[wear]
+STUDY = f"""{steel_wires("two coarse wires", amplitude_um=60.0, cycles=30)}[wear]
 energy_wear_coefficient_mm3_per_J = 3.0e-5
 [holder]
 tangential_stiffness_N_per_mm = 167.0
@@ -72,19 +58,7 @@ contact_mesh_um = 60.0
 increments_per_cycle = 16
 """
 
-MAPPING = """
-format = 1
-name = "as exported"
-[wires]
-diameter_mm = 0.45
-youngs_modulus_MPa = 210000.0
-poissons_ratio = 0.3
-[conditions]
-normal_load_N = 2.0
-displacement_amplitude_um = 60.0
-frequency_Hz = 3.0
-cycles = 30
-[loops]
+MAPPING = f"""{wires_in_test("as exported", cycles=30)}[loops]
 files = "record/loops.csv"
 [loops.columns]
 time_s = "time_s"
