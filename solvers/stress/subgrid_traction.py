@@ -201,7 +201,7 @@ _BEYOND = 3  #: The square is continued so many elements beyond the contact.
 #: so many elements.
 _OUTSIDE, _NEAREST = 0.3, 4
 #: Curvatures that the nodes do not show are small, by this share of the other terms' weight.
-_UNTOLD = 1e-6
+_UNDETERMINED = 1e-6
 _FORCE_WIDTH = 2.0
 _MOST_SCALED = 2.0
 _SAMPLES = 4
@@ -268,7 +268,7 @@ def _fitted(square: Array, loaded: BoolArray, trust_at_edge: float) -> Array:
     around = binary_dilation(loaded, structure=around_one, iterations=_BEYOND)
     near = binary_dilation(loaded, structure=around_one)
     chosen = matrix[around]
-    chosen += _UNTOLD * chosen[:, :1, :1] * np.diag([0.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+    chosen += _UNDETERMINED * chosen[:, :1, :1] * np.diag([0.0, 1.0, 1.0, 1.0, 1.0, 1.0])
     result = np.zeros(square.shape)
     result[around] = np.linalg.solve(chosen, right[around][..., None])[:, 0, 0]
     width = 2 * _NEAREST + 1

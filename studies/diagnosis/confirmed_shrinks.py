@@ -34,7 +34,7 @@ def answered(kept: Path, record: Path) -> dict[str, Any]:
     if diagnosis.verdict in ("explained", "ambiguous") and shrink.shows_gap:
         achieved = confirmed(found).diagnosis.confirmed
         if achieved is not None:
-            answer |= {"before": shrink.before, "floor": shrink.floor, "foreseen": shrink.predicted}
+            answer |= {"before": shrink.before, "floor": shrink.floor, "predicted": shrink.predicted}
             answer |= {"achieved": achieved.shrink, "after": achieved.after}
     kept.parent.mkdir(parents=True, exist_ok=True)
     write_text(kept, json.dumps(answer, indent=1) + "\n")
@@ -59,11 +59,11 @@ def main(output: Path, records: tuple[Path, ...], most: int) -> None:
         with understanding(kept, "file of this script's shrinks"):
             if "achieved" not in one:
                 continue
-            off.append(abs(one["achieved"] - one["foreseen"]))
+            off.append(abs(one["achieved"] - one["predicted"]))
             gap = f"{one['before']:.2f} → {one['after']:.2f} ({one['floor']:.2f})"
-            shrinks = f"{one['foreseen']:.2f}", f"{one['achieved']:.2f}"
+            shrinks = f"{one['predicted']:.2f}", f"{one['achieved']:.2f}"
             table.add_row(record.name, " + ".join(one["effects"]), gap, *shrinks)
-        click.echo(f"{record.name}: predicted {one['foreseen']:.2f}, achieved {one['achieved']:.2f}")
+        click.echo(f"{record.name}: predicted {one['predicted']:.2f}, achieved {one['achieved']:.2f}")
         if len(off) == most:
             break
     if not off:

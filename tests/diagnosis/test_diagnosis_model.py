@@ -243,7 +243,7 @@ def test_what_stays_of_a_rough_layer_is_a_spring_and_a_full_bed_grows_no_thicker
     cycles = np.array([1.0, 1e9])
     rough = RoughnessCompliance(2.0, 1000.0, lasting=0.3)
     added = [
-        rough.foreseen(chain_of(nominal(), cycles)).compliance_um_per_N
+        rough.predicted(chain_of(nominal(), cycles)).compliance_um_per_N
         for rough in (rough, replace(rough, lasting=0.0))
     ]
     own = chain_of(nominal(), cycles).compliance_um_per_N
@@ -252,9 +252,9 @@ def test_what_stays_of_a_rough_layer_is_a_spring_and_a_full_bed_grows_no_thicker
     worn = np.array([1e3, 1e6])
     chain = chain_of(nominal(), cycles, worn)
     depth = worn / np.sqrt(chain.worn_area2_um4)
-    full = ThirdBodyLayer(0.4, 500.0, full_um=1e-3).foreseen(chain)
+    full = ThirdBodyLayer(0.4, 500.0, full_um=1e-3).predicted(chain)
     assert full.retained_fraction * depth == pytest.approx([1e-3, 1e-3], rel=1e-3)
-    assert ThirdBodyLayer(0.4, 500.0).foreseen(chain).retained_fraction == pytest.approx([0.4, 0.4])
+    assert ThirdBodyLayer(0.4, 500.0).predicted(chain).retained_fraction == pytest.approx([0.4, 0.4])
 
 
 @pytest.mark.slow

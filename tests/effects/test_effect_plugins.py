@@ -226,7 +226,7 @@ def effect(name: str, **values: float) -> Effect[Any]:
 
 def changes(one: Effect[Any]) -> dict[str, Any]:
     """What is another one in the chain with the effect, by name."""
-    before, after = vars(chain()), vars(one.foreseen(chain()))
+    before, after = vars(chain()), vars(one.predicted(chain()))
     same = {name for name, value in after.items() if np.allclose(value, before[name], rtol=1e-12, atol=1e-15)}
     return {name: value for name, value in after.items() if name not in same}
 
@@ -240,7 +240,7 @@ def test_an_effect_at_its_neutral_values_leaves_the_chain_as_it_is(kind: type[Ef
 def test_an_effect_follows_over_a_test_what_it_says_it_does(kind: type[Effect[Any]]) -> None:
     one = kind.sized("easy", coarse().stated)
     worn = replace(chain(), energy_J=chain().energy_J[::-1], worn_um3=chain().worn_um3[::-1])
-    early, late = vars(one.foreseen(chain())), vars(one.foreseen(worn))
+    early, late = vars(one.predicted(chain())), vars(one.predicted(worn))
     columns = changes(one)
     assert all(np.ptp(early[name]) == 0.0 for name in columns) is (kind.ages is Ageing.NEVER)
     assert all(np.array_equal(early[name], late[name]) for name in columns) is (kind.ages is not Ageing.BY_WEAR)

@@ -260,3 +260,8 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def renamed(former: str, present: str) -> None:
+    """Warn whoever uses a public name of an earlier version, which goes on working (docs/promises.md)."""
+    warnings.warn(f"{former} is now {present}", DeprecationWarning, stacklevel=3)

@@ -26,7 +26,7 @@ FILE_NAME = "calibration.toml"
 FILE = Path(__file__).with_name(FILE_NAME)
 
 #: Sources of what is not tuned: steps and ranges, where observables are read, least data, statistics, what is reported.
-UNTUNED = {"resolution", "definition", "least_data", "convention", "as_likely_as_not", "told"}
+UNTUNED = {"resolution", "definition", "least_data", "convention", "as_likely_as_not", "wording"}
 
 #: Units of numbers that cannot exceed one.
 _UP_TO_ONE = {"correlation", "probability", "share of the variance"}

@@ -1,6 +1,8 @@
 """Effects that the nominal model lacks: each a small object that changes exactly one seam of the model."""
 
-from wirewear.base.errors import Quantity
+from typing import Any
+
+from wirewear.base.errors import Quantity, renamed
 from wirewear.effects.effect import COLUMNS, AnyEffect, Chain, Effect, Size, UnforeseenError
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, parameter
@@ -22,3 +24,10 @@ __all__ = [
     "all_effects", "all_measurements", "applied", "distinguished_by", "effect_named", "effects_of_tables", "parameter",
     "problem_with", "splits", "tables_of_effects",
 ]  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    if name == "told_apart_by":
+        renamed("wirewear.effects.told_apart_by", "wirewear.effects.distinguished_by")
+        return distinguished_by
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

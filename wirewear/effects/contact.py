@@ -147,7 +147,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
             return described
         return replace(described, layers=(*described.layers, RoughLayer(1e-3 * height_um)))
 
-    def foreseen(self, chain: Chain) -> Chain:
+    def predicted(self, chain: Chain) -> Chain:
         """A spring: asperities that close by s ln p under a pressure p give way by s/P per newton of the load P."""
         height_um = self._height_um.at(chain.cycles)
         added = _TANGENTIAL_TO_NORMAL * height_um / chain.load_N
@@ -218,7 +218,7 @@ class ThirdBodyLayer(Effect[ContactLaw]):
             return described
         return replace(described, layers=(*described.layers, ThirdBody(self.retained_fraction, self.modulus_MPa)))
 
-    def foreseen(self, chain: Chain) -> Chain:
+    def predicted(self, chain: Chain) -> Chain:
         """Scars that are filled, and a spring: a bed of f·V/A on the area A shears by f V/(A² G) per newton.
 
         A² = πRV of wires once the scar is larger than Hertz's contact. A bed that fills later has a power of it. One

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from solvers import Holder, WearRates
-from wirewear.base.errors import StudyError, shown
+from wirewear.base.errors import StudyError, renamed, shown
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, plain
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Control, Loading, Seam, Specimens
@@ -230,7 +230,7 @@ class Effect(ABC, Generic[T]):
     def changed(self, described: T, age: Age) -> T:
         """The seam's description with the effect in it, when the test has come that far."""
 
-    def foreseen(self, chain: Chain) -> Chain:
+    def predicted(self, chain: Chain) -> Chain:
         """A test as fast models take it, with the effect in it: what it changes of its seam, unless it says otherwise.
         Raises UnforeseenError if it changes something there that a chain does not hold.
         """
@@ -245,11 +245,22 @@ class Effect(ABC, Generic[T]):
             if any(getattr(after, name) != getattr(before, name) for name in view.unread):
                 raise UnforeseenError(
                     f"{self.name} changes something of the {self.seam} that fast models do not know: let its method "
-                    "`foreseen` say what it does to a chain."
+                    "`predicted` say what it does to a chain."
                 )
             changed.append(view.row(after))
         values = np.broadcast_to(np.array(changed), columns.shape)
         return replace(chain, **dict(zip(view.columns, values.T, strict=True)))
+
+    def foreseen(self, chain: Chain) -> Chain:
+        """The name of `predicted` in 1.0.0."""
+        renamed("Effect.foreseen", "Effect.predicted")
+        return self.predicted(chain)
+
+    def __init_subclass__(cls) -> None:
+        # Effects written for 1.0.0 say what they do to a chain by the method's former name.
+        if "foreseen" in vars(cls):
+            renamed(f"{cls.__name__}.foreseen", f"{cls.__name__}.predicted")
+            cls.predicted = vars(cls)["foreseen"]  # type: ignore[method-assign]
 
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:

@@ -136,6 +136,6 @@ class ContactOxygenation(Effect[WearRates]):
             return described
         return replace(described, oxygen=OxygenSupply(self.supply_W, self.starved_factor))
 
-    def foreseen(self, chain: Chain) -> Chain:
+    def predicted(self, chain: Chain) -> Chain:
         """The chain with that supply."""
         return chain if self.starved_factor == 1.0 else chain.with_oxygen(self.supply_W, self.starved_factor)

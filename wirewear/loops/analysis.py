@@ -27,7 +27,7 @@ from wirewear.loops.stick_slip import static_overshoot, stick_slip
 from wirewear.loops.sticking import notes_on, slip_of
 from wirewear.loops.stiffness import RESOLVED, bent, corner_of, mean_stiffness, micro_slip_branch, sliding_stiffness
 
-UNTOLD = "the loop's width at its mid force cannot be told: slip_amplitude is any that its area allows"
+UNDETERMINED = "the loop's width at its mid force cannot be determined: slip_amplitude is any that its area allows"
 
 RUNS_ON = (
     "the displacement runs on while the force already falls, as a reading does that leans against the force or is "
@@ -214,7 +214,9 @@ def analyse_loop(
     )
     loop = loop.noted(ELLIPSE) if viscous else loop
     notes = [*_notes(loop, courses, found, no_line=no_line), *([BY_ENERGY] if reread else [])]
-    notes += [UNTOLD] if slip.interval95[1] < read.interval95[0] or slip.interval95[0] > read.interval95[1] else []
+    notes += (
+        [UNDETERMINED] if slip.interval95[1] < read.interval95[0] or slip.interval95[0] > read.interval95[1] else []
+    )
     return within_bounds(replace(found, notes=tuple(notes)))
 
 

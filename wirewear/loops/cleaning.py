@@ -275,7 +275,7 @@ def _clipping_notes(displacement: Array, force: Array) -> list[str]:
         said = f"the {name} is clipped at the end of its range{doubt}: {clip.text} {unit}, while the others scatter"
         # A loop of which a larger share of a channel's samples is clipped is no measurement.
         if clip.sure and np.count_nonzero(clip.samples) > 0.05 * force.size:
-            raise LoopError(f"{said}, so that neither friction nor energy can be told")
+            raise LoopError(f"{said}, so that neither friction nor energy can be determined")
         notes.append(f"{said}; its largest value is a lower bound")
     return notes
 

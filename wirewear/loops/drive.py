@@ -96,7 +96,7 @@ def drift_of(time: Array, values: Array) -> Drift:
     period = _period(time, values)
     columns = series(time, period, 2)
     free = fit_linear(columns, values)
-    # What another period would change: the two are told apart only as far as this column is none of the others.
+    # What another period would change: the two are distinguished only as far as this column is none of the others.
     stretched = (time - float(time.mean())) * np.gradient(values - free.residuals, time)
     fit = fit_linear(np.column_stack([columns, stretched]), values)
     total, deviation = 2.0 * float(fit.coefficients[1]), 2.0 * float(np.sqrt(fit.covariance[1, 1]))

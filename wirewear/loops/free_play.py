@@ -19,11 +19,11 @@ from wirewear.loops.robust import LinearFit, fit_linear
 BAND_SHARE, BAND_NOISES = 0.04, 4.0
 
 
-#: Samples below a shelf, and above it, with which its flanks' common line can be told; with more of both, their bend.
+#: Samples below a shelf, and above it, with which its flanks' common line is known; with more of both, their bend.
 FEWEST_BELOW, FEWEST_ABOVE, FEWEST_BENT = 2, 1, 2
 
 
-#: Samples from the reversal to the plateau, below which no shelf can be told, and those with which flanks have a bend.
+#: Samples from the reversal to the plateau, below which no shelf is known, and those with which flanks have a bend.
 FEWEST_IN_RISE, FEWEST_IN_BENT_RISE = 5, 8
 
 

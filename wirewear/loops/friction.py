@@ -281,7 +281,7 @@ def _friction_angle(angle: Array, x: Array, sign: Array, likely_shift: float) ->
         theta = np.polynomial.Polynomial(fit.coefficients[2 : degree + 3])
         slope = theta.deriv()(at)
         design = np.column_stack([even, np.vander(at, degree + 1, increasing=True) * sign[:, None], -slope])
-        # One more "sample" says what is believed of the shift before.
+        # One more "sample" says what is expected of the shift before.
         doubt = max(fit.scale, 1e-12) / likely_shift
         belief = np.append(np.zeros(design.shape[1] - 1), doubt)
         fit = fit_linear(np.vstack([design, belief]), np.append(angle, -doubt * shift))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,7 +11,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.elasticity.strain import interpolation
-from wirewear.base.errors import ResultError
+from wirewear.base.errors import ResultError, renamed
 from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.stress.averaging import averaging, averaging_radius_mm, kernel_of, linear_weights, widened
@@ -112,7 +111,7 @@ class BodyLife:
     @property
     def begun(self) -> Initiation | None:
         """What `initiation` was called in 1.0.0."""
-        warnings.warn("BodyLife.begun is now BodyLife.initiation", DeprecationWarning, stacklevel=2)
+        renamed("BodyLife.begun", "BodyLife.initiation")
         return self.initiation
 
     @property

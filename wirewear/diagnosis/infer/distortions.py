@@ -132,7 +132,7 @@ class FreeInTime:
         """Nothing of a seam's description."""
         return described
 
-    def foreseen(self, chain: Chain) -> Chain:
+    def predicted(self, chain: Chain) -> Chain:
         """The chain with the column changed."""
         share = np.interp(np.log(np.maximum(chain.cycles, 1.0)), self.knots, self.values)
         was = getattr(chain, self.column)

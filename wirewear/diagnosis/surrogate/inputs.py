@@ -43,7 +43,7 @@ class AtWork(Protocol):
         """The seam's description with it at work."""
         ...
 
-    def foreseen(self, chain: Chain) -> Chain:
+    def predicted(self, chain: Chain) -> Chain:
         """The chain with it at work."""
         ...
 
@@ -182,7 +182,7 @@ class SurrogateInputs:
         made: type[Chain] = LineChain if self.length_mm else Chain
         chain = made(radius_um, fresh_area_um2, **columns, length_um=1e3 * self.length_mm)
         for effect in self.effects:
-            chain = effect.foreseen(chain)
+            chain = effect.predicted(chain)
         return replace(
             chain,
             friction=self.friction_factor * chain.friction,
