@@ -1,5 +1,6 @@
 """`wirewear open` under attack: uploads that break off or race, requests that are none, other users, signals."""
 
+import errno
 import json
 import os
 import signal
@@ -91,6 +92,34 @@ def test_an_upload_that_is_not_whole_changes_nothing(
     assert (server.workspace.folder / "mapping.toml").read_text(encoding="utf-8") == "whole"
     assert not list(server.workspace.folder.glob(".*"))
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("name", ["", ".", "%2F", "%5C", ".."])
+def test_a_name_of_nothing_replaces_no_folder(server: WorkspaceServer, name: str) -> None:
+    server.workspace.add("a.csv", b"whole")
+    assert asked(f"{server.url}files/{name}", "PUT", b"torn")[0] == 409
+    assert kept(server.workspace) == [b"whole"]
+
+
+def test_a_mapping_that_does_not_fit_on_the_disk_leaves_the_one_before_in_its_place(
+    workspace: Workspace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(_: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    workspace.write_mapping("whole")
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space"):
+        workspace.write_mapping("torn")
+    assert [path.name for path in workspace.folder.iterdir()] == ["mapping.toml"]
+    assert (workspace.folder / "mapping.toml").read_text(encoding="utf-8") == "whole"
+
+
+@pytest.mark.parametrize("headers", [["Host: elsewhere"], ["Origin: http://elsewhere"], ["Origin: null"]])
+def test_who_knows_the_address_must_come_from_its_page(server: WorkspaceServer, headers: list[str]) -> None:
+    assert put(server, "mapping", *headers, "Content-Length: 1", body=b"x").startswith(b"HTTP/1.0 404 ")
+    home = f"Origin: http://{LOOPBACK}:{server.server_address[1]}"
+    assert put(server, "mapping", home, "Content-Length: 1", body=b"x").startswith(b"HTTP/1.0 200 ")
 
 
 @pytest.mark.parametrize("address", ["http://[/", "a%00b", "l" * 300, "out/a%00b", f"out/{'l' * 300}", "%ff%fe"])

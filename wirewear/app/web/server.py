@@ -193,11 +193,15 @@ class _Handler(BaseHTTPRequestHandler):
         self._send_state()
 
     def _asked(self) -> list[str] | None:
-        """What stands behind the secret; None of who does not know it, or comes by another name of this machine.
+        """What stands behind the secret; None of who does not know it, comes by another name of this machine,
+        or from another page.
         Raises ValueError if it is no address.
         """
         secret, *places = [unquote(part) for part in urlsplit(self.path).path.split("/")[1:]] or [""]
-        at_home = self.headers.get("Host") == f"{LOOPBACK}:{self.server.server_address[1]}"
+        home = f"{LOOPBACK}:{self.server.server_address[1]}"
+        at_home = self.headers.get_all("Host") == [home]
+        # Browsers name the page that sends what changes something.
+        at_home &= self.headers.get("Origin") in (None, f"http://{home}")
         if not at_home or not secrets.compare_digest(secret.encode(), self.server.secret.encode()):
             return None
         if any("\0" in part or len(part.encode()) > 255 for part in places):

@@ -23,7 +23,7 @@ import click
 from wirewear.app.cli.group import cli
 from wirewear.base.errors import RunError, WirewearError, as_sentence, shown
 from wirewear.base.recognising import Held, recognised
-from wirewear.base.writing import prepared_folder, write_text
+from wirewear.base.writing import prepared_folder
 
 FILES, MAPPING, RECORD, RESULT = "files", "mapping.toml", "record", "result"
 FITTED = "fit/study.toml"
@@ -134,28 +134,16 @@ class Workspace:
 
         Nothing is changed unless all of the content comes. Raises RunError if it is no name of a file.
         """
-        place = self.folder / FILES / Path(name.replace("\\", "/")).name
-        if not place.name or place.name.startswith(".") or not place.name.isprintable():
+        own = Path(name.replace("\\", "/")).name
+        if not own or own.startswith(".") or not own.isprintable():
             raise RunError(f"{shown(name)} is no name of a file.")
-        if len(os.fsencode(place.name)) > _MOST_BYTES_OF_NAME:
+        if len(os.fsencode(own)) > _MOST_BYTES_OF_NAME:
             raise ValueError(f"the name {shown(name)} is too long: {_MOST_BYTES_OF_NAME} bytes at most.")
-        with NamedTemporaryFile(dir=self.folder, prefix=_COMING, delete=False) as file:
-            coming = Path(file.name)
-            try:
-                file.writelines([content] if isinstance(content, bytes) else content)
-                file.flush()
-                os.fsync(file.fileno())
-                with self._lock:
-                    self._put_aside(place)
-                    coming.replace(prepared_folder(place.parent) / place.name)
-            finally:
-                coming.unlink(missing_ok=True)
+        self._keep(self.folder / FILES / own, [content] if isinstance(content, bytes) else content)
 
     def write_mapping(self, text: str) -> None:
         """Keep a mapping as it was edited; the one before is put aside."""
-        with self._lock:
-            self._put_aside(self.folder / MAPPING)
-            write_text(self.folder / MAPPING, text)
+        self._keep(self.folder / MAPPING, [text.encode("utf-8")])
 
     def start(self, name: str, chosen: Mapping[str, object]) -> None:
         """Begin a step with options by their flags.
@@ -265,6 +253,20 @@ class Workspace:
         place = self.folder / step.leaves
         found = [place] if place.is_file() else sorted(place.rglob("*"), key=lambda path: (path.suffix, path))
         return (path for path in found if path.suffix in _SHOWN)
+
+    def _keep(self, place: Path, content: Iterable[bytes]) -> None:
+        """Write a file, once all of its content is there; another in its place is put aside."""
+        with NamedTemporaryFile(dir=self.folder, prefix=_COMING, delete=False) as file:
+            coming = Path(file.name)
+            try:
+                file.writelines(content)
+                file.flush()
+                os.fsync(file.fileno())
+                with self._lock:
+                    self._put_aside(place)
+                    coming.replace(prepared_folder(place.parent) / place.name)
+            finally:
+                coming.unlink(missing_ok=True)
 
     def _put_aside(self, place: Path) -> None:
         """What is to be made again is never lost: it gets the next number. Whoever calls holds the lock."""
