@@ -1,1 +1,1 @@
-"""The applications: command line, Python and browser."""
+"""Applications: command line, Python interface and browser."""

@@ -1,1 +1,1 @@
-"""What readers see: pages, tables, pictures and sentences of runs, loops, comparisons and diagnoses."""
+"""Output for readers: pages, tables, pictures and sentences of runs, loops, comparisons and diagnoses."""

@@ -1,4 +1,4 @@
-"""The calibration of a sensor by loaded contacts: as JSON and as a table."""
+"""Calibration of a displacement sensor by loaded contacts, as JSON and as a table."""
 
 import numpy as np
 from rich import box
@@ -12,7 +12,7 @@ from wirewear.views.loops_report import rounded
 
 
 def calibration_json(study: str, calibration: Calibration, correction: "Correction | None") -> dict[str, object]:
-    """The calibration as JSON; `record` is null where none was corrected."""
+    """Calibration as plain values for JSON; `record` is null if no record was corrected."""
     polynomial = calibration.polynomial
     return {
         "format": 1,
@@ -52,7 +52,9 @@ def _measured_json(measured: Measured) -> dict[str, object]:
 
 
 def calibration_text(calibration: Calibration, correction: "Correction | None") -> RenderableType:
-    """Compliance under each load, the polynomial with its error, and what it did to a record."""
+    """Table of the compliance under each load, the fitted polynomial with its error, and the correction of a record, if
+    any.
+    """
     polynomial = calibration.polynomial
     table = Table(box=box.SIMPLE, pad_edge=False, title="Remote minus near displacement", title_justify="left")
     for heading in ("normal load\n[N]", "forces up to\n[N]", "difference there\n[µm]", "slope\n[µm/N]"):

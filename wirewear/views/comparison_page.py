@@ -1,4 +1,4 @@
-"""The page of a comparison, its pictures, and its differences as a table for the terminal, CSV and JSON."""
+"""HTML page of a comparison, its pictures, and its differences as a table for the terminal, CSV and JSON."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -46,7 +46,7 @@ EVERY_PHASE = 2  #: Of the points of a loop every second is shown.
 
 
 def differences_table(comparison: RecordComparison) -> Table:
-    """The largest difference of each quantity over its cycles, to be printed with rich."""
+    """Table of the largest difference of each quantity over its cycles, to be printed with rich."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="Largest differences", title_justify="left")
     table.add_column("from")
     table.add_column("quantity")
@@ -66,7 +66,8 @@ def differences_table(comparison: RecordComparison) -> Table:
 
 def write_comparison(comparison: RecordComparison, folder: Path) -> list[Path]:
     """Write one self-contained HTML page, its pictures, and the table as CSV and JSON; return their paths.
-    Raises RecordError if the folder cannot be written.
+
+    Raises RecordError if the folder cannot be written to.
     """
     from wirewear.pictures.style import save, svg
     from wirewear.views import comparison_pictures as drawn
@@ -93,7 +94,7 @@ def write_comparison(comparison: RecordComparison, folder: Path) -> list[Path]:
 
 
 def page(comparison: RecordComparison, maps: Sequence[bytes]) -> str:
-    """The page; `maps` are SVG pictures of the registered scars."""
+    """HTML page of a comparison; `maps` are SVG pictures of the registered scars."""
     worst = worst_differences(comparison.differences)
     return frame.rendered(
         HERE / "comparison_page.html",
@@ -116,7 +117,7 @@ def page(comparison: RecordComparison, maps: Sequence[bytes]) -> str:
 
 
 def sentence(worst: Sequence[Difference]) -> str:
-    """What a reader in a hurry needs to know."""
+    """Summary in one or two sentences, from the worst difference of each quantity."""
     judged = [row for row in worst if row.in_scatter is not None and row.basis == REPEATS]
     beyond = [row for row in judged if _beyond(row)]
     if not judged:
@@ -134,7 +135,7 @@ def sentence(worst: Sequence[Difference]) -> str:
 
 
 def page_data(comparison: RecordComparison) -> dict[str, object]:
-    """Loops, evolution and sections as plain values."""
+    """Loops, evolution, friction and scar sections as plain values for the page."""
     return {
         "loops": [_loop(pair) for pair in comparison.loops],
         "evolution": {
@@ -159,7 +160,7 @@ def _loop(pair: LoopPair) -> dict[str, object]:
 
 
 def _measured(comparison: RecordComparison, name: str) -> list[list[list[float | None]]]:
-    """Cycles and values of each repeat: the record's evolution, or the figures of its loops where it has none."""
+    """For each repeat its cycles and values of this column, from the record's evolution or else from its loops."""
     cycles, tests = common_evolution(comparison.record, name)
     if cycles.size:
         return [[frame.numbers(cycles), frame.numbers(test)] for test in tests]
@@ -217,5 +218,5 @@ def _beyond(row: Difference) -> bool:
 
 
 def _hundredths(value: float) -> str:
-    """A figure with two decimals, without the minus of a rounded zero."""
+    """Number with two decimals and no minus before zero."""
     return f"{round(value, 2) + 0.0:.2f}".replace("-", "−")

@@ -1,4 +1,4 @@
-"""Pictures of a comparison: loops, evolution, scars. Measured is grey with the repeats' range, simulated is blue."""
+"""Pictures of a comparison: loops, evolution, scars. Measured is grey with the range of repeats, simulated is blue."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ FRICTION = (
 
 
 def loops_picture(pairs: Sequence[LoopPair]) -> Figure:
-    """Loops at matching cycles, one panel each, all on the same axes."""
+    """Loops of up to six matched cycles, one panel each, all on the same axes."""
     chosen = chosen_cycles([pair.cycle for pair in pairs], MOST_PANELS)
     shown = [pair for pair in pairs if pair.cycle in chosen]
     columns = 2 if len(shown) == 4 else min(len(shown), COLUMNS)
@@ -74,7 +74,7 @@ def _draw_pair(axes: Axes, pair: LoopPair) -> None:
 
 
 def evolution_picture(result: RunResult, record: AnyRecord, pairs: Sequence[LoopPair]) -> Figure:
-    """Amplitudes, energy, largest force and friction measures over the cycles."""
+    """Four panels over the cycles: amplitudes, energy, largest force and friction measures, simulated and measured."""
     figure = style.new_figure(5.6)
     grid = figure.subplots(2, 2)
     names = {name: quantity for quantity, _, name in EVOLUTION_FIGURES}
@@ -111,7 +111,7 @@ def _draw_column(axes: Axes, result: RunResult, record: AnyRecord, name: str, pa
 
 
 def _draw_of_loops(axes: Axes, name: str, pairs: Sequence[LoopPair]) -> None:
-    """Figures of the measured loops, if any, where the record has no evolution."""
+    """Draw a figure of the measured loops over the cycles, for records without an evolution."""
 
     def value(pair: LoopPair, test: int) -> float:
         if name == "max_tangential_force_N":
@@ -161,7 +161,7 @@ def _friction(pair: LoopPair, attribute: str) -> tuple[float, Array]:
 
 @dataclass(frozen=True, eq=False)
 class DepthMap:
-    """One map of a comparison [µm] with its colours, and half the extent of all maps beside it."""
+    """One depth map of a comparison in µm with its colours, and the half extents in µm common to all maps."""
 
     pair: ScarPair
     what: str
@@ -173,7 +173,9 @@ class DepthMap:
 
 
 def depth_maps(pairs: Sequence[ScarPair]) -> list[list[DepthMap]]:
-    """A row for each body: measured mean, simulated, and simulated minus measured; one scale for each kind."""
+    """One list for each body with its measured mean, simulated depth and their difference; each kind has one colour
+    scale.
+    """
     colours, norm = style.depth_scale(depth for pair in pairs for depth in (pair.mean, pair.simulated))
     worst = max(float(np.nanmax(np.abs(pair.simulated - pair.mean))) for pair in pairs) or 1e-3
     half_x, half_y = (max(float(np.abs(getattr(pair, n)).max()) for pair in pairs) for n in ("x_um", "y_um"))
@@ -190,12 +192,12 @@ def depth_maps(pairs: Sequence[ScarPair]) -> list[list[DepthMap]]:
 
 
 def every_map(pairs: Sequence[ScarPair]) -> list[DepthMap]:
-    """All maps, body by body."""
+    """All maps of `depth_maps` in one list."""
     return [shown for row in depth_maps(pairs) for shown in row] if pairs else []
 
 
 def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
-    """One row for each body, as in `depth_maps`."""
+    """All maps in one figure, one row for each body."""
     rows = depth_maps(pairs)
     half_x, half_y = rows[0][0].half_um
     panel_in = 0.80 * style.WIDTH_in / 3
@@ -217,7 +219,7 @@ def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
 
 
 def map_picture(shown: DepthMap) -> Figure:
-    """One of the maps by itself, for a page that puts them beside or below one another."""
+    """One map as a figure of its own."""
     half_x, half_y = shown.half_um
     figure = style.new_figure(MAP_in * min(max(half_y / half_x, 0.4), 1.6) + 0.9, MAP_in)
     axes = figure.subplots()
@@ -234,7 +236,9 @@ def _draw_map(axes: Axes, shown: DepthMap) -> None:
 
 
 def sections_picture(pairs: Sequence[ScarPair]) -> Figure:
-    """Depth along the motion, and of maps across it, through the origin; one row for each body, all on one scale."""
+    """Depth along the motion through the origin, and for maps also across it; one row for each body, one scale
+    for all.
+    """
     figure = style.new_figure(2.1 * len(pairs) + 0.7)
     grid = figure.subplots(len(pairs), 2 if pairs[0].is_map else 1, sharex=True, sharey=True, squeeze=False)
     for row, pair in zip(grid, pairs, strict=True):

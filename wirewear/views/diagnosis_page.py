@@ -1,4 +1,8 @@
-"""The diagnosis as one HTML page that needs no other file, what it draws, and as ten lines of text."""
+"""A diagnosis as a self-contained HTML page with its drawings, and as ten lines of text.
+
+A zone is a part of the measurements, such as a stretch of the loop or a scar's depth; a scatter is the standard
+deviation of one test; explained values include the effects of the best explanation.
+"""
 
 from __future__ import annotations
 
@@ -69,7 +73,7 @@ SHADES = (
 
 
 def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
-    """Write diagnosis.json and report.html; return their paths. Raises ResultError if they cannot be written."""
+    """Write diagnosis.json and report.html and return their paths. Raises ResultError if they cannot be written."""
     texts = {
         JSON_FILE_NAME: json_text(with_checksum(finite(diagnosed.diagnosis.to_json())), indent=1) + "\n",
         REPORT_FILE_NAME: page(diagnosed),
@@ -80,7 +84,7 @@ def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
 
 
 def page(diagnosed: Diagnosed) -> str:
-    """The page of a diagnosis, to be opened in any browser."""
+    """HTML page of a diagnosis."""
     diagnosis, found = diagnosed.diagnosis, diagnosed.search
     drawn = loops(diagnosed)
     filters: dict[str, frame.Filter] = {
@@ -112,13 +116,13 @@ def page(diagnosed: Diagnosed) -> str:
 
 
 def _with_unit(name: str) -> str:
-    """For example: slip amplitude [µm]."""
+    """Name of a quantity with its unit, such as: slip amplitude [µm]."""
     percent = name.removesuffix("_percent")
     return f"{words_of(percent)} [{unit_of(name) if percent == name else '%'}]"
 
 
 def ten_lines(diagnosis: Diagnosis) -> str:
-    """The answer for a terminal: the sentence of the page, and what stands under it there."""
+    """Answer of a diagnosis in at most ten lines of text, for a terminal."""
     lines = [f"{diagnosis.record}: {diagnosis.sentence}"]
     for one in worth_telling(diagnosis)[:3]:
         values = "; ".join(filter(None, map(parameters_in_words, one.causes)))
@@ -136,7 +140,7 @@ def ten_lines(diagnosis: Diagnosis) -> str:
 
 
 def _checked(shrink: Shrink) -> str:
-    """Gap before and after beside what chance alone leaves, and whether that supports the explanation."""
+    """Sentence on the gap before and after the explanation, and on the floor that chance leaves."""
     floor = f"chance alone leaves {shrink.floor:.2f}"
     if not shrink.shows_gap:
         return f"the model alone differs by {shrink.before:.2f} scatters, {floor}: no gap by which to judge"
@@ -151,10 +155,13 @@ Bar = tuple[str, float, float, str]  #: Name, value, per cent of the longest, co
 def residuals(
     loops: tuple[ReducedLoop, ...], course: PredictedLoops, row: int, scatter: Mapping[str, float], load_N: float
 ) -> list[dict[str, Array]]:
-    """Measured less computed force on both branches of a cycle's loop, against displacement.
+    """Measured less computed force for the forward and the backward branch of one cycle's loop.
 
-    Each is a table of arrays (n,): `displacement_um`, `force_N`, the mean over repeats less the computed force, and
-    `band_N`, the half-width of what 95 % of tests differ by.  row: of the course.
+    Each is a table of arrays (n,): `displacement_um`, `force_N` (mean over the repeats less the computed force), and
+    `band_N`, the half-width of the band in which 95 % of tests lie.
+
+    loops: measured loops of this cycle. course: computed loops, of which `row` is the index of the cycle. scatter:
+    standard deviations between tests by name.
     """
     found = []
     for place, sign in enumerate(DIRECTIONS):
@@ -184,7 +191,9 @@ def _force_at(branch: ObservedBranch, at_um: Array) -> Array:
 
 
 def _band(at_um: Array, force_N: Array, scatter: Mapping[str, float], load_N: float, noise_N: float) -> Array:
-    """Friction and load stretch the force; zeros shift force and displacement; the amplitude stretches the stroke."""
+    """Half-width in N of the 95 % band: scatter of friction, load, offsets and amplitude, and noise, added in
+    squares.
+    """
 
     def size(name: str) -> float:
         return float(scatter.get(name, 0.0))
@@ -196,7 +205,7 @@ def _band(at_um: Array, force_N: Array, scatter: Mapping[str, float], load_N: fl
 
 
 def measured_section(scars: Iterable[MeasuredScar]) -> list[tuple[Array, Array]]:
-    """Place [µm] along the motion about the scar's middle, and depth [µm], of each map that has enough points."""
+    """Distance in µm along the motion from the scar's middle, and depth in µm, for each map with enough points."""
     found = []
     for scar in scars:
         if scar.depth_um.size < FEWEST_POINTS:
@@ -215,10 +224,10 @@ def measured_section(scars: Iterable[MeasuredScar]) -> list[tuple[Array, Array]]
 
 
 def bowl(figures: Array, places: int = 41) -> tuple[Array, Array]:
-    """The section of a paraboloid of a scar's figures (4,): places and depths [µm].
+    """Section of a paraboloid with the depth and length of a scar's figures (4,): distances and depths in µm.
 
-    The section over its whole width goes as (1 − x²/a²)^(3/2), so that the length, measured where that is `SCAR_EDGE`
-    of its largest, is 2 a √(1 − SCAR_EDGE^(2/3)).
+    A paraboloid's section, averaged over its width, goes as (1 − x²/a²)^(3/2), so that the length, measured where that
+    is `SCAR_EDGE` of its largest, is 2 a √(1 − SCAR_EDGE^(2/3)).
     """
     depth, length = (float(figures[SCAR_FIGURES.index(name)]) for name in ("depth", "length"))
     half = 0.5 * length / np.sqrt(1.0 - SCAR_EDGE ** (2.0 / 3.0))
@@ -227,7 +236,7 @@ def bowl(figures: Array, places: int = 41) -> tuple[Array, Array]:
 
 
 def loops(diagnosed: Diagnosed) -> dict[str, object]:
-    """Measured and computed loops as plain values."""
+    """Measured and computed loops as plain values for the page."""
     known = sorted({loop.cycle for loop in diagnosed.observed.loops})
     kept = np.unique(np.linspace(0, len(known) - 1, min(MOST_LOOPS, len(known))).round().astype(int))
     cycles = [known[place] for place in kept]
@@ -261,7 +270,7 @@ def loops(diagnosed: Diagnosed) -> dict[str, object]:
 
 
 def _left(diagnosed: Diagnosed, course: PredictedLoops, row: int, cycle: int) -> list[list[list[float | None]]]:
-    """Displacement, measured less computed force, and half-width of the band, of both branches."""
+    """For both branches: displacement, measured less computed force, and half-width of the 95 % band."""
     own = tuple(loop for loop in diagnosed.observed.loops if loop.cycle == cycle)
     scatter = diagnosed.search.covariance.scatter
     branches = residuals(own, course, row, scatter, diagnosed.setup.load_N)
@@ -269,7 +278,7 @@ def _left(diagnosed: Diagnosed, course: PredictedLoops, row: int, cycle: int) ->
 
 
 def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
-    """The place of the last cycle at which a gap shows that has a place, else of the last one."""
+    """Index of the last cycle at which the clearest gap shows, or else of the last cycle."""
     shows = [one.cycles[1] for one in diagnosed.diagnosis.resembles[:1]]
     shows = shows or [finding.cycles[1] for finding in diagnosed.diagnosis.where[:1]]
     last = shows[0] if shows else cycles[-1]
@@ -277,7 +286,9 @@ def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
 
 
 def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, PredictedLoops]]) -> list[dict[str, object]]:
-    """Worn bodies along the motion, measured and computed: profiles, or bowls of the computed depth and length."""
+    """Sections of worn bodies along the motion, measured and computed; for scars, bowls of the computed depth and
+    length.
+    """
     found: list[dict[str, object]] = []
     for place, body in enumerate(diagnosed.record.tables.body_names):
         scars, courses = diagnosed.record.scars_of(body), [course for _, _, course in curves]
@@ -294,7 +305,9 @@ def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, PredictedLo
 
 
 def gap_map(diagnosed: Diagnosed) -> tuple[list[int], list[tuple[str, list[tuple[Place, str, str] | None]]]]:
-    """Cycles, and of every zone its label and a cell at each cycle: what differs, its colour and ink, or nothing."""
+    """Cycles, and for each zone its label and cells: difference, colour and ink at each cycle, or None if not
+    measured.
+    """
     found = places(diagnosed.search.problem, diagnosed.search.covariance, diagnosed.setup)
     shades = [next(shade[1:] for shade in reversed(SHADES) if place.in_scatter >= shade[0]) for place in found]
     cells = {(place.zone, place.cycle): (place, *shade) for place, shade in zip(found, shades, strict=True)}
@@ -304,7 +317,9 @@ def gap_map(diagnosed: Diagnosed) -> tuple[list[int], list[tuple[str, list[tuple
 
 
 def zone_bars(diagnosed: Diagnosed) -> list[tuple[str, bool, list[Bar]]]:
-    """Zones that differ most: label, whether beyond chance, root mean square [scatters], nominal and explained."""
+    """The five zones that differ most: label, whether beyond chance, and rms difference in scatters, nominal and
+    explained.
+    """
     found = diagnosed.search
     setups = [diagnosed.setup, *([found.best.setup] if _explains(diagnosed) else [])]
     rows = [places(found.problem, found.covariance, setup) for setup in setups]
@@ -323,20 +338,20 @@ def zone_bars(diagnosed: Diagnosed) -> list[tuple[str, bool, list[Bar]]]:
 
 
 def shows_in_scar(diagnosed: Diagnosed) -> bool:
-    """Whether the gap is largest in scars, or there are no loops that could show it."""
+    """True if the gap is largest in scars, or there are no loops."""
     words = {part.observable.words for part in diagnosed.search.problem.layout if part.observable.of_scars}
     largest = [finding.observable for finding in diagnosed.diagnosis.where[:1]]
     return not diagnosed.observed.loops or not words.isdisjoint(largest)
 
 
 def _explains(diagnosed: Diagnosed) -> bool:
-    """Whether the best explanation is said to be one, of all or of a part."""
+    """True if the diagnosis states an explanation of all or part of the gap."""
     said = diagnosed.diagnosis.verdict in ("explained", "ambiguous") or diagnosed.diagnosis.partial is not None
     return said and bool(diagnosed.search.best.candidates)
 
 
 def gap_bars(diagnosed: Diagnosed) -> list[Bar]:
-    """The gap before, after, after a full simulation if there was one, and what tests scatter."""
+    """Bars of the gap before, after, after a full simulation if there was one, and of the floor that chance leaves."""
     shrink, confirmed = diagnosed.diagnosis.shrink, diagnosed.diagnosis.confirmed
     values = [
         (*CURVES[0], shrink.before),

@@ -1,4 +1,4 @@
-"""A fit as a table, as JSON, as a study file and as a record's `[stated]`."""
+"""A fit as tables, as JSON, as a study file and as the table `[stated]` of a record."""
 
 from pathlib import Path
 
@@ -53,7 +53,7 @@ _HEAD = "Fitted to the record "  #: How the remark above a fitted study begins.
 
 
 def fit_table(fitted: FittedTest) -> Table:
-    """Parameters and what they rest on, to be printed with rich."""
+    """Table of the fitted parameters and the figures behind them, to be printed with rich."""
     table = Table(box=box.SIMPLE_HEAD, title=f"Fit of {fitted.record.name}", title_justify="left", pad_edge=False)
     for heading in ("", "value", "95 % interval", "tests"):
         table.add_column(heading, justify="left" if not heading else "right")
@@ -67,7 +67,7 @@ def fit_table(fitted: FittedTest) -> Table:
 
 
 def _shown(found: FittedParameter, stiff_N_per_mm: float) -> tuple[str, str]:
-    """A value and its interval; beyond a stiffness that the loops determine, one ends as rigid."""
+    """Value and interval as text; a stiffness above `stiff_N_per_mm`, which loops cannot resolve, is shown as rigid."""
     low, high = found.interval95
     unit = UNIT_SYMBOLS[found.unit]
     stiff = stiff_N_per_mm if found.unit == "N_per_mm" else np.inf
@@ -82,7 +82,7 @@ def _number(value: float) -> str:
 
 
 def check_table(checked: CheckedRun) -> Table:
-    """Record and run at first and last cycle."""
+    """Table of the figures of record and checking run at the first and the last common cycle."""
     table = Table(box=box.SIMPLE_HEAD, title="Checked by a run", title_justify="left", pad_edge=False)
     for heading in ("", "cycle", "record", "run", "difference", "one test scatters"):
         table.add_column(heading, justify="left" if not heading else "right")
@@ -126,15 +126,16 @@ def _json(found: FittedParameter) -> dict[str, object]:
 
 
 def require_no_other_study(folder: Path) -> None:
-    """See that a fit's study takes the place of none that was not fitted. Raises RecordError if one stands there."""
+    """Raise RecordError if the folder holds a study.toml that was not written by a fit."""
     path = folder / "study.toml"
     if path.exists() and _HEAD not in read_text(path, RecordError, "study file"):
         raise RecordError(f"{path} is a study that was not fitted, and is not overwritten: choose another folder.")
 
 
 def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
-    """Write the study, and `[stated]` as a table of its own; return both paths.
-    Raises RunError if the folder cannot be made or written.
+    """Write study.toml with the fitted study, and stated.toml with the table `[stated]`; return both paths.
+
+    Raises RunError if the folder cannot be created or written to.
     """
     prepared_folder(folder)
     study, stated = folder / "study.toml", folder / "stated.toml"
@@ -149,7 +150,8 @@ def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
 
 
 def write_stated(fitted: FittedTest) -> Path:
-    """Write the fitted values into the record's `[stated]`; what else stands in its table file stays.
+    """Write the fitted values into `[stated]` of the record's table file, keep its other tables, and return its path.
+
     Raises RecordError if the record was not read from a folder, or its table cannot be written.
     """
     if fitted.record.path is None:

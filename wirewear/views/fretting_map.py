@@ -1,4 +1,4 @@
-"""The fretting map of a sweep over load and stroke: regimes, energy, wear and life of its runs, and measured tests."""
+"""Fretting map of a sweep over load and stroke: regimes, energy, wear and life of its runs, and measured tests."""
 
 from collections.abc import Mapping, Sequence
 
@@ -35,12 +35,14 @@ LINE = 61  #: Loads of a boundary.
 
 
 def is_map(result: SweepResult) -> bool:
-    """Whether load and stroke are both varied, and some run came to its end."""
+    """True if load and stroke are both varied and at least one run has figures."""
     return {LOAD, STROKE} <= set(result.sweep.design.keys) and len(result.rows) > len(result.failures)
 
 
 def regime_of_run(figures: Mapping[str, float | None], amplitude_um: float) -> str | None:
-    """Stick, partial or gross slip of the first and the last cycle alike, or mixed; None where a figure is missing."""
+    """Regime of a run: stick, partial or gross slip, or mixed if its first and last cycle differ; None if a figure is
+    missing.
+    """
     found = []
     for first in (FIRST, ""):
         names = ("dissipated_energy_mJ", "slip_amplitude_um", "max_tangential_force_N")
@@ -58,7 +60,9 @@ def regime_of_run(figures: Mapping[str, float | None], amplitude_um: float) -> s
 
 
 def draw_fretting_map(result: SweepResult, tests: Sequence[MappedTest] = ()) -> Figure:
-    """Regimes over stroke and load beside what each run dissipates, wears and lives, all with the closed form."""
+    """Figure of regimes, and of energy, wear and life where they vary, over stroke and load, with closed-form
+    boundaries.
+    """
     design = result.sweep.design
     stroke, load = (design.points[:, design.keys.index(key)] for key in (STROKE, LOAD))
     rows = [result.rows.get(number) for number in range(1, len(result.sweep) + 1)]
@@ -106,7 +110,7 @@ def _unit(name: str) -> str:
 
 
 def _ticks(axis: Axis, values: Array) -> None:
-    """Ticks at the values of a grid, and at round ones of other designs, as numbers."""
+    """Put ticks at the values of a grid, or at round values for other designs."""
     own = np.unique(values)
     axis.set_major_locator(FixedLocator(own.tolist()) if own.size <= 8 else LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: written(value)))
@@ -124,7 +128,7 @@ def _regimes(axes: Axes, stroke: Array, load: Array, regimes: Sequence[str | Non
 
 
 def _boundaries(axes: Axes, result: SweepResult, load: Array) -> None:
-    """Where the fresh contact of the study, and it together with its rig, slides as a whole."""
+    """Draw the transition to gross slip of the study's fresh contact, alone and with its rig."""
     contact = fresh_contact(result.sweep.study.resolved())
     if contact is None:
         return
@@ -137,7 +141,7 @@ def _boundaries(axes: Axes, result: SweepResult, load: Array) -> None:
 
 
 def _measured(axes: Axes, result: SweepResult, tests: Sequence[MappedTest]) -> None:
-    """Measured tests, in the colour and shape of their regimes, ringed."""
+    """Draw measured tests with a dark edge, in the colour and shape of their regimes."""
     length = given_length_mm(result.sweep.study.resolved())
     for test in tests:
         colour, mark = MARKS[test.regime]

@@ -1,4 +1,6 @@
-"""Lives of bodies in sentences, as JSON, as pictures and on a page."""
+"""Lives of bodies as sentences, JSON, pictures and an HTML page. The sum is Miner's sum of damage; a crack
+begins at 1.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,7 @@ NOT_AVERAGED = (
 
 
 def sentence(life: BodyLife) -> str:
-    """When and where a crack begins in a body, or why none does."""
+    """Sentence that says when and where a crack begins in a body, or why none does."""
     end = life.damage.end
     if life.initiation is None:
         peak = float(life.growth[1].max())
@@ -55,12 +57,12 @@ def sentence(life: BodyLife) -> str:
 
 
 def _cycles(*lives: float) -> list[str]:
-    """Lives of one sentence, all written alike."""
+    """Numbers of cycles as text, all in the same notation."""
     return [counted(float(f"{life:.2g}")) if max(lives) < 1e9 else f"{life:.1e}" for life in lives]
 
 
 def notes(life: BodyLife) -> list[str]:
-    """What a reader must know of a life before using it."""
+    """Sentences on the limits of a life."""
     found = [] if life.averaged else [NOT_AVERAGED]
     if life.course.not_reached and any(one is None or one.beyond for one in (life.initiation, life.high)):
         names = " and ".join(life.course.not_reached)
@@ -72,7 +74,7 @@ def notes(life: BodyLife) -> list[str]:
 
 
 def life_json(lives: Sequence[BodyLife]) -> str:
-    """All of them; what is endless is null."""
+    """JSON of lives; infinite values become null."""
     return json_text({"lives": [_plain(life) for life in lives]})
 
 
@@ -107,10 +109,11 @@ def _plain(life: BodyLife) -> dict[str, object]:
 
 
 def write_lives(lives: Sequence[BodyLife], name: str, folder: Path, cycle: float | None = None) -> list[Path]:
-    """Write life.json, life.csv (the largest sum over the cycles), a picture of each body and life.html; returns all.
+    """Write life.json, life.csv (largest sum over the cycles), a picture of each body and life.html; return their
+    paths.
 
-    cycle: of the maps of damage; by default when the crack begins, or the last one.
-    Raises ResultError if the folder cannot be written.
+    cycle: of the damage maps; by default when the crack begins, or when the sum is largest. Raises ResultError if the
+    folder cannot be written to.
     """
     rows = [
         {"body": life.body, "cycle": float(at), "largest_sum": float(largest)}
@@ -128,7 +131,7 @@ def write_lives(lives: Sequence[BodyLife], name: str, folder: Path, cycle: float
 
 
 def page(lives: Sequence[BodyLife], name: str, cycle: float | None = None) -> str:
-    """The page, which needs no other file."""
+    """Self-contained HTML page of lives."""
     shown = [
         {
             "name": life.called,
@@ -151,7 +154,7 @@ def page(lives: Sequence[BodyLife], name: str, cycle: float | None = None) -> st
 
 
 def draw_life(life: BodyLife, cycle: float | None = None) -> Figure:
-    """How the largest sum grows, and where the sum stands after a cycle: from above, and in a section.
+    """Growth of the largest sum, and maps of the sum at one cycle from above and in a section.
 
     cycle: by default when the crack begins, or when the sum is largest.
     """
@@ -205,7 +208,7 @@ def _draw_above(axes: Axes, life: BodyLife, largest: Array, limits: tuple[float,
 
 
 def _draw_beneath(axes: Axes, life: BodyLife, damage: Array, worn_mm: Array, limits: tuple[float, float]) -> None:
-    """Beneath the line of columns through the largest sum that runs along the motion."""
+    """Draw the sum below the surface along the motion, in the section through its largest value."""
     state = life.states[-1]
     shape = len(state.axial_mm), len(state.transverse_mm)
     i, j = np.unravel_index(int(damage.max(axis=1).argmax()), shape)

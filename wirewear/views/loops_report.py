@@ -1,4 +1,4 @@
-"""Figures of loops as a table, as JSON and as a picture with the fits drawn in."""
+"""Figures of loops as tables, as JSON, and as a picture with the fitted lines."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -58,7 +58,7 @@ LOOP, FIT, WIDTH = INK, VARIANT_COLOURS[1], VARIANT_COLOURS[0]
 
 @dataclass(frozen=True, eq=False)
 class AnalysedLoop:
-    """A loop with its figures, or with None and the reason in `refusal`."""
+    """A loop with its figures; if it cannot be analysed, `figures` is None and `refusal` the reason."""
 
     loop: SampledLoop
     figures: LoopFigures | None
@@ -66,7 +66,8 @@ class AnalysedLoop:
 
 
 def analyse_loops(loops: Iterable[SampledLoop]) -> tuple[AnalysedLoop, ...]:
-    """Analyse loops; those that cannot be are kept with the reason.
+    """Analyse loops, keeping those that cannot be analysed with the reason.
+
     Raises LoopError if none of them can be analysed.
     """
     analysed = [_analysed(loop) for loop in loops]
@@ -133,7 +134,7 @@ def _stick_slip_json(chatter: StickSlip | None) -> dict[str, object] | None:
 
 
 def _measured_json(measured: Measured | None) -> dict[str, object] | None:
-    """Null for what is not known: a figure, the value of one that is only bounded, an end of an interval."""
+    """Value and interval for JSON, with null for anything unknown or infinite."""
     if measured is None:
         return None
     value, low, high = (one if math.isfinite(one) else None for one in (measured.value, *measured.interval95))
@@ -141,7 +142,7 @@ def _measured_json(measured: Measured | None) -> dict[str, object] | None:
 
 
 def loops_table(analysed: Sequence[AnalysedLoop]) -> Table:
-    """One row for each loop, to be printed with rich; ± is half of the 95 % interval."""
+    """Table with one row for each loop, to be printed with rich; ± is half of the 95 % interval."""
 
     def cells(figures: LoopFigures) -> list[str]:
         return [figures.regime.removesuffix(" slip"), *(_cell(getattr(figures, name), f) for name, _, f in FIGURES)]
@@ -150,7 +151,9 @@ def loops_table(analysed: Sequence[AnalysedLoop]) -> Table:
 
 
 def real_loops_table(analysed: Sequence[AnalysedLoop]) -> Table | None:
-    """Free play, friction by direction, static peaks and stick-slip; None where no loop shows any of the three."""
+    """Table of free play, friction by direction, static peaks and stick-slip; None if no loop shows play, peaks or
+    stick-slip.
+    """
 
     def shows_any(figures: LoopFigures | None) -> bool:
         return figures is not None and any((figures.free_play_um, figures.static_overshoot, figures.stick_slip))
@@ -168,7 +171,7 @@ def real_loops_table(analysed: Sequence[AnalysedLoop]) -> Table | None:
 
 
 def partial_slip_table(analysed: Sequence[AnalysedLoop]) -> Table | None:
-    """What loops without a plateau show of friction and regime; None where every loop has one."""
+    """Table of friction and possible regimes from loops without a plateau; None if there are no such loops."""
     if not any(item.figures is not None and item.figures.sticking is not None for item in analysed):
         return None
 
@@ -181,7 +184,7 @@ def partial_slip_table(analysed: Sequence[AnalysedLoop]) -> Table | None:
 
 
 def _between(measured: Measured | None) -> str:
-    """A value with the ends of its interval, or what bounds it."""
+    """Value with its interval as text, or the bounds if there is no value."""
     if measured is None:
         return "–"
     low, high = measured.interval95
@@ -209,7 +212,7 @@ def _table(
 
 
 def _chatter_cells(chatter: StickSlip | None) -> list[str]:
-    """Share of the sliding, slips of a cycle, how often they come, and by how much the force falls."""
+    """Texts for stick-slip: share of the sliding, slips per cycle, their frequency and the fall of the force."""
     if chatter is None:
         return ["–"] * 4
     often = "–" if chatter.frequency_Hz is None else f"{chatter.frequency_Hz:.3g}"
@@ -224,9 +227,9 @@ def _cell(measured: Measured | None, factor: float) -> str:
 
 
 def rounded(measured: Measured, factor: float = 1.0) -> tuple[str, str]:
-    """Value × factor and half its 95 % interval, both to the latter's first significant digit.
+    """Value × factor and half its 95 % interval as text, both rounded to the first significant digit of the latter.
 
-    An interval that is no more than round-off, as of loops without noise, leaves four digits of the value.
+    If the interval is no wider than round-off, the value keeps four digits.
     """
     value, half = measured.value * factor, 0.5 * (measured.interval95[1] - measured.interval95[0]) * factor
     if not max(1e-5 * abs(value), 1e-9) < half < math.inf:
@@ -236,7 +239,7 @@ def rounded(measured: Measured, factor: float = 1.0) -> tuple[str, str]:
 
 
 def remarks(analysed: Sequence[AnalysedLoop]) -> list[str]:
-    """Notes and refusals, each once, with the number of loops that it is about where that is not all."""
+    """Notes and refusals, each once, with the number of loops they concern unless that is all of them."""
     often: dict[str, int] = {}
     for item in analysed:
         found = item.figures.notes if item.figures else (f"refused: {item.refusal}",)
@@ -248,7 +251,7 @@ def remarks(analysed: Sequence[AnalysedLoop]) -> list[str]:
 
 
 def course_of_regimes(analysed: Sequence[AnalysedLoop]) -> str | None:
-    """In which cycles a mixed test slides as a whole; None of other tests."""
+    """Sentence on the cycles in which a mixed test slides as a whole; None for other tests."""
     known = [(item.loop.cycle, item.figures) for item in analysed if item.figures is not None]
     if regime_of(figures for _, figures in known) != "mixed":
         return None
@@ -263,7 +266,9 @@ def course_of_regimes(analysed: Sequence[AnalysedLoop]) -> str | None:
 
 
 def draw_loops(analysed: Sequence[AnalysedLoop], path: Path) -> Path:
-    """Draw the first repeat's loops, at most six cycles, as PNG; the folder is made if need be."""
+    """Draw up to six loops of the first repeat to a picture file, whose folder is created if missing; return
+    its path.
+    """
     shown = [item for item in analysed if item.figures is not None]
     shown = [item for item in shown if item.loop.repeat == shown[0].loop.repeat]
     cycles = chosen_cycles([item.loop.cycle for item in shown])
@@ -300,7 +305,7 @@ def _kept(item: AnalysedLoop, figures: LoopFigures) -> tuple[Array, Array]:
 
 
 def _limit(axes: Axes, kept: Sequence[tuple[Array, Array]]) -> None:
-    """Limits that hold all loops and, below, the arrow of the stroke: far outliers would shrink loops to nothing."""
+    """Set axis limits that hold all loops, and below them the arrow of the stroke."""
     x, q = (np.concatenate(values) for values in zip(*kept, strict=True))
     for values, below, limit in ((x, 0.06, axes.set_xlim), (q, 0.26, axes.set_ylim)):
         extent = float(np.ptp(values))
@@ -372,7 +377,7 @@ def _text(axes: Axes, text: str, place: tuple[float, float], points: int) -> Non
 
 
 def _texts(figures: LoopFigures) -> tuple[list[str], list[str]]:
-    """Measures of friction, and stiffness with energy, each in lines."""
+    """Text lines for friction measures, and for stiffness and energy."""
     friction = (
         ("µ max", figures.friction_max),
         ("µ energy", figures.friction_energy),

@@ -1,4 +1,4 @@
-"""The page of many tests, and their table beside it: for a terminal, as JSON and as CSV."""
+"""Page of many tests on maps, and their table for a terminal, as JSON and as CSV."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -56,13 +56,13 @@ NEAR = 0.06  #: Tests nearer to one another than this, relative to displacement 
 
 
 def columns_of(tests: Sequence[MappedTest]) -> tuple[tuple[str, str, int], ...]:
-    """Rows of the table of tests that are all of one kind of contact."""
+    """Columns of the table, as name, heading and digits, for tests that are all of one kind of contact."""
     named = PER[tests[0].extent.per]
     return tuple((*named.get(name, (name, heading)), digits) for name, heading, digits in COLUMNS)
 
 
 def row_of(test: MappedTest) -> dict[str, object]:
-    """One test by the names of its columns; slip and criteria are those of the last cycle, None where not known."""
+    """Row of one test by column names, with slip and criteria of the last cycle; None for unknown values."""
     last = test.sliding[-1]
     row = {
         "test": test.name,
@@ -87,7 +87,7 @@ def row_of(test: MappedTest) -> dict[str, object]:
 
 
 def tests_table(tests: Sequence[MappedTest]) -> Table:
-    """All tests, numbered as on the page, to be printed with rich."""
+    """Table of all tests, numbered as on the page, to be printed with rich."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in ("", "test", "source"):
         table.add_column(heading, overflow="fold")
@@ -106,7 +106,7 @@ def _shown(value: Any, digits: int) -> str:
 
 
 def sentences(tests: Sequence[MappedTest]) -> list[str]:
-    """What the tests come to, for a reader in a hurry."""
+    """Summary: how many tests are in which regime, and the regression lines of wear."""
     counts = {regime: sum(test.regime == regime for test in tests) for regime in REGIMES}
     named = [
         f"{count} in {regime}" if regime != "mixed" else f"{count} mixed" for regime, count in counts.items() if count
@@ -131,7 +131,7 @@ def _interval(line: RegressionLine) -> str:
 
 
 def maps_json(tests: Sequence[MappedTest]) -> dict[str, object]:
-    """``{"tests": [row_of(test), ...], "through_origin": {...}, "with_threshold": {...}}``; lines may be null."""
+    """``{"tests": [row_of(test), ...], "through_origin": {...}, "with_threshold": {...}}``; a missing line is None."""
     through, threshold = lines_of(tests)
     return {
         "tests": [row_of(test) for test in tests],
@@ -155,10 +155,10 @@ def _line_json(line: RegressionLine | None) -> dict[str, object] | None:
 
 
 def write_maps(tests: Sequence[MappedTest], folder: Path, fatigue_limit_MPa: float | None = None) -> list[Path]:
-    """Write maps.html and tests.csv into a folder, which is made if need be; returns their paths.
+    """Write maps.html and tests.csv into a folder, which is created if missing, and return their paths.
 
-    `fatigue_limit_MPa` is the tension from which the material cracks; without it lines of several are drawn.
-    Raises ResultError if there is no test, or tests of wires and of line contacts, or a file cannot be written.
+    fatigue_limit_MPa: tension at which the material cracks, drawn as the only line; by default several lines are drawn.
+    Raises ResultError if there is no test, tests are of both wires and line contacts, or a file cannot be written.
     """
     if not tests:
         raise ResultError("there is no test to draw.")
@@ -175,7 +175,7 @@ def write_maps(tests: Sequence[MappedTest], folder: Path, fatigue_limit_MPa: flo
 
 
 def maps_page(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = None) -> str:
-    """The page, which needs no other file."""
+    """Self-contained HTML page of the maps."""
     through, threshold = lines_of(tests)
     return frame.rendered(
         HERE / "maps_page.html",
@@ -196,7 +196,7 @@ def maps_page(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = Non
 
 
 def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = None) -> dict[str, object]:
-    """Everything that the page draws."""
+    """All that the page draws, as plain values."""
     through, threshold = lines_of(tests)
     contacts = groups(tests)
     reach, loads = _extent(tests, contacts)
@@ -213,7 +213,7 @@ def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = Non
 
 
 def groups(tests: Iterable[MappedTest]) -> list[FreshContact]:
-    """One contact for tests of the same bodies, with the median of their frictions and of their rigs' compliances."""
+    """One fresh contact for all tests of the same bodies, with their median friction and rig compliance."""
     found: dict[tuple[Any, ...], list[FreshContact]] = {}
     for contact in (test.contact for test in tests if test.contact is not None):
         found.setdefault((contact.bodies, contact.gap_per_mm), []).append(contact)
@@ -230,7 +230,7 @@ def groups(tests: Iterable[MappedTest]) -> list[FreshContact]:
 def _extent(
     tests: Sequence[MappedTest], contacts: Sequence[FreshContact]
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Displacements and loads of the maps: the lines at which contacts slide are within."""
+    """Lowest and highest displacement in µm, and load in N, of the maps."""
     amplitudes = [test.displacement_amplitude_um for test in tests]
     loads = [test.normal_load_N for test in tests]
     low = min(loads) / BEYOND
@@ -239,7 +239,9 @@ def _extent(
 
 
 def labels_of(places: Sequence[tuple[float, float]]) -> list[str]:
-    """Numbers of tests, "1–3, 5" for those that lie in one place, at the first of them."""
+    """Label of each test: its number; tests at nearly the same place share one such as "1–3, 5" at the first, others
+    get "".
+    """
     logs = np.log(np.array(places))
     free, labels = list(range(len(places))), [""] * len(places)
     while free:
@@ -250,7 +252,7 @@ def labels_of(places: Sequence[tuple[float, float]]) -> list[str]:
 
 
 def _runs(numbers: Sequence[int]) -> str:
-    """Increasing numbers with neighbours drawn together: "1–3, 5"."""
+    """Increasing numbers as text with ranges: "1–3, 5"."""
     runs: list[list[int]] = []
     for one in numbers:
         if runs and one == runs[-1][-1] + 1:

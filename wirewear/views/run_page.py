@@ -1,4 +1,4 @@
-"""The page of the runs of a study side by side, in one file, and what a run came to in sentences and rows."""
+"""HTML page of the runs of a study side by side, and the outcome of a run as sentences and rows."""
 
 import base64
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -60,7 +60,9 @@ _SCRIPTS = ("fretting_log", "slider", "run")
 
 
 def pressure_courses(evolution: Mapping[str, Array], settings: Mapping[str, object]) -> tuple[Course, ...]:
-    """The largest pressure of the cycle and that about mid-stroke, of a run's evolution and settings."""
+    """Columns for the largest pressure of the cycle and that at mid-stroke, averaged over a length if the run has such
+    means.
+    """
     if PRESSURE_LENGTH not in settings:
         return _OF_NODES
     over = f"mean over {settings[PRESSURE_LENGTH]:.3g} µm"
@@ -72,12 +74,12 @@ def pressure_courses(evolution: Mapping[str, Array], settings: Mapping[str, obje
 
 
 def page_data(results: Iterable[RunResult]) -> dict[str, object]:
-    """Everything that the page of these runs draws."""
+    """All that the page of these runs draws, as plain values."""
     return {"runs": [_data_of_run(result, index) for index, result in enumerate(results)], "shades": DEPTH_SHADES}
 
 
 def friction_log(loops: Iterable[Loop]) -> list[tuple[int, LoopFigures]]:
-    """The figures of each loop that can be analysed, by its cycle."""
+    """Cycle and figures of each loop that can be analysed."""
     found = []
     for loop in loops:
         try:
@@ -91,13 +93,15 @@ def friction_log(loops: Iterable[Loop]) -> list[tuple[int, LoopFigures]]:
 
 
 def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
-    """Slope of the least-squares line through the origin; NaN where no number of normal size is dissipated."""
+    """Slope in mm³/J of the least-squares line of volume over energy through the origin; NaN if nothing was
+    dissipated.
+    """
     dissipated = np.max(energy_J, initial=0.0) > np.finfo(np.float64).tiny
     return line_through_origin(energy_J, volume_mm3).slope_mm3_per_J if dissipated else float("nan")
 
 
 def _data_of_run(result: RunResult, index: int) -> dict[str, object]:
-    """What a page shows of a run; of a line contact per mm of its length."""
+    """Values of one run for the page; for a line contact per mm of its length."""
     conditions = running_conditions(result.study)
     per, (worn, worn_unit) = result.extent.per, result.extent.wear_unit
     result = result.computed
@@ -134,7 +138,7 @@ def _data_of_run(result: RunResult, index: int) -> dict[str, object]:
 
 
 def _tensions(result: RunResult) -> list[dict[str, object]]:
-    """Lines of equal tension about the test, none where too little is stated."""
+    """Lines of equal tension around the test; empty if the study states too little."""
     contact = fresh_contact(result.study)
     if contact is None:
         return []
@@ -162,9 +166,9 @@ def _friction(result: RunResult) -> dict[str, list[float | None]]:
 
 
 def _scars(result: RunResult, body: str) -> dict[str, object]:
-    """The scars of a body on one grid in the sliding frame, and their sections along the motion.
+    """Scars of a body on a common grid in the sliding frame, and their sections along the motion.
 
-    Of a line contact they are sections alone, with pressure and slip amplitude.
+    For a line contact: sections only, with pressure and slip amplitude.
     """
     cycles = chosen_cycles(result.scar_cycles(), MOST_SCARS)
     scars = [result.scar(cycle, body) for cycle in cycles]
@@ -184,7 +188,7 @@ Worn = tuple[Array, Sequence[Scar], float, dict[str, object]]
 
 
 def _profiles(scars: Sequence[Scar]) -> Worn:
-    """Of a line contact: pressures and slip amplitudes."""
+    """Sections of a line contact's scars with their pressures and slip amplitudes."""
     pressures = [numbers(scar.pressure_MPa[:, 0]) for scar in scars]
     slips = [numbers(0.25 * scar.slip_distance_um[:, 0]) for scar in scars]
     deepest = max(scar.max_depth_um for scar in scars)
@@ -192,7 +196,7 @@ def _profiles(scars: Sequence[Scar]) -> Worn:
 
 
 def _maps(scars: Sequence[Scar]) -> Worn:
-    """Of a contact at a point: depths on one grid."""
+    """Depth maps of a point contact's scars on a common grid."""
     reach = MARGIN * max(worn_half_extent(scars))
     lines, x = np.linspace(-reach, reach, LINES), np.linspace(-reach, reach, SECTION_POINTS)
     smooth = [smooth_scar(scar) for scar in scars]
@@ -212,14 +216,14 @@ _WORN: dict[str, Callable[[Sequence[Scar]], Worn]] = {"scars": _maps, "profiles"
 
 
 def _heights(scar: Scar, x: Array, y: Array) -> Array:
-    """Heights [µm] of the unworn surface, NaN beyond its flanks."""
+    """Heights in µm of the unworn surface, NaN beyond the body's flanks."""
     places, flanks = scar.wire_coordinates(x, y), scar.flanks_um
     inside = (np.abs(places[0]) < flanks[0]) & (np.abs(places[1]) < flanks[1])
     return np.where(inside, scar.unworn_height_um(*places), np.nan)
 
 
 def sentence(result: RunResult) -> str:
-    """What came out, for a reader in a hurry."""
+    """Outcome of a run in a few sentences."""
     evolution = result.evolution
     if not evolution["cycle"].size:
         return f"{result.label}: no cycle is measured yet ({result.message})."
@@ -249,7 +253,7 @@ def sentence(result: RunResult) -> str:
 
 
 def beyond_strength(result: RunResult) -> str:
-    """A sentence where no body bears the pressure of a run; else nothing, as of results of earlier versions."""
+    """Sentence saying that the pressure exceeds what any body bears; "" if it does not, or the result does not tell."""
     ratio = result.quality.get("pressure_against_strength", 0.0)
     if ratio <= limit_of("pressure_against_strength"):
         return ""
@@ -262,9 +266,9 @@ def beyond_strength(result: RunResult) -> str:
 
 
 def taken_by_rig(label: str, amplitude_um: float, settings: Mapping[str, Any]) -> str:
-    """A sentence where rig and play give way by the whole stroke before friction is overcome; else nothing.
+    """Sentence saying that rig and play take up the whole stroke before friction is overcome; "" if they do not.
 
-    settings: of a result; those of earlier versions do not say.
+    settings: of a result; those of older versions do not contain the needed values.
     """
     springs, play = (float(settings.get(name, 0.0)) for name in (SPRING_TRAVEL, PLAY_TRAVEL))
     if springs + play < amplitude_um:
@@ -280,18 +284,19 @@ def taken_by_rig(label: str, amplitude_um: float, settings: Mapping[str, Any]) -
 
 
 def length(value_um: float) -> str:
-    """A length in µm to three digits; what is below a picometre is none."""
+    """Length in µm as text with three digits."""
     return f"{round(value_um, 6):.3g} µm"
 
 
 def cycles_of(number: float) -> str:
-    """For example: 1 cycle, 10 000 cycles."""
+    """Number of cycles as text, such as 1 cycle, 10 000 cycles."""
     return f"{counted(number)} cycle{'' if round(number) == 1 else 's'}"
 
 
 def regime(result: RunResult) -> str:
-    """Gross slip, partial slip, or both over the test, by the measured loops: their energy ratio, or their width where
-    the slopes of worn scars carry more force than friction does. A contact that opens is in neither.
+    """Gross slip, partial slip or mixed regime of a run's loops in words, or that the contact opens.
+
+    A loop counts as gross slip by its energy ratio, or by its width where scar slopes add to the force.
     """
     if any(float(loop.normal_force_N.min()) <= 0.0 for loop in result.loops):
         return "a contact that opens within its cycles"
@@ -306,12 +311,12 @@ def regime(result: RunResult) -> str:
 
 
 def figure_volume(volume_mm3: float) -> str:
-    """A worn volume in the unit in which it is a number to remember."""
+    """Worn volume as text in µm³ or 10⁻³ mm³."""
     return f"{1e9 * volume_mm3:.3g} µm³" if volume_mm3 < 1e-6 else f"{1e3 * volume_mm3:.3g}·10⁻³ mm³"
 
 
 def balance(result: RunResult) -> list[tuple[str, str]]:
-    """Energies and volumes of a run and what they should be, as rows."""
+    """Rows (name, value) of a run's energy, worn volumes, and measured and stated wear coefficient."""
     evolution, study = result.evolution, result.study
     energy = evolution["accumulated_energy_J"]
     volumes, both = {body: evolution[f"worn_volume_{body}_mm3"] for body in result.bodies}, result.worn_volume_mm3
@@ -330,7 +335,7 @@ def balance(result: RunResult) -> list[tuple[str, str]]:
 
 
 def settings_rows(values: Mapping[str, object], place: str = "") -> list[tuple[str, str]]:
-    """Nested settings as rows of dotted names; numbers to six digits, lists as long as they are."""
+    """Rows (dotted name, value) of nested settings; numbers have six digits."""
     rows: list[tuple[str, str]] = []
     for key, value in values.items():
         name = f"{place}.{key}" if place else str(key)
@@ -342,7 +347,9 @@ def settings_rows(values: Mapping[str, object], place: str = "") -> list[tuple[s
 
 
 def runs_json(results: Sequence[RunResult]) -> str:
-    """A list with an object for each run: its sentence, its last row of the evolution, its qualities and limits."""
+    """JSON list with one object for each run: its sentence, last row of the evolution, quality measures and their
+    limits.
+    """
     return json_text([_run(result) for result in results])
 
 
@@ -364,7 +371,7 @@ def _run(result: RunResult) -> dict[str, object]:
 
 
 def run_page(results: Sequence[RunResult]) -> str:
-    """The page of runs, all of one study. Raises ResultError if none has measured a cycle yet."""
+    """HTML page of runs of one study. Raises ResultError if none has a measured cycle yet."""
     shown = [result for result in results if len(result.evolution["cycle"])]
     if not shown:
         raise ResultError("nothing is measured yet, so there is nothing to report")
@@ -390,8 +397,9 @@ def run_page(results: Sequence[RunResult]) -> str:
 
 
 def write_page(results: Sequence[RunResult], folder: Path) -> Path:
-    """Write the page of runs, all of one study, as report.html into a folder and return its path.
-    Raises ResultError if no run has measured a cycle yet, or the page cannot be written.
+    """Write the page of runs of one study as report.html into a folder and return its path.
+
+    Raises ResultError if no run has a measured cycle yet, or the page cannot be written.
     """
     text = run_page(results)
     with writing(ResultError, f"cannot write the page to {folder}"):

@@ -1,4 +1,4 @@
-"""The signature of an effect drawn: loops, their difference, evolution and scars without and with it."""
+"""Picture of an effect's signature: loops, their difference, evolution and scars without and with the effect."""
 
 from pathlib import Path
 from textwrap import fill
@@ -39,12 +39,14 @@ _POINTS = 121
 
 
 def draw_signature(signature: Signature, path: Path) -> Path:
-    """Draw a signature as PNG and return the path."""
+    """Draw a signature as a PNG file and return its path."""
     return save(lambda: signature_figure(signature), path)
 
 
 def signature_figure(signature: Signature) -> Figure:
-    """First and last loop, their difference at equal phase, evolution, sections and outlines of the scars."""
+    """Figure with first and last loop, force difference at equal phase, evolution, sections and outlines of
+    the scars.
+    """
     figure = new_figure(5.6)
     panels = list(figure.subplots(2, 3).flat)
     first, last = signature.loops[0], signature.loops[-1]
@@ -80,7 +82,7 @@ def _loops(axes: Axes, pair: tuple[Loop, Loop]) -> None:
 
 
 def _difference(axes: Axes, signature: Signature) -> None:
-    """Difference of the force over the true phase, of the first and the last loop."""
+    """Draw the difference of the force over the phase of the stroke, for the first and the last loop."""
     for place, colour in ((0, VARIANT_COLOURS[0]), (-1, VARIANT_COLOURS[2])):
         phase, nominal, changed = signature.on_one_phase(place)
         label = f"cycle {cycle_name(signature.cycles[place])}"
@@ -108,7 +110,7 @@ def _evolution(axes: Axes, signature: Signature) -> None:
 
 
 def _sections(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
-    """Depth along the motion through the middle of both scars; the moving wire's line is thin."""
+    """Draw the depth along the motion through the middle of both scars; the moving wire has the thin line."""
     for (moving, fixed), style in zip(scars, (NOMINAL, CHANGED), strict=True):
         for scar, width in ((moving, _THIN), (fixed, style["linewidth"])):
             x, depth = scar.section_along_motion()
@@ -123,7 +125,7 @@ def _sections(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
 
 
 def _outlines(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
-    """Lines of a tenth and of half of its own depth of the fixed wire's scar, seen from above."""
+    """Draw contours at 10 % and 50 % of the largest depth of the fixed wire's scar, seen from above."""
     reach = 1.1 * max(_reach(pair[1]) for pair in scars)
     line = np.linspace(-reach, reach, _POINTS)
     for (_, fixed), style in zip(scars, (NOMINAL, CHANGED), strict=True):
@@ -141,7 +143,7 @@ def _outlines(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
 
 
 def _reach(scar: Scar) -> float:
-    """Largest |x| or |y| at which a twentieth of the worst depth is worn."""
+    """Largest |x| or |y| in µm at which more than 5 % of the largest depth is worn."""
     half = float(max(np.abs(scar.axial_um).max(), np.abs(scar.transverse_um).max()))
     line = np.linspace(-half, half, 2 * _POINTS)
     worn = scar.sampled(line, line) > 0.05 * scar.max_depth_um

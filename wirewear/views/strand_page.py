@@ -1,4 +1,4 @@
-"""The contacts of a strand or rope: cross-section, table and page."""
+"""Contacts of a strand or rope as a cross-section, a table and a page."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ Place = tuple[float, float]
 
 
 def sentence(found: RopeContacts) -> str:
-    """The worst contact in a sentence."""
+    """Sentence on the worst contact."""
     worst, c = found.contacts[0], found.tables.conditions
     contact, life = worst.contact, worst.life_cycles
     load = f"{written(contact.load_N)} {'N/mm' if contact.is_line else 'N'}, p0 {counted(worst.peak_pressure_MPa)} MPa"
@@ -76,7 +76,7 @@ def _cycles(life: float) -> str:
 
 
 def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """What table and page show of each kind of contact."""
+    """Rows of the table and page: the given rows with stress amplitude and life of each contact added."""
     made = []
     for one, row in zip(found.contacts, rows, strict=True):
         swing = one.contact.upper.amplitude_MPa
@@ -85,7 +85,7 @@ def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> list[d
 
 
 def strand_tables(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> list[Table]:
-    """The estimates of all contacts as they are printed, and what came of those that were run."""
+    """Tables to be printed: estimates of all contacts, and results of those that were run, if any."""
     shown = shown_rows(found, rows)
     runs = [row for row in shown if row.get("run_friction_energy_mJ") is not None]
     tables = [_table(shown, _PRINTED)]
@@ -108,7 +108,7 @@ def _table(rows: Sequence[Mapping[str, Any]], headings: Mapping[str, str]) -> Ta
 
 
 def _run_headings(rows: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """Columns of runs, none where nothing was run."""
+    """Headings of the columns of runs, by column; empty if nothing was run."""
     runs = [key for key in rows[0] if key.startswith("run_") and key != "run_failure"]
     return {key: f"{words_of(key)} [{unit_of(key)}]" for key in runs}
 
@@ -121,12 +121,12 @@ def _text(key: str, value: Any) -> str:
 
 
 def strand_json(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> str:
-    """Figures of the rope, and all rows; what is endless or not known is null."""
+    """JSON of the rope's figures and all rows; infinite or unknown values become null."""
     return json_text({"name": found.name, **found.figures, "contacts": list(rows), "notes": found.notes})
 
 
 def write_strand(found: RopeContacts, rows: Sequence[Mapping[str, Any]], folder: Path) -> list[Path]:
-    """Write table, picture and page. Raises ResultError if the folder cannot be written."""
+    """Write table, picture and page and return their paths. Raises ResultError if the folder cannot be written to."""
     with writing(ResultError, f"cannot write to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         return [
@@ -137,7 +137,7 @@ def write_strand(found: RopeContacts, rows: Sequence[Mapping[str, Any]], folder:
 
 
 def page(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> str:
-    """The page, which needs no other file."""
+    """Self-contained HTML page of a rope's contacts."""
     headings, shown = _PRINTED | _run_headings(rows), shown_rows(found, rows)
     values = {
         "name": found.name,
@@ -156,7 +156,7 @@ def page(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def draw_section(found: RopeContacts) -> Figure:
-    """The cross-section, with the places of each kind of contact, the worst first in the legend."""
+    """Cross-section with the places of each kind of contact; the legend lists the worst first."""
     figure = new_figure(4.6)
     axes, legend = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
     reach = 0.5 * found.rope.diameter_mm
@@ -201,7 +201,7 @@ def _draw_strand(axes: Axes, strand: Strand, centre: Place, turned: float) -> No
 def _members(
     strand: Strand, centre: Place, turned: float
 ) -> Iterator[tuple[RopeWire | Fibre | Strand, Place, float, float]]:
-    """Core and members with where they stand, the angle at which they do, and the cosine of their lay angle."""
+    """Core and members of a strand: body, centre in the section, angle about the axis, cosine of the lay angle."""
     yield strand.core, centre, turned, 1.0
     for place, layer in enumerate(strand.layers):
         for angle in _angles(strand, place, turned):
@@ -209,7 +209,7 @@ def _members(
 
 
 def _angles(strand: Strand, place: int, turned: float) -> list[float]:
-    """Where the members of a layer stand about the axis: in the valleys of the layer below, or the first on top."""
+    """Angles in rad of a layer's members about the axis; in the valleys of the layer below, or starting at the top."""
     layer = strand.layers[place]
     if layer.in_valleys:
         return [angle + pi / layer.count for angle in _angles(strand, place - 1, turned)]
@@ -221,7 +221,7 @@ def _at(centre: Place, radius: float, angle: float) -> Place:
 
 
 def _places(rope: Strand) -> Iterator[tuple[str, list[Place]]]:
-    """Where each kind of contact stands in the section."""
+    """Name of each kind of contact and its points in the section."""
     for prefix, strand, centres in _strands(rope):
         for place, layer in enumerate(strand.layers):
             ring = isinstance(layer.member, Strand)
@@ -236,7 +236,7 @@ def _places(rope: Strand) -> Iterator[tuple[str, list[Place]]]:
 
 
 def _touching(strand: Strand, place: int, centre: Place, turned: float) -> Iterator[Place]:
-    """Where the members of a layer touch what is below, or one another where they arch."""
+    """Points where members of a layer touch what lies below, or each other if they arch."""
     layer = strand.layers[place]
     radius, half, step = layer.helix.radius_mm, 0.5 * layer.member.diameter_mm, pi / layer.count
     for angle in _angles(strand, place, turned):
@@ -254,7 +254,9 @@ def _touching(strand: Strand, place: int, centre: Place, turned: float) -> Itera
 
 
 def _strands(rope: Strand) -> Iterator[tuple[str, Strand, list[tuple[Place, float]]]]:
-    """The rope itself, its core strand and its outer ones, with centres and angles."""
+    """Prefix of names, strand, and (centre, angle) of each copy: the rope itself, its core strand and its outer
+    strands.
+    """
     yield "", rope, [((0.0, 0.0), 0.0)]
     if isinstance(rope.core, Strand):
         yield "core strand: ", rope.core, [((0.0, 0.0), 0.0)]

@@ -1,4 +1,4 @@
-"""The page of a sweep, and its table beside it."""
+"""HTML page of a sweep, and its table."""
 
 from __future__ import annotations
 
@@ -45,25 +45,27 @@ HERE = Path(__file__).parent
 
 
 def depth_among(names: Iterable[str]) -> str:
-    """The depth of the held body, the last one among the names of figures."""
+    """Name of the held body's depth, which is the last depth among the names; "" if there is none."""
     return next((name for name in reversed([*names]) if name.startswith(DEPTH)), "")
 
 
 def drawn_among(names: Iterable[str]) -> list[str]:
-    """Names of the figures that are drawn, in the order of the page."""
+    """Names of the figures that are drawn, in their order on the page."""
     known = [*names]
     return [name for name in (*_DRAWN[:3], depth_among(known), *_DRAWN[3:]) if name in known]
 
 
 def label_of(name: str) -> str:
-    """``slip amplitude [µm]``: a column's name for people."""
+    """Column name in words with its unit: ``slip amplitude [µm]``."""
     unit = unit_of(name)
     words = words_of(name)
     return words if unit in ("", "1") else f"{words} [{unit}]"
 
 
 def draw_responses(factors: Sequence[VariedInput], points: Array, figures: dict[str, Array]) -> Figure:
-    """Every figure (rows) over every varied key (columns): runs as dots, joined where they differ in that key alone."""
+    """Figure of every result (rows) over every varied key (columns); dots are runs, lines connect runs that differ in
+    that key.
+    """
     rows = drawn_among(figures)
     figure = new_figure(1.5 * len(rows) + 0.8)
     panels = figure.subplots(len(rows), len(factors), squeeze=False, sharex="col", sharey="row")
@@ -93,7 +95,11 @@ def _response(axes: Axes, factor: VariedInput, points: Array, column: int, y: Ar
 
 
 def lines_through(points: Array, column: int, y: Array) -> list[tuple[Array, Array]]:
-    """Runs that differ in one key alone, as those of a grid, in its order; else medians of neighbouring runs."""
+    """Lines (x, y) through runs that differ in one key alone, as on a grid; else one line through medians of
+    neighbours.
+
+    points: (n, d) values of the keys. column: index of the key. y: results (n,).
+    """
     others = np.delete(points, column, axis=1)
     alike = [np.flatnonzero((others == one).all(axis=1)) for one in np.unique(others, axis=0)] if others.size else []
     joined = [runs[np.argsort(points[runs, column])] for runs in alike or [np.arange(len(points))] if runs.size > 1]
@@ -111,7 +117,7 @@ def _medians(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def draw_indices(found: Sequence[Index]) -> Figure:
-    """Bars of first-order indices, and of total ones beside them, with 95 % intervals."""
+    """Bar charts of first-order indices, and total ones where known, with 95 % intervals."""
     names, keys = list(dict.fromkeys(i.figure for i in found)), list(dict.fromkeys(i.key for i in found))
     of = {(index.figure, index.key): index for index in found}
     figure = new_figure(1.1 * len(names) + 0.9)
@@ -149,9 +155,10 @@ def _bars(
 
 
 def draw_front(slip: Array, depth: Array, name: str) -> Figure:
-    """Slip amplitude against depth of all runs, and those of which no other has both more slip and less depth.
+    """Figure of slip amplitude over depth of all runs, with the runs of which no other has both more slip and less
+    depth.
 
-    name: of the depth's figure.
+    name: of the depth's column.
     """
     figure = new_figure(3.2)
     axes = figure.subplots()
@@ -164,7 +171,7 @@ def draw_front(slip: Array, depth: Array, name: str) -> Figure:
 
 
 def front(more: Array, less: Array) -> NDArray[np.intp]:
-    """Places of the runs of which no other has both a larger first and a smaller second figure, by the second."""
+    """Indices of the runs of which no other has a larger `more` and a smaller `less`, sorted by `less`."""
     order = np.lexsort([-more, less])
     chosen, best = [], -np.inf
     for place in order:
@@ -175,7 +182,7 @@ def front(more: Array, less: Array) -> NDArray[np.intp]:
 
 
 def table_of(sweep: Sweep, rows: Mapping[int, SweepRow]) -> pl.DataFrame:
-    """Number, varied keys, how it ended, figures; in the order of the numbers, the same however the runs were made."""
+    """Table of all runs by number: varied keys, how each ended, figures."""
     import polars as pl
 
     numbers = sorted(rows)
@@ -195,7 +202,8 @@ def table_of(sweep: Sweep, rows: Mapping[int, SweepRow]) -> pl.DataFrame:
 
 
 def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, SweepRow]) -> list[Path]:
-    """Write table.parquet, table.csv and, if there are any, failures.csv; returns the paths.
+    """Write table.parquet, table.csv and, if runs failed, failures.csv; return the paths.
+
     Raises ResultError if a file cannot be written.
     """
     table = table_of(sweep, rows)
@@ -219,7 +227,8 @@ def _write_failures(path: Path, sweep: Sweep, failed: Sequence[SweepRow]) -> Pat
 
 
 def write_sweep(folder: Path, result: SweepResult, tests: Sequence[MappedTest] = ()) -> list[Path]:
-    """Write the table and, where any run is complete, the page, with tests on its fretting map; returns the paths.
+    """Write the table and, if a run is complete, the page with measured tests on its fretting map; return the paths.
+
     Raises ResultError if a file cannot be written.
     """
     written = write_table(folder, result.sweep, result.rows)
@@ -228,7 +237,7 @@ def write_sweep(folder: Path, result: SweepResult, tests: Sequence[MappedTest] =
 
 
 def page(result: SweepResult, tests: Sequence[MappedTest] = ()) -> str:
-    """The page, which needs no other file."""
+    """Self-contained HTML page of a sweep."""
     figures = varying_figures(result)
     found = [i for name in drawn_among(figures) for i in indices(result.sweep.design, result.rows, name)]
     return frame.rendered(
@@ -249,7 +258,7 @@ def page(result: SweepResult, tests: Sequence[MappedTest] = ()) -> str:
 
 
 def varying_figures(result: SweepResult) -> dict[str, Array]:
-    """Figures of all runs (n,) that are not the same in all of them; NaN where a run failed."""
+    """Results of all runs (n,) by name, for those that vary among runs; NaN where a run failed."""
     rows = [result.rows.get(number) for number in range(1, len(result.sweep) + 1)]
     found = {}
     for name in (*drawn_among(result.sweep.figures), "worn_volume_mm3", "max_mean_pressure_MPa"):
@@ -263,7 +272,7 @@ def varying_figures(result: SweepResult) -> dict[str, Array]:
 
 
 def sentences(result: SweepResult, found: list[Index]) -> list[str]:
-    """What a reader in a hurry needs to know."""
+    """Summary: how many runs are done, and which key causes most of each result's variance."""
     done, failed = len(result.rows), len(result.failures)
     said = [f"{counted(done)} of {counted(len(result.sweep))} runs are done, {counted(failed)} of them failed."]
     for name in dict.fromkeys(index.figure for index in found):

@@ -1,4 +1,4 @@
-"""Intervals from the scatter of inputs: a table for the terminal, CSV, and a page with the bands of the loops."""
+"""Intervals from the scatter of inputs: a table for the terminal, CSV, and a page with bands of the loops."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ TABLE, PAGE = "uncertain.csv", "uncertain.html"
 
 
 def write_uncertainty(folder: Path, found: Uncertainty) -> list[Path]:
-    """Write uncertain.csv and uncertain.html; returns the paths. Raises ResultError if a file cannot be written."""
+    """Write uncertain.csv and uncertain.html and return their paths. Raises ResultError if a file cannot be written."""
     rows = [vars(one) | {"unit": unit_of(one.figure)} for one in found.intervals]
     with writing(ResultError, f"cannot write the intervals to {folder}"):
         return [write_csv(folder / TABLE, rows), write_text(folder / PAGE, page(found))]
 
 
 def sentence(found: Uncertainty) -> str:
-    """What a reader in a hurry needs to know."""
+    """Summary of the scattering inputs and the 95 % intervals of slip and depth."""
     inputs = ", ".join(f"{one.key} ± {frame.figure(one.deviation)}" for one in found.inputs)
     wanted = (SLIP, depth_among(one.figure for one in found.intervals))
     shown = [one for one in found.intervals if one.figure in wanted]
@@ -42,14 +42,14 @@ def sentence(found: Uncertainty) -> str:
 
 
 def name_of(interval: Interval) -> str:
-    """A figure for people; those of the first cycle say so."""
+    """Name of an interval's figure in words, with a remark if it is of the first cycle."""
     if interval.figure.startswith(FIRST):
         return f"{label_of(interval.figure.removeprefix(FIRST))}, first cycle"
     return label_of(interval.figure)
 
 
 def table(found: Uncertainty) -> Table:
-    """Intervals, to be printed with rich."""
+    """Table of intervals, to be printed with rich."""
     made = Table("figure", box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in ("nominal", "2.5 %", "median", "97.5 %", "surrogate's error"):
         made.add_column(heading, justify="right", no_wrap=True)
@@ -62,7 +62,7 @@ def table(found: Uncertainty) -> Table:
 
 
 def page(found: Uncertainty) -> str:
-    """The page, which needs no other file."""
+    """Self-contained HTML page of the intervals."""
     return frame.rendered(
         HERE / "uncertainty.html",
         {
@@ -75,7 +75,7 @@ def page(found: Uncertainty) -> str:
 
 
 def draw_bands(loops: tuple[LoopBand, ...]) -> Figure:
-    """Each loop as it is in the middle, and the band of 95 % of tests at equal phases."""
+    """Nominal loop of each cycle with the band in which 95 % of tests lie."""
     figure = new_figure(3.2)
     panels = figure.subplots(1, len(loops), squeeze=False, sharey=True)[0]
     for axes, loop in zip(panels, loops, strict=True):

@@ -1,1 +1,1 @@
-"""Runs, studies and records to work with from Python."""
+"""Python interface to runs, studies and records."""

@@ -1,4 +1,4 @@
-"""The lives of the bodies of a run, from Python."""
+"""Python interface to the fatigue lives of a run's bodies."""
 
 from __future__ import annotations
 
@@ -20,12 +20,11 @@ def lives(
     wear_states: int | None = None,
     tell: Callable[[str, int], None] = lambda _body, _cycle: None,
 ) -> tuple[BodyLife, ...]:
-    """The lives of bodies of a run, both by default, with what its study states in [life] and these values of keys.
+    """Fatigue lives of the bodies of a run, both by default, by [life] of its study with `values` replacing its keys.
 
-    bodies: by their names, or lower and upper.  wear_states: of each block of cycles at most.  tell: is called with
-    each body and cycle that is looked at.
-    Raises StudyError if a value cannot be, or data are lacking; ResultError if the run has recorded no contact forces;
-    GeometryError if wear distorts a mesh too much.
+    bodies: their names, or lower and upper. wear_states: most wear states looked at in each block of cycles. tell:
+    called with each body and cycle before it is computed. Raises StudyError if a value is not allowed, or data are
+    lacking; ResultError if the run has recorded no contact forces; GeometryError if wear distorts a mesh too much.
     """
     from wirewear.kinds import contacts_of
     from wirewear.results.scar import body_named

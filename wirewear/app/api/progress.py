@@ -1,4 +1,4 @@
-"""Bars of progress: of a notebook, or of a terminal."""
+"""Progress bars for notebooks and terminals."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ LEAST_PAUSE_s = 0.3  #: Seconds between two drawings of the bar.
 
 
 def in_notebook() -> bool:
-    """Whether the program runs in a notebook's kernel."""
+    """True if the program runs in a notebook's kernel."""
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None
     return type(shell).__name__ == "ZMQInteractiveShell"
 
 
 class NotebookBar(Observer):
-    """A bar that a notebook draws again in its place. Use as a context manager."""
+    """Progress bar that is redrawn in place in a notebook. Use as a context manager."""
 
     def __init__(self, label: str) -> None:
-        """Prepare a bar with a label; it appears when it is entered."""
+        """Prepare a bar with a label; it appears on entering the context."""
         self._label, self._notes = label, list[str]()
         self._handle: DisplayHandle | None = None
         self._drawn = -LEAST_PAUSE_s
@@ -53,7 +53,7 @@ class NotebookBar(Observer):
         self._draw()
 
     def moved(self, moment: Moment) -> None:
-        """Show cycles, energy and depth, if the last drawing is long enough ago."""
+        """Show cycle, energy and depth, at most every LEAST_PAUSE_s seconds."""
         depth = f"{moment.max_depth_um:.2f} µm deep"
         self._last = (
             moment.fraction,
@@ -63,15 +63,15 @@ class NotebookBar(Observer):
             self._draw()
 
     def logged(self, result: object) -> None:
-        """Nothing more to show."""
+        """Ignore a logged result."""
 
     def note(self, sentence: str) -> None:
-        """Write the sentence below the bar."""
+        """Add a sentence below the bar."""
         self._notes.append(sentence)
         self._draw()
 
     def html(self) -> str:
-        """The bar as it stands."""
+        """HTML of the bar in its present state."""
         share, state = self._last
         notes = "".join(f"<br><small>{escape(note)}</small>" for note in self._notes)
         return f"{escape(self._label)} <progress value='{share:.4f}' max='1'></progress> {escape(state)}{notes}"
@@ -86,7 +86,7 @@ class NotebookBar(Observer):
 
 @contextmanager
 def watched(label: str, *, shown: bool) -> Iterator[Observer]:
-    """A bar for a run, where it is to be shown: of the notebook, or of the terminal."""
+    """Context that yields an observer of a run: a notebook's or terminal's progress bar, or one that shows nothing."""
     if not shown:
         yield Observer()
     elif in_notebook():

@@ -1,4 +1,4 @@
-"""A run to look at: a result that draws itself, and gives its arrays as other programs want them."""
+"""Results of runs that can draw themselves and convert their data to other formats."""
 
 from __future__ import annotations
 
@@ -25,15 +25,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run(RunResult):
-    """A result of one run with what people ask of it."""
+    """Result of one run with methods to draw, convert and save it."""
 
     @classmethod
     def of(cls, result: RunResult) -> Run:
-        """That result."""
+        """Run with the contents of this result."""
         return cls(**{field.name: getattr(result, field.name) for field in fields(RunResult) if field.init})
 
     def plot(self, what: str = "overview", *, beside: Sequence[RunResult] = ()) -> Figure:
-        """A picture: "overview", or one of those that `wirewear show` draws; other runs are drawn beside it.
+        """Figure named "overview", or as one of the pictures of `wirewear show`; `beside` holds runs to draw with this
+        one.
+
         Raises ResultError if there is no such picture, or the run has recorded nothing to be drawn in it.
         """
         from wirewear.kinds import contacts_of
@@ -50,20 +52,23 @@ class Run(RunResult):
 
     def to_xarray(self) -> xarray.DataTree:
         """Evolution, loops and scars as labelled arrays, each with its unit in `attrs["units"]`.
+
         Raises ResultError if xarray is not installed.
         """
         return labelled(self)
 
     def to_polars(self, table: str = "evolution") -> pl.DataFrame:
-        """One of the tables evolution, loops, scars as a data frame. Raises ResultError if there is no such table."""
+        """The table "evolution", "loops" or "scars" as a data frame. Raises ResultError if there is no such table."""
         tables = tables_of(self)
         if table not in tables:
             raise ResultError(f"there is no table {table!r}: choose one of {', '.join(tables)}.")
         return tables[table](self)
 
     def surface(self, wire: str | None = None, cycle: float | None = None) -> pyvista.StructuredGrid:
-        """The worn surface of a body, by default the held one, as a mesh in µm, with depth, pressure, slip and energy.
-        Raises ResultError if no scar is recorded near that cycle, there is no such wire, or it is a line contact.
+        """Worn surface of a body as a mesh in µm, with depth, pressure, slip and energy at its points.
+
+        wire: name of the body, by default the held one. cycle: by default the last one with scars. Raises ResultError
+        if no scar is recorded near that cycle, there is no such body, or it is a line contact.
         """
         self.with_maps()
         body = wire or self.bodies[1]
@@ -72,12 +77,13 @@ class Run(RunResult):
     def body(
         self, wire: str | None = None, cycle: float | None = None, at: str | int = "mid-forward", *, worn: bool = True
     ) -> pyvista.UnstructuredGrid:
-        """A body's hexahedra in µm with displacements and stresses at a position of a cycle; by default the last.
+        """Hexahedral mesh of a body in µm, with displacements and stresses at one position of a cycle.
 
-        at: "mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back", or the number
-        of a recorded position.  worn: the nodes stand in the worn surface.
-        Raises ResultError if no contact forces are recorded near that cycle, there is no such wire or position,
-        or it is a line contact; GeometryError if wear distorts the mesh too much.
+        wire: name of the body, by default the held one. cycle: by default the last one. at: "mid-forward",
+        "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back", or the number of a recorded
+        position. worn: the mesh follows the worn surface. Raises ResultError if no contact forces are recorded near
+        that cycle, there is no such body or position, or it is a line contact; GeometryError if wear distorts the mesh
+        too much.
         """
         from wirewear.stress import body_grid, body_states
 
@@ -86,7 +92,8 @@ class Run(RunResult):
         return body_grid(body_states(self, wire or self.bodies[1], cycle, [at], worn=worn)[0])
 
     def save(self, path: str | Path) -> Path:
-        """Write the result as HDF5, from which `read_result` has it again, or as netCDF where the name ends in .nc.
+        """Write the result as HDF5, for `read_result`, or as netCDF if the name ends in .nc; return the path.
+
         Raises ResultError if it cannot be written.
         """
         path = Path(path)
@@ -132,7 +139,7 @@ class Run(RunResult):
 
 
 def distinguished(results: Sequence[RunResult]) -> list[RunResult]:
-    """The results with labels of their own: where two share one, what differs between their studies is added, or a
+    """Copies of the results with distinct labels: equal labels are extended by differing keys of the studies, or a
     number.
     """
     labels = [result.label for result in results]
@@ -152,7 +159,7 @@ def distinguished(results: Sequence[RunResult]) -> list[RunResult]:
 
 
 def _stated(table: Mapping[str, object]) -> dict[str, str]:
-    """Values of a study by their keys; the cycles recorded follow from the length of a test."""
+    """Values of a study by key, without the table [log]."""
     found: dict[str, str] = {}
     for key, value in table.items():
         if key != "log":
@@ -161,14 +168,15 @@ def _stated(table: Mapping[str, object]) -> dict[str, str]:
 
 
 def read_result(path: str | Path) -> Run:
-    """The run stored in a file, or in a folder of one.
-    Raises ResultError if there is none, or it is damaged, or the folder holds several.
+    """The run stored in a file, or in the folder of one run.
+
+    Raises ResultError if there is none, it is damaged, or the folder holds several.
     """
     return Run.of(one_run(Path(path)))
 
 
 def one_run(path: Path) -> RunResult:
-    """The one result at a path, of any kind of contact. Raises ResultError if a folder holds several."""
+    """Result of the only run in a file or folder. Raises ResultError if there is none, or several."""
     if not path.is_dir():
         return read_plain(path)
     runs = read_all_plain(path)
@@ -181,7 +189,8 @@ def one_run(path: Path) -> RunResult:
 
 
 def read_results(path: str | Path) -> tuple[Run, ...]:
-    """All runs at `path`: a result file, a run's folder, or a folder of variants' folders; ordered by variant.
+    """All runs at `path`: a result file, a run's folder, or a folder of variants' folders; sorted by variant.
+
     Raises ResultError if nothing is found there, or a file found cannot be read.
     """
     return tuple(Run.of(result) for result in read_all_plain(Path(path)))

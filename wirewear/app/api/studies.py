@@ -1,4 +1,4 @@
-"""Studies and records to work with from Python: loaded, run, checked, compared, fitted, diagnosed."""
+"""Python interface to studies and records: load, run, check, compare, fit, diagnose."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Record(ExperimentRecord[Any, Any]):
-    """An experiment record with what people ask of it."""
+    """Experiment record with methods to check, compare, fit and diagnose it."""
 
     @classmethod
     def of(cls, record: AnyRecord) -> Self:
-        """That record."""
+        """Record with the contents of this one."""
         return cls(**{field.name: getattr(record, field.name) for field in fields(record)})
 
     def __repr__(self) -> str:
@@ -49,12 +49,13 @@ class Record(ExperimentRecord[Any, Any]):
         return notebook_table(f"record “{self.name}”", rows, note=" ".join(self.notes))
 
     def check(self) -> RecordReport:
-        """What is wrong with the record, and what it can and cannot support."""
+        """Report on the problems of the record and on what conclusions it supports."""
         return check_record(self)
 
     def compare(self, run: RunResult) -> RecordComparison:
-        """The record beside a simulation: loops, evolution, worn surfaces, and what differs.
-        Raises RecordError if they have nothing in common, or nothing can be concluded from the record.
+        """Comparison with a simulation: loops, evolution, worn surfaces and their differences.
+
+        Raises RecordError if they have nothing in common, or the record's problems forbid conclusions.
         """
         from wirewear.comparison.comparison import compare
 
@@ -67,12 +68,12 @@ class Record(ExperimentRecord[Any, Any]):
         worn_volume_mm3: float | None = None,
         progress: bool = True,
     ) -> FittedTest:
-        """Friction, rig stiffness, play and wear of the test, each with its interval, and a study that has them.
+        """Fit friction, rig stiffness, play and wear, each with its interval, and a study with these values.
 
-        Loops do not determine the worn volume: where no scars were measured, give the wear coefficient of both bodies
-        together, or the volume that both lost in a test.
-        Raises RecordError if the record is unsound, none of its loops slides as a whole, or none gives its energy;
-        StudyError or SolverError if the nominal run of the fast model fails.
+        Loops do not determine the worn volume: if no scars were measured, give the wear coefficient of both bodies
+        together, or the volume that both lost in a test. Raises RecordError if the record is unsound, none of its loops
+        slides as a whole, or none gives its energy; StudyError or SolverError if the nominal run of the fast model
+        fails.
         """
         from wirewear.diagnosis.fit import GivenWear, fit_record
 
@@ -91,11 +92,11 @@ class Record(ExperimentRecord[Any, Any]):
         without: Sequence[str] = (),
         progress: bool = True,
     ) -> Diagnosed:
-        """Why the record and its model disagree; without a model, the one that the record states.
+        """Diagnose why record and model disagree; by default the model is the study that the record states.
 
-        `further` are other measurements of the same rig, which update the answer.
+        further: other records of the same rig that update the answer. without: names of effects not to be considered.
         Raises RecordError if the record states too little, has nothing to be diagnosed, or the model is of another
-        test; StudyError or SolverError if the model cannot be run, or there is no effect of a name in `without`.
+        test; StudyError or SolverError if the model cannot be run, or an effect in `without` does not exist.
         """
         from wirewear.diagnosis import diagnose
 
@@ -109,14 +110,16 @@ class Record(ExperimentRecord[Any, Any]):
 
 
 def read_record(folder: str | Path) -> Record:
-    """Read and check a record of any kind of contact. What can be coped with is kept and reported in `notes`.
+    """Read and check a record of any kind of contact; tolerable faults are reported in its `notes`.
+
     Raises RecordError, in one sentence with file, line and column, if the record cannot be read.
     """
     return Record.of(read_plain(folder))
 
 
 def load(source: str | Path) -> Study | LineStudy:
-    """Read a study of any kind of contact from a file, or from text that is one: TOML of more than one line.
+    """Read a study of any kind of contact from a file, or from TOML text of more than one line.
+
     Raises StudyError, in one sentence, if there is no such file, or it is no valid study.
     """
     if isinstance(source, str) and "\n" in source.strip():
@@ -136,11 +139,10 @@ def run(
 ) -> Run:
     """Simulate a study without variants, or one variant of it.
 
-    Without `output` no file is written; with it, the folder is as `wirewear run` leaves it, and `resume` goes on where
-    an interrupted run stopped.
-    Raises StudyError if the study has variants, of which one must be chosen, or cannot be discretised or afforded;
-    RunError or ResultError if the folder holds another run, or cannot be written; SolverError if the contact did not
-    converge, or left the fine patch.
+    Without `output` no file is written. With it, the folder is filled as by `wirewear run`, and `resume` continues an
+    interrupted run there. Raises StudyError if the study has variants, of which one must be chosen, or cannot be
+    discretised or afforded; RunError or ResultError if the folder holds another run, or cannot be written; SolverError
+    if the contact did not converge, or left the fine patch.
     """
     study = alone(study, 'run one, as in run(study.variant("{first}")), or all with run_variants(study)')
     label = study.variant_name or study.name
@@ -159,7 +161,9 @@ def run(
 def run_variants(
     study: Study | LineStudy, *, fidelity: str = "standard", output: str | Path | None = None, progress: bool = True
 ) -> dict[str, Run]:
-    """Simulate all variants of a study, by their names; with `output`, each in a folder of its own.
+    """Simulate all variants of a study and return the runs by their names; with `output`, each is written to its own
+    folder.
+
     Raises StudyError if the study has no variants, and whatever `run` raises.
     """
     if not study.variant_names:

@@ -1,6 +1,6 @@
-"""The command line, and standard streams as they may be: closed, or unable to show the signs of the field.
+"""Command line, with standard streams that may be closed or unable to show special signs.
 
-Its entry point loads the commands, so that a program interrupted while it starts says so.
+The entry point loads the commands itself, so that an interruption while the program starts is reported in one sentence.
 """
 
 import atexit
@@ -77,7 +77,7 @@ def main() -> None:
 
 
 def speak_up(command: str, silence_s: float = SILENCE_s) -> None:
-    """Say on standard error that a command is at work, if neither stream has said anything by then."""
+    """Print to standard error that the command is at work, unless something is printed within `silence_s` seconds."""
     said = Event()
 
     def heard(write: Callable[[str], int]) -> Callable[[str], int]:
@@ -100,7 +100,7 @@ def speak_up(command: str, silence_s: float = SILENCE_s) -> None:
 
 
 def _place_of(error: BaseException) -> str:
-    """One sentence about a fault of the program itself."""
+    """Sentence about an unexpected error of the program itself."""
     *_, (frame, line) = traceback.walk_tb(error.__traceback__)
     where = f"{Path(frame.f_code.co_filename).name}, line {line}"
     said = " ".join(str(error).split())
@@ -111,7 +111,9 @@ def _place_of(error: BaseException) -> str:
 
 
 def prepare_streams() -> None:
-    """Open what is closed to nowhere, and spell plainly what standard output and error cannot show."""
+    """Connect closed standard streams to the null device, and replace signs that output streams cannot show by plain
+    ones.
+    """
     codecs.register_error("wirewear.plain", _plainly)
     for descriptor, name in enumerate(("stdin", "stdout", "stderr")):
         stream = getattr(sys, name)
@@ -134,7 +136,9 @@ def _plainly(error: UnicodeError) -> tuple[str, int]:
 
 
 def _plain(sign: str) -> str:
-    """A sign in ASCII: what stands for it, its letter without accents, a Greek letter's name, or a question mark."""
+    """ASCII for a sign: its usual replacement, its letter without accents, a Greek letter's name, or a
+    question mark.
+    """
     if sign in _PLAIN:
         return _PLAIN[sign]
     simple = unicodedata.normalize("NFKD", sign).encode("ascii", "ignore").decode()

@@ -1,4 +1,4 @@
-"""All commands: one module for each family, which joins the group when it is imported."""
+"""All commands: importing a module adds its commands to the group."""
 
 from wirewear.app.cli import fit, life, loops, new, records, strand, stress, studies, sweeps, workspace
 from wirewear.app.cli.group import cli, default_output

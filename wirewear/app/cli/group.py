@@ -1,4 +1,6 @@
-"""The group of commands, whose foreseeable errors end in one sentence and an exit code, and what they share."""
+"""Group of all commands, which reports expected errors in one sentence with an exit code, and what the
+commands share.
+"""
 
 import errno
 import os
@@ -43,10 +45,10 @@ _SHOWS_HELP: tuple[type[Exception], ...] = tuple(
 
 
 class Finite(click.FloatRange):
-    """A finite number within a range: comparisons alone would let NaN pass."""
+    """Type of an option: a finite number within a range, which excludes NaN."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The number. Raises click.BadParameter if it is none, is not finite, or lies outside."""
+        """Value of the option. Raises click.BadParameter if it is not a finite number in the range."""
         number = float(super().convert(value, param, ctx))
         if not isfinite(number):
             self.fail(f"{value} is not a finite number.", param, ctx)
@@ -54,16 +56,16 @@ class Finite(click.FloatRange):
 
 
 class StatedOption(click.types.FloatParamType):
-    """A number in its sensible range, as a key of a study is checked: one in another unit is named as such."""
+    """Type of an option: a number checked as a key of a study, with a hint if it seems to be in another unit."""
 
     name = "number"
 
     def __init__(self, quantity: Quantity) -> None:
-        """What the number is."""
+        """Set the unit and range of the number."""
         self.quantity = quantity
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The number. Raises click.BadParameter if it is none, or lies outside."""
+        """Value of the option. Raises click.BadParameter if it is not a number in the range."""
         try:
             return float(self.quantity(click.FLOAT.convert(value, param, ctx)))
         except ValueError as problem:
@@ -74,28 +76,28 @@ STRENGTH = StatedOption(Quantity("MPa", 5.0, 1e4))  #: Strengths of materials fr
 
 
 class Given(click.Path):
-    """A file or folder that is read, or the name of an example that comes with the program."""
+    """Type of an argument: a file or folder to be read, or the name of a bundled example."""
 
     def __init__(self) -> None:
-        """Any path."""
+        """Accept any path."""
         super().__init__(path_type=Path)
 
     def convert(self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """The path; that of the example where there is no such file."""
+        """Path of the argument, or of the bundled example if no such file exists."""
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
         return path if path.exists() else example(str(value)) or path
 
 
 class OutputFolder(click.Path):
-    """A folder that files will be written to: tried before anything is computed."""
+    """Type of an option: a folder to be written to, checked before anything is computed."""
 
     def __init__(self, *, of_record: bool = False) -> None:
-        """Any path that is no record; of_record: what is written may be one."""
+        """Accept any folder that is not a record, or with `of_record` also a record."""
         super().__init__(path_type=Path)
         self.of_record = of_record
 
     def convert(self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """The path; RunError where no files can be written to it, or it is a record."""
+        """Path of the folder. Raises RunError if no files can be written to it, or it is a record."""
         path = usable_folder(Path(os.fsdecode(super().convert(value, param, ctx))))
         if not self.of_record and (path / TABLE_FILE_NAME).exists():
             raise RunError(f"{path} is a record, whose files are not to be mixed with others: choose another folder.")
@@ -103,19 +105,19 @@ class OutputFolder(click.Path):
 
 
 class OutputFile(click.Path):
-    """A file that will be written: tried before anything is computed."""
+    """Type of an option: a file to be written, checked before anything is computed."""
 
     def __init__(self) -> None:
-        """Any path that is no folder."""
+        """Accept any path that is not a folder."""
         super().__init__(dir_okay=False, path_type=Path)
 
     def convert(self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """The path; RunError where it cannot be written."""
+        """Path of the file. Raises RunError if it cannot be written."""
         return usable_file(Path(os.fsdecode(super().convert(value, param, ctx))))
 
 
 class _OneSentence(click.ClickException):
-    """An error of ours, shown without usage or traceback."""
+    """Expected error, shown as one sentence without usage or traceback."""
 
     exit_code = 2
 
@@ -125,10 +127,10 @@ class _OneSentence(click.ClickException):
 
 
 class _Misused(_OneSentence):
-    """What was typed does not fit the command; how it is used stands before the sentence, unless a value is wrong."""
+    """Wrong use of a command, shown with its usage, except for a wrong value, which is shown as one sentence."""
 
     def __init__(self, error: click.UsageError) -> None:
-        """State another's error."""
+        """Take over the message of click's error."""
         said = re.sub(
             r"is not a valid (float|integer)( range)?",
             lambda found: f"is no {_NUMBERS[found[1]]}",
@@ -148,7 +150,7 @@ class _Misused(_OneSentence):
 
 @contextmanager
 def _misuse_reported() -> Iterator[None]:
-    """Report click's own errors in the way of ours."""
+    """Convert click's usage errors inside this context to one-sentence errors."""
     try:
         yield
     except _SHOWS_HELP:
@@ -159,7 +161,7 @@ def _misuse_reported() -> Iterator[None]:
 
 @contextmanager
 def _unwritten_reported() -> Iterator[None]:
-    """Report what the system refuses, on standard output too, in the way of our own errors."""
+    """Convert errors of reading and writing inside this context, standard output included, to one-sentence errors."""
     try:
         try:
             yield
@@ -177,28 +179,28 @@ def _unwritten_reported() -> Iterator[None]:
 
 
 class _Listed(click.Group):
-    """Commands that help lists with their whole first sentences."""
+    """Group whose help lists commands with their whole first sentences."""
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """List the commands; click's own list ends in the middle of most sentences."""
+        """Add the list of commands to the help."""
         rows = [(name, self.commands[name].get_short_help_str(limit=400)) for name in self.list_commands(ctx)]
         with formatter.section("Commands"):
             formatter.write_dl(rows)
 
 
 class Commands(_Listed):
-    """Commands whose foreseeable errors end in one sentence and an exit code."""
+    """Group of commands that reports expected errors in one sentence with an exit code."""
 
     group_class = _Listed
     goes_on: Mapping[str, str] = GOES_ON
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Parse what stands before the command."""
+        """Parse the arguments before the command."""
         with _misuse_reported(), _unwritten_reported():
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
-        """Run the command that was asked for."""
+        """Run the command."""
         try:
             with warnings.catch_warnings(), _misuse_reported(), _unwritten_reported():
                 show_warnings_plainly()
@@ -214,7 +216,9 @@ class Commands(_Listed):
 
 
 def _give_up_unwritten() -> None:
-    """Leave what standard output does not take: at its end, Python would try again and complain."""
+    """Redirect standard output to the null device if it cannot be written, so that Python does not complain at
+    its end.
+    """
     try:
         sys.stdout.flush()
     except OSError:
@@ -229,7 +233,7 @@ def cli() -> None:
 
 
 def _allow_memory(context: click.Context, _parameter: click.Parameter, gigabytes: float | None) -> None:
-    """Let the command, and the processes that it starts, use that much."""
+    """Set the memory limit in gigabytes for this command and the processes that it starts."""
     if gigabytes is not None:
         before = os.environ.get(MOST_MEMORY_GB)
         os.environ[MOST_MEMORY_GB] = str(gigabytes)
@@ -289,16 +293,19 @@ overwrite_record = click.option("--overwrite", is_flag=True, help="Also in place
 
 
 def a_list(*names: str, form: str) -> Callable[[FC], FC]:
-    """An option that takes a list; what it is given repeatedly adds up, to one text."""
+    """Decorator that adds an option with a comma-separated list; repeated uses are joined to one text.
+
+    form: example in the help.
+    """
     joined, text = (lambda *given: ",".join(given[-1])), f"Separated by commas: {form}"
     return click.option(*names, metavar="LIST", multiple=True, callback=joined, help=text)
 
 
 @contextmanager
 def busy(doing: str, *, long: bool = False) -> Iterator[None]:
-    """Say on a terminal's standard error what is going on, for as long as it does; off one, in a line of what is long.
+    """Show on a terminal's standard error what is being done; elsewhere print it as a line if `long` is True.
 
-    Runs say by themselves where they are: `wirewear.simulation.ProgressBar`.
+    Runs show their own progress: `wirewear.simulation.ProgressBar`.
     """
     from rich.console import Console
 
@@ -313,11 +320,13 @@ stage = partial(busy, long=True)  #: A stage of a command that takes long.
 
 
 def given(option: str) -> bool:
-    """Whether an option of the present command was given, by its parameter's name."""
+    """True if an option of the present command was given; `option` is the name of its parameter."""
     return click.get_current_context().get_parameter_source(option) is ParameterSource.COMMANDLINE
 
 
 def default_output(study_path: Path) -> Path:
-    """Where a study's results go: into runs/, under the file's name, or its folder's if that name is study.toml."""
+    """Default folder for a study's results: runs/ with the file's name, or its folder's name if the file is
+    study.toml.
+    """
     full = study_path.resolve()
     return Path("runs") / (full.parent.name if full.stem == "study" and full.parent.name else full.stem)

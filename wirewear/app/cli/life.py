@@ -1,4 +1,4 @@
-"""The command on the life of the bodies of a run."""
+"""Command `life`: fatigue lives of the bodies of a run."""
 
 from __future__ import annotations
 
@@ -99,7 +99,9 @@ def _pair(text: str) -> tuple[str, Any]:
 def _run_first(
     path: Path, fidelity: str, variant: str | None, body: str, values: Mapping[str, Any]
 ) -> tuple[RunResult, Path]:
-    """The result of a study, which is run unless data are lacking, and the folder beside which its life is written."""
+    """Result of a study, which is run after its fatigue data are checked, and the folder beside which lives are
+    written.
+    """
     from wirewear.kinds import contacts_of, load_any_study
     from wirewear.simulation import ProgressBar, run_study
     from wirewear.stress.life import require_life

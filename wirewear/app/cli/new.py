@@ -88,8 +88,9 @@ def new(
 
 
 def _require_sensible(option: str, value: float, kind: "Kind") -> None:
-    """See that an option is in the range of its key of a mapping of that kind.
-    Raises RecordError if it lies outside; the sentence names the unit that it seems to be in.
+    """Check that an option lies in the range of its key in a mapping of this kind.
+
+    Raises RecordError, naming the unit that the value seems to have, if it does not.
     """
     from wirewear.records.importing.mapping import MAPPINGS
     from wirewear.test.keys import Table, quantity_of, table_of
@@ -129,8 +130,9 @@ def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, out
 
 
 def _test_of(record_path: Path, kind: str) -> dict[str, Any]:
-    """A record's test as the tables of a study, `kind` among them.
-    Raises StudyError if the study is to be of a kind that is never recorded.
+    """Tables of a study with the test of a record.
+
+    Raises StudyError if --kind asks for another kind of contact than the record's.
     """
     from wirewear.diagnosis.fit.fit import tables_of_record
     from wirewear.records import read_record

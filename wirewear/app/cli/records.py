@@ -177,7 +177,7 @@ def export(
 
 
 def _run_at(path: Path, variant: str | None) -> RunResult:
-    """The one run at a path; RecordError where there are several and none is chosen."""
+    """The only run at a path, or that of the variant. Raises RecordError if there are several and none is chosen."""
     from wirewear.records.exporting import chosen_run
     from wirewear.results import read_results
 
@@ -190,7 +190,7 @@ def _echo(paths: Sequence[Path]) -> None:
 
 
 def _sensor_of(noise: str, gain: str, others: str) -> tuple[Any, float]:
-    """The sensor of lists as they were typed, and the noise of depths in µm."""
+    """Sensor from the option texts of noise, gains and other numbers, and the noise of depths in µm."""
     from wirewear.loops.sensor import OTHER_NUMBERS, Sensor, SensorNoise
     from wirewear.records.exporting import parse_channels
 

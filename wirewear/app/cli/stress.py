@@ -1,4 +1,4 @@
-"""Commands on what happens inside the wires of a run: stress fields, yield and fatigue."""
+"""Commands on stresses inside the bodies of a run: stress fields, yield and fatigue."""
 
 from __future__ import annotations
 
@@ -95,7 +95,9 @@ def fields(
 
 
 def asked_bodies(body: str, where: str, bodies: tuple[str, ...]) -> tuple[str, ...]:
-    """Both bodies, or the one that is called so. Raises ResultError of `where` if none is."""
+    """Names of both bodies for "both", or of the one named. Raises ResultError, naming `where`, if there is no such
+    body.
+    """
     from wirewear.results.scar import body_named
 
     return bodies if body == "both" else (body_named(body, where, bodies),)
@@ -172,9 +174,9 @@ def strength(
 def _assessing(
     path: Path, body: str, cycles: Sequence[float], asked: StrengthAsked
 ) -> tuple[dict[str, list[int]], Callable[[str, int], Strength]]:
-    """The recorded cycles of each body that are asked for, and what gives a body's strength at one of them.
+    """Recorded cycles to assess for each body, and a function that gives the strength of a body at a cycle.
 
-    What is refused is refused here, before anything is computed.
+    Raises before anything is computed if a request is refused.
     """
     from wirewear.app.api.run import one_run
     from wirewear.kinds import contacts_of
@@ -202,5 +204,5 @@ def _report_taken(cycle: float, result: RunResult, bodies: Iterable[str]) -> Non
 
 
 def _recorded(forces: Iterable[ContactForces]) -> list[int]:
-    """Cycles of which there are contact forces; where there are none, the first, which will be refused."""
+    """Cycles with recorded contact forces; [1] if there are none."""
     return sorted({one.cycle for one in forces}) or [1]

@@ -1,4 +1,4 @@
-"""Commands that list effects and materials, run a study, draw its meshes and results and write their page."""
+"""Commands on studies and results: list effects and materials, run, draw meshes and results, write pages."""
 
 from __future__ import annotations
 
@@ -227,9 +227,7 @@ def _run_scattered(study_path: Path, variant: str | None, folder: Path, jobs: in
 
 
 def _require_nothing_lost(folder: Path) -> None:
-    """See that a new run takes the place of no result, complete or not; one that cannot be read is none.
-    Raises StudyError if there is one.
-    """
+    """Raise StudyError if the folder holds a readable result, complete or not, that a new run would replace."""
     from wirewear.results import RESULT_FILE_NAME
 
     for path in (folder / RESULT_FILE_NAME, *sorted(folder.glob(f"*/{RESULT_FILE_NAME}"))):
@@ -251,7 +249,7 @@ def _status_of(path: Path) -> str | None:
 
 
 def _cycles_of(record_path: Path, last: int) -> tuple[int, ...]:
-    """The cycles of a record's loops as far as a test of so many goes, and its last one."""
+    """Cycles of a record's loops from 1 to `last`, and `last` itself."""
     from wirewear.records import read_record
 
     record = read_record(record_path)

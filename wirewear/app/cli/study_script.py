@@ -1,4 +1,4 @@
-"""What commands and the scripts beside studies share: one sentence for every mistake, wide tables, a progress bar."""
+"""Parts shared by commands and study scripts: one-sentence errors, wide tables, progress bars."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -16,15 +16,15 @@ from wirewear.base.writing import why_not_written
 
 
 class StudyScript(click.Command):
-    """A script whose foreseeable errors end in one sentence that begins with its file's name, and in exit code 2."""
+    """Script whose expected errors end in one sentence, which begins with its file's name, and exit code 2."""
 
     def __init__(self, name: str | None, *, callback: Callable[..., Any], **attributes: Any) -> None:
-        """The command, which goes by the name of its file."""
+        """Name the command after its file."""
         file = getsourcefile(unwrap(callback))
         super().__init__(Path(file).stem if file else name, callback=callback, **attributes)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read what was typed."""
+        """Parse the arguments."""
         with _one_sentence(ctx):
             return super().parse_args(ctx, args)
 
@@ -61,8 +61,10 @@ def _one_sentence(context: click.Context) -> Iterator[None]:
 
 @contextmanager
 def understanding(path: Path, what: str) -> Iterator[None]:
-    """Within it, whatever is looked for in a file's tables and is not there is reported: the file is no `what`.
-    Raises ResultError if a key, an entry or a number was missing, or something else stood in its place.
+    """Convert missing or wrong entries of a file's tables inside this context to an error saying that the file is no
+    `what`.
+
+    Raises ResultError then.
     """
     try:
         yield
@@ -71,23 +73,24 @@ def understanding(path: Path, what: str) -> Iterator[None]:
 
 
 def wide_console(width: int = 116) -> Console:
-    """A console as wide as tables of figures need, also where no terminal states its width."""
+    """Console at least `width` characters wide."""
     console = Console()
     console.width = max(console.width, width)
     return console
 
 
 def progress_bar(*columns: ProgressColumn) -> Progress:
-    """A bar on standard error that vanishes when it ends; without columns, rich's own.
-
-    None off a terminal: there it would show nothing, and leave an empty line before whatever is said next.
+    """Progress bar on standard error that vanishes at its end, and shows nothing without a terminal; columns as in
+    rich.
     """
     console = Console(stderr=True)
     return Progress(*columns, console=console, transient=True, disable=not console.is_interactive)
 
 
 def comparison_command(compare: Callable[[Path, Path], None]) -> click.Command:
-    """The command line RESULT_DIR [--output DIR] of a function of the result's folder and that of its pictures."""
+    """Command with arguments RESULT_DIR [--output DIR] that calls a function with the result's and the pictures'
+    folder.
+    """
 
     @click.command(cls=StudyScript)
     @click.argument("result_dir", type=click.Path(path_type=Path))

@@ -1,4 +1,4 @@
-"""Commands of many runs: sweeps, maps, refinements of a study, the verification of the program."""
+"""Commands of many runs: sweeps, maps, convergence of a study, verification of the program."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
 
 
 def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | None) -> None:
-    """Run a study whose inputs scatter, print its intervals and write them."""
+    """Run a study whose inputs scatter, print its intervals and write them to the folder."""
     from wirewear.app.cli.study_script import wide_console
     from wirewear.base.engine import engine_of
     from wirewear.sweeps.uncertainty import RUNS, run_uncertain
@@ -109,7 +109,7 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
 
 @contextmanager
 def observer_of(runs: int) -> Iterator[SweepObserver]:
-    """A bar on standard error over so many runs, and what moves it and prints the rest."""
+    """Observer of a sweep that moves a progress bar over `runs` runs and prints notes, as a context manager."""
     from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
 
     from wirewear.app.cli.study_script import progress_bar
