@@ -33,7 +33,6 @@ _CORNER_EDGES = np.array(
 _EDGES = np.array(
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]], dtype=np.int64
 )
-_STIFFENING = 2.0  #: Stiffness of an edge's spring over 1 / length^_STIFFENING.
 _TOLERANCE = 1e-9  #: Residual of the inner nodes' equilibrium; their places need not be exact.
 
 
@@ -133,7 +132,8 @@ class HexMesh(ElementMesh):
         """
         edges = np.unique(np.sort(self.cells[:, _EDGES].reshape(-1, 2), axis=1), axis=0)
         lengths = np.linalg.norm(self.points[edges[:, 0]] - self.points[edges[:, 1]], axis=1)
-        stiffness = (lengths.mean() / lengths) ** _STIFFENING
+        # Stiffness of an edge's spring over 1 / length².
+        stiffness = (lengths.mean() / lengths) ** 2.0
         size = len(self.points)
         upper = coo_matrix((stiffness, (edges[:, 0], edges[:, 1])), shape=(size, size)).tocsr()
         both = upper + upper.T

@@ -16,7 +16,6 @@ import numpy as np
 from geometry.arrays import Array, IntArray
 from geometry.grading import Layering, graded_layers
 
-_WIDEST_JOINED = 2.2  #: Columns wider than this multiple of the row's narrowest are not joined with others.
 #: Least radius of the core and its corner angle, as fractions of the wire's radius and in rad.
 _LEAST_RING_RADIUS = 0.5
 _CORE_RADIUS = 0.35
@@ -192,7 +191,8 @@ def _joined_columns(widths: Array, coarse: float) -> list[int]:
     """Index of the first column of each group of three that a transition row joins; empty if elements would be too
     coarse.
     """
-    limit = min(_WIDEST_JOINED * float(widths.min()), 0.4 * coarse)
+    # Columns wider than this multiple of the row's narrowest are not joined with others.
+    limit = min(2.2 * float(widths.min()), 0.4 * coarse)
     joins = []
     column = 0
     while column + 3 <= len(widths):

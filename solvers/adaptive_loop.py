@@ -26,9 +26,6 @@ LOOP_TOLERANCE = 3e-3
 # A loop whose half height is less than its largest force is thin: its area needs a straighter force. Below this share
 # it is followed no better.
 _LEAST_OPENING = 0.002
-# Of the normal load: loops of less force than this are followed no better than loops of so much, be it for want of
-# friction or in free play. What is left of the force is how pressures tilt on the elements, which has no end.
-_LEAST_FRICTION = 3e-3
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
 _CLOSURE = 2e-3
 _MOST_REPEATS = 4
@@ -36,9 +33,6 @@ _MOST_REPEATS = 4
 _FIRST_STEP, _SMALLEST_STEP = 1.0 / 1000.0, 1.0 / 8000.0
 _LARGEST_TREND = 4.0
 _SAFETY, _LARGEST_GROWTH, _LARGEST_CUT = 0.8, 2.0, 0.2
-# A force that bends as much over shorter steps is rough, not bent: after so many cuts that do not help, the first step
-# is taken, and the stroke is followed no better than it is rough.
-_CUTS_IN_VAIN = 2
 # What was thought right, or is given by the way out, is only taken again when it is wrong by more than this factor.
 _PATIENCE = 2.0
 
@@ -76,7 +70,9 @@ def closed_adaptive_cycle(
     largest, way = float(np.abs(trace.tangential_force).max()), np.abs(np.diff(trace.drive, prepend=trace.start.drive))
     # Of a rectangular loop that is its half height.
     opening = max(trace.friction_work / float(way.sum()), _LEAST_OPENING * largest)
-    height, least = min(friction, largest, opening), _LEAST_FRICTION * float(trace.normal_force.max())
+    # Of the normal load: loops of less force than this are followed no better than loops of so much, be it for want of
+    # friction or in free play. What is left of the force is how pressures tilt on the elements, which has no end.
+    height, least = min(friction, largest, opening), 3e-3 * float(trace.normal_force.max())
     walk = _Walk(
         problem,
         drive.amplitude_mm,
@@ -203,7 +199,9 @@ class _Walk:
                 bends.pop()
                 continue
             if ahead > allowed and step.length > 2.0 * self._shortest:
-                if len(refused) < _CUTS_IN_VAIN or ahead < 0.5 * refused[0][1]:
+                # A force that bends as much over shorter steps is rough, not bent: after so many cuts that do not help,
+                # the first step is taken, and the stroke is followed no better than it is rough.
+                if len(refused) < 2 or ahead < 0.5 * refused[0][1]:
                     refused.append((step, ahead))
                     size = step.length * _change(ahead, allowed)
                     continue

@@ -18,8 +18,6 @@ _MOST_REJECTIONS = 12
 # Of a step that did not converge, what is tried next.
 _CUT_BACK = 0.35
 _GROWTH_AFTER_FAILURE = 1.5
-_REJECTED = 2.0  # A step that was taken is kept unless its error is beyond the tolerance by this factor.
-_ENERGY_SHARE = 0.1  # The share of all friction energy that a step may miss, over the tolerance.
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,8 @@ class JumpController:
 
     def accepted(self, change: float, jump: float, done: float) -> bool:
         """Whether a step over which the pressures changed by so much may stand."""
-        return change**2 <= _REJECTED * self.tolerance or jump <= max(1.0, self.least_share * done)
+        # A step that was taken is kept unless its error is beyond the tolerance by this factor.
+        return change**2 <= 2.0 * self.tolerance or jump <= max(1.0, self.least_share * done)
 
     def following(self, change: float, jump: float, done: float) -> float:
         """The step to try after one of this size and change of the pressures, which ended after `done` cycles."""
@@ -59,7 +58,8 @@ def change_by_work(predicted_mJ: float, traced_mJ: float, cycles: float, energy_
     The difference grows along the step, so the energy misses half of it for every cycle: that is of second order.
     """
     missed = 0.5 * cycles * abs(traced_mJ - predicted_mJ)
-    return float(missed / (_ENERGY_SHARE * max(energy_mJ, 1e-300))) ** 0.5 if missed else 0.0
+    # The share of all friction energy that a step may miss, over the tolerance.
+    return float(missed / (0.1 * max(energy_mJ, 1e-300))) ** 0.5 if missed else 0.0
 
 
 @dataclass(frozen=True)

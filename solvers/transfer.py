@@ -25,12 +25,6 @@ from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity.pairing import PrimarySurface, primary_surface, vertical_gap
 from solvers.errors import SolverError
 
-_LARGEST_SHARE_LOST = 1e-11  #: The share of a field's integral that may lie beside the new grid: round-off.
-
-
-# Positions along the stroke at which the other body presses, per half-width of the flattened spot.
-_PER_HALF_WIDTH = 4.0
-
 
 def remeshed(
     problem: ContactProblem, state: ContactState, onto: ContactProblem
@@ -82,7 +76,8 @@ def transferred(field: Array, old: ContactPatch, new: ContactPatch) -> Array:
     along = _transferred_along(field, old.axial_mm, new.axial_mm)
     moved = _transferred_along(along.T, old.transverse_mm, new.transverse_mm).T
     before, after = (float((f.ravel() * p.node_areas()).sum()) for f, p in ((field, old), (moved, new)))
-    if before - after > _LARGEST_SHARE_LOST * before:
+    # The share of a field's integral that may lie beside the new grid: round-off.
+    if before - after > 1e-11 * before:
         raise SolverError(
             f"the new contact patch (half-extents {new.axial_mm[-1]:.4g} and {new.transverse_mm[-1]:.4g} mm) is "
             f"smaller than the scar: {100.0 * (1.0 - after / before):.2g} % of it lie beside it; give the new mesh a "
@@ -174,7 +169,8 @@ def _depth(surface: PrimarySurface, problem: ContactProblem, approach: float, am
     unworn = np.zeros(surface.body.patch.shape), np.zeros(other.patch.shape)
     at_rest = vertical_gap(surface, other, problem.offset(0.0, 0.0), *unworn)
     half_width = float(np.ptp(surface.body.node_positions[at_rest < approach, 0])) / 2.0 or amplitude
-    count = 2 * int(np.ceil(_PER_HALF_WIDTH * amplitude / half_width)) + 1
+    # Positions along the stroke at which the other body presses, per half-width of the flattened spot.
+    count = 2 * int(np.ceil(4.0 * amplitude / half_width)) + 1
     closest = at_rest
     for drive in np.linspace(-amplitude, amplitude, count):
         offset = problem.offset(float(drive), 0.0)

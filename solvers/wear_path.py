@@ -19,20 +19,14 @@ from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact_state import Guide, Stroke
 from solvers.drive import Drive, Path
 
-# Share of the stroke over which the bodies must move against each other for places to be spread over that.
-_LEAST_SLIDING_SHARE = 0.25
 # Increments from a reversal to the first place, over which the holder springs back and the contact mostly sticks.
 _STICK_INCREMENTS = 2
 _SHIFT = 0.25
-_SAME_STROKE = 1e-6  # Of the amplitude: strokes whose amplitudes differ by less are the same.
 _FOLLOWS = 0.9  # A holder that moves by less than this share of what the drive moves slides.
 # The increment that sticks ends where the bodies have moved against each other by this share of the places' distance,
 # for they yield elastically while they stick, and no nearer than that share of its way to either side.
 _STUCK_SHARE = 0.04
-_STICKS = 0.1  # Of the rate at which the bodies slide after an increment: with less before it, they stuck there.
 _LEAST_SLIP = 1e-4  # Of all slip: increments with less stick.
-# Of the distance of places that follow a cosine: none of them lies nearer to a place where surfaces wear.
-_APART = 0.3
 
 
 def cosine_places(amplitude_mm: float, increments: int) -> Array:
@@ -101,7 +95,8 @@ def _onsets(slip: Array, durations: Array) -> Array:
     # No phase passes while the drive rests.
     rate = np.divide(slip, durations, out=np.zeros(len(slip)), where=durations > 0.0)
     before, after = np.roll(rate, 1), np.roll(rate, -1)
-    begins = (np.abs(before) < _STICKS * np.abs(after)) & slides(np.roll(slip, -1)) & (rate * after > 0.0)
+    # Of the rate at which the bodies slide after an increment: with less before it, they stuck there.
+    begins = (np.abs(before) < 0.1 * np.abs(after)) & slides(np.roll(slip, -1)) & (rate * after > 0.0)
     at = np.flatnonzero(begins)
     return np.asarray(at + 1.0 - np.minimum(rate[at] / after[at], 1.0))
 
@@ -177,7 +172,8 @@ def forced_path(drive: Drive, side: float, increments: int, drives_mm: Array, fo
 
 def _with_places(places: Array, others: Array) -> Array:
     """Places along a stroke (m,) and others (k,) between them, without those that lie next to one of these."""
-    step, direction = _APART * np.abs(np.gradient(places)), float(np.sign(places[-1]))
+    # Of the distance of places that follow a cosine: none of them lies nearer to a place where surfaces wear.
+    step, direction = 0.3 * np.abs(np.gradient(places)), float(np.sign(places[-1]))
     fixed = (places == 0.0) | (np.arange(len(places)) == len(places) - 1)
     inside = np.abs(np.subtract.outer(others, places[fixed])).min(axis=1) > float(step.min())
     others = others[inside & (np.abs(others) < np.abs(places[-1]))]
@@ -192,7 +188,8 @@ def wear_path(amplitude_mm: float, holder_x_mm: float, increments: int, before: 
     """
     carried = min(max(holder_x_mm, 0.0), amplitude_mm)
     slides = amplitude_mm - carried
-    if slides < _LEAST_SLIDING_SHARE * amplitude_mm or increments < 2 * _STICK_INCREMENTS:
+    # Share of the stroke over which the bodies must move against each other for places to be spread over that.
+    if slides < 0.25 * amplitude_mm or increments < 2 * _STICK_INCREMENTS:
         steps = np.cos(np.pi * np.arange(1, increments + 1) / increments)
         steps[-1] = -1.0
         return amplitude_mm * np.asarray(steps)
@@ -224,7 +221,8 @@ def _along(amplitude: float, carried: float, before: Stroke) -> tuple[Array, Arr
     """
     drive, holder = np.append(amplitude, before.drive), np.append(carried, before.holder_x)
     longer = amplitude + float(before.drive[-1])
-    if abs(longer) <= _SAME_STROKE * amplitude:
+    # Of the amplitude: strokes whose amplitudes differ by less are the same.
+    if abs(longer) <= 1e-6 * amplitude:
         return drive, holder
     drive[1:] += longer
     holder[1:] += carried + float(before.holder_x[-1])

@@ -28,8 +28,6 @@ from solvers.laws.layers import LayersAtNodes
 from solvers.laws.yielding import YieldAtNodes
 from solvers.wear import Sliding, deposited
 
-_SPREAD = 3  #: Times that a print on the secondary is corrected for what its elements have spread of it.
-
 
 def slid(
     problem: ContactProblem,
@@ -206,7 +204,8 @@ def printed(
     upright = closure / pairing.frames[:, 0, 2]
     share = problem.limit.share(upper=problem.primary_is_upper)
     spread, wanted = np.zeros(problem.secondary.patch.size), (1.0 - share) * upright
-    for _ in range(_SPREAD):
+    # Times that a print on the secondary is corrected for what its elements have spread of it.
+    for _ in range(3):
         lacking = wanted - pairing.depths.averaged(spread) / pairing.areas
         spread = spread + pairing.opposite.spread(lacking) / problem.secondary.node_areas
     rest = np.zeros(problem.primary.patch.size)

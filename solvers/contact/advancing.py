@@ -28,7 +28,6 @@ from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 # error is of second order in that distance.
 _PAIRING_TOLERANCE = 0.01
 _MOST_PAIRINGS = 12
-_RELAXED = 0.7  # Share of the way that a print takes to what forces leave, from one pairing to the next.
 _PRINTED = 1e-4  # Prints have settled when they change by no more than this share of the holder's height.
 _FOLLOWED = 6  # Pairings in which friction follows the speed of sliding.
 
@@ -36,10 +35,7 @@ _FOLLOWED = 6  # Pairings in which friction follows the speed of sliding.
 _CANDIDATE_MARGIN = 1.15
 _LEAST, _FEW = 12, 128  # Nodes searched at the least, and how many are put in order at first to find them.
 _MOST_CUTS = 8
-_BEARING = 1.2  # Of the area that bears the load with surfaces that yield all over.
-_BARELY = 0.01  # Of a held approach.
 _BRACKET, _HEIGHT_TOLERANCE = 1.25, 1e-8  # Of heights at which surfaces that yield bear the load.
-_NO_LOAD = 0.01  # Of the normal load: less presses nothing, for a fresh contact of so little is less than an element.
 
 
 def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
@@ -98,7 +94,8 @@ def _height_that_bears(problem: ContactProblem, state: ContactState) -> float:
         return 0.0
     load = problem.holder.under(state.load_share).normal_load_N
     gap, areas = vertical_gaps(problem, state, state.drive, state.holder_x), problem.surface.areas
-    return -float(gap[_closest(gap, areas, _BEARING * load / float(problem.limit.limit_MPa(load)))].max(initial=0.0))
+    # Of the area that bears the load with surfaces that yield all over.
+    return -float(gap[_closest(gap, areas, 1.2 * load / float(problem.limit.limit_MPa(load)))].max(initial=0.0))
 
 
 def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
@@ -250,8 +247,9 @@ def _forces(system: Linearisation, outcome: ContactOutcome) -> tuple[Array, Arra
 
 def _towards(state: ContactState, wanted: ContactState) -> ContactState:
     """The state with prints on their way to those of another: the deeper they are, the less pressure makes them."""
+    # Share of the way that a print takes to what forces leave, from one pairing to the next.
     primary, secondary = (
-        None if now is None or then is None else now + _RELAXED * (then - now)
+        None if now is None or then is None else now + 0.7 * (then - now)
         for now, then in zip(state.wear.prints, wanted.wear.prints, strict=True)
     )
     return replace(state, wear=replace(state.wear, primary_print=primary, secondary_print=secondary))
@@ -397,7 +395,8 @@ def advance(
         share = min(1.0 / pieces, 1.0 - done)
         place, load = start + (done + share) * (drive - start), loaded + (done + share) * more
         bulk, step = stretched + (done + share) * strain, share * strain
-        if load < _NO_LOAD:
+        # Of the normal load: less presses nothing, for a fresh contact of so little is less than an element.
+        if load < 0.01:
             current, report = opened(problem, replace(current, bulk=bulk, bulk_step=step), place, cycles)
             current = replace(current, load_share=load)
             done += share
@@ -435,7 +434,8 @@ def _may_part(problem: ContactProblem, state: ContactState, drive: float, failur
     if approach is None or isinstance(failure, LostContactError):
         return approach is not None
     gap = vertical_gaps(problem, state, drive, state.holder_x) + state.holder_z
-    return float(gap.min()) > -_BARELY * approach
+    # Of a held approach.
+    return float(gap.min()) > -0.01 * approach
 
 
 def _parted_or_met(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:

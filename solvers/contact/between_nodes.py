@@ -23,7 +23,6 @@ from solvers.stress.subgrid_traction import SubgridTraction, fitted_square, refi
 #: Samples across a contact that few elements span, and of an element each way at least and at most.
 _ACROSS, _FEWEST, _MOST = 72, 2, 8
 _AROUND = 4  #: Nodes without pressure about the contact that are looked at.
-_TRUST_AT_EDGE = 0.02  #: Weight of the outermost nodes: where few lie inside, they keep the fit determined.
 _MOVED, _HALVINGS = 0.25, 20  #: How far the edge is moved at most, in elements, and how exactly.
 _OFF = 0.06  #: Of an element: how well the edge is known, of Hertz's ellipses on meshes of all levels.
 _LARGEST = 1.5  #: An integral over elements, over that of nodes, or the other way round.
@@ -58,7 +57,8 @@ class SpreadPressure:
         narrow = min(size - 2 * _AROUND for size in inner.shape if size > 1)
         samples = min(max(-(-_ACROSS // max(narrow, 1)), _FEWEST), _MOST)
         tractions = -inner[..., None] * np.array([0.0, 0.0, 1.0])
-        fitted = fitted_square(inner, _TRUST_AT_EDGE) if smooth else SubgridTraction.of_nodes(tractions).square
+        # Weight of the outermost nodes: where few lie inside, they keep the fit determined.
+        fitted = fitted_square(inner, 0.02) if smooth else SubgridTraction.of_nodes(tractions).square
         square = refined(fitted, samples)
         lines = [
             np.interp(np.arange(size) / samples, np.arange(len(own)), own)

@@ -24,12 +24,7 @@ from solvers.laws.yielding import PressureLimit, YieldAtNodes
 from solvers.newton import SemismoothNewton
 from solvers.wear import WearRates
 
-_PENALTY_SHARE = 0.02  # Of the nodes' own compliance; penetration is then about 1 % of the approach on usual meshes.
 Formulation = Literal["augmented-lagrangian", "penalty"]  #: How contact conditions are imposed.
-
-
-# Nodes this close to the friction limit, relative to it, count as slipping: normals turn a little between increments.
-_STICK_MARGIN = 0.02
 
 
 @dataclass(frozen=True)
@@ -63,7 +58,8 @@ class ContactProblem:
             raise SolverError(f"the friction coefficient must not be negative, but is {self.friction}")
         open_share(self.layers)
         object.__setattr__(self, "surface", primary_surface(self.primary))
-        layer = _PENALTY_SHARE * self._nodal_compliance() if self.formulation == "penalty" else 0.0
+        # Of the nodes' own compliance; penetration is then about 1 % of the approach on usual meshes.
+        layer = 0.02 * self._nodal_compliance() if self.formulation == "penalty" else 0.0
         object.__setattr__(self, "layer_mm_per_MPa", layer)
 
     def _nodal_compliance(self) -> float:
@@ -390,7 +386,9 @@ def _old_displacement(
             normal += traction[k, c] * frames[k, 0, c]
         for c in range(3):
             tangential += (traction[k, c] - normal * frames[k, 0, c]) ** 2
-        stuck = np.sqrt(tangential) < (1.0 - _STICK_MARGIN) * limit[k]
+        # Nodes this close to the friction limit, relative to it, count as slipping: normals turn a little between
+        # increments.
+        stuck = np.sqrt(tangential) < (1.0 - 0.02) * limit[k]
         stays = b < len(nodes_before) and nodes_before[b] == nodes[k] and stuck
         for c in range(3):
             result[k, c] = (old_before[b, c] if stays else old[k, c]) + layer * traction[k, c]

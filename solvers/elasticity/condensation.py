@@ -29,10 +29,6 @@ from solvers.elasticity.strain import stiffness_matrix
 from solvers.errors import SolverError
 from solvers.jit_cache import compiled
 
-_LEAF_NODES = 120  #: Substructures of at most so many nodes are eliminated as one dense front.
-#: Pivots below this share of their diagonal entry are round-off of zero: the body can move freely.
-_LEAST_PIVOT = 1e-12
-
 _MOST_TREES = 4
 
 
@@ -96,7 +92,8 @@ def cholesky_factor(matrix: Array) -> Array:
     SolverError when the matrix is not positive definite beyond round-off, as that of a body free to move.
     """
     factor, info = lapack.dpotrf(matrix, lower=1, clean=1)
-    if info != 0 or np.any(factor.diagonal() ** 2 < _LEAST_PIVOT * matrix.diagonal()):
+    # Pivots below this share of their diagonal entry are round-off of zero: the body can move freely.
+    if info != 0 or np.any(factor.diagonal() ** 2 < 1e-12 * matrix.diagonal()):
         raise SolverError("the stiffness matrix is not positive definite: the grip does not hold the body")
     return np.asarray(factor)
 
@@ -133,7 +130,8 @@ def divided(graph: csr_matrix, nodes: IntArray) -> Substructure:
 
 
 def _bisected(graph: csr_matrix, nodes: IntArray) -> Substructure:
-    if len(nodes) <= _LEAF_NODES:
+    # Substructures of at most so many nodes are eliminated as one dense front.
+    if len(nodes) <= 120:
         return Substructure(nodes, ())
     import pymetis
 

@@ -23,7 +23,6 @@ _ALIKE = 2.0  #: Elements whose sizes differ by less than this factor are correc
 # Meshes are mirrored to the last bit, their compliance to round-off of the factorisation.
 _PLACE_TOLERANCE_mm = 1e-10
 _COMPLIANCE_TOLERANCE = 1e-8
-_PROBES = 7  #: Loads by which a mirror is tried.
 _KINDS = 2  #: Elements larger than the finest by more than so many of these factors are corrected as those are.
 
 
@@ -256,7 +255,8 @@ def _images(body: PlacedBody, signs: Array) -> IntArray | None:
 def _compliance_is_mirrored(body: PlacedBody, images: IntArray, signs: Array) -> bool:
     """True if loads on some sample nodes move the patch as loads on their images move the image of the patch."""
     everywhere = np.arange(body.patch.size)
-    for j in np.linspace(0, body.patch.size - 1, _PROBES).astype(int):
+    # Loads by which a mirror is tried.
+    for j in np.linspace(0, body.patch.size - 1, 7).astype(int):
         own, image = (
             body.folded.between(everywhere[node : node + 1], of).reshape(3, -1, 3)
             for node, of in ((j, everywhere), (images[j], images))

@@ -30,10 +30,8 @@ _CORNERS = {
     8: np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]),
     4: np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]),
 }
-_PROJECTED = 1e-7  #: Relative residual of the projection to nodes.
 _TRIED, _NEWTON = 3, 6  #: Cells tried for a place, and steps to its local coordinates.
 _BESIDE = 2.0  #: Local coordinates are kept within this.
-_LAYERS = 8  #: What a projection takes from cells farther away falls to a quarter with each layer of them.
 TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and columns of the six components.
 
 
@@ -138,7 +136,8 @@ class IntegrationPoints:
         """
         cells, near = self.mesh.cells, np.zeros(len(self.mesh.points), dtype=bool)
         near[nodes] = True
-        for _ in range(_LAYERS):
+        # What a projection takes from cells farther away falls to a quarter with each layer of them.
+        for _ in range(8):
             chosen = near[cells].any(axis=1)
             near[cells[chosen]] = True
         mesh = replace(self.mesh, cells=cells[chosen])
@@ -162,7 +161,8 @@ class IntegrationPoints:
         scale = diags(1.0 / mass.diagonal())
         result = np.zeros((len(self.mesh.points), values.shape[-1]))
         for k, load in enumerate(self.loads(values).T):
-            result[used, k], failed = cg(mass, load, M=scale, rtol=_PROJECTED)
+            # Relative residual of the projection to nodes.
+            result[used, k], failed = cg(mass, load, M=scale, rtol=1e-7)
             if failed:
                 raise SolverError("stresses could not be projected to the nodes; please report this study")
         return result

@@ -20,8 +20,6 @@ _MOST_ITERATIONS = 60
 _PATIENCE = 15  # Iterations without progress after which the increment is given up.
 _ROUND = 8  # The same after which it seems to go round: see `ContactConditions`.
 
-#: Allowed gap of loaded nodes over the largest elastic displacement, and unbalanced force over the load.
-_GAP_TOLERANCE = 1e-5
 
 #: Allowed turn of friction in a step, rad, and the angle between friction and slip beyond which one more is taken.
 _DIRECTION_TOLERANCE, _SLANTED = 1e-4, 1e-3
@@ -162,11 +160,8 @@ class _Change(NamedTuple):
 
     @property
     def converged(self) -> bool:
-        return (
-            self.settled
-            and max(self.gap_error, self.bend) <= _GAP_TOLERANCE
-            and self.nodes.turned <= _DIRECTION_TOLERANCE
-        )
+        # Allowed gap of loaded nodes over the largest elastic displacement, and unbalanced force over the load.
+        return self.settled and max(self.gap_error, self.bend) <= 1e-5 and self.nodes.turned <= _DIRECTION_TOLERANCE
 
     @property
     def error(self) -> float:

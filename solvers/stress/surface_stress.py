@@ -33,8 +33,6 @@ _ALIKE = 0.02  #: Elements are alike that differ by no more than this share.
 _REACH = 8.0
 _DIRECTIONS = 48
 _DISTANCES = 48
-_CORRECTED = 5.0  #: Points no farther from loaded nodes than so many elements are corrected.
-_CUT = 4.0  #: Nor are those nearer than so many elements to where a contact leaves the elements that are alike.
 #: Share of the largest traction that counts there: those found from nodal forces fade beyond a contact, to 0.04 within
 #: two and a half elements.
 _ENDING = 0.1
@@ -229,12 +227,14 @@ def corrected_nodes(size: Array, spacing_mm: tuple[float, ...]) -> BoolArray:
     """Nodes of a grid of elements alike from which tractions of these sizes are in reach, and all of them known."""
     loaded = size > _LOADED * size.max(initial=0.0)
     away = distance_transform_edt(~loaded, sampling=spacing_mm) if loaded.any() else np.inf * size
-    near = away <= _CORRECTED * max(spacing_mm)
+    # Points no farther from loaded nodes than so many elements are corrected.
+    near = away <= 5.0 * max(spacing_mm)
     # Where the contact leaves these elements, or ends at their very end, its tractions between the nodes are not known.
     cut = size > _ENDING * size.max(initial=0.0)
     cut[(slice(2, -2),) * size.ndim] = False
     if cut.any():
-        near &= distance_transform_edt(~cut) > _CUT
+        # Nor are those nearer than so many elements to where a contact leaves the elements that are alike.
+        near &= distance_transform_edt(~cut) > 4.0
     return np.asarray(near)
 
 

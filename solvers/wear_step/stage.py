@@ -43,9 +43,6 @@ _MOST_ITERATIONS = 60
 # Iterations in which the cycles follow the pressures; they stay from then on, for the two might go on in turns.
 _FOLLOWED = 8
 
-# Iterations after which normals follow the wear by half: where a flat's edge wears a wall, pressures turn its normals
-# so far in one step that the two go on in turns.
-_UNDAMPED = 12
 
 # Pressures have settled when they change by no more than this share of the largest; where layers stiffen with them,
 # by no more than the second.
@@ -202,7 +199,9 @@ def solve_stage(
     for iteration in range(1, _MOST_ITERATIONS + 1):
         # Normals, slip and layers follow the pressures at every step: that costs little beside solving the equations.
         cycle.influences.know(active | cycle.sticks)
-        seen = worn.depths if iteration <= _UNDAMPED else _halfway(seen, worn.depths)
+        # Iterations after which normals follow the wear by half: where a flat's edge wears a wall, pressures turn its
+        # normals so far in one step that the two go on in turns.
+        seen = worn.depths if iteration <= 12 else _halfway(seen, worn.depths)
         facing, known = cycle.facing(problem, seen), friction
         slip = _slip_lengths(cycle, stretch)
         friction = cycle.law_at(problem, worn, slip, pressure)

@@ -64,16 +64,6 @@ def _closes(problem: ContactProblem, drive: Drive, trace: CycleTrace, end: Conta
     return friction <= _CLOSURE * total and abs(end.holder_x - start.holder_x) <= least
 
 
-# Of the rigid bodies' motion over a stroke: where strain takes a larger share, slip follows the strain at both ends;
-# else it is the rigid bodies' at each position.
-_STRAINED = 0.05
-# Of the pressures at a stroke's end: on nodes under pressure at its start as well, whose slip is known by both ends.
-_STAYS = 0.5
-# Of what the drive moves: where less is left for the slip, it is a small difference of what the drive and the friction
-# force move.
-_LEFT_TO_SLIP = 0.7
-
-
 def ends_of_strokes(positions: Sequence[Position], half_cycle: Mirror | None) -> list[int]:
     """The positions at which strokes end: the last one, and of a whole cycle the one farthest from it before."""
     last = len(positions) - 1
@@ -95,16 +85,22 @@ def strain_counts(positions: Sequence[Position], half_cycle: Mirror | None) -> b
     if half_cycle is not None:
         other, moved = half_cycle.image(last.traction, half_cycle.primary), 2.0 * abs(_apart(last))
     pressure = np.maximum(last.traction[:, 2], 0.0)
-    stays = float(pressure[other[:, 2] > 0.0].sum()) > _STAYS * float(pressure.sum())
+    # Of the pressures at a stroke's end: on nodes under pressure at its start as well, whose slip is known by both
+    # ends.
+    stays = float(pressure[other[:, 2] > 0.0].sum()) > 0.5 * float(pressure.sum())
     strokes = 1.0 if half_cycle is not None else 2.0
-    return stays and sum(map(mean_slip, positions)) < (1.0 - _STRAINED) * strokes * moved
+    # Of the rigid bodies' motion over a stroke: where strain takes a larger share, slip follows the strain at both
+    # ends; else it is the rigid bodies' at each position.
+    return stays and sum(map(mean_slip, positions)) < (1.0 - 0.05) * strokes * moved
 
 
 def slip_is_left_over(positions: Sequence[Position], half_cycle: Mirror | None) -> bool:
     """Whether rig and strain take much of the drive's motion, so that slip hangs on how they give way to friction."""
     start, last = positions[ends_of_strokes(positions, half_cycle)[0]].state, positions[-1].state
     driven = 2.0 * abs(last.drive if half_cycle is not None else last.drive - start.drive)
-    return sum(map(mean_slip, positions)) < _LEFT_TO_SLIP * driven
+    # Of what the drive moves: where less is left for the slip, it is a small difference of what the drive and the
+    # friction force move.
+    return sum(map(mean_slip, positions)) < 0.7 * driven
 
 
 def _apart(state: ContactState) -> float:

@@ -19,7 +19,6 @@ from solvers.elasticity.placement import known_images
 
 # Worn depths, relative to the deepest: those of runs that kept the symmetry differ by what Newton's method leaves.
 _DEPTH_TOLERANCE = 1e-6
-_PRINT_TOLERANCE = 0.05  # The same of prints, which one half of a cycle leaves a little before the other.
 _SAME_DRIVE = 1e-9  # Drives closer than this, relative to the amplitude, are the same.
 
 
@@ -90,7 +89,8 @@ def kept_by(symmetry: Symmetry, state: ContactState) -> Symmetry:
         if mirror is None:
             return None
         images = mirror.primary, mirror.secondary
-        for depths, tolerance in ((state.wear.depths, _DEPTH_TOLERANCE), (state.wear.prints, _PRINT_TOLERANCE)):
+        # The same of prints, which one half of a cycle leaves a little before the other.
+        for depths, tolerance in ((state.wear.depths, _DEPTH_TOLERANCE), (state.wear.prints, 0.05)):
             for depth, there in zip(depths, images, strict=True):
                 flat = np.zeros(len(there)) if depth is None else depth.ravel()
                 if np.abs(flat - flat[there]).max() > tolerance * float(np.abs(flat).max()):

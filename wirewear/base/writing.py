@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkDataObject
 
 _BEGINS_FORMULA = r"^[=+\-@\t\r]"  #: Signs with which spreadsheets let a formula begin: OWASP, "CSV injection".
-_COMPRESSION = 1  #: Of VTK's levels: higher ones take half as much time again for files that are 1 % smaller.
 _MOST_LINKS = 40  #: As many as Linux follows.
 
 _BEFORE = ".before."  #: In the name of a folder that is exchanged in two steps.
@@ -157,7 +156,8 @@ def write_grid(path: Path, grid: vtkDataObject) -> Path:
     writer = vtkXMLPolyDataWriter() if path.suffix == ".vtp" else vtkXMLUnstructuredGridWriter()
     writer.SetInputData(grid)
     writer.SetDataModeToBinary()
-    writer.SetCompressionLevel(_COMPRESSION)
+    # Of VTK's levels: higher ones take half as much time again for files that are 1 % smaller.
+    writer.SetCompressionLevel(1)
     writer.WriteToOutputStringOn()
     writer.Write()
     return write_bytes(path, writer.GetOutputString().encode())

@@ -14,15 +14,8 @@ from wirewear.effects.effect import Chain, Effect
 from wirewear.effects.parameter import added, cycles_of_change, exponent, form, limit_um, order, parameter, part, share
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
 
-# Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
-_TANGENTIAL_TO_NORMAL = 1.21
-
-# Shear modulus over the modulus of a laterally confined bed, (1 − 2ν)/(2(1 − ν)) at ν = 0.3.
-_SHEAR_TO_CONFINED = 0.286
-
 # Part of the bed's compliance that the full simulation shows (40 % retained, 500 MPa): it spreads the contact.
 _SPREADING = 0.5
-_GROWN = 100.0  # Square of the scar's area over that of the fresh contact at which beds of another growth shear alike.
 
 
 def _friction(meaning: str, *, easy: float, hard: float, least: float, most: float) -> float:
@@ -150,7 +143,8 @@ class RoughnessCompliance(Effect[ContactLaw]):
     def predicted(self, chain: Chain) -> Chain:
         """A spring: asperities that close by s ln p under a pressure p give way by s/P per newton of the load P."""
         height_um = self._height_um.at(chain.cycles)
-        added = _TANGENTIAL_TO_NORMAL * height_um / chain.load_N
+        # Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
+        added = 1.21 * height_um / chain.load_N
         return replace(
             chain,
             compliance_um_per_N=chain.compliance_um_per_N + added,
@@ -225,14 +219,16 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         that is full at a thickness h_f has h_f (1 − exp(−f V/(A h_f))), and what comes on top is ejected. A bed also
         spreads the pressure: as a rough layer does that gives way as much, h p/M, under the mean pressure p.
         """
-        shear_N_per_um2 = 1e-6 * _SHEAR_TO_CONFINED * self.modulus_MPa
+        # Shear modulus over the modulus of a laterally confined bed, (1 − 2ν)/(2(1 − ν)) at ν = 0.3.
+        shear_N_per_um2 = 1e-6 * 0.286 * self.modulus_MPa
         scar2_um4 = chain.worn_area2_um4
         per_area2 = np.divide(chain.worn_um3, scar2_um4, out=np.zeros_like(scar2_um4), where=scar2_um4 > 0.0)
         depth_um = per_area2 * np.sqrt(scar2_um4)
         retained = self.retained_fraction * _kept(self.retained_fraction * depth_um / self.full_um)
         scars = scar2_um4 / chain.fresh_area_um2**2
         largest = _SPREADING * retained * per_area2 / shear_N_per_um2
-        shear = largest * scars / (scars + 1.0) * ((scars + 1.0) / _GROWN) ** self.growth
+        # Square of the scar's area over that of the fresh contact at which beds of another growth shear alike.
+        shear = largest * scars / (scars + 1.0) * ((scars + 1.0) / 100.0) ** self.growth
         return replace(
             chain,
             retained_fraction=chain.retained_fraction + retained,

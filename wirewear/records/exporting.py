@@ -35,7 +35,6 @@ REACH, FLANK = 1.6, 0.9
 #: Heights of a body's surface again for every repeat, as columns x_um, y_um and height_um (or without y_um).
 Surface = Callable[[], Mapping[str, Array]]
 
-BYTES_PER_SAMPLE = 250  #: Memory that a sample of a record takes until it is written; measured.
 _IDEAL = Sensor()
 
 
@@ -165,7 +164,8 @@ def record_of_result(
 def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
     """See that the record can be held. Raises RecordError if it takes more memory than there is."""
     count = repeats * sum(samples or loop.time_s.size for loop in result.loops)
-    needed, free = BYTES_PER_SAMPLE * count, free_memory()
+    # Memory that a sample of a record takes until it is written; measured.
+    needed, free = 250 * count, free_memory()
     if needed > free:
         raise RecordError(
             f"{counted(repeats)} repeats of {len(result.loops)} loops are {counted(count)} samples, which take "

@@ -39,9 +39,6 @@ WELL_KNOWN, CERTAIN = 0.03, 2.0
 
 SETTLED = 5  #: Rounds in which a fit settles on what is not worn.
 
-FEWEST_FARTHER = 20  #: Unworn points a parameter that are fitted by their farther half, too.
-
-REWEIGHED = 4  #: Times that a fit weighs its points by what they leave.
 
 LEFT = 0.4  #: Of the points that lie within the noise so many are left beside what is close to a scar.
 
@@ -301,7 +298,8 @@ def _fitted(surface: Surface, places: Array, height: Array, found: Array, unworn
     rest = height.ravel()[chosen] - middle
     # Shoulders of a scar and of what is piled up lie all to one side: a mean would follow them.
     left = rest - np.median(rest)
-    for _ in range(REWEIGHED):
+    # Times that a fit weighs its points by what they leave.
+    for _ in range(4):
         weight = np.sqrt(biweight(left, max(median_deviation(left), FINEST_um)))
         change = np.linalg.lstsq(weight[:, None] * slopes, weight * rest, rcond=None)[0]
         left = rest - slopes @ change
@@ -381,7 +379,8 @@ def _farther(surface: Surface, places: Array, height: Array, found: Array, unwor
     raises those near a scar; None where they are too few.
     """
     away = distance_transform_edt(unworn | ~np.isfinite(height))
-    if not np.isfinite(away).all() or np.count_nonzero(unworn) < FEWEST_FARTHER * found.size:
+    # Unworn points a parameter that are fitted by their farther half, too.
+    if not np.isfinite(away).all() or np.count_nonzero(unworn) < 20 * found.size:
         return None
     return _fitted(surface, places, height, found, unworn & (away >= np.median(away[unworn])))[0]
 

@@ -25,10 +25,6 @@ COARSE = 0.02  #: Steps of a reading that can be seen, over its amplitude.
 #: of use comes near to it.
 NO_ORDER = 0.3
 
-JUMP = 0.3  #: A drive that takes this share of its stroke in one step, of many, has samples missing or exchanged.
-
-#: Of the samples of most loops, from which share on times that do not increase say that rows are in another order.
-REORDERED = 0.05
 
 #: An amplitude off by this factor is in another unit; a loop's area against the motion, of the rectangle around it, is
 #: one of a wrong sign and not of noise.
@@ -55,7 +51,9 @@ def times(checked: CheckedRecord) -> Iterator[Remark]:
     disordered = s.time_errors > 0.0
     if disordered.any():
         text = f"Time does not increase throughout {where(checked, disordered)}: rows may be doubled or re-ordered."
-        yield Remark("problem", "time", text, refuses=_most(s.time_errors > REORDERED * s.samples))
+        # Of the samples of most loops, from which share on times that do not increase say that rows are in another
+        # order.
+        yield Remark("problem", "time", text, refuses=_most(s.time_errors > 0.05 * s.samples))
     period = 1.0 / checked.record.tables.conditions.frequency_Hz
     odd = np.abs(s.period_s / period - 1.0) > ODD_PERIOD
     if odd.any():
@@ -71,7 +69,8 @@ def order(checked: CheckedRecord) -> Iterator[Remark]:
     scattered = (s.displacement_noise_um > NO_ORDER * s.displacement_amplitude_um) | (
         s.force_noise_N > NO_ORDER * s.force_amplitude_N
     )
-    jumps = s.displacement_jump > np.maximum(JUMP, 4.0 * np.pi / np.maximum(s.samples, 1))
+    # A drive that takes this share of its stroke in one step, of many, has samples missing or exchanged.
+    jumps = s.displacement_jump > np.maximum(0.3, 4.0 * np.pi / np.maximum(s.samples, 1))
     for wrong, what in (
         (scattered, "Neighbouring samples differ as much as any two"),
         (

@@ -13,7 +13,6 @@ from wirewear.records.values import MeasuredLoop
 from wirewear.test.lengths import extent_of
 
 OTHER_UNIT = 4.0  #: A load off by this factor is in another unit: the nearest one, the pound, is 4.45 N.
-SAME_UNIT = 0.2  #: By what share a load may have been set otherwise, or have changed, and its unit still be recognised.
 NOTHING = 0.01  #: A normal force that never reaches this share of the load is a channel that nothing is connected to.
 
 TURNED = (
@@ -80,7 +79,8 @@ def _unit(ratio: float, load_N: float, length_mm: float | None) -> str:
     known = {f"{name} (unit = {unit!r} in a mapping)": FIELD_UNITS["N"][unit] for unit, name in _NAMES.items()}
     known["newtons where the load asked for is in kilograms"] = 1.0 / FIELD_UNITS["N"]["kgf"]
     known = extent_of(length_mm).units({"the force of a millimetre": 1.0}) | known
-    fitting = (name for name, newtons in known.items() if abs(np.log(ratio * newtons)) < SAME_UNIT)
+    # By what share a load may have been set otherwise, or have changed, and its unit still be recognised.
+    fitting = (name for name, newtons in known.items() if abs(np.log(ratio * newtons)) < 0.2)
     return f"is {ratio:.3g} times the {load_N:g} N asked for: it looks like {next(fitting, 'another unit or channel')}"
 
 

@@ -16,7 +16,6 @@ from wirewear.loops.sensor import enclosed_areas
 from wirewear.records.values import AnyRecord, MeasuredLoop
 
 FEWEST_SAMPLES = 16  #: A loop with fewer complete samples is no loop.
-OUTLIER_NOISES = 8.0  #: An outlier is this many standard deviations of noise outside what its neighbours bracket.
 
 #: Noise, as a share of the amplitude, that a loop's own course between so many samples resembles at most: its
 #: curvature and, in exported simulations, the corners of straight lines. Of such, 24 to 64 samples of a noiseless loop
@@ -25,8 +24,6 @@ COURSE = ((200, 1e-4), (90, 1e-3), (24, 5e-3), (0, np.inf))
 
 ONE_SIGN = 0.1  #: A force that keeps its sign falls below zero by noise alone, a share of its largest.
 
-#: Start and end of a loop, led on, scatter by some two standard deviations of noise; this many open no loop.
-GAP_NOISES = 8.0
 
 CHUNK = 256  #: Loops that are worked on at once; bounds the memory needed.
 
@@ -161,7 +158,8 @@ def _in_time(noise: Array, values: Array, time: Array) -> Array:
 def _outliers(values: Array) -> tuple[BoolArray, Array]:
     """Samples (l, n) beyond what their neighbours bracket, and the noise of each loop (l,)."""
     noise = noises(values)
-    return outside_neighbours(values, lambda steps: OUTLIER_NOISES * noise[:, None] + 2.5 * steps[2]), noise
+    # An outlier is this many standard deviations of noise outside what its neighbours bracket.
+    return outside_neighbours(values, lambda steps: 8.0 * noise[:, None] + 2.5 * steps[2]), noise
 
 
 def _healed(values: Array, bad: BoolArray) -> Array:
@@ -176,7 +174,8 @@ def _gap(values: Array, noise: Array, extent: Array) -> Array:
     """How far start and end, each led on by half a step, miss each other beyond noise and a step, per extent (l,)."""
     step = np.diff(values, axis=1)
     end, start = values[:, -1] + 0.5 * step[:, -1], values[:, 0] - 0.5 * step[:, 0]
-    usual = GAP_NOISES * noise + np.percentile(np.abs(step), 99, axis=1)
+    # Start and end of a loop, led on, scatter by some two standard deviations of noise; this many open no loop.
+    usual = 8.0 * noise + np.percentile(np.abs(step), 99, axis=1)
     share: Array = np.maximum(np.abs(end - start) - usual, 0.0) / np.where(extent > 0.0, extent, np.inf)
     return share
 

@@ -48,8 +48,6 @@ ASKEW_deg = 6.0  #: By what crossing angles may be wrong [deg].
 
 _WHY = "are x and y exchanged, or is a map of the other body, of another scale or of another test?"
 
-CUT_OFF = 0.2  #: Depth at the map's edge, as a share of the deepest point, from which on the scar seems cut off.
-GAPS = 0.01  #: Missing points, as a share of the map, from which on it is worth a remark.
 RAISED = 0.1  #: Depth below zero, as a share of the deepest point, that noise does not explain.
 BEYOND_NOISE_um = 1.0  #: Depths that no profilometer's noise reaches [µm].
 
@@ -57,7 +55,6 @@ BEYOND_NOISE_um = 1.0  #: Depths that no profilometer's noise reaches [µm].
 #: first, and off by the second only where units are wrong.
 OTHER_WEAR, IMPOSSIBLE_WEAR = 5.0, 30.0
 _AREA = 30.0  # A worn area may differ from what is stated by this factor before units are suspected.
-_AT_END = 0.1  # Share of the largest depth that may stand at the end of a profile.
 
 #: The flat's scar is never shorter: in kinematic wear, whichever body wears more, its spread is 1.00 to 1.42 times the
 #: pad's, in simulated records 1.03 to 1.44. Repeats scatter by 0.01.
@@ -188,7 +185,8 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
     if not np.isfinite(depth).any():
         yield Remark("problem", "scars", f"All depths are missing in {name}.")
         return
-    if scar.gaps > GAPS:
+    # Missing points, as a share of the map, from which on it is worth a remark.
+    if scar.gaps > 0.01:
         yield Remark("note", "scars", f"{100.0 * scar.gaps:.2g} % of the points are missing in {name}.")
     if scar.spikes_note:
         yield Remark("note", "scars", f"{scar.spikes_note}.")
@@ -207,7 +205,8 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
         yield Remark("note", "scars", f"Nothing is worn in {name}.")
         return
     edge = float(np.percentile(scar.rim_um, 98))
-    if edge > CUT_OFF * deepest:
+    # Depth at the map's edge, as a share of the deepest point, from which on the scar seems cut off.
+    if edge > 0.2 * deepest:
         text = f"The map seems to cut off {name}: at its edge the depth is still {edge:.3g} µm of {deepest:.3g} µm."
         yield Remark("problem", "scars", text)
     elif scar.border_note:
@@ -250,7 +249,8 @@ def _profile_remarks(record: LineRecord, profile: MeasuredProfile) -> list[Remar
     if deepest <= 0.0:
         return [*found, Remark("note", "profiles", f"{who} shows no wear.")]
     ends = max(profile.smooth_um[0], profile.smooth_um[-1])
-    if ends > _AT_END * deepest:
+    # Share of the largest depth that may stand at the end of a profile.
+    if ends > 0.1 * deepest:
         found.append(Remark("problem", "profiles", f"{who} ends inside the scar, {ends:.3g} µm deep."))
     elif profile.border_note:
         found.append(Remark("note", "profiles", f"{profile.border_note}."))

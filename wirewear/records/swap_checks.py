@@ -35,7 +35,6 @@ OFF, FITS = 6.0, 3.0
 #: of tests of 256 samples a cycle.
 FEWEST, FINEST = 6, 1e-3
 
-MOST = 200  #: So many loops out of place are no exchange of two; pairs are as many as their square.
 ROUNDS = 4  #: Rounds in which medians of repeats and of cycles settle.
 
 
@@ -106,7 +105,8 @@ def exchanged_loops(checked: CheckedRecord) -> Iterator[Remark]:
         return
     off = np.max([np.abs(values - expected) for values, expected in misfits], axis=0)
     suspects = np.flatnonzero(off > OFF)
-    if suspects.size > MOST:
+    # So many loops out of place are no exchange of two; pairs are as many as their square.
+    if suspects.size > 200:
         return
     one, other = (suspects[place] for place in np.triu_indices(suspects.size, 1))
     crosswise = np.max([np.abs([v[one] - e[other], v[other] - e[one]]).max(axis=0) for v, e in misfits], axis=0)

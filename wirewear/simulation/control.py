@@ -17,10 +17,8 @@ from wirewear.test.programme import held_by
 WITHIN = 1e-3  #: A drive is corrected until what it holds is met within this share.
 MOST_CORRECTIONS = 30
 _LEAST, _MOST = 0.3, 3.0  # Of an amplitude: those to be tried next.
-_INSIDE = 0.1  # Of the interval in which the amplitude lies: no guess comes nearer to its ends.
 _SLOW = 0.5  # A correction is slow if it leaves more of what was lacking, or of that interval.
 _PROBED, _GROWS = 1e-3, 1.3  # Of the largest amplitude, by which a contact is moved at first; from try to try.
-_LEAST_PROBED = 1e-12  # Of the largest amplitude: a figure that is there without any motion does not grow with it.
 _FAR = 0.4  # Of an amplitude: as far the next one goes after a slow correction to the same side, or farther.
 
 
@@ -65,7 +63,8 @@ def amplitude_from(
         return shown_by(moved_to(place_mm)) - wanted
 
     low = _PROBED * held.largest_mm
-    while (found := lacking(low) + wanted) >= 0.5 * wanted and low > _LEAST_PROBED * held.largest_mm:
+    # Of the largest amplitude: a figure that is there without any motion does not grow with it.
+    while (found := lacking(low) + wanted) >= 0.5 * wanted and low > 1e-12 * held.largest_mm:
         low *= 0.25 * wanted / found
     low = high = min(low * wanted / max(found, 1e-9 * wanted), held.largest_mm)
     while lacking(high) < 0.0:
@@ -128,7 +127,8 @@ class AmplitudeSearch:
         # A figure that hardly grows with the amplitude, as the force of bodies that slide does, leads nowhere.
         if np.isfinite(self.large_mm) and self.small_mm:
             before_mm, self._interval_mm = self._interval_mm, self.large_mm - self.small_mm
-            margin = _INSIDE * (high - low)
+            # Of the interval in which the amplitude lies: no guess comes nearer to its ends.
+            margin = 0.1 * (high - low)
             if self._interval_mm > _SLOW * before_mm:
                 return float((self.small_mm * self.large_mm) ** 0.5)
         elif before is not None and abs(lacking) > _SLOW * abs(held.target - before[1]):

@@ -21,12 +21,8 @@ from wirewear.simulation.recorded import Recorded
 from wirewear.simulation.store import Checkpoint, MeshHistory, RunStore
 from wirewear.test.tables import Stop
 
-#: A stop is met within this share, or within a cycle.
-_STOPPED = 1e-3
 #: The course of a figure is taken from where the test had done its cycles over this, and that before from there.
 _BACK = 2.0
-_CHANGES = 2.0  # Of the change of the power so far: what it may change by on the way.
-_LEAST_SLOPE = 0.02  # Of logarithms: a figure that grows more slowly has no end to predict.
 
 FIGURES: Mapping[str, Callable[[ContactState], float]] = {
     "depth_um": lambda state: 1e3 * max(float(depth.max()) for depth in state.wear.depths),
@@ -35,8 +31,6 @@ FIGURES: Mapping[str, Callable[[ContactState], float]] = {
     "tangential_force_N": lambda state: abs(float(state.primary_force[:, 0].sum())),
     "clearance_um": lambda state: 1e3 * (state.pressed_z - state.holder_z),
 }
-
-_MET = 1e-6  # A jump that ends within this share of a milestone has met it.
 
 
 @dataclass
@@ -65,7 +59,8 @@ class Ending:
             return None
         start, end, target = FIGURES[key](before), FIGURES[key](after), self.stops[key]
         size = float(max(round(jump * (target - start) / (end - start)), 1)) if end > start else jump
-        return size if end > (1.0 + _STOPPED) * target and size < jump else None
+        # A stop is met within this share, or within a cycle.
+        return size if end > (1.0 + 1e-3) * target and size < jump else None
 
     def follow(self, state: ContactState, done: float) -> None:
         """Take in the state after so many cycles."""
@@ -93,8 +88,10 @@ class Ending:
         if earlier[0] is None or earlier[1] is None:
             return None
         late, early = _slope(earlier[0], course[-1]), _slope(earlier[1], earlier[0])
-        slopes = [late, early, late + _CHANGES * (late - early)]
-        if min(slopes) < _LEAST_SLOPE:
+        # Of the change of the power so far: what it may change by on the way.
+        slopes = [late, early, late + 2.0 * (late - early)]
+        # Of logarithms: a figure that grows more slowly has no end to predict.
+        if min(slopes) < 0.02:
             return None
         best, *others = (done * (self.stops[key] / figure) ** (1.0 / slope) for slope in slopes)
         return best, min(best, *others), max(best, *others)
@@ -269,7 +266,8 @@ class _Run:
                 continue
             state, wanted = step.state, step.next_jump
             ahead = min(milestone for milestone in self.test.stops if milestone > done)
-            reached = abs(ahead - done - step.jump) < _MET * ahead
+            # A jump that ends within this share of a milestone has met it.
+            reached = abs(ahead - done - step.jump) < 1e-6 * ahead
             done = ahead if reached else done + step.jump
             self.ending.follow(state, done)
             self.record.ends = self.ending.reached(state) is not None

@@ -19,12 +19,6 @@ from wirewear.simulation.expected_contact import (
 from wirewear.test import Body, Study
 from wirewear.test.fidelity import WIRE_LEVELS, WireLevel, level_of
 
-#: Elements of a pad's contact over those of a ball's: at a flat's edge pressure rises within a fifth of its radius.
-_AT_EDGES = 2.5
-#: The same for laws of friction that bend with the pressure, which Coulomb's does not.
-_WITH_PRESSURE = 1.25
-
-
 #: The predicted scar is enlarged by this factor to give the finely meshed patch.
 SCAR_MARGIN = 1.2
 _FRESH_MARGIN = 2.4
@@ -37,8 +31,6 @@ _COARSENING_STEP = 1.05
 
 # Of a contact that sticks in its middle: by how much its patch is larger, without wear and with it, which widens it.
 _STUCK_MARGIN, _WORN_MARGIN = 1.3, 1.6
-_LAYERS_TO_RIM = 0.6  #: Elements a radius, over those to the rim, for which layers resolve the depth below.
-_OBLIQUE = 0.95  #: Chord over reach of an ellipse along a patch's axis, below which lines cannot be fine at its rim.
 _EVENLY, _EVEN_MORE = 0.01, 1.25  #: Grading of lines that are spaced evenly, and how many more elements they need.
 
 
@@ -99,9 +91,12 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None) -> Di
     if expected.sticks and (expected.face is None or study.wear is not None):
         level = level.for_sticking(wears=study.wear is not None)
     if not study.contact.friction_law.proportional:
-        level = replace(level, per_contact_radius=_WITH_PRESSURE * level.per_contact_radius)
+        # Elements a radius over those under Coulomb's law, for laws of friction that bend with the pressure.
+        level = replace(level, per_contact_radius=1.25 * level.per_contact_radius)
     if expected.face is not None:
-        level = replace(level, per_contact_radius=_AT_EDGES * level.per_contact_radius)
+        # Elements of a pad's contact over those of a ball's: at a flat's edge pressure rises within a fifth of its
+        # radius.
+        level = replace(level, per_contact_radius=2.5 * level.per_contact_radius)
     # Where pressures stop at a limit its edge lies within an element: those of the elastic contact hold it better.
     level = replace(level, per_contact_radius=expected.spread * level.per_contact_radius)
     fresh, scar = expected.fresh, expected.scar
@@ -280,7 +275,8 @@ def _graded(
 def _graded_to_rim(contact: Ellipse, axis_rad: float, margin: float, level: WireLevel) -> RimGradedAxis:
     """Mesh lines of a contact that sticks in its middle, fine at its rim where the ellipse lies along the axes."""
     rim, chord = contact.reach(axis_rad), contact.chord(axis_rad)
-    if chord < _OBLIQUE * rim:
+    # Chord over reach of an ellipse along a patch's axis, below which lines cannot be fine at its rim.
+    if chord < 0.95 * rim:
         return RimGradedAxis(rim, round(_EVEN_MORE * level.to_rim * rim / chord), margin * rim, _EVENLY)
     return RimGradedAxis(rim, round(level.to_rim), margin * rim, level.rim_share)
 
@@ -289,6 +285,7 @@ def _geometry(body: Body, axes: PatchAxes, sizes: ElementSizes, level: WireLevel
     narrowest = min(sizes.contact.chord(axis.angle_rad) for axis in (axes.axial, axes.transverse))
     axial, transverse = (_graded(axis, narrowest, sizes, level, motion_rad) for axis in (axes.axial, axes.transverse))
     per_radius = level.per_contact_radius if sizes.contact_mm is None else narrowest / sizes.contact_mm
-    per_radius = _LAYERS_TO_RIM * level.to_rim if sizes.sticks else per_radius
+    # Elements a radius, over those to the rim, for which layers resolve the depth below.
+    per_radius = 0.6 * level.to_rim if sizes.sticks else per_radius
     elongation = (sizes.contact.major_mm * sizes.contact.minor_mm) ** 0.5 / narrowest
     return body.geometry(axial, transverse, Layering.resolving(per_radius, max(1.0, elongation)))

@@ -38,11 +38,6 @@ GapCurvatures = tuple[float, float, float]
 #: pressure exceeds anywhere by much.
 _FULLY_PLASTIC = 2.8
 
-_LITTLE_MORE = 1.1  #: Largest pressures of full plasticity over mean ones.
-
-#: Hardness over Young's modulus of the hardest metals: a steel of 1000 HV, 9.8 GPa, has 0.047.
-_HARDEST = 0.05
-
 
 @dataclass(frozen=True)
 class Ellipse:
@@ -240,7 +235,8 @@ def borne_settings(study: AnyStudy[Any]) -> dict[str, float | str]:
     By its yield stress, the strength that its table of life states, or else by its Young's modulus alone.
     """
     if yields := [own[0] for own in study.tables.yields.values() if own is not None]:
-        factor = _LITTLE_MORE * _FULLY_PLASTIC
+        # Largest pressures of full plasticity over mean ones.
+        factor = 1.1 * _FULLY_PLASTIC
         return {BORNE: factor * min(yields), BORNE_IS: f"{factor:.3g} times the yield stress of {min(yields):g} MPa"}
     life: LifeTable | None = study.tables.life
     known = LifeTable() if life is None else life.of_material(None)
@@ -256,7 +252,8 @@ def borne_settings(study: AnyStudy[Any]) -> dict[str, float | str]:
     unknown = (
         f"a twentieth of Young's modulus of the {called(body)}, as the hardest metals have it: no strength is stated"
     )
-    return {BORNE: _HARDEST * modulus, BORNE_IS: unknown}
+    # Hardness over Young's modulus of the hardest metals: a steel of 1000 HV, 9.8 GPa, has 0.047.
+    return {BORNE: 0.05 * modulus, BORNE_IS: unknown}
 
 
 @dataclass(frozen=True)

@@ -44,9 +44,6 @@ _MARGIN, _UNWORN_MARGIN, _STUCK_MARGIN = 1.3, 1.15, 1.6
 # Pressures of worn surfaces have a kink where neighbouring elements differ in size: 4 % of their mean at 1.2.
 _GROWTH = 1.05
 
-#: Dense matrices of a contact's unknowns that are there at a time: those of both bodies, and one in the making.
-_MATRICES = 3
-
 
 def fresh_contact(
     face: Face, load_N_per_mm: float, modulus_MPa: float, pad_half_width_mm: float
@@ -301,7 +298,8 @@ def _require_room(body: str, key: str, needed_mm: float, half_width_mm: float, r
 
 def needed_memory(meshes: LinePlan) -> float:
     """Bytes that the compliances of both bodies take."""
-    return _MATRICES * 8.0 * (2.0 * _nodes(meshes)) ** 2
+    # Dense matrices of a contact's unknowns that are there at a time: those of both bodies, and one in the making.
+    return 3 * 8.0 * (2.0 * _nodes(meshes)) ** 2
 
 
 def require_affordable_lines(name: str, meshes: LinePlan) -> None:

@@ -47,7 +47,6 @@ _GROWTH_PER_STAGE = 1.8
 _MOST_SPARE = 3
 _LEAST_GROWTH = 1.1
 _STICKING = -1  # The stage for a fresh contact that sticks in its middle.
-_FRESH = 1.05  # A scar is no larger than the fresh contact by this factor.
 
 
 #: What `wirewear show` and `report` make of a run, relative to its folder; here, as drawing takes long to import.
@@ -61,7 +60,6 @@ PICTURES = (
     "pictures/loop_and_scar*.gif",
 )
 MOST_JUMPS = 1_000_000  #: Cycle jumps that a run may take: at some tenths of a second each, days.
-BYTES_PER_NODE = 230e3  #: That gmsh takes for every node of a patch, with all that lies beneath it; measured.
 _COARSER = 1.1
 
 
@@ -127,7 +125,8 @@ def sticking_stage(study: Study, fidelity: str, plan: Discretisation) -> MeshSta
     sticking = discretise(study, fidelity, sticks=True)
     fresh_mm = plan.expected.fresh.major_mm
     fits = sticking.expected.sticks and sticking.expected.face is None
-    return MeshStage(fresh_mm, _FRESH * fresh_mm, sticking.moving, sticking.fixed) if fits else None
+    # A scar is no larger than the fresh contact by this factor.
+    return MeshStage(fresh_mm, 1.05 * fresh_mm, sticking.moving, sticking.fixed) if fits else None
 
 
 @dataclass(frozen=True)
@@ -396,7 +395,8 @@ def _of_pair(moving: int, fixed: int) -> float:
     """Bytes for wires of so many unknowns: their compliances by quarters and room to make one, or a mesh being made."""
     largest = max(moving, fixed)
     compliances = 8.0 / 4.0 * (moving**2 + fixed**2 + largest**2)
-    return max(compliances, BYTES_PER_NODE * largest / 3.0)
+    # That gmsh takes for every node of a patch, with all that lies beneath it; measured.
+    return max(compliances, 230e3 * largest / 3.0)
 
 
 def _what_fits(plan: RunPlan, free: float) -> str:

@@ -60,9 +60,6 @@ MEASURED = "measured_"  #: What names of a holder's measured elements begin with
 
 _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")  #: Packages whose versions a result records.
 
-# Of the depth at which a layer ends: a loop is measured where it is that deep, so that its end is predicted from near.
-_NEARLY = 0.9
-
 
 def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
     """A simulated cycle as a loop that starts at mid-stroke moving towards +x."""
@@ -340,10 +337,12 @@ class Recorded(ABC):
         """Whether the energy since the latest loop has gone as between two loops it is taken to, and no layer has come
         near to being worn through.
         """
+        # Of the depth at which a layer ends: a loop is measured where it is that deep, so that its end is predicted
+        # from near.
         return not any(
             self._rows[-1][f"max_depth_{body}_um"] < nearly <= 1e3 * float(depth.max())
             for body, depth in zip(self.bodies, worn_depths(problem, state), strict=True)
-            for nearly in _NEARLY * np.cumsum([layer.thickness_um for layer in self._study.layers[body]])
+            for nearly in 0.9 * np.cumsum([layer.thickness_um for layer in self._study.layers[body]])
         )
 
     def logs(self, _cycle: int, _done: float) -> bool:

@@ -21,10 +21,7 @@ QUALITY = (
     "depth_between_nodes", "slip_between_nodes",
 )  # fmt: skip
 
-_LEAST_AREA = 1e-3  # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
 _ROUND_OFF = 1e-9  # What nodes that all but stick dissipate, over the rectangles around the loops.
-# Of all the energy that has worn: what the course between two loops may differ by from what has worn between them.
-_BENT = 2e-3
 #: A cycle, the friction work per cycle there and the energy that has worn so far, mJ.
 Energies = tuple[float, float, float]
 
@@ -121,7 +118,8 @@ def area_mismatch(trace: CycleTrace, bulk_work_mJ: float = 0.0) -> float:
     """
     drive, force, work = trace.drive, trace.tangential_force, trace.friction_work + bulk_work_mJ
     area = abs(enclosed_area(drive, force))
-    if work <= 0.0 or area < _LEAST_AREA * np.ptp(drive) * np.ptp(force):
+    # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
+    if work <= 0.0 or area < 1e-3 * np.ptp(drive) * np.ptp(force):
         return 0.0
     return abs(area / work - 1.0)
 
@@ -159,4 +157,5 @@ def bends(before: Energies, now: Energies) -> bool:
     """Whether the energy that has worn between two cycles is not what loops measured there would show."""
     (start, per_cycle, worn), (end, later, total) = before, now
     expected = enclosed_energy((start, end), (per_cycle, later))
-    return abs(expected - (total - worn)) > _BENT * total
+    # Of all the energy that has worn: what the course between two loops may differ by from what has worn between them.
+    return abs(expected - (total - worn)) > 2e-3 * total

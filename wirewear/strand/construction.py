@@ -14,9 +14,7 @@ from geometry import Elastic
 from wirewear.base.errors import StudyError
 from wirewear.strand.helix import Hand, Helix, least_radius_mm, valley_radius_mm, valley_shares
 
-ARCH = 0.1  #: A layer whose neighbours touch farther off the one below, in diameters of its members, holds too many.
 NEAR = 0.02  #: A layer laid at a stated radius touches the one below if it is this near, in diameters.
-OVERLAP = 0.01  #: What members may overlap by rounding of what is stated, in diameters.
 STEEPEST_deg = 45.0
 
 
@@ -164,7 +162,8 @@ class AskedLayer:
             self._require_no_overlap(stated, resting, least)
         radius = max(resting, least) if stated is None else max(stated, least)
         gap = radius - resting
-        if gap > ARCH * d:
+        # A layer whose neighbours touch farther off the one below, in diameters of its members, holds too many.
+        if gap > 0.1 * d:
             self._refuse(gap, resting, stated_off=stated is not None and stated > least)
         helix = Helix(radius, self.lay_length_mm, self.hand)
         if degrees(helix.angle_rad) > STEEPEST_deg:
@@ -223,7 +222,8 @@ class AskedLayer:
         return found
 
     def _require_no_overlap(self, stated: float, resting: float, least: float) -> None:
-        allowed = OVERLAP * self.member.diameter_mm
+        # What members may overlap by rounding of what is stated, in diameters.
+        allowed = 0.01 * self.member.diameter_mm
         if stated < resting - allowed:
             raise StudyError(
                 f"{self.where} interpenetrates what lies below: its {self._what} touch {self._base_mm:.4g} mm from a "

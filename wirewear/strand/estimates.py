@@ -21,7 +21,6 @@ from wirewear.test.life import LifeTable
 #: Peak pressure over yield stress at first yield of a round contact and of a line (von Mises; Johnson, Contact
 #: Mechanics, 1985, section 4.2), between them by the ratio of the ellipse's axes.
 _YIELD_ROUND, _YIELD_LINE = 1.60, 1.79
-_PLASTIC = 2.8  #: Mean pressure over yield stress where a contact is fully plastic (Johnson 1985, section 6.3).
 FULLY = 2.0  #: Peak pressures above so many times that of first yield are said to be far beyond it.
 _PLACES = 400
 
@@ -117,7 +116,8 @@ def _yielding(contact: WireContact, peak_MPa: float, ratio: float) -> tuple[floa
         return nan, nan
     soft = min(known)
     beyond = peak_MPa / (soft * (_YIELD_LINE - (_YIELD_LINE - _YIELD_ROUND) * ratio))
-    return beyond, contact.load_N / (_PLASTIC * soft) if beyond > 1.0 else nan
+    # Mean pressure over yield stress where a contact is fully plastic (Johnson 1985, section 6.3).
+    return beyond, contact.load_N / (2.8 * soft) if beyond > 1.0 else nan
 
 
 def _partial_line_mJ(half_width_mm: float, shear_MPa: float, share: float, first: Elastic, second: Elastic) -> float:

@@ -16,8 +16,6 @@ from wirewear.strand.studies import file_name, has_study, notes, studies_of
 from wirewear.strand.tables import RopeTables, load_rope, rope_of
 from wirewear.test import LineStudy, Study
 
-STRONGEST_MPa = 1e4  #: Stresses beyond this are no wire's.
-
 
 @dataclass(frozen=True, eq=False)
 class RopeContacts:
@@ -96,7 +94,8 @@ def strand_contacts(rope: str | Path | dict[str, Any]) -> RopeContacts:
     wear = 0.0 if tables.wear is None else tables.wear.energy_wear_coefficient_mm3_per_J
     found = contacts_of(made, c.tension_N, bend, groove)
     stresses = [(own.mean_MPa + own.amplitude_MPa, own.name) for one in found for own in one.wires]
-    if stresses and max(stresses)[0] > STRONGEST_MPa:
+    # Stresses beyond this are no wire's.
+    if stresses and max(stresses)[0] > 1e4:
         raise StudyError(
             f"a wire ({max(stresses)[1]}) would bear {counted(max(stresses)[0])} MPa in {where}, which no wire does: "
             "look at tension_N and bending_radius_mm in [conditions]."

@@ -14,7 +14,6 @@ from wirewear.strand.estimates import FULLY, ContactEstimate
 from wirewear.strand.tables import RopeTables
 from wirewear.test import LineStudy, Study
 
-_LEAST_um = 0.1  #: Smallest amplitude of a study.
 _CROSSED = (
     "Straight wires in place of helices. The slip is that at the neutral axis, bulk stresses are those of the\n"
     "extrados, in step with it: each is worst there, a quarter of a lay apart."
@@ -32,7 +31,8 @@ def file_name(contact_name: str) -> str:
 
 def has_study(found: ContactEstimate) -> bool:
     """True if a contact's motion is known and at least 0.1 µm in amplitude."""
-    return _amplitude_um(found) >= _LEAST_um
+    # Smallest amplitude of a study.
+    return _amplitude_um(found) >= 0.1
 
 
 def _amplitude_um(found: ContactEstimate) -> float:

@@ -17,10 +17,6 @@ from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
 from wirewear.stress.state import InnerState, Inside, SolvedBody
 
-#: Layers under the patch over those of the run. Its pressures need no more, but stresses two or three half-widths deep.
-_DEEPER = 1.4
-
-
 #: A section lies so far beside its plane [µm]: mirror planes are full of faces that would be cut twice.
 _BESIDE_um = 1e-4
 T = TypeVar("T")
@@ -83,7 +79,9 @@ def worn_body(result: RunResult, forces: ContactForces, worn: bool = True) -> Wo
 @lru_cache(maxsize=2)
 def _meshed(geometry: BodyGeometry, material: Elastic, depth: bytes | None) -> WornBody:
     try:
-        wire = _built(geometry.with_layering(geometry.layering.deeper(_DEEPER)), depth)
+        # Layers under the patch over those of the run. Its pressures need no more, but stresses two or three half-
+        # widths deep.
+        wire = _built(geometry.with_layering(geometry.layering.deeper(1.4)), depth)
     except GeometryError:
         # There may be no room for more layers.
         wire = _built(geometry, depth)

@@ -22,7 +22,6 @@ from wirewear.test.life import CURVE_KEYS, LifeTable
 _STEPS = 60  #: Of Newton's method, at most.
 #: Directions in a plane in which shear is looked at; the largest range is missed by 1 % at most.
 _SHEARS = 12
-_NOISE = 1e-3  #: Ranges below this share of the largest count nothing.
 
 
 @dataclass(frozen=True)
@@ -233,7 +232,8 @@ def _smaller_cycles(signals: Array) -> tuple[IntArray, Array, IntArray]:
         for span, _, weight, i, j in cycles:
             rest = max(weight - left, 0.0)
             left = max(left - weight, 0.0)
-            if rest and span > _NOISE * cycles[0][0]:
+            # Ranges below this share of the largest count nothing.
+            if rest and span > 1e-3 * cycles[0][0]:
                 found.append((point, rest, turned[i, point], turned[j, point]))
     if not found:
         return np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros((2, 0), dtype=np.int64)

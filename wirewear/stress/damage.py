@@ -21,10 +21,7 @@ FLOOR = -30.0  #: Decimal logarithm of the share of life per cycle where there i
 #: Steps of the sum between two wear states at least, and at most.
 _STEPS = (16, 400)
 _LEVELS = 4  #: Levels at which sums are kept, for each spacing of the depths of rates.
-_FINE = 400  #: Depths at which is known what a point gathers on its way to the surface.
 _PER_LAYER = 4.0  #: Steps while the surface recedes by the uppermost spacing of depths.
-#: Turns of a programme that are followed block by block. Later on a life is off by less than one turn, 0.5 % of it.
-_TURNS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +148,9 @@ class Damage:
         for now in self.course():
             yield now
         turn = sum(block.cycles for block in self.ahead)
-        while len(self.ahead) > 1 and now.cycle < _TURNS * turn:
+        # Turns of a programme that are followed block by block. Later on a life is off by less than one turn, 0.5 % of
+        # it.
+        while len(self.ahead) > 1 and now.cycle < 200 * turn:
             for block in self.ahead:
                 there = self.levels_mm[-1] >= now.worn_mm
                 receded = block.cycles * float(block.speed_mm[there].max(initial=0.0))
@@ -169,7 +168,8 @@ class Damage:
         share = np.log10(sum(block.cycles / turn * 10.0**block.rates.share for block in self.ahead))
         speed = np.asarray(sum(block.cycles / turn * block.speed_mm for block in self.ahead))
         rates = self._rate(share, last.worn_mm)
-        fine = np.linspace(0.0, self.depths_mm[-1], _FINE)
+        # Depths at which is known what a point gathers on its way to the surface.
+        fine = np.linspace(0.0, self.depths_mm[-1], 400)
         passed = cumulative_trapezoid(self._rate_at(share, np.tile(fine, (len(share), 1))), fine, axis=1, initial=0.0)
         there, first = self.of_present(last), Initiation(np.inf, 0, 0, beyond=True)
         for column, depths in enumerate(self.levels_mm - last.worn_mm[:, None]):

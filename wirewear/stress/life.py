@@ -29,7 +29,6 @@ StatesAt = Callable[[int], Sequence[InnerState[Any]]]
 _DEPTHS, _GROWTH = 11, 1.35  #: Depths below the surface at which damage is found, and growth of their spacing.
 _FINER = 4  #: Depths from which averages are taken, for each at which damage is found.
 _BESIDE = 4.0  #: Elements beside whatever touches that are looked at.
-_QUANTILE = 1.96  #: Of 95 % of a normal distribution.
 WEAR_STATES = 6  #: Wear states of a life at most, if not asked for more.
 
 
@@ -212,7 +211,8 @@ def life_of(
     course = require_recorded(schedule, recorded, result.label)
     known: dict[int, LifeState] = {}
     depths, criterion, first = np.zeros(0), None, None
-    thresholds = 10.0 ** (_QUANTILE * table.scatter * np.array([0.0, -1.0, 1.0]))
+    # Of 95 % of a normal distribution.
+    thresholds = 10.0 ** (1.96 * table.scatter * np.array([0.0, -1.0, 1.0]))
     left = _chosen(recorded, course, wear_states)
     found: BodyLife | None = None
 

@@ -19,12 +19,9 @@ from wirewear.test.faces import Face, half_width_of
 from wirewear.test.surfaces import LAYERS, LayerTable, StatedSurface
 
 _COARSE_PER_DIAMETER = 0.155
-_COARSE_PER_EXTENT = 0.2  #: Largest element of a block far from the contact, as a share of its smaller extent.
 #: How far a block's face falls to its sides over its sharper radius: a ball's corner, at 0.85 radii, is still meshed
 #: soundly.
 _FALL = 0.2
-_STRAIGHT = 4.0  #: Half-width of a straight block over the other body's radius, or its patch.
-_FLATTEST = 1e-3  #: Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
 
 Found = TypeVar("Found")
 
@@ -256,7 +253,8 @@ class BlockBody(Body):
         )
         sharpest = max(self.curvatures)
         height = self.height_mm or (1.0 / sharpest if sharpest else min(along, across))
-        coarse = _COARSE_PER_EXTENT * min(along, across, height)
+        # Largest element of a block far from the contact, as a share of its smaller extent.
+        coarse = 0.2 * min(along, across, height)
         face = None if self.of_pad is None else Turned(self.of_pad)
         size, held = (along, across, height), self.bedding_N_per_mm3
         return BlockGeometry(*self.curvatures, *size, axial, transverse, coarse, held, layering, face)
@@ -269,7 +267,8 @@ class BlockBody(Body):
         """Half of the block's extent in the direction of a curvature, for a patch that reaches so far.
         Raises StudyError if it would be too narrow for the patch, or too wide for its radius.
         """
-        straight = _STRAIGHT * max(self.size_mm, reach_mm)
+        # Half-width of a straight block over the other body's radius, or its patch.
+        straight = 4.0 * max(self.size_mm, reach_mm)
         fall = _FALL / max(self.curvatures) if curvature else 0.0
         widest = sqrt(fall * (2.0 / curvature - fall)) if curvature else inf
         width = self.half_width_mm or min(straight, widest)
@@ -334,7 +333,8 @@ def touch_along_line(driven: Body, held: Body) -> bool:
     """Whether two bodies touch along a line or nearly so."""
     crossing = radians(held.axis_angle_deg - driven.axis_angle_deg)
     small, large, _ = reference.gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, crossing)
-    return small <= _FLATTEST * large
+    # Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
+    return small <= 1e-3 * large
 
 
 def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointContact:

@@ -10,7 +10,6 @@ Level = TypeVar("Level")
 
 FIDELITIES = ("quick", "standard", "fine")
 
-TO_RIM_WORN = 1.25  #: Elements to the rim of a contact that sticks in its middle and wears, over those of even size.
 _RIM_SHARE_WORN = 0.7  #: How those fall in size.
 STICKING_INCREMENTS = 16  #: Of a cycle that only wears, around a centre that sticks for good.
 
@@ -53,9 +52,10 @@ class WireLevel:
 
     def for_sticking(self, *, wears: bool) -> "WireLevel":
         """The level for a contact whose middle sticks for good, which needs few positions."""
+        # Elements to the rim of a contact that sticks in its middle and wears, over those of even size.
         return replace(
             self,
-            to_rim=TO_RIM_WORN * self.per_sticking_radius if wears else self.to_rim,
+            to_rim=1.25 * self.per_sticking_radius if wears else self.to_rim,
             rim_share=_RIM_SHARE_WORN if wears else self.rim_share,
             per_contact_radius=self.per_sticking_radius,
             wear_increments=min(self.wear_increments, STICKING_INCREMENTS / self.increments_per_cycle),

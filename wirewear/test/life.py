@@ -28,7 +28,6 @@ _MEDIANS = {
     "scatter_decades": 0.5,
 }
 _MEDIAN_STRENGTH = 1.5
-SCATTER_decades = 0.2  #: Where none is stated.
 ENDURANCE_cycles = 1e12  #: Where none is stated: no test has lasted so long.
 TENSILE_STRENGTH = "tensile_strength_MPa"
 CURVE_KEYS = (
@@ -141,7 +140,8 @@ class LifeTable(keys.Table):
     @property
     def scatter(self) -> float:
         """Standard deviation of the decimal logarithm of lives."""
-        return SCATTER_decades if self.scatter_decades is None else self.scatter_decades
+        # Where none is stated.
+        return 0.2 if self.scatter_decades is None else self.scatter_decades
 
 
 def material_of_body(tables: Mapping[str, Any], body: str) -> str | None:

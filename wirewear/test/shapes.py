@@ -18,8 +18,6 @@ from wirewear.test.bodies import BlockBody, Body, MountedBody, Wire
 from wirewear.test.faces import FACE_KEYS, Extent, Face, PadFaceOrFile, size_of
 from wirewear.test.keys import Inconsistency
 
-_THINNEST_WALL = 0.02  #: Thinnest wall of a tube, as a share of its diameter.
-
 Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
 
 
@@ -69,7 +67,8 @@ class _RoundBar(Shape):
 
     def unfit(self, stated: ShapedBody) -> Inconsistency | None:
         """A bore that leaves no wall."""
-        widest = (1.0 - 2.0 * _THINNEST_WALL) * (stated.diameter_mm or 0.0)
+        # Thinnest wall of a tube, as a share of its diameter.
+        widest = (1.0 - 2.0 * 0.02) * (stated.diameter_mm or 0.0)
         if (stated.bore_mm or 0.0) <= widest:
             return None
         return Inconsistency(

@@ -15,7 +15,6 @@ from wirewear.verification.rows import Level, Row, compared
 _BALL = {"shape": "ball", "diameter_mm": 6.35, "youngs_modulus_MPa": 208_000.0, "poissons_ratio": 0.3}
 _FLAT = _BALL | {"shape": "flat", "yield_stress_MPa": 800.0}
 del _FLAT["diameter_mm"]
-_STROKE_um = 0.1  #: A run must move; this is next to nothing.
 
 
 @dataclass(frozen=True)
@@ -52,12 +51,8 @@ def yielding_rows(level: Level) -> tuple[Row, ...]:
 
 def rows_of(case: Pressed, level: Level) -> tuple[Row, ...]:
     """Largest pressure, contact radius and print of one pair of bodies."""
-    conditions = {
-        "normal_load_N": case.load_N,
-        "displacement_amplitude_um": _STROKE_um,
-        "frequency_Hz": 1.0,
-        "cycles": 1,
-    }
+    # A run must move; this is next to nothing.
+    conditions = {"normal_load_N": case.load_N, "displacement_amplitude_um": 0.1, "frequency_Hz": 1.0, "cycles": 1}
     tables = {
         "format": 1,
         "name": case.name,

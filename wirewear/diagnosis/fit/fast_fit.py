@@ -25,15 +25,12 @@ FITTED = {
 
 FRICTIONS = (1e-3, 2.0)  #: Friction that a fit looks for, up to the most that a study may state.
 MOST_CYCLES = 8  #: Cycles that are fitted at most: loops change slowly.
-SHARE_WITH_PLAY = 0.5  #: A rig has free play where so large a share of its loops shows one.
 
 #: Figures that a loop shows otherwise where its shelf is seen, and taken out of it.
 _OF_SHELF = [list(FITTED).index(name) for name in ("slip_amplitude_um", "measured_stiffness_N_per_um")]
 
-EXPECTED_SCATTER = 0.03  #: Scatter between tests where one test alone is known.
 
 SAMPLES = 128  #: Samples of a modelled loop, where it is compared with none that has a number of its own.
-LONGEST_RUNNING_IN = 10.0  #: Running-in takes at most so many times the test.
 
 #: Running-in counts where it lowers Schwarz's criterion by so much, and changes friction by this share.
 EVIDENCE, LEAST_CHANGE = 6.0, 0.03
@@ -112,7 +109,8 @@ def _require_friction(record: AnyRecord, frictions: Array, slide: int) -> None:
 
 def _has_play(plays: Array, figures: Array) -> bool:
     seen = int(np.isfinite(plays[:, :, 0]).sum())
-    return seen > 0 and seen >= SHARE_WITH_PLAY * np.isfinite(figures[:, :, 0]).sum()
+    # A rig has free play where so large a share of its loops shows one.
+    return seen > 0 and seen >= 0.5 * np.isfinite(figures[:, :, 0]).sum()
 
 
 def _why_not(record: AnyRecord, sliding: int) -> str:
@@ -167,7 +165,8 @@ def _of_one_test(figures: Array, deviations: Array) -> Array:
     squares = np.where(known, (figures - mean) ** 2, 0.0).sum(axis=(0, 1))
     free = np.maximum(count - 1, 0).sum(axis=0)
     size = np.where(known, figures, 0.0).sum(axis=(0, 1)) / np.maximum(known.sum(axis=(0, 1)), 1)
-    scatter = np.where(free > 0, np.sqrt(squares / np.maximum(free, 1)), EXPECTED_SCATTER * size)
+    # Scatter between tests where one test alone is known.
+    scatter = np.where(free > 0, np.sqrt(squares / np.maximum(free, 1)), 0.03 * size)
     analysed = np.where(known, deviations, 0.0).max(axis=0)
     model = np.array(list(FITTED.values())) * size
     return np.asarray(np.sqrt(scatter**2 + analysed**2 + model**2))
@@ -230,7 +229,8 @@ def fast_fit(states: WearStates, setup: SurrogateInputs, tests: LoopsOfTests) ->
 def _bounds(count: int, tests: LoopsOfTests) -> tuple[Array, Array]:
     low, high = (np.full(count, np.log(end)) for end in FRICTIONS)
     if count > 2:
-        low[2], high[2] = 0.0, np.log(LONGEST_RUNNING_IN * tests.cycles[-1])
+        # Running-in takes at most so many times the test.
+        low[2], high[2] = 0.0, np.log(10.0 * tests.cycles[-1])
     low[-1], high[-1] = 0.0, np.inf
     return low, high
 

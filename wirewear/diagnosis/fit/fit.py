@@ -32,8 +32,6 @@ from wirewear.test.kinds import kind_of
 #: Relative deviation of plays read from loops: those of 4 and 5 µm of two other codes are read 2 and 4 % too small.
 PLAY_DEVIATION = 0.03
 
-#: Root mean square of what a fit leaves, in scatters, from which on it describes no test: chance leaves one.
-FAR_OFF = 3.0
 
 #: Keys of `[stated]` that say how bodies wear.
 WEAR_KEYS = (
@@ -346,7 +344,8 @@ def _play(tests: LoopsOfTests) -> dict[str, FittedParameter]:
 def _misfit(fitted: FastFit) -> list[str]:
     """That the loops are not those of such a test, if so."""
     off = (fitted.misfit / max(fitted.points - fitted.coordinates.size, 1)) ** 0.5
-    if off < FAR_OFF:
+    # Root mean square of what a fit leaves, in scatters, from which on it describes no test: chance leaves one.
+    if off < 3.0:
         return []
     said = f"the loops are off those of the fitted test by {off:.2g} times what tests scatter"
     return [f"{said}: its values and intervals do not describe this record"]

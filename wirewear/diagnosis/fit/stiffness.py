@@ -25,14 +25,9 @@ from wirewear.records.normal_force import median_load_N
 from wirewear.records.values import stated_tables
 from wirewear.test import study_from_tables
 
-#: By how much worn depths miss the way that bodies come together, beyond the first 10 µm of the article's run: growing
-#: contacts give back up to 0.7 of 0.9 µm of approach.
-DESCENT_DEVIATION = 0.03
-
 SPRING = "normal_spring_stiffness_N_per_mm"
 
 FULL_SLIP = 1.5  #: Displacement to full slip is this multiple of force over initial stiffness (Mindlin).
-_FIRST_CYCLES = 10  #: Cycles of the run on a rigid rig that shows the stiffness of the contact and its bodies.
 
 
 def with_spring(
@@ -65,7 +60,9 @@ def spring_of_loads(loads_N: Array, descent_um: Array, cycles: Array) -> FittedP
     count = int(np.isfinite(loads_N).sum())
     if free < 1 or count * np.log((beside + floor) / (left + floor)) < EVIDENCE:
         return None
-    half = float(np.hypot(float(stdtrit(free, 0.975)) * deviation, 1.96 * DESCENT_DEVIATION * slope))
+    # By how much worn depths miss the way that bodies come together, beyond the first 10 µm of the article's run:
+    # growing contacts give back up to 0.7 of 0.9 µm of approach.
+    half = float(np.hypot(float(stdtrit(free, 0.975)) * deviation, 1.96 * 0.03 * slope))
     low, value, high = (-1e3 * (slope + side * half) for side in (1.0, 0.0, -1.0))
     if not low > 0.0:
         return None
@@ -105,7 +102,8 @@ def contact_stiffness(record: AnyRecord, friction: float, some_wear: Mapping[str
         return ContactStiffness(tables.contact_stiffness_N_per_um, tables.contact_slips)
     rigid_rig = dict.fromkeys(("tangential_stiffness_N_per_mm", "rotational_stiffness_N_mm_per_rad"), "rigid")
     data = fitted_tables(record, {"friction": friction, **rigid_rig, **some_wear}, [], [1])
-    data["conditions"]["cycles"] = _FIRST_CYCLES
+    # Cycles of the run on a rigid rig that shows the stiffness of the contact and its bodies.
+    data["conditions"]["cycles"] = 10
     model = nominal_model(study_from_tables(data, f"the contact of {record.name!r}"))
     states, _ = model.states(tables, None)
     found = figures_of_model(states, model.inputs(tables), np.array([np.log(friction), 0.0]), np.ones(1))

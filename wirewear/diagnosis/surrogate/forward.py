@@ -25,9 +25,6 @@ from wirewear.diagnosis.surrogate.loop_states import EVEN_POWERS, LIFT_POWERS, O
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import Chain
 
-#: Wear is followed over this many cycles, evenly spaced in their logarithm.
-_NODES = 20
-
 #: Sweeps of wear path against loop energy, and of slip against force; each gains a digit or more.
 _WEAR_SWEEPS, _SLIP_SWEEPS = 3, 2
 
@@ -143,7 +140,8 @@ def simulate(states: WearStates, setup: SurrogateInputs, cycles: Array) -> Predi
 def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Array) -> list[PredictedLoops]:
     """Loops at cycles (n,) under each of several setups of one test and drive, which differ in effects and numbers."""
     last = max(setups[0].cycles, float(cycles[-1]))
-    nodes = np.unique(np.concatenate([np.geomspace(0.5, last, _NODES), cycles]))
+    # Wear is followed over this many cycles, evenly spaced in their logarithm.
+    nodes = np.unique(np.concatenate([np.geomspace(0.5, last, 20), cycles]))
     chains, slip, energy, share = _wear_path(states, setups, nodes)
     layer = _Layer.of_all(states, chains, slip)
     first = nodes.size * np.arange(len(setups))

@@ -17,9 +17,6 @@ from wirewear.diagnosis.surrogate.sticking import FREEDOMS
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.test.study import JointStudy
 
-#: Share of the displacement amplitude that a rigid joint takes under its friction.
-_TAKEN_BY_RIGID = 1e-4
-
 
 @dataclass(frozen=True, eq=False)
 class JointStates(WearStates):
@@ -33,7 +30,8 @@ class JointStates(WearStates):
     def of_study(cls, study: JointStudy) -> JointStates:
         """The states that friction and stiffness of a joint give."""
         load, friction, stated = study.conditions.normal_load_N, study.contact.friction, study.contact
-        rigid = friction * load / (_TAKEN_BY_RIGID * study.conditions.displacement_amplitude_um)
+        # Share of the displacement amplitude that a rigid joint takes under its friction.
+        rigid = friction * load / (1e-4 * study.conditions.displacement_amplitude_um)
         own = stated.contact_stiffness_N_per_mm
         rows = np.arange(2.0)
         return cls(

@@ -54,8 +54,6 @@ _POINTS, _LOWEST = 160, 1e-6
 #: Least growth of the volume at a step: a foundation that yields to it wears like a stiffer one within a few per cent.
 _LEAST_GROWTH = 0.005
 
-#: How often a contact's radius and its pressures are found in turn for another height.
-_SWEEPS = 2
 
 #: Half the grid's width over the radius of the largest scar, and the least such radius.
 _MARGIN, _LEAST_RADIUS = 1.08, 1.0
@@ -201,7 +199,8 @@ def _closure(case: LayeredCase) -> float:
 def _under(wires: WornWires, worn: Worn, heights: Array, volume: float, case: LayeredCase) -> Array:
     """What `LayeredWires` hold of loops (k, m + 3), not yet as changes, of worn wires under layers of heights (k,)."""
     radius, approach = worn.radius, worn.approach
-    for _ in range(_SWEEPS):
+    # How often a contact's radius and its pressures are found in turn for another height.
+    for _ in range(2):
         pressing = pressing_layers(
             foundation(case.fresh_radius, radius, _LEAST_GROWTH * volume), heights, case.engagement
         )

@@ -22,10 +22,6 @@ Pressing = Callable[[Array], tuple[Array, Array]]
 #: Half-columns of the grid, about.
 _COLUMNS = 16
 
-#: Foundation stiffness times the contact's radius over E*: between 16/(3π), with which a fresh contact has Hertz's load
-#: and radius together, and 3π/16, by which a half-space yields on average under the even pressure of a worn one
-#: (Johnson, eq. 3.29); their geometric mean.
-_FOUNDATION = 1.0
 
 #: Share of the largest step that keeps an explicit wear law from oscillating, and largest growth of the volume.
 _STABLE, _GROWTH = 0.95, 0.3
@@ -148,7 +144,10 @@ def wearing(
 
 def foundation(fresh_radius: float, radius: Array, step: float = 0.0) -> Array:
     """Elastic stiffnesses (k,) under contacts of these radii (k,), no more than lets so much volume wear at a step."""
-    stiffness = 0.75 * _FOUNDATION / (fresh_radius**3 * radius)
+    # Foundation stiffness times the contact's radius over E*: between 16/(3π), with which a fresh contact has Hertz's
+    # load and radius together, and 3π/16, by which a half-space yields on average under the even pressure of a worn one
+    # (Johnson, eq. 3.29); their geometric mean.
+    stiffness = 0.75 * 1.0 / (fresh_radius**3 * radius)
     return stiffness if step == 0.0 else np.minimum(stiffness, _STABLE / step)
 
 

@@ -26,16 +26,8 @@ from wirewear.results.scar import called
 from wirewear.test.bodies import OPEN, BodiesByOptions, Body
 from wirewear.test.kinds import KINDS
 
-#: Amplitudes of a test's cycles that differ by more than this share of the largest are a programme of their own.
-ONE_AMPLITUDE = 0.1
-
-MOST_READ = 25  #: Loops that are analysed for it, from first to last: a second or two.
-
 #: Frequencies of fretting rigs, from creeping drives to piezos; numbers without a unit beyond are no seconds.
 _RIGS_Hz = 0.1, 1000.0
-
-#: Gaps in a log that may be off a whole number of cycles by this share of one are not counted.
-UNCOUNTED = 0.25
 
 
 #: Words in a file's name that show whose scar it holds.
@@ -189,7 +181,8 @@ def _across_gaps(pieces: Sequence[Array], times: Sequence[Array], doubt_s: float
         if len(starts) == 1:
             continue
         ahead = (starts[-1] - starts[-2]) / period
-        if max(unsure * ahead / max(numbers[-1], 1), abs(ahead - round(ahead)) + off) > UNCOUNTED:
+        # Gaps in a log that may be off a whole number of cycles by this share of one are not counted.
+        if max(unsure * ahead / max(numbers[-1], 1), abs(ahead - round(ahead)) + off) > 0.25:
             about = _rounded(float(np.median(periods)), 3)
             message = f"the cycles within the pieces of the log, some {about:g} a second, do not show how many lie"
             return about, f"{message} between them: --frequency does it, as exactly as it is known"
@@ -216,9 +209,11 @@ def _amplitude(source: dict[str, Any], loops: Sequence[MeasuredLoop], known: dic
         return known["displacement_amplitude_um"], ""
     if _open(source, "displacement_um") or not loops:
         return OPEN, "the displacement amplitude, half the stroke in µm, is not stated: --amplitude does it, too"
-    amplitudes = [_amplitude_of(loop) for loop in loops[:: -(-len(loops) // MOST_READ)]]
+    # Loops that are analysed for it, from first to last: a second or two.
+    amplitudes = [_amplitude_of(loop) for loop in loops[:: -(-len(loops) // 25)]]
     amplitude = float(f"{np.median(amplitudes):.3g}")
-    if min(amplitudes) < (1.0 - ONE_AMPLITUDE) * max(amplitudes):
+    # Amplitudes of a test's cycles that differ by more than this share of the largest are a programme of their own.
+    if min(amplitudes) < (1.0 - 0.1) * max(amplitudes):
         message = f"amplitudes of the loops go from {min(amplitudes):.3g} to {max(amplitudes):.3g} µm"
         return amplitude, f"the {message}; their median stands in the mapping"
     return amplitude, f"the displacement amplitude, {amplitude:g} µm, is that of the loops"

@@ -35,7 +35,6 @@ FEWEST = 16  #: Fewer samples show nothing.
 #: Scars are smaller than this in millimetres and larger in micrometres; they are larger in millimetres than in metres.
 SCAR_mm = 20.0
 
-EPOCH = 1e3  #: A test that began after so many of its own lengths was not timed from its start.
 
 #: Units of which one is asked for, where none is stated.
 _SUCH = {"um": "um, mm or inch", "N": "N, mN or gf", "mJ": "mJ, J or uJ", "s": "s, ms, or s with factor = 86400"}
@@ -261,7 +260,8 @@ def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict
 def _since_an_epoch(text: GuessedFile, name: str | int) -> bool:
     """Whether times count from long before the test, such as days since 1900 or milliseconds since 1970."""
     time = text.read({"time_s": {"column": name}})["time_s"]
-    return bool(np.nanmin(time) > EPOCH * np.ptp(time[np.isfinite(time)]))
+    # A test that began after so many of its own lengths was not timed from its start.
+    return bool(np.nanmin(time) > 1e3 * np.ptp(time[np.isfinite(time)]))
 
 
 def listed_once(files: Sequence[Path]) -> str | list[str]:
