@@ -1,4 +1,4 @@
-"""Parameters of a test fitted to its record: friction, rig stiffness, play and wear, each with an interval."""
+"""Fit of a test's parameters to its record: friction, rig stiffness, play and wear, each with an interval."""
 
 from wirewear.diagnosis.fit.fit import CheckedRun, check_by_run, completed, fit_record
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest

@@ -1,4 +1,8 @@
-"""The loops of a record as figures of each test and cycle, and friction and compliance fitted to them."""
+"""Figures of a record's loops for each test and cycle, and friction and rig compliance fitted to them by the fast
+model.
+
+The last axis FITTED of arrays runs over the fitted figures in the order of that table.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -38,11 +42,12 @@ EVIDENCE, LEAST_CHANGE = 6.0, 0.03
 
 @dataclass(frozen=True, eq=False)
 class LoopsOfTests:
-    """Figures (repeats, cycles, FITTED) of the loops, NaN where one is missing, and standard deviations of one test.
+    """Figures (repeats, cycles, FITTED) of the loops, NaN where missing, and standard deviations (cycles, FITTED) of
+    one test.
 
-    `plays` (repeats, cycles, 2) are the free plays that were found and their standard deviations, NaN where none was;
-    where most loops show one, figures that a shelf changes are those of these loops alone, and else of the others.
-    `samples` are those of most loops.
+    `plays` (repeats, cycles, 2) holds free plays in µm and their standard deviations, NaN where none was found. If most
+    loops show free play, figures that it changes are taken from these loops only, and else from the others only.
+    `samples` is the median number of samples in a loop.
     """
 
     repeats: tuple[int, ...]
@@ -54,22 +59,22 @@ class LoopsOfTests:
 
     @property
     def has_play(self) -> bool:
-        """Whether the rig has free play."""
+        """True if at least half of the analysed loops show free play."""
         return _has_play(self.plays, self.figures)
 
     @property
     def mean(self) -> Array:
-        """Means of all tests (cycles, FITTED)."""
+        """Means over all repeats (cycles, FITTED), NaN where none has the figure."""
         known = np.isfinite(self.figures)
         total = np.where(known, self.figures, 0.0).sum(axis=0)
         return np.where(known.any(axis=0), total / np.maximum(known.sum(axis=0), 1), np.nan)
 
 
 def loops_of_tests(record: AnyRecord, *, sliding: bool = True) -> LoopsOfTests:
-    """Figures of at most MOST_CYCLES cycles, evenly chosen in their logarithm; of loops in partial slip, too, where
-    not only of sliding ones.
-    Raises RecordError if none of the sliding ones that are asked for shows friction: none can be analysed, or slides
-    as a whole, or is sampled densely enough.
+    """Figures of at most MOST_CYCLES cycles, spread evenly over their logarithm.
+
+    sliding: use only loops that slide as a whole; else also those in partial slip. Raises RecordError if `sliding` is
+    True and no loop shows friction: none can be analysed, slides as a whole, or is sampled densely enough.
     """
     cycles = _chosen(record.cycles)
     repeats = tuple(sorted({loop.repeat for loop in record.loops}))
@@ -96,7 +101,9 @@ def loops_of_tests(record: AnyRecord, *, sliding: bool = True) -> LoopsOfTests:
 
 
 def _require_friction(record: AnyRecord, frictions: Array, slide: int) -> None:
-    """See that some loops of a record, of which so many slide as a whole, show a friction that can be fitted."""
+    """Raise RecordError unless friction (repeats, cycles) can be fitted; `slide` is the number of loops in
+    gross slip.
+    """
     if not np.isfinite(frictions).any():
         raise RecordError(f"{_why_not(record, slide)}, so that neither friction nor wear can be fitted.")
     friction = float(np.nanmean(frictions))
@@ -114,7 +121,9 @@ def _has_play(plays: Array, figures: Array) -> bool:
 
 
 def _why_not(record: AnyRecord, sliding: int) -> str:
-    """Why no loop of a record shows friction, of which so many slide as a whole."""
+    """Reason why no loop of a record shows friction, as a sentence part; `sliding` is the number of loops in gross
+    slip.
+    """
     if sliding:
         return (
             f"the loops of the record {record.name!r} have fewer than five samples a direction in the middle of "
@@ -147,8 +156,8 @@ def _figures(record: AnyRecord, repeat: int, cycle: int) -> LoopFigures | None:
 
 
 def _usable(found: LoopFigures, *, sliding: bool) -> dict[int, Measured]:
-    """Figures of a loop by their place in FITTED; none where it does not resist the motion both ways, or sticks though
-    `sliding`.
+    """Usable figures of a loop by their index in FITTED; empty if it fails to resist the motion both ways or
+    to slide.
     """
     keeps_sign = found.asymmetry is not None and abs(found.asymmetry.value) >= 1.0
     if (sliding and found.regime != "gross slip") or keeps_sign:
@@ -158,7 +167,9 @@ def _usable(found: LoopFigures, *, sliding: bool) -> dict[int, Measured]:
 
 
 def _of_one_test(figures: Array, deviations: Array) -> Array:
-    """Standard deviations (cycles, FITTED) of one test: its analysis, the scatter between tests, and the model."""
+    """Standard deviations (cycles, FITTED) of one test: errors of analysis, scatter between tests and model, in
+    squares.
+    """
     known = np.isfinite(figures)
     count = known.sum(axis=0)
     mean = np.where(known, figures, 0.0).sum(axis=0) / np.maximum(count, 1)
@@ -174,10 +185,10 @@ def _of_one_test(figures: Array, deviations: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class FastFit:
-    """A course of friction and the holder's compliance, with the covariance of their coordinates.
+    """Fitted friction and compliance of the holder, with the covariance of their coordinates.
 
-    `coordinates` are (ln µ, compliance) or (ln µ_i, ln µ_f, ln n_c, compliance), between `low` and `high`; `repeats`
-    (n, k) are those of each test by itself, one step of Gauss and Newton from the common ones.
+    `coordinates` are (ln µ, compliance), or (ln µ_i, ln µ_f, ln n_c, compliance) if friction runs in, between `low` and
+    `high`. `repeats` (n, k) are those of each test alone, by one Gauss–Newton step from the common ones.
     """
 
     coordinates: Array
@@ -209,7 +220,7 @@ def _friction(coordinates: Array) -> Course:
 
 
 def fast_fit(states: WearStates, setup: SurrogateInputs, tests: LoopsOfTests) -> FastFit:
-    """Constant friction, or friction that runs in where the loops ask for that."""
+    """Fit constant friction and the rig, or friction that runs in if the loops show it."""
     start = np.array([np.log(setup.friction), setup.compliance_um_per_N])
     constant = _fitted(states, setup, tests, start)
     if tests.cycles.size < 4 or tests.cycles[-1] < 30.0 * tests.cycles[0]:
@@ -265,7 +276,11 @@ def _fitted(states: WearStates, setup: SurrogateInputs, tests: LoopsOfTests, sta
 def figures_of_model(
     states: WearStates, setup: SurrogateInputs, coordinates: Array, cycles: Array, samples: int = SAMPLES
 ) -> Array:
-    """FITTED figures (n, k) of the fast model's loops of so many samples, read as measured ones are."""
+    """Figures (n, FITTED) of the fast model's loops at n cycles, with this number of samples, analysed as measured
+    loops are.
+
+    coordinates: as of `FastFit`.
+    """
     course = _friction(coordinates)
     asked = replace(setup, friction=course.final, compliance_um_per_N=float(coordinates[-1]))
     if coordinates.size > 2:
@@ -277,7 +292,7 @@ def figures_of_model(
 
 
 def _sampled(displacement: Array, force: Array, samples: int) -> list[tuple[Array, Array]]:
-    """Loops (n, 2, m) of both branches as a logger takes so many samples of them under a drive that is a sine."""
+    """Loops as (displacement, force) of `samples` samples under a sinusoidal drive, from branches (n, 2, m)."""
     phase = 2.0 * np.pi * np.arange(samples) / samples
     loops = []
     for (up_x, down_x), (up_q, down_q) in zip(displacement, force, strict=True):

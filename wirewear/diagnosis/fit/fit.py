@@ -1,4 +1,4 @@
-"""Friction, rig and wear of a record with intervals, the study that they make, and a run that checks it."""
+"""Fit of friction, rig and wear to a record with intervals, the study with these values, and a run that checks it."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _STIFFNESS = list(FITTED).index("measured_stiffness_N_per_um")
 
 @dataclass(frozen=True, eq=False)
 class CheckedRun:
-    """Figures (cycles, FITTED) of the record, of the run, and what a test scatters; NaN where one is missing."""
+    """Figures (cycles, FITTED) of the record and of the run, and standard deviations of one test; NaN where missing."""
 
     result: RunResult
     cycles: Array
@@ -53,7 +53,7 @@ class CheckedRun:
 
     @property
     def differences(self) -> dict[str, float]:
-        """Mean relative difference, run less record, of each figure; those that both have."""
+        """Mean relative difference, run less record, of each figure that both have."""
         found = {}
         for place, name in enumerate(FITTED):
             share = self.simulated[:, place] / self.measured[:, place] - 1.0
@@ -63,14 +63,17 @@ class CheckedRun:
 
     @property
     def scatters(self) -> float | None:
-        """Root mean square of all differences over what one test scatters; None where run and record share none."""
+        """Root mean square of all differences over the standard deviations of one test; None if there are no common
+        figures.
+        """
         both = np.isfinite(self.simulated - self.measured)
         off = (self.simulated - self.measured)[both] / self.deviations[both]
         return float(np.sqrt(np.mean(off**2))) if both.any() else None
 
 
 def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: ObserverOf | None = None) -> CheckedRun:
-    """Run the fitted study, and set its loops beside those of the record.
+    """Run the fitted study and compare its loops with those of the record.
+
     Raises StudyError, SolverError or RunError if the run cannot be made or written.
     """
     tests = loops_of_tests(fitted.record, sliding=False)
@@ -97,14 +100,14 @@ def fit_record(
     observer_of: ObserverOf | None = None,
     stage: Stage = nullcontext,
 ) -> FittedTest:
-    """Fit the parameters of a test to its record, of crossed wires or of a line contact.
+    """Fit the parameters of a test to its record.
 
     First estimates come from the loops themselves; the fast model, on the wear states of one finite element run with
     these, then fits friction and rig to the loops of all cycles. Wear coefficients are worn volumes over the friction
-    energy of the whole test, or what is given of them in place of scars. Where no loop slides as a whole, friction and
-    rig are what energy, stiffness and shape of single loops leave.
-    Raises RecordError if the record is unsound, none of its loops bounds friction above, or a worn volume is given and
-    neither loops nor evolution show the energy; StudyError or SolverError if a nominal run of the fast model fails.
+    energy of the whole test, or are given in place of scars. If no loop slides as a whole, friction and rig are bounded
+    by energy, stiffness and shape of single loops. Raises RecordError if the record is unsound, none of its loops
+    bounds friction above, or a worn volume is given and neither loops nor evolution show the energy; StudyError or
+    SolverError if a nominal run of the fast model fails.
     """
     record = record.of_block()
     rigid, tables = kind_of(record).rigid_N_per_mm, record.tables
@@ -141,7 +144,7 @@ def fit_record(
 
 
 def _of_sticking(record: AnyRecord, sticking: StickingFit, given: wear.GivenWear | None) -> FittedTest:
-    """The fit of a test in partial slip, which the fast model does not cover."""
+    """Fit of a test in partial slip, without the fast model."""
     worn, found, notes = wear.fitted_wear(record)
     if given is not None:
         worn, notes = wear.wear_given(given, record.tables, worn, found)
@@ -154,8 +157,9 @@ def _of_sticking(record: AnyRecord, sticking: StickingFit, given: wear.GivenWear
 
 
 def tables_of_record(record: AnyRecord) -> dict[str, Any]:
-    """A record's test as tables of a study: what is stated, with the friction of its loops where none is.
-    Raises RecordError if friction is not stated, and no loop slides as a whole.
+    """Tables of a study of the record's test, with the friction of its loops if none is stated.
+
+    Raises RecordError if friction is neither stated nor shown by the loops.
     """
     friction = stated_friction(record.tables)
     friction = _friction_of_loops(record) if friction is None else friction
@@ -165,7 +169,7 @@ def tables_of_record(record: AnyRecord) -> dict[str, Any]:
 
 
 def _friction_of_loops(record: AnyRecord) -> float:
-    """Coefficient of friction that the loops of a record show."""
+    """Coefficient of friction from the loops. Raises RecordError if they do not show it."""
     try:
         sticking = fitted_sticking(record, kind_of(record).rigid_N_per_mm)
         found = _friction_of(loops_of_tests(record)) if sticking is None else sticking.parameters["friction"].value
@@ -175,11 +179,12 @@ def _friction_of_loops(record: AnyRecord) -> float:
 
 
 def completed(record: AnyRecord) -> tuple[AnyRecord, dict[str, float]]:
-    """The record with friction and wear as its loops and scars show them where its owner states none, and how little is
-    then known of them: relative standard deviations by the fast model's names.
+    """Copy of the record with unstated friction and wear filled in from its loops and scars, and how uncertain they
+    are.
 
-    Where nothing shows the wear, bodies wear like steel on steel.
-    Raises RecordError if friction is not stated, and no loop slides as a whole.
+    The second part holds relative standard deviations of what was filled in, by the fast model's names. If nothing
+    shows the wear, bodies are taken to wear like steel on steel. Raises RecordError if friction is neither stated nor
+    shown by the loops.
     """
     tables, stated, unknown = record.tables, dict[str, float](), dict[str, float]()
     if stated_friction(tables) is None:
@@ -195,7 +200,9 @@ def completed(record: AnyRecord) -> tuple[AnyRecord, dict[str, float]]:
 
 
 def fitted_study(record: AnyRecord, parameters: dict[str, FittedParameter], cycles: tuple[int, ...]) -> Any:
-    """The record's test with fitted parameters; what was not fitted is as the record states it. It logs `cycles`."""
+    """Study of the record's test with fitted parameters, and stated values for all others; it logs the loops of
+    `cycles`.
+    """
     kind = kind_of(record)
     stated = stated_by(parameters, kind.rigid_N_per_mm)
     course, play = stated.pop("friction_evolution", None), parameters.get("free_play_um")
@@ -207,7 +214,7 @@ def fitted_study(record: AnyRecord, parameters: dict[str, FittedParameter], cycl
 
 
 def stated_by(parameters: dict[str, FittedParameter], rigid_N_per_mm: float) -> dict[str, Any]:
-    """The keys of `[stated]` that parameters give, to four digits: more than their intervals show."""
+    """Keys of the table `[stated]` that fitted parameters give, rounded to four digits; a stiff rig becomes "rigid"."""
     parameters = {name: replace(found, value=float(f"{found.value:.4g}")) for name, found in parameters.items()}
     stated: dict[str, Any] = {}
     if "friction_initial" in parameters:
@@ -250,13 +257,13 @@ def _rough_study(
 
 
 def _first(tests: LoopsOfTests) -> tuple[int, Any] | None:
-    """The earliest cycle that shows a stiffness, and its values: contacts are as new only while little has worn."""
+    """Index of the earliest cycle with a measured stiffness, and its values; None if there is none."""
     columns = [(j, column[np.isfinite(column)]) for j, column in enumerate(tests.figures[:, :, _STIFFNESS].T)]
     return next(((j, column) for j, column in columns if column.size), None)
 
 
 def _stiffnesses(contact: ContactStiffness, tests: LoopsOfTests, rigid_N_per_mm: float) -> dict[str, FittedParameter]:
-    """K_t,m of the first loops, K_c of the contact, and K_rig by 1/K_rig = 1/K_t,m − 1/K_c."""
+    """K_t,m of the first loops, K_c of the contact, and K_rig from 1/K_rig = 1/K_t,m − 1/K_c, in N/mm by name."""
     own = 1e3 * contact.N_per_um
     found = {"contact_stiffness_N_per_mm": FittedParameter(own, (own, own), "N_per_mm", 0)}
     first = _first(tests)
@@ -302,7 +309,7 @@ def _of_fit(fitted: FastFit, repeats: int, record: AnyRecord, contact_N_per_um: 
 
 
 def _of_loops(record: AnyRecord, contact: ContactStiffness, tests: LoopsOfTests) -> dict[str, FittedParameter]:
-    """Friction and rig by what the loops of each test show, in the mean over their cycles."""
+    """Friction and rig stiffness from the mean figures of each test's loops."""
 
     def of_tests(name: str) -> Array:
         own = tests.figures[:, :, list(FITTED).index(name)]
@@ -324,7 +331,7 @@ def _of_loops(record: AnyRecord, contact: ContactStiffness, tests: LoopsOfTests)
 
 
 def _rotation_um_per_N(record: AnyRecord) -> float:
-    """What a stated rotation of the holder gives way along the motion."""
+    """Compliance along the motion by the holder's stated rotation."""
     stated = record.tables.stated
     if isinstance(stated.rotational_stiffness_N_mm_per_rad, str) or stated.pivot_height_mm is None:
         return 0.0
@@ -342,7 +349,7 @@ def _play(tests: LoopsOfTests) -> dict[str, FittedParameter]:
 
 
 def _misfit(fitted: FastFit) -> list[str]:
-    """That the loops are not those of such a test, if so."""
+    """Note that the fit does not describe the loops, if their misfit exceeds FAR_OFF scatters; else an empty list."""
     off = (fitted.misfit / max(fitted.points - fitted.coordinates.size, 1)) ** 0.5
     # Root mean square of what a fit leaves, in scatters, from which on it describes no test: chance leaves one.
     if off < 3.0:
@@ -377,7 +384,7 @@ def _missing_wear(record: AnyRecord, parameters: dict[str, FittedParameter]) -> 
 
 
 def _single(record: AnyRecord) -> list[str]:
-    """What one test alone, and a load that was not measured, leave open."""
+    """Notes on a single test, and on a load that was not measured."""
     notes = []
     if len(record.repeats) == 1:
         notes.append(

@@ -1,4 +1,4 @@
-"""Friction and rig of a test whose loops all stick in their middle, each as an interval of one loop at best."""
+"""Friction and rig of a test all of whose loops are in partial slip, as intervals from single loops."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,17 +18,17 @@ CONTACT = 0.1  #: Relative standard deviation of an unworn contact's compliance 
 
 @dataclass(frozen=True)
 class StickingFit:
-    """Friction and rig by their names in a fit, and a sentence on what they rest on."""
+    """Fitted parameters of friction and rig by name, and a sentence on what they are based on."""
 
     parameters: dict[str, FittedParameter]
     note: str
 
 
 def fitted_sticking(record: AnyRecord, rigid_N_per_mm: float) -> StickingFit | None:
-    """What loops without a plateau leave; None where one has a plateau, or none can be analysed.
+    """Friction and rig from loops without a plateau; None if a loop has a plateau, or none can be analysed.
 
-    The compliance of the unworn contact is known by closed form, if there is one, in the first logged cycle alone.
-    Raises RecordError if no loop bounds friction above.
+    The compliance of the unworn contact, if it has a closed form, is taken as known in the first logged cycle. Raises
+    RecordError if no loop bounds friction above.
     """
     loops = _loops(record)
     if not loops:
@@ -60,7 +60,7 @@ def fitted_sticking(record: AnyRecord, rigid_N_per_mm: float) -> StickingFit | N
 
 
 def left_out(record: AnyRecord) -> list[str]:
-    """Of a mixed test, which loops a fit to sliding ones leaves out, and what they say of friction themselves."""
+    """Note on the loops of a mixed test that a fit to sliding loops leaves out; empty for other tests."""
     known = [figures for loop in record.loops if (figures := _figures(loop, record)) is not None]
     if regime_of(known) != "mixed":
         return []
@@ -82,7 +82,7 @@ def _figures(loop: MeasuredLoop, record: AnyRecord) -> LoopFigures | None:
 
 
 def _loops(record: AnyRecord) -> dict[tuple[int, int], Sticking]:
-    """Loops without a plateau by repeat and cycle; none where one of the record has a plateau."""
+    """Contacts in partial slip by repeat and cycle; empty if a loop of the record has a plateau."""
     found = {}
     for loop in record.loops:
         figures = _figures(loop, record)
@@ -101,16 +101,16 @@ def _width(friction: Measured) -> float:
 
 
 def _stiffness(rig_um_per_N: Measured, rigid_N_per_mm: float) -> Measured:
-    """A compliance as a stiffness in N/mm, none stiffer than a rigid rig."""
+    """Stiffness in N/mm from a compliance, at most that of a rigid rig."""
     least = 1e3 / rigid_N_per_mm
     value, high, low = (1e3 / max(one, least) for one in (rig_um_per_N.value, *rig_um_per_N.interval95))
     return Measured(value, (low, high))
 
 
 def _of_tests(found: Sequence[Measured], unit: str) -> FittedParameter:
-    """Geometric means of values and of their intervals' ends, the scatter between tests beside these by Student's t.
+    """Geometric mean of values and of their intervals' ends, with the scatter between tests added by Student's t.
 
-    What the reading of a loop leaves open is alike in all tests, and does not shrink with their number.
+    The width of the single intervals does not shrink with the number of tests, as it is a common error.
     """
     logs = np.log([(one.value, *one.interval95) for one in found])
     value, low, high = logs.mean(axis=0)

@@ -1,4 +1,7 @@
-"""A sensor calibrated by the motion of its point while a stuck contact is loaded, and records corrected by that."""
+"""Calibration of a displacement sensor by loading a stuck contact, and correction of records with it.
+
+The remote point is where the sensor measures; the near point is where the displacement at the contact is defined.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -34,7 +37,7 @@ FEWEST_MOTIONS = 4
 
 @dataclass(frozen=True, eq=False)
 class LoadedMotion:
-    """Displacements of the remote and of the near point under a normal load and tangential forces, arrays (n,)."""
+    """Displacements in µm of the remote and the near point under one normal load and tangential forces, each (n,)."""
 
     normal_load_N: float
     tangential_force_N: Array
@@ -43,7 +46,7 @@ class LoadedMotion:
 
 
 def _stuck(study: Study, largest_load_N: float, fidelity: str, stage: Callable[[str], None]) -> ContactProblem:
-    """The study's wires, fresh and sticking, on a patch that covers the contact under the largest load."""
+    """Contact problem of the study's fresh wires without slip, on a patch for the contact under the largest load."""
     conditions = {"normal_load_N": largest_load_N, "displacement_amplitude_um": _ROOM_um, "approach_um": None}
     still = study.changed({"conditions": conditions, "wear": None})
     meshes = discretise(still, fidelity)
@@ -72,7 +75,7 @@ def _loaded(
 
 
 def _near(problem: ContactProblem, state: ContactState, near: NearPoint) -> float:
-    """Displacement of the near point along x, mm."""
+    """Displacement of the near point along x in mm."""
     if near == "between-holders":
         return state.drive - state.holder_x
     upper_force, lower_force = (
@@ -87,7 +90,7 @@ def _near(problem: ContactProblem, state: ContactState, near: NearPoint) -> floa
 
 
 def _surface_motion(body: PlacedBody, force: Array) -> float:
-    """Elastic displacement of a body's surface along x in the mean over the pressure, under forces (n, 3) on it."""
+    """Elastic displacement of a body's surface along x in mm, averaged over the pressure, under nodal forces (n, 3)."""
     loaded = np.flatnonzero(force.any(axis=1))
     columns = (3 * loaded[:, None] + np.arange(3)).ravel()
     displacement = body.compliance[np.ix_(3 * loaded, columns)] @ force[loaded].ravel()
@@ -97,7 +100,7 @@ def _surface_motion(body: PlacedBody, force: Array) -> float:
 
 @dataclass(frozen=True)
 class LoadPolynomial:
-    """remote − near = linear · Q + quadratic · Q², Q the tangential force; coefficients with 95 % intervals."""
+    """remote − near = linear · Q + quadratic · Q², with Q the tangential force; coefficients with 95 % intervals."""
 
     linear_um_per_N: Measured
     quadratic_um_per_N2: Measured
@@ -107,15 +110,15 @@ class LoadPolynomial:
 
     @property
     def sensor(self) -> Sensor:
-        """The sensor that reads so."""
+        """Sensor that reads the remote point."""
         return Sensor(linear_um_per_N=self.linear_um_per_N.value, quadratic_um_per_N2=self.quadratic_um_per_N2.value)
 
 
 def fitted_polynomial(motions: Sequence[LoadedMotion]) -> LoadPolynomial:
-    """Fit the polynomial to motions under all loads alike, by least squares (Infante-García et al. 2020, section 2.1).
+    """Fit the polynomial to motions under all normal loads by least squares (Infante-García et al. 2020, section 2.1).
 
-    How far the normal load changes the compliance is part of the residual, and so of the intervals (Student's t).
-    Raises SensorError for fewer than four motions under load.
+    The effect of the normal load on the compliance is part of the residual, and so of the intervals (Student's t).
+    Raises SensorError for fewer than four tangential forces.
     """
     force, remote, near = (
         np.concatenate([getattr(motion, name) for motion in motions])
@@ -143,7 +146,7 @@ def fitted_polynomial(motions: Sequence[LoadedMotion]) -> LoadPolynomial:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Motions under each normal load and the polynomial through all of them."""
+    """Motions under each normal load, and the polynomial fitted to all of them."""
 
     near: NearPoint
     remote_compliance_um_per_N: float
@@ -160,19 +163,18 @@ def calibrate(
     fidelity: str = "standard",
     progress: Callable[[float, str], None] = lambda _share, _text: None,
 ) -> Calibration:
-    """Press the study's fresh wires by each load, move the sticking contact to tangential forces of ±µP, and fit the
-    polynomial in the load.
+    """Calibrate a remote displacement sensor by simulating the study's fresh wires, stuck, under tangential forces up
+    to ±µP.
 
-    The remote point is the back of the moving wire, which its holder grips and drives, behind
-    `remote_compliance_um_per_N` of whatever else lies between the sensor's point and that holder. Nothing slips, so
-    what is found is the compliance between the points and no friction.
-    Raises StudyError if the study has variants to choose from, a load is not positive, the contact has no friction, or
-    its mesh takes more memory than there is; SolverError if the contact does not converge.
+    The remote point is the back of the moving wire, where its holder grips it, behind a compliance of
+    `remote_compliance_um_per_N` between the sensor's point and that holder. As nothing slips, the result is the
+    compliance between the points.
 
-    normal_loads_N: positive; by default 0.5, 1 and 1.5 times the study's.
-    near: where the near displacement is taken.  remote_compliance_um_per_N: stated by the rig's owner.
-    fidelity: of the mesh, which only covers the contact itself.
-    progress: is given the share done and what is being done.
+    normal_loads_N: positive; by default 0.5, 1 and 1.5 times the study's. near: where the near displacement is taken.
+    remote_compliance_um_per_N: as the rig's owner states it. fidelity: of the mesh, which covers only the contact
+    itself. progress: called with the share done and what is being done. Raises StudyError if the study has variants to
+    choose from, a load is not positive, the contact has no friction, or its mesh takes more memory than there is;
+    SolverError if the contact does not converge.
     """
     study = alone(study)
     loads = sorted(normal_loads_N or [share * study.conditions.normal_load_N for share in USUAL_LOADS])
@@ -189,7 +191,7 @@ def calibrate(
 
 
 def parse_loads(text: str) -> tuple[float, ...]:
-    """``"1, 2, 3"`` as numbers. Raises StudyError if a part is no number."""
+    """Numbers in a text such as ``"1, 2, 3"``. Raises StudyError if a part is not a number."""
     try:
         return tuple(float(part) for part in text.split(",") if part.strip())
     except ValueError:
@@ -197,7 +199,7 @@ def parse_loads(text: str) -> tuple[float, ...]:
 
 
 def parse_near(text: str) -> NearPoint:
-    """The near point of that name. Raises StudyError if there is none."""
+    """Near point of this name. Raises StudyError if there is none."""
     for point in NEAR_POINTS:
         if text == point:
             return point
@@ -205,14 +207,14 @@ def parse_near(text: str) -> NearPoint:
 
 
 def slope(motion: LoadedMotion) -> float:
-    """Least-squares remote − near per tangential force under one normal load, µm/N."""
+    """Least-squares slope of remote less near displacement over tangential force, in µm/N, under one normal load."""
     force, difference = motion.tangential_force_N, motion.remote_um - motion.near_um
     return float(force @ difference / (force @ force))
 
 
 @dataclass(frozen=True)
 class Correction:
-    """A corrected record, and how far the correction can be trusted."""
+    """Corrected record, and the size and error of the correction."""
 
     record: ExperimentRecord  #: With displacements at the near point.
     largest_um: float  #: The largest change of a sample.
@@ -224,10 +226,10 @@ class Correction:
 
 
 def corrected_record(record: ExperimentRecord, polynomial: LoadPolynomial) -> Correction:
-    """Take linear · Q + quadratic · Q² from every displacement of a record.
+    """Subtract linear · Q + quadratic · Q² from every displacement of a record.
 
-    Amplitudes of the evolution and the asked one fall by linear · Q at the tips, where the quadratic part moves both
-    alike; slip amplitudes, energies and scars stay (Q = 0, and ∮Q df(Q) = 0). Missing samples stay missing.
+    Amplitudes of the evolution and the asked amplitude are lowered by linear · Q at the tips, where the quadratic part
+    moves both tips alike. Slip amplitudes, energies and scars stay (Q = 0, and ∮Q df(Q) = 0), as do missing samples.
     Raises RecordError if the correction is no smaller than the motion itself.
     """
     sensor = polynomial.sensor
@@ -264,7 +266,7 @@ def corrected_record(record: ExperimentRecord, polynomial: LoadPolynomial) -> Co
 
 
 def _median_tip_force(record: ExperimentRecord) -> float:
-    """Median over the loops of half the difference of the forces at both ends of the stroke."""
+    """Median over the loops of half the force difference between both ends of the stroke, in N."""
     halves = []
     for loop in record.loops:
         whole = loop.complete

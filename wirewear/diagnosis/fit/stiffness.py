@@ -1,7 +1,7 @@
-"""How stiff a contact, its rig and the spring that presses it are.
+"""Stiffness of a contact, of its rig and of the spring that presses it.
 
-1/K_rig = 1/K_t,m − 1/K_c, with the micro-slip of contacts that have some; the spring shows by the fall of the measured
-normal force as the bodies wear.
+1/K_rig = 1/K_t,m − 1/K_c, with K_t,m the measured stiffness and K_c the contact's, including micro-slip. The spring's
+stiffness follows from the fall of the measured normal force as the bodies wear.
 """
 
 from collections.abc import Mapping
@@ -33,10 +33,11 @@ FULL_SLIP = 1.5  #: Displacement to full slip is this multiple of force over ini
 def with_spring(
     states: WearStates, setup: SurrogateInputs, record: AnyRecord, tests: LoopsOfTests
 ) -> tuple[WearStates, dict[str, FittedParameter]]:
-    """States whose load falls as the record's does, and the spring's stiffness; as they are where it does not decide.
+    """Wear states whose load falls as the record's does, and the spring's stiffness by name; states and {} if
+    undecided.
 
-    The bodies come together by the deepest depths of both. A load that drifts with the cycles falls in another course:
-    the spring has to fit better by as much as counts for evidence, with an interval that leaves none out.
+    The bodies approach by the sum of both largest depths. As a load may also drift with the cycles, the spring must fit
+    better than that by EVIDENCE, with an interval above zero.
     """
     ends = [simulate(states, replace(setup, cycles=cycle), np.array([cycle])) for cycle in tests.cycles]
     profiles = [sum(float(depth.max()) for _, depth in one.profiles.values()) for one in ends]
@@ -53,7 +54,9 @@ def with_spring(
 
 
 def spring_of_loads(loads_N: Array, descent_um: Array, cycles: Array) -> FittedParameter | None:
-    """Stiffness by which loads (repeats, cycles), NaN where not measured, fall with the descent; None if undecided."""
+    """Stiffness at which loads (repeats, cycles) in N, NaN where not measured, fall with the descent in µm; None if
+    undecided.
+    """
     slope, left, deviation, free = _common_slope(loads_N, descent_um)
     beside = _common_slope(loads_N, cycles)[1]
     floor = 1e-12 * float(np.nansum(loads_N**2))
@@ -70,7 +73,10 @@ def spring_of_loads(loads_N: Array, descent_um: Array, cycles: Array) -> FittedP
 
 
 def _common_slope(values: Array, at: Array) -> tuple[float, float, float, int]:
-    """Slope of rows over places, each with a level of its own; squares left, the slope's deviation, their freedom."""
+    """Common slope of rows of values over places (m,), each row with its own level.
+
+    Returns the slope, the sum of squares left, the slope's standard deviation, and the degrees of freedom.
+    """
     rows, columns = np.nonzero(np.isfinite(values))
     levels = rows[:, None] == np.unique(rows)
     design, wanted = np.column_stack([levels, at[columns]]), values[rows, columns]
@@ -83,20 +89,20 @@ def _common_slope(values: Array, at: Array) -> tuple[float, float, float, int]:
 
 @dataclass(frozen=True)
 class ContactStiffness:
-    """Stiffness of an unworn contact and its bodies, and whether it slips within the stick branch as Mindlin's does."""
+    """Stiffness of an unworn contact and its bodies in N/µm; `slips` is True if it has Mindlin's micro-slip."""
 
     N_per_um: float
     slips: bool
 
     def rig_um_per_N(self, measured_N_per_um: float) -> float:
-        """Compliance of the rig behind a measured stiffness; 0 where the contact takes all of it."""
+        """Compliance of the rig behind a measured stiffness in N/µm; 0 if the contact alone explains it."""
         if self.slips:
             return rig_compliance(measured_N_per_um, self.N_per_um)
         return max(1.0 / measured_N_per_um - 1.0 / self.N_per_um, 0.0)
 
 
 def contact_stiffness(record: AnyRecord, friction: float, some_wear: Mapping[str, float]) -> ContactStiffness:
-    """By closed form, or, where none shows it, of loops of a run on a rigid rig; `some_wear` is for that run."""
+    """Stiffness of the unworn contact by closed form, or else from a simulated loop on a rigid rig with this wear."""
     tables = record.tables
     if tables.contact_stiffness_N_per_um is not None:
         return ContactStiffness(tables.contact_stiffness_N_per_um, tables.contact_slips)
@@ -116,7 +122,9 @@ def contact_stiffness(record: AnyRecord, friction: float, some_wear: Mapping[str
 def fitted_tables(
     record: AnyRecord, fitted: Mapping[str, Any], effects: list[dict[str, Any]], cycles: list[int]
 ) -> dict[str, Any]:
-    """Tables of the record's study with these keys of `[stated]` in place of its own, and further effects."""
+    """Tables of the record's study with fitted keys replacing those of `[stated]`, further effects, and logged
+    cycles.
+    """
     stated = record.tables.stated.with_fitted(fitted)
     data = stated_tables(record.tables.model_copy(update={"stated": stated}), float(fitted["friction"]))
     all_effects = [*data.pop("effects", ()), *effects]
@@ -124,7 +132,7 @@ def fitted_tables(
 
 
 def loop_stiffness(contact_N_per_um: float, rig_um_per_N: float) -> float:
-    """K_t,m of a contact and a rig in series, by the definition of the loops' analysis: a line over half the region."""
+    """K_t,m in N/µm of a contact and a rig in series, as loops define it: slope of a line over half the micro-slip."""
     contact = FULL_SLIP / contact_N_per_um
     travel = np.linspace(0.0, 0.5, 101)
     slope = np.polyfit(travel, remaining_force(travel, contact / (contact + rig_um_per_N)), 1)[0]
@@ -132,7 +140,9 @@ def loop_stiffness(contact_N_per_um: float, rig_um_per_N: float) -> float:
 
 
 def rig_compliance(measured_N_per_um: float, contact_N_per_um: float) -> float:
-    """Compliance of the rig in µm/N by Mindlin's micro-slip in series with a spring."""
+    """Compliance of the rig in µm/N, from measured and contact stiffness in N/µm, by Mindlin's micro-slip behind a
+    spring.
+    """
     if loop_stiffness(contact_N_per_um, 0.0) <= measured_N_per_um:
         return 0.0
     most = 2.0 / measured_N_per_um

@@ -1,4 +1,4 @@
-"""What a fit finds: parameters with their intervals, and the sums that they rest on."""
+"""Results of a fit: parameters with their intervals, and the figures behind them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _OPEN = float(stdtrit(1, 0.975))
 
 @dataclass(frozen=True)
 class FittedParameter:
-    """A fitted number with the interval that holds the true one with a probability of 95 %."""
+    """Fitted number and the interval that contains the true one with a probability of 95 %."""
 
     value: float
     interval95: tuple[float, float]
@@ -29,10 +29,10 @@ class FittedParameter:
 
     @classmethod
     def of_repeats(cls, values: ArrayLike, unit: str, deviation: float = 0.0) -> FittedParameter:
-        """The mean of one value a test, by Student's t; `deviation` is known of one value beside their scatter.
+        """Mean of one value for each test, with an interval by Student's t.
 
-        Of values that are all positive, as stiffnesses and coefficients are, both ends are so, too: the interval is
-        that of the logarithm.
+        deviation: known standard deviation, added in squares to the scatter of the values. If all values are positive,
+        the interval is that of the logarithm, so that both ends are positive.
         """
         found = np.atleast_1d(np.asarray(values, dtype=np.float64))
         count, mean = found.size, float(found.mean())
@@ -46,13 +46,13 @@ class FittedParameter:
 
     @property
     def deviation(self) -> float:
-        """Standard deviation that the interval stands for."""
+        """Standard deviation of a normal distribution with this 95 % interval."""
         return (self.interval95[1] - self.interval95[0]) / 3.92
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FittedTest:
-    """A record's test as fitted."""
+    """Result of fitting a record."""
 
     record: AnyRecord
     study: AnyStudy[Any]

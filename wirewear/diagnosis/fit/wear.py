@@ -1,6 +1,6 @@
-"""Wear fitted to worn volumes and friction energies, or as it is given in place of volumes.
+"""Wear coefficients fitted to worn volumes and friction energies, or given by the user in place of volumes.
 
-A kind of contact has a coefficient for each body, or one for several with the share of the first of them.
+A kind of contact has one coefficient for each body, or a common one with the share of the first body.
 """
 
 from collections.abc import Mapping
@@ -25,14 +25,14 @@ Worn = tuple[dict[str, FittedParameter], list[str]]  #: Fitted wear: parameters,
 
 @dataclass(frozen=True)
 class GivenWear:
-    """What is known of wear without a measured scar: its coefficient, or the volume that both bodies lost in a test."""
+    """Wear known without a measured scar: its coefficient, or the volume that both bodies lost in a test."""
 
     coefficient_mm3_per_J: float | None = None
     volume_mm3: float | None = None
 
 
 def fitted_wear(record: AnyRecord) -> tuple[dict[str, FittedParameter], dict[str, FittedParameter], list[str]]:
-    """Wear parameters, energies and volumes, and what is missing."""
+    """Wear parameters by name, energies and worn volumes by name, and notes on what is missing."""
     energies = {repeat: accumulated_energy_J(record, repeat) for repeat in record.repeats}
     known = {repeat: energy for repeat, energy in energies.items() if energy}
     volumes = record.worn_volumes_mm3
@@ -77,7 +77,7 @@ def _worn(tables: Any, volumes: Mapping[str, Mapping[int, float]], energies_J: M
 
 
 def parted(tables: Any, total: FittedParameter) -> Worn:
-    """A wear coefficient of both bodies together as parameters, in the proportion that is stated."""
+    """Parameters of each body, and a note, from the wear coefficient of both together, in the stated proportion."""
     shares = {key: sum(tables.shares[body] for body in bodies) for key, bodies in tables.wear.items()}
     low, high = total.interval95
     parts = {
@@ -91,13 +91,13 @@ def parted(tables: Any, total: FittedParameter) -> Worn:
 
 
 def total_of(tables: Any, parameters: Mapping[str, FittedParameter]) -> float | None:
-    """Wear coefficient of both bodies together by fitted parameters; None where none was fitted."""
+    """Wear coefficient of both bodies together, from fitted parameters; None if none was fitted."""
     known = [parameters[key].value for key in tables.wear if key in parameters]
     return sum(known) if known else None
 
 
 def stated_wear(tables: Any) -> str | None:
-    """What the record states of wear, for a sentence; None where it states nothing."""
+    """Wear that the record states, as a sentence part; None if it states none."""
     words = []
     for key in type(tables.stated).WEAR:
         law, found, unit = key.partition("_wear_coefficient_")
@@ -108,7 +108,7 @@ def stated_wear(tables: Any) -> str | None:
 
 
 def where_volumes(tables: Any) -> str:
-    """How a laboratory gets the worn volumes into its record, for a sentence."""
+    """Advice on how worn volumes get into the record, as a sentence part."""
     names = f"{tables.worn.name}s"
     return f"measure both {names} ({' and '.join(f'[{names}.{body}]' for body in tables.body_names)} of the mapping)"
 
@@ -116,8 +116,9 @@ def where_volumes(tables: Any) -> str:
 def wear_given(
     given: GivenWear, tables: Any, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
 ) -> Worn:
-    """Wear as given; what scars say of it no longer counts but for the bodies' shares.
-    Raises RecordError if a volume is given, and nothing shows the energy that wore it.
+    """Wear parameters as the user gives them, and notes; scars then only determine the bodies' shares.
+
+    Raises RecordError if a volume is given, but the energy that wore it is unknown.
     """
     energy = found.get("accumulated_energy_J")
     if given.coefficient_mm3_per_J is not None:

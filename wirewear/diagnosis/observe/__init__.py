@@ -1,6 +1,6 @@
-"""What is observed of a record: loops read, and the list of observables, measured and computed.
+"""Observables of a record: its loops prepared for reading, and all numbers that are compared between record and model.
 
-A package that adds an observable needs the names of this door alone.
+A package that adds an observable needs only the names exported here.
 """
 
 from wirewear.diagnosis.observe.local_lines import ObservedBranch

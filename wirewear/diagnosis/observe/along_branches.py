@@ -1,8 +1,8 @@
-"""Observables along a loop's branches, two readings of one curve.
+"""Observables along a loop's branches, by two readings of one curve.
 
-While the contact sticks after a reversal, the displacement at equal force; while it slides, the force at equal
-displacement, and just past the knee over that beyond it: a peak there, which adhesion after a reversal makes, is no
-slope of the scar.
+While the contact sticks after a reversal (stick branch), displacements are read at equal force; while it slides, forces
+at equal displacement. The knee is where sliding begins; just past it, the excess over the force farther on is read,
+which shows adhesion after a reversal and not the scar's slope. A shelf is a stretch at zero force, by free play.
 """
 
 from dataclasses import replace
@@ -65,7 +65,7 @@ PEAK, BEYOND = _OF_WINDOWS.pair("peak"), _OF_WINDOWS.pair("beyond")
 
 
 class Stick(observable.ByLocalLines):
-    """Levels are forces in the branch's direction in N."""
+    """Displacement at equal force on the stick branches. Levels are forces in N, in the branch's direction."""
 
     name = "stick"
     words, unit = "displacement at equal force", "um"
@@ -83,46 +83,45 @@ class Stick(observable.ByLocalLines):
         return sites
 
     def line(self, loop: ReducedLoop, site: observable.Site) -> LocalLine | None:
-        """Through the samples near the force."""
         branch = loop.branches[int(site.branch < 0)]
         return displacement_at(branch, site.level, FORCE_WINDOW * loop.mid_force_N, loop)
 
     def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        """Linear between the model's points; past a loop's tips a force crosses no branch, which ends there."""
+        """Values linear between the model's points; a force beyond a loop's tips gives the end of the branch."""
         x, q, row = observable.branches_of(course, sites)
         return sites.branch * read_along(np.maximum.accumulate(q, axis=1), x, row, sites.level)
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """Where a branch turns under another force, it lies elsewhere as a whole."""
+        """Differences as the branch shifts if the loop turns at another force, and as the force's zero moves readings
+        on a shelf.
+        """
         turned = observable.SLOPE_SHARE * loops.rise_N(sites) * loops.stick_compliance_um_per_N(sites)
         crossing = loops.travel_um(sites, observable.FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
         # A drive that repeats itself leaves every branch at the same place of a shelf.
         return observable.SolverSize(turned, crossing, crossing * sites.branch)
 
     def along(self, sites: observable.Sites) -> Array:
-        """Force in the branch's direction."""
         return sites.level
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:
-        """Smooth over the force."""
         along = sites.level / scale.force_N / observable.REACH
         return replace(observable.Smoothness.of_whole_loops(len(sites)), along=along)
 
 
 def has_few_samples(branches: list[ObservedBranch], force_N: float) -> bool:
-    """Whether one of the stick branches of several repeats is read at its samples, being few."""
+    """True if one of several repeats' stick branches has so few samples that it is read at these."""
     return min(q.size for q in _samples(branches, force_N)) <= FEW_SAMPLES
 
 
 def _samples(branches: list[ObservedBranch], force_N: float) -> list[Array]:
-    """Forces of the samples that stick for certain, branch by branch."""
+    """Forces of the samples that certainly stick, for each branch."""
     top, lowest = min(branch.stick_top_N for branch in branches), FORCES[0] * force_N
     seen = [branch.force_N[: branch.knee + 1] for branch in branches]
     return [q[(q > lowest) & (q < min(top, FORCES[-1] * force_N))] for q in seen]
 
 
 def _levels(branches: list[ObservedBranch], force_N: float) -> list[float]:
-    """Forces at which stick branches are read: even ones, or those of the samples themselves where these are few."""
+    """Forces at which stick branches are read: evenly spread, or those of the samples if there are few."""
     samples = _samples(branches, force_N)
     count = min(q.size for q in samples)
     if count > FEW_SAMPLES:
@@ -134,14 +133,14 @@ def _levels(branches: list[ObservedBranch], force_N: float) -> list[float]:
 
 
 class ShelfTravel(observable.OfLoops):
-    """One a branch. Levels are the largest forces in N that count as none."""
+    """Travel of each branch at nearly zero force. Levels are the largest forces in N that count as zero."""
 
     name = "shelf"
     words, unit = "travel without force", "um"
     zones = (observable.Zone("shelf", "shelf, where the force is zero", "after a reversal"),)
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """Branches of few samples, in all repeats."""
+        """Branches with few samples in a repeat."""
         level = max(SHARE * reading.force_N, OUTLYING * reading.sample_noise_N)
         return [
             observable.Site(cycle, sign, level)
@@ -151,16 +150,17 @@ class ShelfTravel(observable.OfLoops):
         ]
 
     def read(self, loop: ReducedLoop, site: observable.Site) -> tuple[float, float]:
-        """As the samples say; half of the variance of what they allow is each reading's own."""
+        """Travel in µm and its noise; half of the variance that the samples leave open counts as each reading's own."""
         travel, unsure = travel_between(loop.branches[int(site.branch < 0)], site.level)
         return travel, float(np.hypot(np.sqrt(0.5) * unsure, loop.displacement_noise_um))
 
     def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        """Between the same forces, linear between the model's points."""
         return observable.travel_um(course, sites, -sites.level, sites.level)
 
     def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
-        """A drive that repeats itself takes its samples at the same places of every branch: the other half."""
+        """Error common to all repeats: the other half of that variance, as a repeatable drive samples every branch
+        alike.
+        """
         unsure = [
             travel_between(loop.branches[int(site.branch < 0)], site.level)[1]
             for site in sites
@@ -170,16 +170,16 @@ class ShelfTravel(observable.OfLoops):
         return np.full(len(sites), np.sqrt(0.5) * usual)
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """A share of the travel."""
         return observable.SolverSize(TRAVEL_SHARE * self.predict(loops.course, sites), hooked=False)
 
 
 def travel_between(branch: ObservedBranch, level_N: float) -> tuple[float, float]:
-    """Travel [µm] of a branch from −`level_N` to `level_N`, and its standard deviation; NaN of too few samples.
+    """Travel in µm of a branch from −`level_N` to `level_N`, and its standard deviation; NaN if there are too few
+    samples.
 
-    It lies between that of the samples of such forces and that of those before and after them, evenly. With fewer than
-    two of such forces nothing speaks for a shelf: the branch goes straight then, which a play of less travel may hide.
-    Where a reading leans against the force, travel is negative.
+    It is the mean of the distances between the innermost and between the outermost samples that bracket these forces.
+    With fewer than two samples inside, the branch is taken as straight there. Travel is negative where a sensor's
+    deflection by the force exceeds it.
     """
     end = min(branch.knee + 2, branch.force_N.size)
     x, q = branch.displacement_um[:end], branch.force_N[:end]
@@ -198,7 +198,10 @@ def travel_between(branch: ObservedBranch, level_N: float) -> tuple[float, float
 
 
 def displacement_at(branch: ObservedBranch, level_N: float, window_N: float, loop: ReducedLoop) -> LocalLine | None:
-    """Displacement at which the stick branch reaches a force; None where it does not."""
+    """Displacement at which the stick branch reaches a force, with its error; None if it does not reach it.
+
+    window_N: forces within this distance are used.
+    """
     x, q = branch.displacement_um, branch.force_N
     end = min(branch.knee + 2, x.size - 1)
     # Counting is right where the first crossing is not: a single outlier moves it by one sample.
@@ -232,12 +235,12 @@ def displacement_at(branch: ObservedBranch, level_N: float, window_N: float, loo
 
 
 def _sample_error(loop: ReducedLoop, slope_um_per_N: float) -> float:
-    """Error of a displacement that one sample shows, whose force is unsure, too [µm]."""
+    """Error in µm of a displacement from one sample, including that of its force."""
     return float(np.hypot(loop.displacement_noise_um, slope_um_per_N * loop.sample_noise_N))
 
 
 class PlateauForce(observable.ByLocalLines):
-    """Levels are displacements in µm."""
+    """Force at equal displacement while sliding. Levels are displacements in µm."""
 
     name = "plateau"
     words, unit = "force at equal displacement", "N"
@@ -248,7 +251,7 @@ class PlateauForce(observable.ByLocalLines):
     simulated = True
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """Even places past the knee of every repeat."""
+        """Evenly spread displacements past the knee of every repeat."""
         amplitude = reading.amplitude_um
         sites = []
         for cycle in reading.cycles:
@@ -260,29 +263,25 @@ class PlateauForce(observable.ByLocalLines):
         return sites
 
     def line(self, loop: ReducedLoop, site: observable.Site) -> LocalLine | None:
-        """Through the samples near the place."""
         branch, window_um = loop.branches[int(site.branch < 0)], POSITION_WINDOW * loop.amplitude_um
         return force_at(branch, branch.sign * site.level, window_um, loop.sample_noise_N, loop.correlation)
 
     def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        """Linear between the model's points."""
         x, q, row = observable.branches_of(course, sites)
         return sites.branch * read_along(still_to_come(x), q, row, self.along(sites))
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """Ripples of the worn surface."""
+        """Differences by ripples of the worn surface: a share of the force that slopes add."""
         return observable.SolverSize(observable.SLOPE_SHARE * loops.rise_N(sites))
 
     def zone(self, sites: observable.Sites, amplitude_um: float) -> NDArray[np.str_]:
-        """The end of the stroke is one of its own."""
         return np.where(self.along(sites) > TIP * amplitude_um, "tip", "plateau")
 
     def along(self, sites: observable.Sites) -> Array:
-        """Displacement in the branch's direction."""
         return sites.level * sites.branch
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:
-        """Smooth along the stroke, least at the walls."""
+        """Differences alike along the stroke, over shorter distances at the scar's walls."""
         along = self.along(sites) / scale.amplitude_um
         beyond = np.maximum(np.abs(along) - WALL_PLACE, 0.0)
         lengths = np.sign(along) * ((np.abs(along) - beyond) / observable.REACH + beyond / REACH_WALL)
@@ -290,44 +289,44 @@ class PlateauForce(observable.ByLocalLines):
 
 
 class KneePeak(observable.OfLoops):
-    """One a branch, positive along +x."""
+    """Force just past the knee less that beyond it, one for each branch, positive along +x."""
 
     name = "knee"
     words, unit = "force just past the knee over that beyond", "N"
     zones = (observable.Zone("knee", "knee, where sliding begins"),)
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """Both branches of every loop."""
         return [observable.Site(cycle, sign) for cycle in reading.cycles for sign in (1, -1)]
 
     def read(self, loop: ReducedLoop, site: observable.Site) -> tuple[float, float]:
-        """Means over two windows past the knee."""
         branch = loop.branches[int(site.branch < 0)]
         x = branch.displacement_um[branch.knee :]
         peak, weight = peak_N(x - x[0], branch.force_N[branch.knee :], loop.amplitude_um, loop.correlation)
         return branch.sign * peak, loop.sample_noise_N * weight
 
     def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        """Peaks of computed branches at these sites, N."""
         peaks = computed_peaks_N(course.displacement_um, course.tangential_force_N)
         return np.asarray(sites.branch * peaks[observable.rows_of(course, sites), (sites.branch < 0).astype(int)])
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """How steep a wall begins depends on the elements as soon as there is one, and no more once it is high."""
+        """Differences where a wall begins, which depend on element size once there is a wall, but not on how high it
+        is.
+        """
         rise = loops.rise_N(sites)
         high = rise / (1.0 + rise / (WALL_HEIGHT * loops.scale.force_N))
         size = PEAK_SHARE * np.abs(self.predict(loops.course, sites))
         return observable.SolverSize(np.hypot(size, PEAK_SHARE * high))
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
-        """Each branch has its knee at a wall of its own."""
+        """Smoothness over the cycles; both branches of a loop are independent, as each begins at its own wall."""
         return replace(observable.Smoothness.of_whole_loops(len(sites)), turned=0.0)
 
 
 def peak_N(past_um: Array, force_N: Array, amplitude_um: float, correlation: float = 0.0) -> tuple[float, float]:
-    """Mean force of a branch (m,) in the window of the peak less that beyond, and the factor from noise to its error.
+    """Mean force of a branch (m,) in the window PEAK less that in BEYOND, and the factor from sample noise to its
+    error.
 
-    `past_um` is measured from the knee. NaN where a window holds too few samples.
+    past_um: displacement from the knee. Both are NaN if a window holds too few samples.
     """
     near, far = ((past_um >= low * amplitude_um) & (past_um <= high * amplitude_um) for low, high in (PEAK, BEYOND))
     counts = int(near.sum()), int(far.sum())
@@ -339,7 +338,7 @@ def peak_N(past_um: Array, force_N: Array, amplitude_um: float, correlation: flo
 
 
 def computed_peaks_N(displacement_um: Array, force_N: Array) -> Array:
-    """Peak forces (n, 2) in N of computed branches (n, 2, m), both in order of travel."""
+    """Peaks as of `peak_N` (n, 2) for computed branches (n, 2, m), both in order of travel."""
     sign = np.array([1.0, -1.0])[:, None]
     x, q = sign * displacement_um, sign * force_N
     travel = x - x[..., :1]
@@ -354,7 +353,7 @@ def computed_peaks_N(displacement_um: Array, force_N: Array) -> Array:
 
 
 def _read(travel: Array, force: Array, at: Array) -> Array:
-    """Forces (..., k) at travels, linear between the points (..., m) of each branch."""
+    """Forces (..., k) at travels (..., k), linear between the points (..., m) of each branch."""
     known, values = (one.reshape(-1, one.shape[-1]) for one in (travel, force))
     rows = np.repeat(np.arange(len(known)), at.shape[-1])
     return read_along(known, values, rows, at.ravel()).reshape(at.shape)

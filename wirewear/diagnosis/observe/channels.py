@@ -1,7 +1,7 @@
-"""Channels as a whole: amplitude, normal force along the stroke, and figures of the evolution.
+"""Observables of whole channels: amplitude, normal force along the stroke, and figures of the evolution.
 
-Whatever guides the load shows in the normal force, and nothing that wears: the scar lifts the wires by micrometres.
-Another program has read the evolution: dissipated energy, slip amplitude and largest force of a loop.
+The normal force shows whatever guides the load; wear hardly changes it. The evolution holds dissipated energy, slip
+amplitude and largest force of loops as another program has read them.
 """
 
 from abc import abstractmethod
@@ -55,68 +55,63 @@ ERROR = _OF_EVOLUTION.number("figure_error")
 
 
 class _OfNormalForce(OfLoops):
-    """Read where the normal force was measured."""
+    """Observable that is read where the normal force was measured."""
 
     simulated = True
 
     def sites(self, reading: Reading) -> list[Site]:
-        """Every cycle at which a repeat has it."""
+        """Every cycle at which a repeat has a normal force."""
         return [Site(cycle) for cycle in reading.cycles if any(loop.normal_N for loop in reading.at(cycle))]
 
     def whole(self, setup: SurrogateInputs, predicted: Array) -> Array:
-        """The load."""
         return np.full(predicted.size, setup.load_N)
 
 
 class NormalForce(_OfNormalForce):
-    """Mean of both branches."""
+    """Mean normal force over both branches while sliding."""
 
     name = "normal"
     words, unit = "normal force", "N"
     zones = (Zone("normal", "normal force"),)
 
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:  # noqa: ARG002
-        """Mean over what slides."""
         if loop.normal_N is None:
             return np.nan, np.nan
         return float(np.mean(loop.normal_N)), loop.normal_error_N / float(np.sqrt(2.0))
 
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        """Mean over what slides."""
         p = course.normal_force_N
         return np.asarray(p[:, :, SLIDING:].mean(axis=(1, 2)))[rows_of(course, sites)]
 
 
 class NormalForceByDirection(_OfNormalForce):
-    """Mean of the branch towards +x less that of the other."""
+    """Mean normal force of the branch towards +x less that of the other, while sliding."""
 
     name = "normal_direction"
     words, unit = "normal force, forward less backward", "N"
     zones = (Zone("normal_direction", "normal force by direction"),)
 
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:  # noqa: ARG002
-        """Means over what slides."""
         if loop.normal_N is None:
             return np.nan, np.nan
         return loop.normal_N[0] - loop.normal_N[1], loop.normal_error_N * float(np.sqrt(2.0))
 
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        """Means over what slides."""
         forward, backward = (course.normal_force_N[:, side, SLIDING:].mean(axis=1) for side in (0, 1))
         return np.asarray(forward - backward)[rows_of(course, sites)]
 
 
 class _AlongStroke(OfLoops):
-    """Mean load of one part of the stroke less that of another, over both branches."""
+    """Normal force in one part of the stroke less that in another, mean of both branches."""
 
     unit = "N"
 
     @abstractmethod
     def parts(self, place: Array) -> tuple[BoolArray, BoolArray]:
-        """Which places, over the amplitude, belong to one part, and which to the other."""
+        """Marks of the samples in one part and in the other; `place` is displacement over amplitude."""
 
     def sites(self, reading: Reading) -> list[Site]:
-        """Every cycle at which a repeat has it."""
+        """Every cycle at which a repeat has a normal force."""
         return [
             Site(cycle)
             for cycle in reading.cycles
@@ -124,7 +119,7 @@ class _AlongStroke(OfLoops):
         ]
 
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:  # noqa: ARG002
-        """The mean of what each branch says."""
+        """Mean over both branches of the difference of medians in N, and its noise."""
         values, variances = [], []
         for branch in loop.branches:
             if branch.normal_N is None:
@@ -141,7 +136,6 @@ class _AlongStroke(OfLoops):
         return 0.5 * sum(values), float(0.5 * np.sqrt(0.5 * np.pi * sum(variances)))
 
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        """Half the difference of the load's medians on both sides, of computed branches, N."""
         x, load = course.displacement_um, course.normal_force_N[..., SLIDING:]
         place = x[..., SLIDING:] / (0.5 * np.ptp(x, axis=(1, 2)))[:, None, None]
         one, other = (_medians(load, part) for part in self.parts(place))
@@ -151,7 +145,7 @@ class _AlongStroke(OfLoops):
 
 
 def _medians(values: Array, chosen: BoolArray) -> Array:
-    """Medians (...) of the chosen ones among values (..., m), infinite where none is."""
+    """Medians (...) of the chosen values (..., m), infinite where none is chosen."""
     ordered = np.sort(np.where(chosen, values, np.inf), axis=-1)
     count = np.count_nonzero(chosen, axis=-1)[..., None]
     low, high = (np.take_along_axis(ordered, np.maximum(at, 0), axis=-1) for at in ((count - 1) // 2, count // 2))
@@ -160,68 +154,62 @@ def _medians(values: Array, chosen: BoolArray) -> Array:
 
 
 class NormalForceAtEnds(_AlongStroke):
-    """Both ends of the stroke beside its middle."""
+    """Normal force at both ends of the stroke less that in its middle."""
 
     name = "normal_ends"
     words = "normal force, ends of the stroke less its middle"
     zones = (Zone("normal_ends", "normal force at the ends"),)
 
     def parts(self, place: Array) -> tuple[BoolArray, BoolArray]:
-        """What lies outside, what lies inside."""
         return np.abs(place) > OUTER, np.abs(place) < MIDDLE
 
 
 class NormalForceBySides(_AlongStroke):
-    """The end at +x less that at −x, as each branch reaches them while it slides."""
+    """Normal force at the end at +x less that at −x, while sliding."""
 
     name = "normal_sides"
     words = "normal force, one side of the stroke less the other"
     zones = (Zone("normal_sides", "normal force by side"),)
 
     def parts(self, place: Array) -> tuple[BoolArray, BoolArray]:
-        """What lies to the right, what lies to the left."""
         return place > MIDDLE, place < -MIDDLE
 
 
 class Amplitude(OfLoops):
-    """Half of a loop's extent."""
+    """Displacement amplitude, half of a loop's extent."""
 
     name = "amplitude"
     words, unit = "displacement amplitude", "um"
     zones = (Zone("amplitude", "displacement amplitude"),)
 
     def sites(self, reading: Reading) -> list[Site]:
-        """Every loop."""
         return [Site(cycle) for cycle in reading.cycles]
 
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:  # noqa: ARG002
-        """As the loop was cleaned."""
         return loop.amplitude_um, loop.amplitude_error_um
 
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        """Half of the computed loop's extent."""
         x = course.displacement_um
         return np.asarray(0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2))))[rows_of(course, sites)]
 
 
 class EvolutionFigure(Observable):
-    """One column of an evolution, which shows its own noise."""
+    """One column of the evolution, whose noise follows from its own scatter."""
 
     column: ClassVar[str]
 
     @abstractmethod
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
-        """The figure (n,) of loops (n, 2, m)."""
+        """Figure (n,) of computed loops (n, 2, m)."""
 
     def sites(self, reading: Reading) -> list[Site]:
-        """Cycles far from all logged ones."""
+        """Cycles farther than the factor FAR from all logged loops."""
         logged = np.array(reading.cycles, dtype=float)
         known = sorted({int(cycle) for part in reading.evolution for cycle in part.columns["cycle"] if cycle > 0})
         far = [cycle for cycle in known if np.all(np.abs(np.log(cycle / logged)) > np.log(FAR))]
         return [Site(cycle) for cycle in spread_cycles(far, MOST_CYCLES)]
 
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
-        """The column."""
         values, share = np.full(len(sites), np.nan), None
         for part in reading.evolution:
             if part.repeat == repeat and self.column in part.columns:
@@ -234,21 +222,22 @@ class EvolutionFigure(Observable):
         return values, np.hypot(noise, np.sqrt(0.5) * self.missed(reading))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
-        """By how much another program may define it otherwise, and what a drive that repeats itself always misses."""
+        """Error common to all repeats: another definition of the figure, and half the variance of `missed`."""
         defined = ERROR * _usual_figures(reading, self.column, sites)
         return np.asarray(np.hypot(defined, np.sqrt(0.5) * self.missed(reading)))
 
     def missed(self, reading: Reading) -> float:  # noqa: ARG002
-        """What straight lines between few samples may miss of it; half the variance changes as samples move along."""
+        """Error in the column's unit of straight lines between few samples; half its variance counts as each reading's
+        own.
+        """
         return 0.0
 
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        """The figure of computed loops at these sites."""
         return self.of_loops(course.displacement_um, course.tangential_force_N)[rows_of(course, sites)]
 
 
 class Energy(EvolutionFigure):
-    """Area of the loop."""
+    """Dissipated energy of the evolution in mJ, the area of the loop."""
 
     name = "energy"
     words, unit = "dissipated energy", "mJ"
@@ -256,16 +245,15 @@ class Energy(EvolutionFigure):
     column = "dissipated_energy_mJ"
 
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
-        """Area."""
         return loop_area(displacement_um, force_N)
 
     def missed(self, reading: Reading) -> float:
-        """Strips as wide along both stick branches, half as high as these as lines are right at their samples."""
+        """Area of strips along both stick branches, which straight lines between samples cut off."""
         return 2e-3 * reading.force_N * _chord_error_um(reading)
 
 
 class SlipAmplitude(EvolutionFigure):
-    """Half of the loop's width."""
+    """Slip amplitude of the evolution in µm, half of the loop's width."""
 
     name = "slip"
     words, unit = "slip amplitude", "um"
@@ -273,24 +261,19 @@ class SlipAmplitude(EvolutionFigure):
     column = "slip_amplitude_um"
 
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
-        """Half width."""
         return half_width(displacement_um, force_N)
 
     def missed(self, reading: Reading) -> float:
-        """As much of each branch, of both of which it is half the sum."""
         return _chord_error_um(reading)
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """Its crossings of Q = 0, two of which it is half the sum of.
-
-        A logger that repeats itself, or an interpolation, finds them at the same place of every shelf.
-        """
+        """Differences of the crossings of Q = 0, which lie anywhere on a shelf, and alike on every shelf."""
         crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
         return SolverSize(np.zeros(len(sites)), own=crossing / np.sqrt(2.0), common=crossing)
 
 
 class LargestForce(EvolutionFigure):
-    """Of either sign."""
+    """Largest |Q| of the evolution in N."""
 
     name = "force"
     words, unit = "largest tangential force", "N"
@@ -298,21 +281,22 @@ class LargestForce(EvolutionFigure):
     column = "max_tangential_force_N"
 
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:  # noqa: ARG002
-        """Max |Q|."""
         return np.asarray(np.abs(force_N).max(axis=(1, 2)))
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """A share of what slopes add at the end of the stroke."""
+        """Differences as a share of the force that slopes add at the end of the stroke."""
         return SolverSize(SLOPE_SHARE * loops.rise_N(sites))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
-        """By how much noise may lift it, as the largest of many samples."""
+        """Error common to all repeats, including the amount by which noise raises the largest of many samples."""
         return np.hypot(PEAK_BIAS * reading.sample_noise_N, super().common_error(reading, sites))
 
 
 def own_noise(cycles: Array, figures: Array) -> tuple[float | None, BoolArray]:
-    """Relative deviation of figures (n,) from their neighbours' line over the cycles' logarithm, None of too few; and
-    which of them are sound: the largest force of a loop with an outlying sample is that sample.
+    """Relative noise of figures (n,) about a line between neighbours in log cycle, None if too few, and marks of sound
+    ones.
+
+    Figures that lie far off are marked as unsound: a loop's largest force may be an outlying sample.
     """
     sound = np.isfinite(figures) & (figures > 0.0) & (cycles > 0.0)
     places = np.flatnonzero(sound)
@@ -331,20 +315,22 @@ def own_noise(cycles: Array, figures: Array) -> tuple[float | None, BoolArray]:
 
 
 def _deviates(time: Array, logs: Array) -> Array:
-    """How far values lie from the line between both neighbours (n − 2,), with the variance of one of them."""
+    """Distance (n − 2,) of values from the line between both neighbours, scaled to the standard deviation of
+    one value.
+    """
     share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
     away = logs[1:-1] - (1.0 - share) * logs[:-2] - share * logs[2:]
     return np.asarray(away / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2))
 
 
 def _chord_error_um(reading: Reading) -> float:
-    """What straight lines between samples miss of half a loop's width at zero force, the median."""
+    """Median error in µm of half a loop's width at zero force, by straight lines between samples."""
     steps = [branch.step_at_zero_um for loop in reading.loops for branch in loop.branches]
     return CHORD_ERROR * float(np.median(steps)) if steps else 0.0
 
 
 def _usual_figures(reading: Reading, column: str, sites: Sites) -> Array:
-    """Mean figures (n,) of all repeats, at the cycles nearest to each site's; 0 where there are none."""
+    """Mean figure (n,) of all repeats at the cycle nearest to each site's; 0 if the evolution lacks the column."""
     parts = [part.columns for part in reading.evolution if column in part.columns]
     if not parts:
         return np.zeros(len(sites))
@@ -356,12 +342,12 @@ def _usual_figures(reading: Reading, column: str, sites: Sites) -> Array:
 
 
 def loop_area(x: Array, q: Array) -> Array:
-    """Area of loops (n, 2, m) in mJ, (n,)."""
+    """Areas (n,) in mJ of loops (n, 2, m): displacements in µm and forces in N."""
     return 1e-3 * enclosed_areas(x.reshape(len(x), -1), q.reshape(len(q), -1))
 
 
 def half_width(x: Array, q: Array) -> Array:
-    """Half of a loop's width at its mid force, (n,)."""
+    """Half the width (n,) of loops (n, 2, m) at their mid force, in the unit of x."""
     middle = 0.5 * (q.max(axis=(1, 2)) + q.min(axis=(1, 2)))
     each = np.arange(len(x))
     back, there = (

@@ -1,4 +1,7 @@
-"""A branch, its knee, and its values at a place by lines through the samples near it."""
+"""A branch of a measured loop, its knee, and values read from it by lines through nearby samples.
+
+The knee is where sliding begins: before it the branch sticks, behind it the branch slides.
+"""
 
 from __future__ import annotations
 
@@ -33,10 +36,10 @@ KNEE_TRAVEL, KNEE_EARLY = constants("observe.knee").each("travel", "early")
 
 @dataclass(frozen=True, eq=False)
 class ObservedBranch:
-    """One branch of a measured loop in order of travel: displacement and force times its direction, so that they rise.
+    """One branch of a measured loop in order of travel; displacement and force are multiplied by its direction.
 
-    All arrays are (m,); the normal force is None where it was not measured. `reversal_N` is the force at which the
-    other branch ends, from which this one begins.
+    Arrays are (m,); the normal force is None if not measured. `knee` is the index of the knee. `reversal_N` is the
+    force, in this branch's direction, at which the other branch ends.
     """
 
     sign: int
@@ -48,24 +51,24 @@ class ObservedBranch:
 
     @property
     def knee_um(self) -> float:
-        """Displacement at which sliding begins, times the direction."""
+        """Displacement at the knee, multiplied by the direction."""
         return float(self.displacement_um[self.knee])
 
     @cached_property
     def sliding(self) -> slice:
-        """Samples from the knee to the last whose force has not fallen: the drive has turned round after that."""
+        """Samples from the knee to the last before the force falls because the drive has reversed."""
         past = self.force_N[self.knee :]
         return slice(self.knee, self.knee + int(np.flatnonzero(past > FALLEN * np.median(past))[-1]) + 1)
 
     @property
     def stick_top_N(self) -> float:
-        """Force up to which the branch sticks for certain."""
+        """Force up to which the branch certainly sticks."""
         low = min(float(self.force_N[: self.knee + 1].min()), self.reversal_N)
         return low + STICK_SHARE * (float(self.force_N[self.knee]) - low)
 
     @property
     def step_at_zero_um(self) -> float:
-        """Displacement between the samples before and after the force changes its sign; 0 where it does not."""
+        """Displacement between the samples on either side of zero force; 0 if the stick branch does not cross it."""
         after = int(np.count_nonzero(self.force_N[: self.knee + 1] <= 0.0))
         if not 0 < after <= self.knee:
             return 0.0
@@ -73,9 +76,9 @@ class ObservedBranch:
 
 
 def knee_index(travel_um: Array, force_N: Array, top_N: float, amplitude_um: float, reversal_N: float = np.inf) -> int:
-    """Place of the knee on a branch (m,) that rises with its travel, `top_N` being the force at mid-stroke.
+    """Index of the knee on a branch (m,) that rises with its travel; `top_N` is the force at mid-stroke.
 
-    reversal_N: force where the other branch ends: a drive that turns sharply has risen far by the first sample.
+    reversal_N: force at which the other branch ends, as a sharp reversal has risen far by this branch's first sample.
     """
     return int(knees_of(travel_um, force_N, np.array([top_N]), np.array([amplitude_um]), reversal_N))
 
@@ -83,7 +86,7 @@ def knee_index(travel_um: Array, force_N: Array, top_N: float, amplitude_um: flo
 def knees_of(
     travel_um: Array, force_N: Array, top_N: Array, amplitude_um: Array, reversal_N: float = np.inf
 ) -> NDArray[np.intp]:
-    """Places (...) of the knees of branches (..., m), of forces at mid-stroke and amplitudes (..., 1)."""
+    """Indices (...) of the knees of branches (..., m), with forces at mid-stroke and amplitudes (..., 1)."""
     low = force_N[..., : max(3, force_N.shape[-1] // 6)].min(axis=-1, keepdims=True)
     low = np.minimum(low, reversal_N)
     rise = (force_N - low) / np.maximum(top_N - low, 1e-12) - travel_um / (KNEE_TRAVEL * amplitude_um)
@@ -93,10 +96,10 @@ def knees_of(
 
 @dataclass(frozen=True, eq=False)
 class LocalLine:
-    """What a line through some samples of a branch gives at a place: a value and its error, by weights of the samples.
+    """Value read from a line through nearby samples of a branch, its error, and the samples' weights (m,) in the value.
 
-    `order` (m,) are the samples' numbers on the branch. Two lines of one branch share samples, and so part of their
-    errors: `sampled` is the share of it that comes from the samples, not from a curve that a line misses.
+    `order` (m,) are the samples' indices on the branch. `sampled` is the share of the error that comes from sample
+    noise, and not from the curve's departure from a line; lines with common samples have correlated errors.
     """
 
     value: float
@@ -106,7 +109,7 @@ class LocalLine:
     sampled: float = 1.0
 
     def correlation(self, other: LocalLine, of_neighbours: float) -> float:
-        """Of both values' errors, the samples being so alike to their neighbours."""
+        """Correlation of this value's error with another's; `of_neighbours` is that between neighbouring samples."""
         own, others = (noise_factor(one.weights, one.order, of_neighbours) for one in (self, other))
         shared = noise_product(self.weights, self.order, other.weights, other.order, of_neighbours) / (own * others)
         return self.sampled * other.sampled * shared
@@ -115,7 +118,11 @@ class LocalLine:
 def force_at(
     branch: ObservedBranch, at_um: float, window_um: float, sample_noise_N: float = 1.0, correlation: float = 0.0
 ) -> LocalLine | None:
-    """Force on the sliding part at a position by a local line, or a parabola; None where no samples are near."""
+    """Force while sliding at a displacement, by a local line or parabola; None if no samples are near.
+
+    at_um: displacement in the branch's direction. window_um: samples within this distance are used. correlation: of the
+    noise of neighbouring samples.
+    """
     x, q, first = branch.displacement_um[branch.sliding], branch.force_N[branch.sliding], branch.knee
     near = np.abs(x - at_um) < window_um
     if np.count_nonzero(near) < FEW_NEAR:

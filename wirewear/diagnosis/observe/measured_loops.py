@@ -1,4 +1,4 @@
-"""One measured loop made ready for reading: cleaned, cut into branches, its noise known, and local fits along it."""
+"""Preparation of a measured loop for reading: cleaned, split into branches, with its noise and drive harmonics."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -66,7 +66,9 @@ DRIVE_HARMONICS = _OF_NOISE.count("drive_harmonics")
 
 
 def harmonics_of(time_s: Array, period_s: float, displacement_um: Array) -> ComplexArray:
-    """Harmonics (k,) of one cycle's displacement (n,), turned so that the first is a sine's, of unit size."""
+    """Complex harmonics (k,) of one cycle's displacement (n,), with phases such that the first is a sine of
+    unit size.
+    """
     count = max(1, min(MOST_HARMONICS, time_s.size // SAMPLES_A_HARMONIC))
     turns = np.exp(2j * np.pi * np.outer(time_s / period_s, np.arange(1, count + 1)))
     design = np.column_stack([np.ones(time_s.size), turns.real, turns.imag])
@@ -77,9 +79,9 @@ def harmonics_of(time_s: Array, period_s: float, displacement_um: Array) -> Comp
 
 
 def motion_of(loops: Sequence[ComplexArray], noise: float) -> FastMotion:
-    """The motion that the harmonics of several loops have in common; `noise` is that of one loop's harmonic.
+    """Common motion of a drive from the harmonics of several loops; `noise` is the standard deviation of one harmonic.
 
-    The median scatters by √(π/2) more than the mean.
+    Harmonics within their noise are dropped. The median scatters by √(π/2) more than the mean.
     """
     if not loops:
         return SINE
@@ -92,10 +94,10 @@ def motion_of(loops: Sequence[ComplexArray], noise: float) -> FastMotion:
 
 @dataclass(frozen=True, eq=False)
 class ReducedLoop:
-    """A clean measured loop as two branches, with the noise of one sample, and what counts of it in means.
+    """Measured loop as two branches, with its noise.
 
-    `harmonics` (k,) are those of its displacement over time. Displacements are measured from the middle between its
-    tips.
+    Displacements are counted from the middle between both tips. `sample_noise_N` is the noise of one force sample, and
+    `force_noise_N` the effective one in means of correlated samples. `harmonics` (k,) are those of the displacement.
     """
 
     repeat: int
@@ -114,7 +116,7 @@ class ReducedLoop:
 
     @property
     def correlation(self) -> float:
-        """Of the noise of neighbouring samples."""
+        """Correlation of the noise of neighbouring samples."""
         return correlation_of(self.force_noise_N / self.sample_noise_N)
 
     @property
@@ -125,7 +127,7 @@ class ReducedLoop:
 
     @property
     def half_width_um(self) -> float:
-        """Half of the loop's width where the force is zero."""
+        """Half of the loop's width at zero force."""
         crossings = [
             float(np.interp(0.0, np.maximum.accumulate(branch.force_N[: branch.knee + 1]),
                             branch.displacement_um[: branch.knee + 1]))
@@ -135,8 +137,9 @@ class ReducedLoop:
 
 
 def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) -> ReducedLoop:
-    """A measured loop made ready; its noise is taken from its samples, or as stated where these are few.
-    Raises LoopError if it cannot be read, or slides as a whole at the ends of its stroke alone.
+    """Prepare a measured loop; its noise comes from its samples, or as stated where samples are few.
+
+    Raises LoopError if it cannot be read, or slides as a whole only at the ends of its stroke.
     """
     loop = measured.complete
     clean = clean_loop(loop.displacement_um, loop.tangential_force_N, None, time_s=loop.time_s)
@@ -187,7 +190,7 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) ->
 
 
 def common_motion(loops: Sequence[ReducedLoop]) -> FastMotion:
-    """How the drive of these loops passes its stroke in time."""
+    """Motion of the drive that these loops have in common; a sine if there are none."""
     if not loops:
         return SINE
     samples, noise = (
@@ -203,7 +206,7 @@ def common_motion(loops: Sequence[ReducedLoop]) -> FastMotion:
 
 
 def of_one_recorder(loops: list[ReducedLoop]) -> list[ReducedLoop]:
-    """The loops with the median of their noise: one recorder took them all, whatever shape they have."""
+    """Copies of the loops with the median of their noise, as one recorder took them all."""
     force, sample, displacement = (
         float(np.median([getattr(loop, name) for loop in loops]))
         for name in ("force_noise_N", "sample_noise_N", "displacement_noise_um")
@@ -229,12 +232,12 @@ def _branch(
 
 
 def _sticking(branch: ObservedBranch) -> ObservedBranch:
-    """A branch all of which belongs to stick, up to its largest force."""
+    """Copy of a branch in partial slip with its knee at the largest force."""
     return replace(branch, knee=int(np.argmax(branch.force_N)))
 
 
 def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tuple[tuple[float, float] | None, float]:
-    """Mean normal force of either branch while it slides, and its error: the channels' noise correlates alike."""
+    """Mean normal force of both branches while sliding, and its error in N; None and NaN if not measured."""
     if not sliding:
         return None, np.nan
     means = []
@@ -252,12 +255,11 @@ def _noise_of_samples(
     stated: Noise,
     rounding_N: float,
 ) -> tuple[float, float, float | None]:
-    """Standard deviation of one sample's force [N], what correlation makes of means, and the normal force's deviation.
+    """Noise of one force sample in N, its stretch by correlation in means, and the normal force's noise in N (or None).
 
-    `sliding` are displacements and forces of the branches past their knees, `normal_N` the normal forces there. Where
-    shape hides the noise of few samples, the normal force shows how neighbours correlate, or the displacement about a
-    smooth drive; or else how near they lie to each other, beside the noise that is stated. The last is None where the
-    normal force was not asked. `rounding_N` is what steps of the force add to a sample's noise.
+    sliding: displacements and forces of the branches past their knees. normal_N: normal forces there. rounding_N: noise
+    that the force's steps add. If samples are too few to separate noise from shape, the correlation is taken from the
+    normal force, or from the displacement about a smooth drive, or from the stated noise.
     """
     if (known := _force_noise(sliding, stated, rounding_N)) is not None:
         return *known, None
@@ -272,7 +274,7 @@ def _noise_of_samples(
 
 
 def _usual(values: Array) -> tuple[float, float]:
-    """Median of values, and their spread by the median distance from it."""
+    """Median of values, and their robust standard deviation about it."""
     centre = float(np.median(values))
     return centre, 1.4826 * float(np.median(np.abs(values - centre))) + 1e-12
 
@@ -280,9 +282,8 @@ def _usual(values: Array) -> tuple[float, float]:
 def _force_noise(
     sliding: Sequence[tuple[Array, Array]], stated: Noise, rounding_N: float
 ) -> tuple[float, float] | None:
-    """Standard deviation of a sliding branch's force about a smooth curve, and what correlation makes of means.
-
-    None where there are too few samples to distinguish noise from shape.
+    """Noise of sliding forces in N about a smooth curve, and its stretch by correlation in means; None if too few
+    samples.
     """
     parts: list[tuple[Array, Array]] = []
     for x, q in sliding:
@@ -298,9 +299,10 @@ def _force_noise(
 
 
 def _noise_of_another(normal_N: Sequence[Array], clean: CleanLoop, stated: Noise) -> tuple[float, float] | None:
-    """As of `_force_noise`, where shape hides it in few samples: that of the normal force, which hardly changes.
+    """Noise and its stretch by correlation in another channel: the normal force, or else the displacement about its
+    drive.
 
-    Without one the displacement shows how noise correlates, as far as a smooth drive explains it; None if none does.
+    None if there is no normal force and no smooth drive explains the displacement.
     """
     parts: list[tuple[Array, Array]] = []
     for values in normal_N:

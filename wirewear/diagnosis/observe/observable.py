@@ -1,6 +1,7 @@
-"""Observables: numbers a record gives and a model predicts, where they are read, how far solvers differ there.
+"""Observables: kinds of numbers that a record gives and a model predicts, and how far solvers differ in them.
 
-A new one is a subclass of `Observable` and an entry in `reduction.py`, or an installed package's entry point.
+Each is read at sites: a cycle, a branch and a level on it, or a scar. A new observable is a subclass of `Observable`
+and an entry in `reduction.py`, or an installed package's entry point.
 """
 
 from __future__ import annotations
@@ -37,10 +38,10 @@ FORCE_ERROR = Tolerance().force
 
 @dataclass(frozen=True)
 class Site:
-    """Where one number is read: after which cycle, on which branch and at which level of it, of which wire's scar.
+    """Place where one number is read: after which cycle, on which branch and at which level, or of which wire's scar.
 
-    `branch` is +1, −1, or 0 for the whole loop; `level` is what the observable says (a displacement, a force), 0 where
-    it has none; `wire` and `figure` are empty but for scars.
+    `branch` is +1, −1, or 0 for the whole loop; `level` is a displacement or force as the observable defines it, else
+    0; `wire` and `figure` are empty except for scars.
     """
 
     cycle: int
@@ -52,7 +53,7 @@ class Site:
 
 @dataclass(frozen=True, eq=False)
 class Sites:
-    """Where n numbers are observed: as `Site`, with arrays (n,)."""
+    """Several sites as arrays (n,)."""
 
     cycle: IntArray
     branch: IntArray
@@ -62,7 +63,7 @@ class Sites:
 
     @classmethod
     def of(cls, sites: Sequence[Site]) -> Sites:
-        """From one object a number."""
+        """Arrays from single sites."""
         return cls(
             np.array([site.cycle for site in sites], dtype=np.int64),
             np.array([site.branch for site in sites], dtype=np.int64),
@@ -80,29 +81,29 @@ class Sites:
             yield Site(cycle, branch, level, wire, figure)
 
     def repeated(self, times: int, cycles: int) -> Sites:
-        """These sites `times` times in a row, each time `cycles` later than before."""
+        """These sites `times` times over, the cycles of each copy being shifted by `cycles` more."""
         rows = np.tile(np.arange(len(self)), times)
         return replace(self.taken(rows), cycle=self.cycle[rows] + cycles * np.repeat(np.arange(times), len(self)))
 
     def taken(self, keep: BoolArray | NDArray[np.intp]) -> Sites:
-        """Part of them."""
+        """Sites chosen by a mask or by indices."""
         return Sites(self.cycle[keep], self.branch[keep], self.level[keep], self.wire[keep], self.figure[keep])
 
     @cached_property
     def branches(self) -> list[tuple[int, int, NDArray[np.intp]]]:
-        """Cycle, sign and places of the numbers that lie on one branch of one cycle together."""
+        """Cycle, sign, and indices of the sites that lie on one branch of one cycle."""
         pairs = sorted({(int(cycle), int(sign)) for cycle, sign in zip(self.cycle, self.branch, strict=True)})
         return [(*pair, np.flatnonzero((self.cycle == pair[0]) & (self.branch == pair[1]))) for pair in pairs]
 
 
 def rows_of(course: PredictedLoops, sites: Sites) -> NDArray[np.intp]:
-    """Row (n,) of a course in which each site's cycle stands."""
+    """Row (n,) of a course that holds each site's cycle."""
     return np.searchsorted(course.cycles, sites.cycle)
 
 
 @dataclass(frozen=True)
 class Scale:
-    """Amplitude and plateau force of a test, by which places along its loops are measured."""
+    """Amplitude and plateau force of a test, as units for places along its loops."""
 
     amplitude_um: float
     force_N: float
@@ -110,7 +111,7 @@ class Scale:
 
 @dataclass(frozen=True, eq=False)
 class Smoothness:
-    """How differences at several numbers (n,) hang together."""
+    """Correlation of solver differences between sites (n,)."""
 
     along: Array  #: (n,) place along a branch, in lengths over which differences are alike.
     turned: float  #: By how much differences at both branches are alike where they would be, 0 to 1.
@@ -119,19 +120,19 @@ class Smoothness:
 
     @classmethod
     def of_whole_loops(cls, count: int) -> Smoothness:
-        """Smoothness of one number a loop: differences are correlated over the cycles alone."""
+        """Smoothness of an observable with one number for each loop: differences are alike over the cycles only."""
         return cls(np.zeros(count), 1.0, np.full(count, ROUGH), np.zeros(count, dtype=np.intp))
 
 
 @dataclass(frozen=True, eq=False)
 class SolverSize:
-    """How far solvers differ in several numbers (n,) on the same test, in the observable's unit, standard deviations.
+    """Standard deviations (n,) by which solvers differ on the same test, in the observable's unit.
 
     Attributes:
-        size: (n,) what is smooth over cycles and along branches (`Observable.smoothness`).
-        own: (n,) each number's own; none if left out.
-        common: (n,) by which one unknown moves all of them together; none if left out.
-        hooked: whether hooks that solvers compute larger or smaller move the number.
+        size: (n,) part that is smooth over cycles and along branches (`Observable.smoothness`).
+        own: (n,) part of each number alone; none if left out.
+        common: (n,) part by which one unknown moves all numbers together; none if left out.
+        hooked: True if hooks that solvers compute differently affect the number.
     """
 
     size: Array
@@ -142,29 +143,29 @@ class SolverSize:
 
 @dataclass(frozen=True, eq=False)
 class ModelLoops:
-    """A course under a setup."""
+    """Computed loops, and the inputs of the fast model that gave them."""
 
     setup: SurrogateInputs
     course: PredictedLoops
 
     @cached_property
     def scale(self) -> Scale:
-        """The amplitude, and the least of the loops' largest forces."""
+        """Amplitude, and the smallest of the loops' largest forces."""
         force = np.abs(self.course.tangential_force_N).max(axis=(1, 2))
         return Scale(self.setup.amplitude_um, float(force.min()))
 
     def rise_N(self, sites: Sites) -> Array:
-        """Force (n,) that the scar's slopes add towards the end of the branch towards +x."""
+        """Force (n,) in N that the scar's slopes add between mid-stroke and the end of the branch towards +x."""
         return self._rise_N[rows_of(self.course, sites)]
 
     def stick_compliance_um_per_N(self, sites: Sites) -> Array:
-        """Travel over rise (n,) of the branch towards +x until it slides."""
+        """Travel over rise in force (n,) of the branch towards +x until it slides."""
         x, q = self.course.displacement_um, self.course.tangential_force_N
         travel, rise = (values[:, 0, SLIDING] - values[:, 0, 0] for values in (x, q))
         return np.asarray(travel / np.maximum(rise, 1e-9))[rows_of(self.course, sites)]
 
     def travel_um(self, sites: Sites, force_N: float) -> Array:
-        """Travel (n,) of the model's branches over forces within ±`force_N` of each site's level."""
+        """Travel (n,) in µm of the model's branches over forces within ±`force_N` of each site's level."""
         return travel_um(self.course, sites, sites.level - force_N, sites.level + force_N)
 
     @cached_property
@@ -174,9 +175,10 @@ class ModelLoops:
 
 
 def branches_of(course: PredictedLoops, sites: Sites) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Displacements and forces (r, m) of branches in the direction of travel, so that both rise; the row of each site.
+    """Displacements and forces (r, m) of all branches in their direction of travel, and the row (n,) of each site's
+    branch.
 
-    Of whole loops it is that of the branch towards +x.
+    Sites of whole loops get the branch towards +x.
     """
     sign, points = np.array([1.0, -1.0])[:, None], course.displacement_um.shape[-1]
     x, q = ((sign * channel).reshape(-1, points) for channel in (course.displacement_um, course.tangential_force_N))
@@ -184,7 +186,7 @@ def branches_of(course: PredictedLoops, sites: Sites) -> tuple[Array, Array, NDA
 
 
 def travel_um(course: PredictedLoops, sites: Sites, low_N: Array, high_N: Array) -> Array:
-    """Travel (n,) of a course's branches from one force (n,) in their direction to the other at each site."""
+    """Travel (n,) in µm of the sites' branches between two forces (n,), given in the branch's direction."""
     x, q, row = branches_of(course, sites)
     rising = np.maximum.accumulate(q, axis=1)
     return read_along(rising, x, row, high_N) - read_along(rising, x, row, low_N)
@@ -192,12 +194,12 @@ def travel_um(course: PredictedLoops, sites: Sites, low_N: Array, high_N: Array)
 
 @dataclass(frozen=True)
 class Zone:
-    """Part of a loop, or a channel.
+    """Part of a loop, or a channel, by which gaps are located.
 
     Attributes:
         name: short and unique, in answers.
-        picture: label of its row in the map of where the gap lies.
-        words: where it is, after the observable's words in a sentence; empty if these say it.
+        picture: label of its row in the map of gaps.
+        words: where it is, following the observable's words in a sentence; empty if these suffice.
     """
 
     name: str
@@ -206,15 +208,15 @@ class Zone:
 
 
 class Observable(ABC):
-    """One kind of number, read at several sites of a record. Subclasses say all of it; nothing stands in for an error.
+    """One kind of number, read at several sites of a record.
 
     Attributes:
         name: short and unique, in answers.
-        words, unit: for people; numbers of the unit "relative" are logarithms, shown as ratios.
-        zones: its parts of a loop, or the channel that it is.
-        sides: what the measurement is of the model if their difference is positive, and if it is negative.
-        simulated: whether loops of a full simulation with few increments show it as a rig's do.
-        of_scars: whether it is read from scars, not loops.
+        words, unit: for readers; numbers of the unit "relative" are logarithms, shown as ratios.
+        zones: parts of a loop, or the channel, that it covers.
+        sides: words for the measured value's relation to the model's if it is larger, and if it is smaller.
+        simulated: True if a full simulation with few increments shows it as a rig does.
+        of_scars: True if it is read from scars and not from loops.
     """
 
     name: ClassVar[str]
@@ -227,30 +229,31 @@ class Observable(ABC):
 
     @abstractmethod
     def sites(self, reading: Reading) -> list[Site]:
-        """Where a record may give it."""
+        """Sites at which a record may give the number."""
 
     @abstractmethod
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
-        """Values and standard deviations of their noise (n,) in one repeat, NaN where there are none."""
+        """Values and standard deviations of their noise, each (n,), in one repeat; NaN where there are none."""
 
     @abstractmethod
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        """Values (n,) of a computed course that holds all of the sites' cycles.
+        """Values (n,) from computed loops, which must hold all of the sites' cycles.
 
-        Loops of several setups come as one course, whose cycles go on; scars and profiles (`of_scars`) come one by one.
+        Loops of several setups are passed as one course with further cycles; scars and profiles (`of_scars`) one by
+        one.
         """
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002
-        """How far solvers differ in it, beyond what is tolerated, on a test whose computed loops are these."""
+        """Standard deviations by which solvers differ, beyond the tolerance, on a test with these computed loops."""
         return SolverSize(np.zeros(len(sites)))
 
     def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
-        """Name (n,) of one of `zones` each: the only one unless a subclass says more."""
+        """Name (n,) of each site's zone; by default the only one."""
         (only,) = self.zones
         return np.full(len(sites), only.name)
 
     def whole(self, setup: SurrogateInputs, predicted: Array) -> Array:
-        """What a difference (n,) is relative to, in the observable's unit, at predicted values (n,)."""
+        """Reference (n,) for relative differences, in the observable's unit, at predicted values (n,)."""
         match self.unit:
             case "N":
                 return np.full(predicted.size, setup.plateau_force_N)
@@ -265,35 +268,34 @@ class Observable(ABC):
 
     @property
     def tolerance(self) -> str:
-        """By which entry of a record's `[tolerance]` it is judged.
+        """Entry of a record's table `[tolerance]` by which differences are judged.
 
-        A scar that is askew by an angle has its ends off by that share of half its length.
+        A scar askew by an angle counts by displacement: its ends are off by that share of half its length.
         """
         of_loops = {"N": "force", "um": "displacement", "mJ": "energy"}
         return ({"rad": "displacement"} if self.of_scars else of_loops).get(self.unit, "volume")
 
     def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
-        """How differences at several sites hang together: over the cycles alone unless a subclass says more."""
+        """Correlation of solver differences between sites; by default over the cycles only."""
         return Smoothness.of_whole_loops(len(sites))
 
     def alike(self, reading: Reading, repeat: int, sites: Sites) -> Array:  # noqa: ARG002
-        """Correlation (n, n) of the noise in one repeat; none unless a subclass says so."""
+        """Correlation (n, n) of the noise in one repeat; by default none."""
         return np.eye(len(sites))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:  # noqa: ARG002
-        """Unknown (n,) that all repeats share by the way that they were read; none unless a subclass says so."""
+        """Standard deviation (n,) of an error common to all repeats; by default 0."""
         return np.zeros(len(sites))
 
 
 class OfLoops(Observable):
-    """Read from the samples of the logged loops, one by one."""
+    """Observable that is read from each logged loop's samples."""
 
     @abstractmethod
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
-        """Value in one loop and its noise, NaN where there is none."""
+        """Value in one loop and the standard deviation of its noise; NaN if there is none."""
 
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
-        """Each site in the loop of its cycle."""
         values, noise = np.full((2, len(sites)), np.nan)
         loops = {loop.cycle: loop for loop in reading.loops if loop.repeat == repeat}
         for place, site in enumerate(sites):
@@ -303,27 +305,28 @@ class OfLoops(Observable):
 
 
 class AlongBranch(OfLoops):
-    """Read at several places of each branch of a loop; loops are scored by its height and slope."""
+    """Observable read at several places of each branch; loops are also compared by its mean and slope along
+    the branch.
+    """
 
     @abstractmethod
     def along(self, sites: Sites) -> Array:
-        """Place (n,) along the branch, in its direction, from which a slope follows."""
+        """Place (n,) along the branch, in its direction and the level's unit."""
 
 
 class ByLocalLines(AlongBranch):
-    """Read by lines through the samples near each place; neighbouring places share samples."""
+    """Observable read by lines through nearby samples; neighbouring places share samples."""
 
     @abstractmethod
     def line(self, loop: ReducedLoop, site: Site) -> LocalLine | None:
-        """The line at one place, in the branch's direction; None where too few samples are near."""
+        """Line at one site, in the branch's direction; None if too few samples are near."""
 
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
-        """The line's value there."""
         found = self.line(loop, site)
         return (np.nan, np.nan) if found is None else (site.branch * found.value, found.error)
 
     def alike(self, reading: Reading, repeat: int, sites: Sites) -> Array:
-        """By the samples that lines of one branch share."""
+        """Correlation (n, n) of the noise in one repeat, from the samples that lines of one branch share."""
         correlation, each = np.eye(len(sites)), list(sites)
         for loop in reading.loops:
             if loop.repeat != repeat:

@@ -1,8 +1,8 @@
-"""A record from which observables are measured: repaired, its loops made ready, beside its evolution and its scars.
+"""Record prepared for reading observables: coarse loops repaired, loops reduced, with its evolution and scars.
 
-Repaired are coarse loops, at their corners, and what follows others' definitions. Loops of a coarse simulation,
-resampled, are straight lines between few points and pass for a dense logger's. The lines cut the corner between stick
-and slip, which looks like a softer rig, a rough layer or a wall of another slope.
+Loops of a coarse simulation, resampled densely, are straight lines between few corners. The lines cut off the corner
+between stick and slip, which looks like a softer rig, a rough layer or a wall of another slope; such loops are
+therefore read at their corners. Columns of the evolution with other definitions are left out.
 """
 
 from __future__ import annotations
@@ -59,10 +59,10 @@ MOST_LOOPS = _OF_CORNERS.count("most_loops")
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """All repeats of a record; `notes` say which loops were left out and why.
+    """Loops, evolution and scars of all repeats of a record; `notes` say which loops were left out and why.
 
-    Of a record without loops, `asked_um` and `asked_N` stand in for their amplitude and force. `depth_noise_um` is
-    the stated error of one depth of a profile. `body_names` begin with the driven one.
+    If there are no loops, `asked_um` and `asked_N` replace their amplitude and force. `depth_noise_um` is the stated
+    error of one depth of a profile. `body_names` begin with the driven body.
     """
 
     loops: tuple[ReducedLoop, ...]
@@ -86,27 +86,28 @@ class Reading:
 
     @cached_property
     def amplitude_um(self) -> float:
-        """Amplitude of the loops, the median."""
+        """Median displacement amplitude of the loops."""
         return float(np.median([loop.amplitude_um for loop in self.loops])) if self.loops else self.asked_um
 
     @cached_property
     def force_N(self) -> float:
-        """Force of the loops at mid-stroke, the median."""
+        """Median force of the loops at mid-stroke."""
         return float(np.median([loop.mid_force_N for loop in self.loops])) if self.loops else self.asked_N
 
     @cached_property
     def sample_noise_N(self) -> float:
-        """Noise of one sample of the force, the median."""
+        """Median noise of one force sample; 0 without loops."""
         return float(np.median([loop.sample_noise_N for loop in self.loops])) if self.loops else 0.0
 
     def at(self, cycle: int) -> list[ReducedLoop]:
-        """Loops of all repeats at a cycle."""
+        """Loops of all repeats at this cycle."""
         return [loop for loop in self.loops if loop.cycle == cycle]
 
 
 def read(record: AnyRecord) -> Reading:
-    """The loops, evolution and scars or profiles of a record; profiles alone suffice.
-    Raises RecordError if no loop of the record slides as a whole, or none can be read.
+    """Read the loops, evolution and scars or profiles of a record; profiles alone suffice.
+
+    Raises RecordError if no loop can be read or slides as a whole, and profiles do not replace them.
     """
     notes: list[str] = []
     loops = list(_loops(record, notes))
@@ -132,7 +133,7 @@ def read(record: AnyRecord) -> Reading:
 
 
 def spread_cycles(cycles: Sequence[int], most: int) -> list[int]:
-    """At most so many cycles, spread evenly over their logarithm, first and last among them."""
+    """At most `most` of the cycles, spread evenly over their logarithm, including the first and the last."""
     if len(cycles) <= most:
         return list(cycles)
     wanted = np.linspace(np.log(max(cycles[0], 1)), np.log(max(cycles[-1], 1)), most)
@@ -151,14 +152,14 @@ def _loops(record: AnyRecord, notes: list[str]) -> Iterator[ReducedLoop]:
 
 @dataclass(frozen=True, eq=False)
 class _Lines:
-    """Periodic straight lines between even corners: hat functions (n, corners) and what takes samples to corners."""
+    """Periodic lines between evenly spaced corners: hat functions (n, corners), and the pseudo-inverse (corners, n)."""
 
     hats: Array
     inverse: Array
 
     @classmethod
     def between(cls, corners: int, shares: Array, offset: float = 0.0) -> _Lines:
-        """Lines whose corners lie at (i + offset)/corners of a cycle, at shares of the cycle (n,)."""
+        """Lines with corners at (i + offset)/corners of a cycle, for samples at shares (n,) of the cycle."""
         place = (shares * corners - offset) % corners
         first = np.minimum(place.astype(np.intp), corners - 1)
         rows = np.arange(shares.size)
@@ -168,7 +169,7 @@ class _Lines:
         return cls(hats, np.asarray(np.linalg.pinv(hats), dtype=np.float64))
 
     def at_corners(self, values: Array) -> Array:
-        """Values at the corners (corners,) of the lines through samples (n,), outliers left out one by one."""
+        """Values at the corners (corners,) of lines fitted to samples (n,), without outliers."""
         found, kept = self.inverse @ values, np.ones(values.size, dtype=bool)
         least = 1e-12 * float(np.ptp(values))
         for _ in range(values.size // 10):
@@ -182,22 +183,21 @@ class _Lines:
         return found
 
     def squares(self, values: Array, noise: float) -> float:
-        """Sum of squares that the lines leave of samples (n,), in units of their noise; an outlier counts as one."""
+        """Sum of squared residuals of samples (n,) in units of their noise; each counts at most as an outlier."""
         rest = (values - self.hats @ (self.inverse @ values)) / noise
         return float(np.minimum(rest**2, OUTLYING**2).sum())
 
 
 def repaired(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
-    """The record with coarse loops at their corners, and without figures of other definitions; notes."""
+    """Record with coarse loops read at their corners and without columns of other definitions, and notes on both."""
     own, notes = of_own_definitions(record)
     read, note = read_at_corners(own)
     return read, ((note,) if note else ()) + notes
 
 
 def read_at_corners(record: AnyRecord) -> tuple[AnyRecord, str | None]:
-    """The record with loops that are straight lines between few points at those points, and a note that says so.
-
-    A record whose loops are none, or cannot be distinguished from smooth ones, is returned as it is.
+    """Record with loops that are lines between few points reduced to these points, and a note; else unchanged, with
+    None.
     """
     frequency = record.tables.conditions.frequency_Hz
     loops = [loop for loop in record.loops if loop.cycle > 0]
@@ -217,11 +217,12 @@ def read_at_corners(record: AnyRecord) -> tuple[AnyRecord, str | None]:
 
 
 def corners_of(loops: Sequence[MeasuredLoop], frequency_Hz: float) -> int | None:
-    """Number of points of a cycle between which loops of the same times are straight lines; None if they are curves.
+    """Number of points in a cycle between which loops, all sampled at the same times, are straight lines; None for
+    curves.
 
-    Noise hides the lines of one loop; in the mean of all, whose corners are theirs, they show: lines with the right
-    corners leave noise alone. That those half a line later leave more is asked of the displacement, as every curve that
-    is smooth is equally far from both. Corners lie at even times from the beginning of the cycle.
+    In the mean of all loops noise is small enough: lines with the right corners leave noise alone, and must fit the
+    displacement better than lines shifted by half a line, which fit a smooth curve equally well. Corners are at even
+    times from the beginning of the cycle.
     """
     if not loops or loops[0].time_s.size < FEWEST_CORNERS * SAMPLES_A_LINE:
         return None
@@ -286,7 +287,7 @@ def _at_corners(loop: MeasuredLoop, lines: _Lines, frequency_Hz: float) -> Measu
 
 
 def of_own_definitions(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
-    """The record without the columns of its evolution that contradict its own loops (NaN), and a note on each."""
+    """Record with NaN in columns of the evolution that contradict its own loops, and a note on each."""
     if not record.evolution:
         return record, ()
     loops = {}

@@ -1,4 +1,7 @@
-"""All observables there are, of the library and of installed packages, and the numbers that a record gives of them."""
+"""List of all observables, of this program and of installed packages, and the numbers that a record gives for them.
+
+A layout lists the numbers (n,) of a record, grouped by observable; a part is the group of one observable.
+"""
 
 from __future__ import annotations
 
@@ -59,9 +62,10 @@ OWN_NOISE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Features:
-    """Linear combinations of observables: which `members` (f, n) belong to each, `slope` (f,) if it is one.
+    """Means and slopes of groups of observed numbers (n,): `members` (f, n) mark the group of each of f features.
 
-    `place` (n,) is where along its branch an observable lies, `cycle` (f,) the cycle of a feature.
+    `slope` (f,) is True for a slope and False for a mean; `place` (n,) is a number's place along its branch, `cycle`
+    (f,) the cycle of a feature.
     """
 
     members: BoolArray
@@ -71,7 +75,7 @@ class Features:
 
     @classmethod
     def of(cls, layout: Layout, used: BoolArray) -> Features:
-        """Features of the observables marked."""
+        """Features of the numbers of a layout marked in `used` (n,)."""
         members, slope, cycles = [], [], []
         place = np.zeros(len(layout))
         numbers = np.arange(len(layout))
@@ -97,16 +101,16 @@ class Features:
         )
 
     def of_each(self, values: Array, seen: BoolArray) -> Array:
-        """Features (f,) of observables (n,), NaN where none was seen."""
+        """Features (f,) of values (n,), of which only those marked in `seen` (n,) are used; NaN if none is."""
         return self._weights(seen) @ np.where(seen, values, 0.0)
 
     def variances(self, covariance: Array, seen: BoolArray) -> Array:
-        """Variances (f,) of the features of observables of that covariance (n, n)."""
+        """Variances (f,) of the features of numbers with this covariance (n, n)."""
         weights = self._weights(seen)
         return np.asarray(np.einsum("fi,ij,fj->f", weights, covariance, weights, optimize=True))
 
     def _weights(self, seen: BoolArray) -> Array:
-        """Weights (f, n): means, and least-squares slopes."""
+        """Weights (f, n) of the numbers in each mean or least-squares slope."""
         weights = (self.members & seen).astype(float)
         count = weights.sum(axis=1, keepdims=True)
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -118,7 +122,7 @@ class Features:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One observable at several sites: the numbers from `start` on in a layout."""
+    """One observable at several sites: the numbers of a layout from index `start` on."""
 
     observable: Observable
     sites: Sites
@@ -126,19 +130,19 @@ class Part:
 
     @property
     def rows(self) -> slice:
-        """Its numbers in the layout."""
+        """Slice of its numbers in the layout."""
         return slice(self.start, self.start + len(self.sites))
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Numbers (n,), those of one observable together."""
+    """Numbers (n,) of a record, grouped by observable."""
 
     parts: tuple[Part, ...]
 
     @classmethod
     def of(cls, observables: Iterable[tuple[Observable, Sites]]) -> Layout:
-        """From each observable and where it is read; those that are read nowhere are left out."""
+        """Layout of observables with their sites; those without sites are left out."""
         parts: list[Part] = []
         start = 0
         for observable, sites in observables:
@@ -149,7 +153,7 @@ class Layout:
 
     @classmethod
     def of_sites(cls, *observables: tuple[Observable, Sequence[Site]]) -> Layout:
-        """The layout of observables, each with its sites one by one."""
+        """Layout of observables with lists of single sites."""
         return cls.of((observable, Sites.of(sites)) for observable, sites in observables)
 
     def __len__(self) -> int:
@@ -160,7 +164,7 @@ class Layout:
 
     @cached_property
     def cycle(self) -> IntArray:
-        """After which each number is read (n,)."""
+        """Cycle (n,) after which each number is read."""
         return np.concatenate([np.zeros(0, dtype=np.int64), *(part.sites.cycle for part in self)])
 
     @cached_property
@@ -169,40 +173,40 @@ class Layout:
         return np.unique(self.cycle).astype(float)
 
     def of_kind(self, *kinds: type) -> BoolArray:
-        """Which numbers (n,) are of these observables."""
+        """Marks (n,) of the numbers of observables of these classes."""
         return self.marked(part for part in self if isinstance(part.observable, kinds))
 
     def marked(self, parts: Iterable[Part]) -> BoolArray:
-        """Which numbers (n,) are of these parts."""
+        """Marks (n,) of the numbers of these parts."""
         marked = np.zeros(len(self), dtype=bool)
         for part in parts:
             marked[part.rows] = True
         return marked
 
     def wire(self, name: str) -> BoolArray:
-        """Which numbers (n,) are read from that wire's scar."""
+        """Marks (n,) of the numbers read from this wire's scar."""
         return np.concatenate([np.zeros(0, dtype=bool), *(part.sites.wire == name for part in self)])
 
     def taken(self, keep: BoolArray) -> Layout:
-        """Part of the numbers."""
+        """Layout of the numbers marked in `keep` (n,)."""
         return Layout.of((part.observable, part.sites.taken(keep[part.rows])) for part in self)
 
     def zones(self, amplitude_um: float) -> NDArray[np.str_]:
-        """Zone of each number (n,): stick, knee, plateau, tip of the loop, or the channel where it has none."""
+        """Name of each number's zone (n,)."""
         return np.concatenate([part.observable.zone(part.sites, amplitude_um) for part in self])
 
     def observed(self, course: PredictedLoops) -> Array:
-        """The numbers (n,) of a computed course, which must hold all of `cycles`."""
+        """Numbers (n,) of a computed course, which must hold all of `cycles`."""
         return np.asarray(self._observed([course])[0])
 
     def computed(self, states: WearStates, *setups: SurrogateInputs) -> Array:
-        """The numbers (k, n) under several setups."""
+        """Numbers (k, n) that the fast model predicts for k setups."""
         parts = [setups[start : start + _TOGETHER] for start in range(0, len(setups), _TOGETHER)]
         found = [self._observed(simulated(states, part, self.cycles)) for part in parts]
         return np.concatenate([np.zeros((0, len(self))), *found])
 
     def _observed(self, courses: Sequence[PredictedLoops]) -> Array:
-        """The numbers (k, n) of courses: those of loops are read as if of one course with later and later cycles."""
+        """Numbers (k, n) of k courses; their loops are joined to one course with shifted cycles to be read at once."""
         count, whole = len(courses), int(courses[0].cycles[-1]) + 1
         each: dict[str, Any] = {
             name: np.concatenate([getattr(course, name) for course in courses]) for name in OF_LOOPS
@@ -221,12 +225,12 @@ class Layout:
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """Observables of every repeat: values and standard deviations of their noise (r, n); NaN where missing.
+    """Observed numbers of every repeat: values and standard deviations of their noise, each (r, n); NaN where missing.
 
-    `alike` (r, n, n) is the correlation of each repeat's noise, where it is known of which samples a number comes.
-    `common` (n, k) are unknowns that move all repeats alike, one for each observable that has one. `loops` are those
-    used, for pictures; `notes` say what was left out. `stated_scatter` is what the owner knows of the scatter between
-    tests, by the model's names; `tolerance` is what counts as equal, relative. `motion` is that of the drive.
+    `alike` (r, n, n) is the correlation of each repeat's noise; None if independent. `common` (n, k) holds k errors
+    common to all repeats. `loops` are those used, for pictures; `notes` say what was left out. `stated_scatter` is the
+    owner's scatter between tests, by the model's names; `tolerance` holds relative differences that count as equal.
+    `motion` is the drive's course over time.
     """
 
     layout: Layout
@@ -242,9 +246,9 @@ class Observations:
     alike: Array | None = None
 
     def noise_covariance(self, repeat: int, seen: NDArray[np.intp], factors: Array | float = 1.0) -> Array:
-        """Covariance (k, k) of the noise of one repeat's numbers (k,), by factors (n,) on its variances.
+        """Covariance (k, k) of the noise of one repeat's numbers with indices `seen` (k,).
 
-        Numbers that lie between the same few samples share their noise, but none follows from others exactly.
+        factors: on the noise variances, (n,) or one number. A small part of each variance is kept uncorrelated.
         """
         deviations = (np.sqrt(factors) * self.noise[repeat])[seen]
         if self.alike is None:
@@ -254,7 +258,8 @@ class Observations:
 
 
 def reduce(record: AnyRecord, observables: Sequence[Observable] | None = None) -> Observations:
-    """All that is observed of a record, by all observables there are unless some are named.
+    """Read all observables, or the given ones, from a record.
+
     Raises RecordError if no loop of the record slides as a whole, or none can be read.
     """
     reading = read(record)
@@ -286,7 +291,7 @@ def reduce(record: AnyRecord, observables: Sequence[Observable] | None = None) -
 
 
 def _common(reading: Reading, layout: Layout) -> Array:
-    """What moves all repeats alike (n, k), a column for each observable that has such an unknown."""
+    """Errors common to all repeats (n, k), one column for each observable that has one."""
     columns = np.zeros((len(layout), len(layout.parts)))
     for place, part in enumerate(layout):
         columns[part.rows, place] = part.observable.common_error(reading, part.sites)
@@ -306,14 +311,15 @@ def _stated_scatter(record: AnyRecord) -> dict[str, float]:
 
 
 def all_observables() -> tuple[Observable, ...]:
-    """One of each.
-    Raises WirewearError if a package's entry point holds no observable, or one whose name or zone is taken.
+    """One instance of each observable.
+
+    Raises WirewearError if a package's entry point is not an observable, or its name or zone is already used.
     """
     return _all_observables()
 
 
 def row_labels() -> dict[str, str]:
-    """Labels of all zones, in the order of a map's rows."""
+    """Labels of all zones by name, in the order of a map's rows."""
     return {zone.name: zone.picture for observable in all_observables() for zone in observable.zones}
 
 

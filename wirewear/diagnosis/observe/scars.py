@@ -1,4 +1,6 @@
-"""Worn surfaces: figures of scars' maps (volume, depth, length, width, skew), depths along a line contact's profile."""
+"""Observables of worn surfaces: volume, depth, length, width and skew of scars, and depths along line contacts'
+profiles.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -55,32 +57,32 @@ BODIES = ("pad", "specimen")
 
 
 class _OfScars(observable.Observable):
-    """One number a body, after the last cycle."""
+    """Observable with numbers for each body, after the last cycle."""
 
     of_scars = True
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:  # noqa: ARG002
-        """Whatever the hooks."""
         return observable.SolverSize(np.zeros(len(sites)), hooked=False)
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
-        """No number has anything in common with another."""
+        """Independent differences for all numbers."""
         return replace(observable.Smoothness.of_whole_loops(len(sites)), family=np.arange(len(sites)))
 
 
 class ScarFigures(_OfScars):
-    """Their logarithms."""
+    """Logarithms of the figures of scars (SCAR_FIGURES)."""
 
     name = "scar"
     words, unit = "scar", "relative"
     zones = (observable.Zone("scar", "scars"),)
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """All figures of the bodies that have maps."""
         return [replace(site, figure=figure) for site in _of_bodies(reading) for figure in SCAR_FIGURES]
 
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
-        """From the map above what is not worn."""
+        """Logarithms of the figures and their noise, from the map's worn part; a depth counts at least as a depth's
+        error.
+        """
         values, noise = np.full((2, len(sites)), np.nan)
         for scar in maps_of(reading, repeat):
             figures = scar.figures
@@ -100,18 +102,16 @@ class ScarFigures(_OfScars):
 
 
 class ScarSkew(_OfScars):
-    """Shear of a swept scar, from which the crossing angle follows."""
+    """Skew of a scar in rad, by which the crossing angle shows."""
 
     name = "skew"
     words, unit = "skew of the scar", "rad"
     zones = (observable.Zone("skew", "skew of the scars"),)
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """One a body that has maps."""
         return _of_bodies(reading)
 
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
-        """From the map above what is not worn."""
         values, noise = np.full((2, len(sites)), np.nan)
         for scar in maps_of(reading, repeat):
             values[sites.wire == scar.body] = scar_skew(scar.x_um, scar.y_um, scar.worn_um)
@@ -123,27 +123,27 @@ class ScarSkew(_OfScars):
 
 
 def _of_bodies(reading: Reading) -> list[observable.Site]:
-    """One for each body that has maps; the level is its place among both."""
+    """One site for each body that has maps; its level is the body's index."""
     worn = {scar.body for scar in reading.scars}
     names = enumerate(reading.body_names)
     return [observable.Site(reading.last_cycle, level=float(place), wire=body) for place, body in names if body in worn]
 
 
 def maps_of(reading: Reading, repeat: int) -> list[MeasuredScar]:
-    """Maps of one repeat that have enough points."""
+    """Maps of one repeat with enough points."""
     return [scar for scar in reading.scars if scar.repeat == repeat and scar.depth_um.size >= FEWEST_POINTS]
 
 
 def _shallow(figures: Mapping[str, float], least_um: float = 0.0) -> float:
-    """Relative error of a scar's depth, taken to be at least so large."""
+    """Relative error of a scar's depth, which is taken to be at least `least_um`."""
     return DEPTH_ERROR_um / max(figures["depth"], least_um, 1e-9)
 
 
 @dataclass(frozen=True, eq=False)
 class ReadProfile:
-    """A measured profile about its own middle: half-width, depth, roughness, and what its zero may be off by.
+    """Measured profile centred on its scar: half-width, depth, roughness and uncertainty of its zero, in µm.
 
-    `alike`: correlation of the roughness of neighbours.
+    `alike` is the correlation of neighbouring depths' roughness.
     """
 
     x_um: Array
@@ -155,13 +155,15 @@ class ReadProfile:
     alike: float
 
     def error_of(self, count: int, known_um: float) -> float:
-        """Standard deviation of a mean of so many neighbouring depths, each known no better than stated."""
+        """Standard deviation in µm of a mean of `count` neighbouring depths, with the stated error `known_um` of one
+        depth.
+        """
         own = max(count * (1.0 - self.alike) / (1.0 + self.alike), 1.0)
         return max(self.rough_um, known_um) / float(np.sqrt(own))
 
 
 def read_profile(profile: MeasuredProfile) -> ReadProfile:
-    """A profile moved onto its middle; its zero is the file's, as uncertain as the flat beside the scar is off it."""
+    """Profile centred on its scar; the uncertainty of its zero is the mean depth of the flat beside the scar."""
     x, depth = profile.x_um, profile.depth_um
     smooth = _smoothed(x, depth)
     deepest = max(float(smooth.max()), 1e-6)
@@ -184,7 +186,7 @@ def read_profile(profile: MeasuredProfile) -> ReadProfile:
 
 
 class ProfileDepths(observable.Observable):
-    """Levels are places in µm from the scar's middle."""
+    """Worn depths in µm along a profile. Levels are distances in µm from the scar's middle."""
 
     name = "profile"
     words, unit = "worn depth along the profile", "um"
@@ -197,7 +199,7 @@ class ProfileDepths(observable.Observable):
     of_scars = True
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """Even places across the scars of both bodies."""
+        """Evenly spread places across the scars of both bodies."""
         found = []
         for body in BODIES:
             own = [read_profile(one) for one in reading.profiles if one.body == body and _holds_enough(one)]
@@ -208,7 +210,7 @@ class ProfileDepths(observable.Observable):
         return found
 
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
-        """Means of bins about the places."""
+        """Mean depth in a bin about each place, and its error."""
         values, noise = np.full((2, len(sites)), np.nan)
         for profile in reading.profiles:
             if profile.repeat != repeat or not _holds_enough(profile):
@@ -233,7 +235,7 @@ class ProfileDepths(observable.Observable):
         return values
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """A share of the depth, and walls that stand elsewhere."""
+        """Differences as a share of the depth, and by walls that stand elsewhere."""
         size = np.zeros(len(sites))
         for body, (x, depth) in loops.course.profiles.items():
             own = sites.wire == body
@@ -248,18 +250,17 @@ class ProfileDepths(observable.Observable):
         return observable.SolverSize(size, hooked=False)
 
     def zone(self, sites: observable.Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
-        """By the place over the scar's half-width."""
         place = np.abs(places_of(sites))
         return np.where(place < MIDDLE, "profile_middle", np.where(place < FLANK, "profile_flanks", "profile_edges"))
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
-        """Smooth along each body's scar."""
+        """Differences alike along each body's scar, and independent between bodies."""
         family = np.array([BODIES.index(body) for body in sites.wire], dtype=np.intp)
         along = places_of(sites) / observable.REACH
         return replace(observable.Smoothness.of_whole_loops(len(sites)), along=along, family=family)
 
     def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
-        """What the zero of the profiles may be off by."""
+        """Uncertainty (n,) in µm of the profiles' zero."""
         off = np.zeros(len(sites))
         for body in BODIES:
             own = [read_profile(one).zero_um for one in reading.profiles if one.body == body and _holds_enough(one)]
@@ -278,7 +279,7 @@ def places_of(sites: observable.Sites) -> Array:
 
 
 def _half_width(levels: Array) -> float:
-    """Half-width of the scar over which these levels are spread, in their unit."""
+    """Half-width in µm of the scar over which these levels are spread."""
     return float(np.abs(levels).max()) / PLACES[-1]
 
 
@@ -287,7 +288,7 @@ def _holds_enough(profile: MeasuredProfile) -> bool:
 
 
 def _smoothed(x: Array, depth: Array) -> Array:
-    """A smooth curve through a profile; few points are taken as they are."""
+    """Smooth curve (n,) through a profile; the depths themselves if there are few points."""
     count = x.size
     if count <= 3 * ROUGH_DEGREE:
         return depth
