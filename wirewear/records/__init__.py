@@ -1,4 +1,8 @@
-"""Experiment records: what laboratories measured, read, checked, written, imported and exported."""
+"""Experiment records: data that laboratories measured, read, checked, written, imported and exported.
+
+A record holds loops of repeated tests at several cycles, their evolution over the cycles, and worn surfaces at the end.
+A repeat is one test on fresh specimens. A remark is a problem or a note that a check finds.
+"""
 
 from wirewear.records.checking import check_record
 from wirewear.records.exporting import record_of_result

@@ -1,4 +1,4 @@
-"""What is wrong with a record, and what it can and cannot support, in plain words and on a terminal."""
+"""Check of a record: its problems, and which conclusions it supports, as a report for a terminal."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
@@ -61,7 +61,10 @@ _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
 
 
 def support(checked: CheckedRecord, spoilt: bool) -> Iterator[Verdict]:
-    """Verdicts on what the record supports: whether it does, and a sentence why."""
+    """Verdicts on conclusions: True if the record supports one, and a sentence on it.
+
+    spoilt: the record has problems, which is added as a restriction.
+    """
     record = checked.record
     yield from _loops(checked)
     yield from _repeats(record)
@@ -124,7 +127,7 @@ def _loops(checked: CheckedRecord) -> Iterator[Verdict]:
 
 
 def _partial_slip(figures: Sequence[LoopFigures]) -> Iterator[Verdict]:
-    """Friction of loops that do not slide as a whole: within an interval, or bounded below alone."""
+    """Verdict on the friction of loops in partial slip: known within an interval, or bounded from below only."""
     sticking = [item for item in figures if item.regime == "partial slip"]
     if not sticking:
         return
@@ -217,7 +220,7 @@ def check_record(record: AnyRecord) -> RecordReport:
 
 
 def looked_at(record: AnyRecord) -> CheckedRecord:
-    """The loops of a record, all by their statistics and some analysed in full."""
+    """Record with statistics of all its loops, and the figures of a choice of them."""
     figures: dict[tuple[int, int], LoopFigures] = {}
     refused: dict[tuple[int, int], str] = {}
     for loop in analysed(record.loops):
@@ -229,15 +232,17 @@ def looked_at(record: AnyRecord) -> CheckedRecord:
 
 
 def problems_of(record: AnyRecord) -> tuple[str, ...]:
-    """The problems of a record from which something is to be concluded all the same, as sentences.
+    """Problems of a record as sentences.
+
     Raises RecordError if one of them forbids any conclusion.
     """
     return tuple(remark.text for remark in remarks_of(record) if remark.level == "problem")
 
 
 def remarks_of(record: AnyRecord) -> tuple[Remark, ...]:
-    """All that is odd in a record from which something is to be concluded all the same.
-    Raises RecordError if something forbids any conclusion.
+    """Problems and notes of a record.
+
+    Raises RecordError if a problem forbids any conclusion.
     """
     report = check_record(record)
     for problem in report.problems:
@@ -251,14 +256,14 @@ def remarks_of(record: AnyRecord) -> tuple[Remark, ...]:
 
 
 def analysed(loops: Sequence[MeasuredLoop]) -> list[MeasuredLoop]:
-    """The loops that are analysed in full, evenly chosen."""
+    """At most MOST_ANALYSED loops, evenly chosen, to be analysed in full."""
     count = len(loops)
     places = sorted(set(np.linspace(0, count - 1, min(count, MOST_ANALYSED)).round().astype(int).tolist()))
     return [loops[place] for place in places]
 
 
 def report_text(report: RecordReport) -> Group:
-    """The report, to be printed with rich."""
+    """Report of a check, to be printed with rich."""
     lines: list[Text | Padding] = [
         Text(report.name, style="bold"),
         Text(

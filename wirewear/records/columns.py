@@ -1,4 +1,4 @@
-"""Columns of numbers in a CSV file: each file read once, and refused with line and column where they are wrong."""
+"""Columns of numbers in CSV files, with their allowed ranges; errors name line and column."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from wirewear.base.errors import RecordError, shown
 
 @dataclass(frozen=True)
 class Column:
-    """A column of numbers from `low` to `high`; unless `complete`, an empty field or NaN is a value that is missing."""
+    """Column of numbers from `low` to `high`; empty fields and NaN are missing values, not allowed if `complete`."""
 
     name: str
     low: float
@@ -27,7 +27,7 @@ class Column:
         return f"{'a whole' if self.whole else 'a'} number between {self.low:g} and {self.high:g}"
 
     def first_wrong(self, values: Array) -> int | None:
-        """Place of the first of values (n,) that is not allowed."""
+        """Index of the first of the values (n,) that is not allowed; None if all are."""
         wrong = (values < self.low) | (values > self.high)
         if self.complete:
             wrong |= np.isnan(values)
@@ -38,7 +38,7 @@ class Column:
 
 @dataclass(frozen=True)
 class ColumnTable:
-    """Columns (n,) of a file by name, and the lines on which they stand."""
+    """Columns (n,) of a file by name, with the lines on which their rows stand."""
 
     path: Path
     columns: dict[str, Array]
@@ -50,13 +50,15 @@ class ColumnTable:
         return len(next(iter(self.columns.values())))
 
     def line(self, row: int) -> int:
-        """Line of the file on which a row stands."""
+        """Number of the file's line on which this row stands, counted from 1."""
         return self.numbers.line(row if self.order is None else int(self.order[row]))
 
 
 def read_columns(path: Path, wanted: Sequence[Column]) -> ColumnTable:
-    """The wanted columns of a CSV file whose first line names them, in any order; others are passed over.
-    Raises RecordError if the file cannot be read, lacks a column that is not optional, or holds a wrong value.
+    """Wanted columns of a CSV file whose first line names them, in any order; other columns are ignored.
+
+    Raises RecordError if the file cannot be read, lacks a column that is not optional, or holds a value that is not
+    allowed.
     """
     text = read_delimited(path)
     names = _names(text)
@@ -71,7 +73,8 @@ def read_columns(path: Path, wanted: Sequence[Column]) -> ColumnTable:
 
 
 def column_names(path: Path, layout: DelimitedLayout) -> tuple[str, ...]:
-    """Names of a delimited text's columns, where its layout has them.
+    """Names of a delimited text's columns.
+
     Raises RecordError if the file cannot be read, or its first line names no columns.
     """
     return _names(read_delimited(path, layout))

@@ -1,4 +1,4 @@
-"""The tables of experiment.toml of line contacts, of contacts at a point of bodies of any shapes, and of joints."""
+"""Tables of experiment.toml for line contacts, for contacts at a point of bodies of any shape, and for joints."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -34,18 +34,18 @@ class RecordContact(keys.Table):
 
 
 class RecordBody(MaterialKeys, StatedBody):
-    """A body: its elastic constants, and how far from the contact it is held; None where the owner does not say."""
+    """Body with its elastic constants, and its size between contact and grip, None if unknown."""
 
     height_mm: Extent | None = Field(None, description="height between the contact and where the body is held")
     half_width_mm: Extent | None = Field(None, description="half of the body's width along the motion")
 
 
 class RecordPad(PadFace, RecordBody):
-    """The pad: its face and its elastic constants."""
+    """Pad with its face and elastic constants."""
 
 
 class LineStated(tables.StatedRig, WearOfBodies, tables.StatedFriction):
-    """What the rig's owner states; what is not stated is taken as ideal."""
+    """Statements of the rig's owner; unstated properties are taken as ideal."""
 
     stiffness_includes: Annotated[Literal["rig only", "bodies"], PlainValidator(keys.one_of("rig only", "bodies"))] = (
         Field(
@@ -65,7 +65,7 @@ class LineStated(tables.StatedRig, WearOfBodies, tables.StatedFriction):
 
 
 class LineNoise(tables.Noise):
-    """Standard deviations of one sample; None where the owner does not know."""
+    """Standard deviation of one sample of each channel; None if unknown."""
 
     depth_um: tables.DisplacementNoise | None = Field(
         None, description="error of one depth of a profile, such as that of reading it from a figure", examples=[0.05]
@@ -73,7 +73,7 @@ class LineNoise(tables.Noise):
 
 
 class LineFiles(keys.Table):
-    """Names of the data files beside experiment.toml: one at least."""
+    """Names of the data files beside experiment.toml, of which at least one is given."""
 
     loops: tables.FileName | None = Field(None, description="file of the loops", examples=["loops.csv"])
     evolution: tables.FileName | None = Field(None, description="file of the evolution over the cycles")
@@ -82,7 +82,7 @@ class LineFiles(keys.Table):
 
 
 class LineTest(OfRecord):
-    """A test of a line contact as its file states it, without the names of data files."""
+    """Test of a line contact as stated in a file, without the names of data files."""
 
     of, worn, needs_loops = PadAndSpecimen, PROFILES, False
 
@@ -119,7 +119,7 @@ class LineTest(OfRecord):
 
     @classmethod
     def length_of(cls, study: Mapping[str, Any], asked_mm: float | None, label: str) -> float:
-        """The one that is given, or the study's unless that is the millimetre of a study without a length."""
+        """Length that is asked for, or else that of the study. Raises RecordError if both are missing."""
         if not asked_mm and (own := stated_length_mm(study)) == 1.0:
             raise RecordError(f"the forces of {label} are per millimetre: give its --length for a record.")
         return asked_mm or own
@@ -152,8 +152,9 @@ class LineTest(OfRecord):
         }
 
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
-        """Pad and specimen, of heights that are taken where they are not stated.
-        Raises RecordError if the bodies alone are no stiffer than what is stated of all.
+        """Study tables with pad and specimen added; unstated heights are assumed.
+
+        Raises RecordError if the bodies alone are no stiffer than the stated stiffness that includes them.
         """
         data["contact"] = data["contact"] | {"length_mm": self.length_mm}
         heights = self.assumed_heights_mm
@@ -169,9 +170,11 @@ class LineTest(OfRecord):
 
     @property
     def assumed_heights_mm(self) -> dict[str, float]:
-        """Heights taken of the bodies whose own is not stated, by body: a study's, of a pad no more than it is wide.
+        """Assumed heights in mm by body, for those that state none: the default of studies, for a pad at most its
+        width.
 
-        A block is sheared by friction; a column would bend, and give way with the cube of a height that no one knows.
+        A block is sheared by friction; a column would bend, with a compliance that goes with the cube of an unknown
+        height.
         """
         width = 2.0 * (self.pad.half_width_mm or half_width_of(self.pad.profile))
         usual = {"pad": min(Pad.model_fields["height_mm"].default, width)}
@@ -180,13 +183,17 @@ class LineTest(OfRecord):
 
     @property
     def doubts_bodies(self) -> bool:
-        """Whether the compliance between rig and contact is unsure: a stiffness that includes the bodies settles it."""
+        """True if the compliance between rig and contact is uncertain; a stated stiffness that includes the bodies
+        settles it.
+        """
         stated = self.stated
         whole = stated.stiffness_includes == "bodies" and stated.tangential_stiffness_N_per_mm != "rigid"
         return bool(self.assumed_heights_mm) and not whole
 
     def _without_bodies(self, data: Mapping[str, Any]) -> float:
-        """Stiffness of the rig alone, N/mm: what is left of the stated one in series with pad and specimen."""
+        """Stiffness of the rig alone in N/mm: the stated one less pad and specimen, which are in series with
+        the rig.
+        """
         from wirewear.simulation import bodies_stiffness_N_per_mm2
 
         whole = float(self.stated.tangential_stiffness_N_per_mm)
@@ -201,7 +208,7 @@ class LineTest(OfRecord):
         return 1.0 / (1.0 / whole - 1.0 / of_bodies)
 
     def require_whole(self, where: str) -> None:
-        """See that the pad has one face. Raises RecordError if it has none, or several."""
+        """Check that the pad has exactly one face. Raises RecordError if not."""
         if (wanted := self.pad.missing_face(self.contact.kind)) is not None:
             raise RecordError(f"[pad] of {where} does not say which face the pad has: {wanted}.")
 
@@ -213,12 +220,12 @@ class LineTest(OfRecord):
 
     @property
     def assumed(self) -> str:
-        """Empty: heights that are assumed are a remark of their own."""
+        """Empty, as assumed heights have a remark of their own."""
         return ""
 
 
 class LineRecordTables(LineTest):
-    """The whole of a line contact's experiment.toml."""
+    """All tables of a line contact's experiment.toml."""
 
     files: LineFiles = Field(description="names of the data files")
 
@@ -227,7 +234,7 @@ Bodies = TypeVar("Bodies", bound=TwoBodies)
 
 
 class ContactAtAPoint(Table):
-    """The kind of a contact at a point."""
+    """Kind of a contact at a point."""
 
     kind: Annotated[str, PlainValidator(one_of(*kinds.AT_A_POINT[1:]))] = Field(
         description="kind of contact", examples=[kinds.BALL_ON_FLAT]
@@ -235,7 +242,7 @@ class ContactAtAPoint(Table):
 
 
 class BodiesTest(PointTest, Generic[Bodies]):
-    """A test of two bodies as its file states them."""
+    """Test of two bodies as stated in a file."""
 
     of = TwoBodies
     worn = replace(
@@ -257,7 +264,7 @@ class BodiesTest(PointTest, Generic[Bodies]):
 
 
 class BodiesRecord(PointRecordTables, BodiesTest[Bodies], Generic[Bodies]):
-    """The whole of the experiment.toml of two bodies."""
+    """All tables of the experiment.toml of two bodies."""
 
     @classmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
@@ -277,7 +284,7 @@ _FORCE = "friction_force_N"
 
 
 class ContactOfJoint(JointStiffness):
-    """What touches."""
+    """Kind and stiffness of a joint."""
 
     kind: Annotated[Literal["joint"], PlainValidator(keys.one_of(kinds.JOINT))] = Field(
         description="kind of contact", examples=[kinds.JOINT]
@@ -285,11 +292,11 @@ class ContactOfJoint(JointStiffness):
 
 
 class ConditionsOfJoint(AskedOfJoint, tables.RecordConditions):
-    """What was asked of the rig; the normal load may be left out where the friction force is stated."""
+    """Conditions asked of the rig; the normal load may be left out if the friction force is stated."""
 
 
 class StatedOfJoint(tables.StatedRig):
-    """What the rig's owner states; what is not stated is taken as ideal."""
+    """Statements of the rig's owner; unstated properties are taken as ideal."""
 
     WEAR: ClassVar[tuple[str, ...]] = ()
 
@@ -306,7 +313,7 @@ class FilesOfJoint(keys.Table):
 
 
 class JointTest(OfRecord):
-    """A test of a joint as its file states it, without the names of data files."""
+    """Test of a joint as stated in a file, without the names of data files."""
 
     of, worn, needs_loops, fitted_by_loops, contact_slips = JointStiffness, NO_SURFACES, True, True, False
 
@@ -320,7 +327,9 @@ class JointTest(OfRecord):
 
     @classmethod
     def known(cls, data: dict[str, Any], where: str) -> dict[str, Any]:
-        """The friction force as a coefficient: of the normal load, or where that is not known as 1 of itself."""
+        """Tables with a stated friction force converted to a coefficient, force over load; an unknown load is set to
+        that force.
+        """
         stated, conditions = data.get("stated"), data.get("conditions")
         force = stated.get(_FORCE) if isinstance(stated, Mapping) else None
         if not isinstance(stated, Mapping) or not isinstance(conditions, Mapping) or not _is_positive(force):
@@ -356,13 +365,13 @@ class JointTest(OfRecord):
         return {"normal_load_N": asked.normal_load_N, "displacement_amplitude_um": asked.displacement_amplitude_um}
 
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
-        """The stiffness of the joint beside its friction."""
+        """Study tables with the stiffness of the joint added."""
         own = self.contact.model_dump(include={*JointStiffness.model_fields})
         return data | {"contact": data["contact"] | own}
 
     @property
     def contact_stiffness_N_per_um(self) -> float:
-        """Of the joint itself, infinite where it is rigid."""
+        """Stiffness of the joint itself in N/µm, infinite if it is rigid."""
         stated = self.contact.contact_stiffness_N_per_mm
         return inf if stated == "rigid" else 1e-3 * float(stated)
 
@@ -376,12 +385,11 @@ class JointTest(OfRecord):
 
     @property
     def assumed(self) -> str:
-        """Nothing."""
         return ""
 
 
 class JointRecordTables(JointTest):
-    """The whole of a joint's experiment.toml."""
+    """All tables of a joint's experiment.toml."""
 
     files: FilesOfJoint = Field(description="names of the data files")
 

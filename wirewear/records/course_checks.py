@@ -1,4 +1,7 @@
-"""What is odd about a record as a whole: its cycles, its repeats, their course over the test."""
+"""Checks of a record as a whole: its cycles, its repeats, and the drift of its figures over the test.
+
+Each check yields remarks on what it finds.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -28,7 +31,9 @@ _EVOLVING = {
 
 @dataclass(frozen=True)
 class OtherDefinition:
-    """A column whose figures differ from those of the record's loops by this share (median, with its sign)."""
+    """Column of the evolution that differs from the figures of the record's loops by this median relative
+    difference.
+    """
 
     column: str
     share: float
@@ -44,9 +49,9 @@ class OtherDefinition:
 def other_definitions(
     loops: Mapping[tuple[int, int], tuple[MeasuredLoop, LoopFigures]], evolution: Sequence[MeasuredEvolution]
 ) -> tuple[OtherDefinition, ...]:
-    """The columns that contradict the loops, each with the (repeat, cycle) of these.
+    """Columns of the evolution that contradict the loops, which are given by (repeat, cycle) with their figures.
 
-    The largest force may be max |Q| or half the range of Q; an offset of the force distinguishes them.
+    The largest force may be defined as max |Q| or as half the range of Q, which an offset of the force distinguishes.
     """
     shares: dict[str, list[float]] = {}
     for part in evolution:
@@ -67,7 +72,7 @@ def other_definitions(
 
 
 def _figures(loop: MeasuredLoop, figures: LoopFigures) -> dict[str, tuple[float, ...]]:
-    """The figures of a loop that a column may hold."""
+    """Values of a loop's figures by column, for each definition that a column may have."""
     force = loop.tangential_force_N[np.isfinite(loop.tangential_force_N)]
     # A few samples may be spikes.
     low, high = np.quantile(force, [0.01, 0.99])
@@ -79,7 +84,9 @@ def _figures(loop: MeasuredLoop, figures: LoopFigures) -> dict[str, tuple[float,
 
 
 def figure_at(part: MeasuredEvolution, column: str, cycle: float) -> float:
-    """A figure at a cycle, straight over the cycles' logarithm; NaN outside those that are known."""
+    """Value of a column at a cycle, interpolated over log cycle; NaN outside the known cycles, or without the
+    column.
+    """
     if column not in part.columns:
         return np.nan
     known = np.isfinite(part.columns[column]) & (part.columns["cycle"] > 0)
@@ -90,7 +97,7 @@ def figure_at(part: MeasuredEvolution, column: str, cycle: float) -> float:
 
 
 def cycle_lists(checked: CheckedRecord) -> Iterator[Remark]:
-    """Cycles that not all repeats have, and those beyond the test's end."""
+    """Remarks on cycles that some repeats lack, and on cycles beyond the test's end."""
     record = checked.record
     lists = {repeat: {loop.cycle for loop in record.loops if loop.repeat == repeat} for repeat in record.repeats}
     everywhere = set.intersection(*lists.values())
@@ -108,7 +115,7 @@ def cycle_lists(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def drift(checked: CheckedRecord) -> Iterator[Remark]:
-    """Means and amplitudes that change over the test."""
+    """Remarks on means and amplitudes that change over the test."""
     s, conditions = checked.statistics, checked.record.tables.conditions
     for name, values, scale, limit in (
         ("displacement amplitude", s.displacement_amplitude_um, conditions.displacement_amplitude_um, DRIFT),
@@ -129,7 +136,7 @@ def drift(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def repeats(checked: CheckedRecord) -> Iterator[Remark]:
-    """A single repeat, and loops unlike those of the other repeats."""
+    """Remarks on a single repeat, and on loops unlike those of the other repeats."""
     record = checked.record
     if len(record.repeats) == 1:
         yield Remark("note", "repeats", "There is one repeat only.")
@@ -157,7 +164,7 @@ def repeats(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def evolution(checked: CheckedRecord) -> Iterator[Remark]:
-    """Repeats without an evolution, figures of another definition, and energies that are not their loop's area."""
+    """Remarks on missing evolutions, on figures with another definition, and on energies unlike the loop's area."""
     record = checked.record
     without = sorted(set(record.repeats) - {part.repeat for part in record.evolution})
     if record.evolution and without:
@@ -182,7 +189,7 @@ def evolution(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def impossible_evolution(checked: CheckedRecord) -> Iterator[Remark]:
-    """Figures over the cycles that no loop has: negative ones, energies beyond stroke times force, another stroke."""
+    """Remarks on impossible figures of the evolution: negative, energies beyond stroke times force, another stroke."""
     last = checked.record.tables.conditions.cycles
     for part in checked.record.evolution:
         who = f"the evolution of repeat {part.repeat}"
@@ -212,7 +219,7 @@ def impossible_evolution(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def _other_stroke(checked: CheckedRecord) -> Iterator[Remark]:
-    """An evolution whose displacement amplitudes are not those of the loops."""
+    """Remarks on evolutions whose displacement amplitude differs from that of the loops."""
     s = checked.statistics
     for part in checked.record.evolution:
         own = np.flatnonzero(s.repeat == part.repeat)
@@ -229,10 +236,11 @@ def _other_stroke(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def accumulated_energy_J(record: AnyRecord, repeat: int) -> float | None:
-    """ΣE_d of one test, from its evolution, or from its loops' areas; None where neither has an energy.
+    """Accumulated friction energy ΣE_d of one repeat in J, from its evolution or else its loops; None if neither has
+    any.
 
-    Between two logged cycles the energy per cycle is a power of the cycles; before the first and after the last it
-    stays.
+    Between two logged cycles the energy per cycle is a power of the cycle number; it is constant before the first and
+    after the last.
     """
     cycles, energies = energy_per_cycle(record, repeat)
     if not cycles.size:
@@ -243,7 +251,7 @@ def accumulated_energy_J(record: AnyRecord, repeat: int) -> float | None:
 
 
 def energy_per_cycle(record: AnyRecord, repeat: int) -> tuple[Array, Array]:
-    """Cycles (n,), increasing, and their energies in mJ; of the evolution, or where it has none of the loops."""
+    """Increasing cycles (n,) and their energies in mJ (n,), from the evolution of a repeat or else from its loops."""
     for part in record.evolution:
         cycle, energy = part.columns["cycle"], part.columns["dissipated_energy_mJ"]
         known = np.isfinite(energy) & (energy > 0.0) & (cycle > 0)

@@ -1,4 +1,4 @@
-"""A finished simulation as a record or as heights: read by sensors, so that simulated and measured data go one way."""
+"""Export of a simulation as a record or as height files, read by simulated sensors as a laboratory would."""
 
 from __future__ import annotations
 
@@ -41,8 +41,9 @@ _IDEAL = Sensor()
 def write_as_heights(
     folder: Path, loops: Sequence[MeasuredLoop], surfaces: Mapping[str, Surface], repeats: int, *, overwrite: bool
 ) -> list[Path]:
-    """Write `loops.csv` and one file of heights for every surface and repeat; their paths.
-    Raises RecordError if a file cannot be written, or is there and not to be overwritten.
+    """Write `loops.csv` and one file of heights for each surface and repeat; return their paths.
+
+    Raises RecordError if a file cannot be written, or exists and must not be overwritten.
     """
     frames = {"loops": loops_frame(loops)}
     frames |= {f"{n}_{r}": frame_of(own()) for n, own in surfaces.items() for r in range(1, repeats + 1)}
@@ -54,7 +55,7 @@ def write_as_heights(
 
 
 def scar_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str, Surface]:
-    """Both bodies of a run at its end, by names of files."""
+    """Functions that give the measured heights of both bodies at the end of a run, by file name."""
     random = np.random.default_rng([seed, 1])
     last = max((scar.cycle for scar in result.scars), default=0)
     ends = [scar for scar in result.scars if scar.cycle == last]
@@ -62,7 +63,7 @@ def scar_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str, Su
 
 
 def profile_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str, Surface]:
-    """Both bodies of a run at its end across the scar, by names of files."""
+    """Functions that give the measured heights of both bodies along the motion at the end of a run, by file name."""
     random = np.random.default_rng([seed, 1])
     last = max(scar.cycle for scar in result.scars)
     pad = PadFace(**{key: result.study["pad"].get(key) for key in FACE_KEYS}).profile
@@ -74,7 +75,7 @@ def profile_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str,
 
 
 def surface_of_body(scar: Scar, noise_um: float, random: np.random.Generator) -> Surface:
-    """A worn body in its own frame: x along its axis, y across."""
+    """Function that gives the heights of a worn body in its own frame: x along its axis, y across."""
     worn = scar.depth_um > 0.01 * scar.max_depth_um
     axial, transverse = (
         _lines(float(np.abs(line[worn.any(axis=axis)]).max(initial=SCAR_STEP_um)))
@@ -97,7 +98,7 @@ def surface_of_body(scar: Scar, noise_um: float, random: np.random.Generator) ->
 def surface_of_profile(
     x_um: Array, depth_um: Array, face: Profile, noise_um: float, random: np.random.Generator
 ) -> Surface:
-    """A worn body of a line contact along the motion, with that unworn face."""
+    """Function that gives the heights of a worn body of a line contact along the motion; `face` is its unworn shape."""
     x = _lines(float(np.abs(x_um[depth_um > 0.01 * depth_um.max()]).max(initial=SCAR_STEP_um)), SCAR_STEP_um / 5.0)
     plane_mm = np.column_stack([1e-3 * x, np.zeros_like(x)])
     height = 1e3 * face.height(plane_mm) - np.interp(x, x_um, depth_um, left=0.0, right=0.0)
@@ -105,7 +106,7 @@ def surface_of_profile(
 
 
 def _lines(half_um: float, step_um: float = SCAR_STEP_um) -> Array:
-    """Places as far as a map of a scar that reaches so far to either side."""
+    """Coordinates in µm of a map's lines for a scar of this half length."""
     count = int(np.ceil(REACH * half_um / step_um))
     return np.arange(-count, count + 1) * np.float64(step_um)
 
@@ -120,14 +121,14 @@ def record_of_result(
     seed: int = 0,
     samples: int | None = None,
 ) -> AnyRecord:
-    """The record that a laboratory would have taken of a simulated test, by sensors with the effects of its study.
+    """Record that a laboratory would have made of a simulated test, with sensors that have the effects of its study.
 
-    Each repeat is the same test read again. `samples` re-samples each loop evenly; without it, the simulation's own
-    increments are kept. The evolution carries over to every cycle what the sensors make of the logged loops: each
-    figure is the true one times the ratio of read to true figure of the loops, interpolated over log cycle. Of a line
-    contact, the record is that of `length_mm`, or of the study's length, as is the noise of forces.
-    Raises RecordError if the result began with a measured surface or has logged no loops, its study says too little or
-    has unequal wires, or the length of a line contact is missing, or that of another one is given.
+    Each repeat is the same test read again with new noise. `samples` resamples each loop evenly; by default the
+    simulation's increments are kept. Figures of the evolution are the true ones times the ratio of read to true figures
+    of the logged loops, interpolated over log cycle. For a line contact, forces and their noise are for `length_mm`, by
+    default the study's length. Raises RecordError if the result began with a measured surface or has logged no loops,
+    its study says too little or has unequal wires, or the length of a line contact is missing, or is given for another
+    contact.
     """
     length_mm = RECORDS[result.contact_kind].length_of(result.study, length_mm, result.label)
     if any(surfaces_in(result.study)):
@@ -162,7 +163,7 @@ def record_of_result(
 
 
 def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
-    """See that the record can be held. Raises RecordError if it takes more memory than there is."""
+    """Raise RecordError if the record would take more memory than is free."""
     count = repeats * sum(samples or loop.time_s.size for loop in result.loops)
     # Memory that a sample of a record takes until it is written; measured.
     needed, free = 250 * count, free_memory()
@@ -203,7 +204,7 @@ def _tables(result: RunResult, sensor: Sensor) -> AnyTables:
 
 
 def _programme(study: Mapping[str, Any], model: Any) -> dict[str, Any]:
-    """The programme of a study as a record states it."""
+    """Programme of a study as a record states it."""
     blocks = study.get("programme") or ()
     tables = ("conditions", "contact", "wear")
     whole = [
@@ -215,7 +216,7 @@ def _programme(study: Mapping[str, Any], model: Any) -> dict[str, Any]:
 
 
 def true_loop(loop: Loop, period_s: float = 1.0, samples: int | None = None) -> MeasuredLoop:
-    """A simulated loop as one of a record, without noise; with `samples` re-sampled evenly over its period."""
+    """Simulated loop as a loop of a record without noise; with `samples` resampled evenly over its period."""
     time = loop.time_s - loop.time_s[0]
     x, q, p = loop.displacement_um, loop.tangential_force_N, loop.normal_force_N
     if samples is not None:
@@ -246,7 +247,7 @@ def _evolution(
 
 
 def _ratio(read: float, true: float) -> float:
-    """Read over true figure; 1 where the true one is 0, as of bodies that are apart."""
+    """Read over true figure; 1 if the true one is 0."""
     return read / true if true else 1.0
 
 
@@ -263,8 +264,9 @@ def _figure(figures: LoopFigures, name: str) -> float:
 
 
 def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) -> RunResult:
-    """The one run among those found at a path, or that of a variant.
-    Raises RecordError if there are several and none is chosen, or none is of that variant.
+    """The only run among several, or the one of the given variant.
+
+    Raises RecordError if there are several and none is chosen, or none has that variant.
     """
     names = ", ".join(result.variant or result.name for result in results)
     chosen = [result for result in results if variant is None or result.variant == variant]
@@ -280,8 +282,9 @@ def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) ->
 
 
 def parse_channels(text: str, known: Sequence[str], option: str, *, signed: bool = False) -> dict[str, float]:
-    """``"a=0.1,b=2"`` as numbers by name.
-    Raises RecordError if a name is unknown, or a value is no finite number (≥ 0 unless `signed`).
+    """Numbers by name from a text such as ``"a=0.1,b=2"``; `option` names the option in messages.
+
+    Raises RecordError if a name is unknown, or a value is not a finite number (≥ 0 unless `signed`).
     """
     values: dict[str, float] = {}
     for part in filter(None, (part.strip() for part in text.split(","))):

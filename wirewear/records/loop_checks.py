@@ -1,4 +1,4 @@
-"""What is odd about the loops of a record, each by itself."""
+"""Checks of single loops of a record. Each check yields remarks on what it finds."""
 
 from collections.abc import Iterator
 from typing import Literal
@@ -35,7 +35,7 @@ DRY, NO_FRICTION = (0.005, 3.0), "The tangential force is {:.3g} times the norma
 
 
 def too_short(checked: CheckedRecord) -> Iterator[Remark]:
-    """Loops of few samples, and samples without a channel."""
+    """Remarks on loops with too few samples, and on samples that lack a channel."""
     short = checked.statistics.samples < FEWEST_SAMPLES
     if short.any():
         yield Remark("problem", "samples", f"Fewer than {FEWEST_SAMPLES} complete samples in {where(checked, short)}.")
@@ -46,7 +46,7 @@ def too_short(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def times(checked: CheckedRecord) -> Iterator[Remark]:
-    """Times that stand still or run back, and cycles of another length than the frequency says."""
+    """Remarks on times that do not increase, and on cycles that do not last as the frequency says."""
     s = checked.statistics
     disordered = s.time_errors > 0.0
     if disordered.any():
@@ -64,7 +64,7 @@ def times(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def order(checked: CheckedRecord) -> Iterator[Remark]:
-    """Channels whose samples follow no course, as rows in another order have it."""
+    """Remarks on channels whose samples follow no smooth course, as with rows in a wrong order."""
     s = checked.statistics
     scattered = (s.displacement_noise_um > NO_ORDER * s.displacement_amplitude_um) | (
         s.force_noise_N > NO_ORDER * s.force_amplitude_N
@@ -88,7 +88,7 @@ def _largest(values: Array) -> float:
 
 
 def folded(checked: CheckedRecord) -> Iterator[Remark]:
-    """Forces that are read without their sign."""
+    """Remarks on forces recorded without their sign."""
     wrong = checked.statistics.force_folded > 0.0
     if wrong.any():
         text = (
@@ -99,7 +99,7 @@ def folded(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def units(checked: CheckedRecord) -> Iterator[Remark]:
-    """Amplitudes and forces of another size than asked for, and forces that drive the motion."""
+    """Remarks on amplitudes and forces of implausible size, and on forces that drive the motion."""
     s, conditions = checked.statistics, checked.record.tables.conditions
     ratio = s.displacement_amplitude_um / conditions.displacement_amplitude_um
     odd = np.abs(ratio - 1.0) > ODD_AMPLITUDE
@@ -134,7 +134,7 @@ def _decade(ratio: float) -> int:
 
 
 def normal_force(checked: CheckedRecord) -> Iterator[Remark]:
-    """Loads that are missing or not those asked for."""
+    """Remarks on missing or unexpected normal forces."""
     s, load = checked.statistics, checked.record.tables.conditions.normal_load_N
     absent = np.isnan(s.normal_force_N) & (s.samples >= FEWEST_SAMPLES)
     if absent.all():
@@ -153,7 +153,7 @@ def normal_force(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def outlying_samples(checked: CheckedRecord) -> Iterator[Remark]:
-    """Samples away from their neighbours."""
+    """Remarks on outlying samples."""
     s = checked.statistics
     count, all_samples = float(np.nansum(s.outliers)), max(int(s.samples.sum()), 1)
     if count:
@@ -164,7 +164,7 @@ def outlying_samples(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def sensors(checked: CheckedRecord) -> Iterator[Remark]:
-    """Sensors at their stops, and noise other than stated."""
+    """Remarks on sensors at the end of their range, and on noise that differs from the stated one."""
     s, noise = checked.statistics, checked.record.tables.noise
     for name, saturated in (
         ("displacement", s.displacement_saturated),
@@ -195,7 +195,7 @@ def sensors(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def resolution(checked: CheckedRecord) -> Iterator[Remark]:
-    """Channels that are read in steps which can be seen in a loop."""
+    """Remarks on channels read in coarse steps."""
     s, loops = checked.statistics, checked.record.loops
     for name, unit, amplitude, channels in (
         ("displacement", "µm", s.displacement_amplitude_um, [loop.displacement_um for loop in loops]),
@@ -213,7 +213,7 @@ def resolution(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def closure(checked: CheckedRecord) -> Iterator[Remark]:
-    """Loops that do not close, and those that cannot be analysed."""
+    """Remarks on loops that do not close, or cannot be analysed."""
     s = checked.statistics
     for name, gap in (("displacement", s.displacement_gap), ("tangential force", s.force_gap)):
         wide = gap > OPEN
@@ -230,7 +230,7 @@ def closure(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def notes_of_analysis(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks of the analysis of single loops on their channels, each with the first loop that it concerns."""
+    """Remarks on the loops' analysis, each with the first loop that it concerns."""
     for noted in NOTED:
         begin = noted.partition("{")[0]
         found = {
@@ -243,7 +243,7 @@ def notes_of_analysis(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def play_and_stick_slip(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on free play and stick-slip that most loops show, which a model without them lacks."""
+    """Remarks on free play and stick-slip, if most sliding loops show them."""
     sliding = [figures for figures in checked.figures.values() if figures.regime == "gross slip"]
     plays = [figures.free_play_um.value for figures in sliding if figures.free_play_um is not None]
     if 2 * len(plays) > len(sliding):

@@ -1,4 +1,4 @@
-"""The normal force of measured loops: turned round where pressing counts negative, and what it cannot be."""
+"""Sign and plausibility of the normal force of measured loops, which is positive when it presses."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ _NAMES = {"mN": "millinewtons", "gf": "gram-force", "kgf": "kilogram-force", "kN
 
 
 def pressing(loops: Sequence[MeasuredLoop]) -> tuple[tuple[MeasuredLoop, ...], tuple[str, ...]]:
-    """The loops with a normal force that is positive when pressing, and what was turned for that.
+    """Loops with a normal force that is positive when pressing, and a note if its sign was changed.
 
-    A channel that is negative throughout most loops that have one is turned in all; zero within a cycle, where the
-    contact opens, is neither sign.
+    The sign is changed in all loops if the force is negative throughout most of them; zeros, where the contact opens,
+    count as neither sign.
     """
     extents = _extents(loops)
     known = np.isfinite(extents[:, 0])
@@ -43,7 +43,8 @@ def pressing(loops: Sequence[MeasuredLoop]) -> tuple[tuple[MeasuredLoop, ...], t
 def impossible_loads(
     loops: Sequence[MeasuredLoop], load_N: float, length_mm: float | None = None
 ) -> Iterator[tuple[str, BoolArray]]:
-    """Why the normal force of most loops is impossible, the beginning of a sentence, and of which loops (n,).
+    """Reasons why the normal force of most loops is impossible, each the beginning of a sentence, and the loops marked
+    (n,).
 
     length_mm: of a line contact, whose forces may have been logged per millimetre.
     """
@@ -69,13 +70,13 @@ def impossible_loads(
 
 
 def require_pressing(loops: Sequence[MeasuredLoop], load_N: float, length_mm: float | None = None) -> None:
-    """See that the normal force of loops is one. Raises RecordError if it cannot be."""
+    """Check the normal force of loops. Raises RecordError if it is impossible."""
     for words, _ in impossible_loads(loops, load_N, length_mm):
         raise RecordError(f"{words}.")
 
 
 def _unit(ratio: float, load_N: float, length_mm: float | None) -> str:
-    """The beginning of a sentence on a load off by a factor, with the unit that it fits."""
+    """Beginning of a sentence on a load wrong by a factor, with the unit that would explain it."""
     known = {f"{name} (unit = {unit!r} in a mapping)": FIELD_UNITS["N"][unit] for unit, name in _NAMES.items()}
     known["newtons where the load asked for is in kilograms"] = 1.0 / FIELD_UNITS["N"]["kgf"]
     known = extent_of(length_mm).units({"the force of a millimetre": 1.0}) | known
@@ -85,7 +86,7 @@ def _unit(ratio: float, load_N: float, length_mm: float | None) -> str:
 
 
 def _extents(loops: Sequence[MeasuredLoop]) -> Array:
-    """The 2 % and the 98 % quantile of each loop's normal force (n, 2), NaN where there is none."""
+    """The 2 % and 98 % quantiles of each loop's normal force (n, 2), NaN if not measured."""
     return np.array([_quantiles(loop.normal_force_N) for loop in loops]).reshape(-1, 2)
 
 
@@ -98,12 +99,12 @@ def _quantiles(channel: Array | None) -> tuple[float, float]:
 
 
 def median_load_N(loop: MeasuredLoop) -> float:
-    """Median of a loop's normal force, N; NaN where none was measured."""
+    """Median of a loop's normal force in N; NaN if not measured."""
     values = np.empty(0) if loop.normal_force_N is None else loop.normal_force_N[np.isfinite(loop.normal_force_N)]
     return float(np.median(values)) if values.size else np.nan
 
 
 def _one_signed(loops: Sequence[MeasuredLoop]) -> BoolArray:
-    """Whether the tangential force of each loop (n,) never changes its sign."""
+    """True for each loop (n,) whose tangential force never changes sign."""
     low, high = np.array([_quantiles(loop.tangential_force_N) for loop in loops]).reshape(-1, 2).T
     return np.asarray((low > 0.0) | (high < 0.0))

@@ -1,4 +1,4 @@
-"""Profiles across the scar of a line contact as they were measured at the end of a test."""
+"""Measured profiles across the scar of a line contact at the end of a test."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,10 +19,11 @@ CLEAR, FEWEST_ACROSS = 0.1, 8
 
 @dataclass(frozen=True, eq=False)
 class MeasuredProfile:
-    """Worn depth of one repeat's body along the sliding direction at the end, arrays (n,); negative: piled up.
+    """Worn depths (n,) of one repeat's body along the sliding direction at the end; negative where piled up.
 
-    It was made of the heights and the fitted face, None where depths were given. `spikes_um` (n,) and
-    `levelling_notes` are as of a scar.
+    `height_um` and `face_um` are the measured heights and the fitted unworn face, None if depths were measured.
+    `spikes_um` (n,) holds the measured depths of outlying points, NaN elsewhere; `levelling_notes` are sentences on the
+    fit.
     """
 
     repeat: int
@@ -36,7 +37,7 @@ class MeasuredProfile:
 
     @classmethod
     def from_points(cls, repeat: int, body: str, x_um: Array, depth_um: Array) -> "MeasuredProfile":
-        """The profile of points (n,) in their order. Raises RecordError if there are fewer than three."""
+        """Profile of points (n,) in their order. Raises RecordError if there are fewer than three."""
         if x_um.size < 3:
             raise RecordError(f"the profile of repeat {repeat} has fewer than three points.")
         depth, spikes = without_spikes(depth_um[:, None])
@@ -45,17 +46,17 @@ class MeasuredProfile:
 
     @classmethod
     def of_run(cls, scar: Scar, repeat: int, noise_um: float, random: np.random.Generator) -> "MeasuredProfile":
-        """The profile that a stylus takes of a simulated scar."""
+        """Profile of a simulated scar as a stylus with this noise would measure it."""
         rough = noise_um * random.standard_normal(scar.axial_um.size)
         return cls(repeat, scar.body, scar.axial_um, scar.depth_um[:, 0] + rough)
 
     @property
     def field(self) -> tuple[Array, Array, Array]:
-        """Line x (n,), the one line y (1,), and depths (n, 1): the same all along the contact."""
+        """Line x (n,), the single line y = 0 (1,), and depths (n, 1)."""
         return self.x_um, np.zeros(1), self.depth_um[:, None]
 
     def of_field(self, depth_um: Array) -> "MeasuredProfile":
-        """The profile with other depths (n, 1)."""
+        """Copy of the profile with other depths (n, 1)."""
         return MeasuredProfile(self.repeat, self.body, self.x_um, depth_um[:, 0])
 
     @property
@@ -68,12 +69,12 @@ class MeasuredProfile:
 
     @property
     def spikes_note(self) -> str:
-        """How many single points stand out, a sentence; empty where none does."""
+        """Sentence on the number of outlying points; "" if there are none."""
         return spikes_text(self.spikes_um, self.depth_um, f"the {self.body}'s profile of repeat {self.repeat}")
 
     @property
     def border_note(self) -> str:
-        """A sentence where the profile ends within the scar; else empty."""
+        """Sentence if the profile ends within the scar; else ""."""
         (left, right), x = self.edges_um, self.x_um
         width = BORDER * float(np.ptp(x))
         places, depth = self._worn
@@ -83,7 +84,7 @@ class MeasuredProfile:
         return border_text(share, f"the {self.body}'s profile of repeat {self.repeat}")
 
     def bridged(self) -> "tuple[MeasuredProfile, str]":
-        """The profile itself, which knows no gaps."""
+        """The profile itself and "", as a profile has no gaps."""
         return self, ""
 
     @property
@@ -92,9 +93,10 @@ class MeasuredProfile:
 
     @property
     def edges_um(self) -> tuple[float, float]:
-        """Places to either side of the deepest point where the depth first is 1 % of its largest, or the ends, µm.
+        """Positions in µm on either side of the deepest point where depth falls to 1 % of its largest, or the profile's
+        ends.
 
-        In a shallow scar noise alone would do that anywhere: there it is the mean of neighbours that falls.
+        Smoothed depths are used, so that noise in a shallow scar does not count.
         """
         deepest = int(self.smooth_um.argmax())
         out = np.flatnonzero(self.smooth_um <= self._level_um)
@@ -106,7 +108,9 @@ class MeasuredProfile:
 
     @cached_property
     def smooth_um(self) -> Array:
-        """Depths (n,) as means of so many neighbours that noise is small beside the scar; as they are in a deep one."""
+        """Depths (n,) averaged over so many neighbours that noise is small beside the depth; unchanged for
+        deep scars.
+        """
         depth = self.depth_um
         noise, deep, smooth = noise_um(depth[:, None]), float(depth.max()), depth
         for _ in range(2):
@@ -119,7 +123,7 @@ class MeasuredProfile:
         return smooth
 
     def volume_of(self, length_mm: float | None) -> float:
-        """Worn volume [mm³] of a contact of that length."""
+        """Worn volume in mm³ of a contact of this length, or per mm if it is None."""
         return 1e-6 * self.area_um2 / extent_of(length_mm).share
 
     @property
@@ -129,7 +133,7 @@ class MeasuredProfile:
 
     @property
     def area_um2(self) -> float:
-        """Worn cross-section between the edges."""
+        """Worn cross-section between the scar's edges in µm²."""
         x, depth = self._worn
         return float(np.trapezoid(depth, x))
 
@@ -139,14 +143,14 @@ class MeasuredProfile:
 
     @property
     def _worn(self) -> tuple[Array, Array]:
-        """Places and depths from edge to edge."""
+        """Positions and depths from edge to edge."""
         left, right = self.edges_um
         inside = (self.x_um > left) & (self.x_um < right)
         ends = np.interp((left, right), self.x_um, self.depth_um)
         return np.r_[left, self.x_um[inside], right], np.r_[ends[0], self.depth_um[inside], ends[1]]
 
     def _crossing(self, out: int, worn: int) -> float:
-        """The place between two neighbours at which the depth passes the edges' level."""
+        """Position between two neighbouring points, by index, at which the depth passes the edges' level."""
         rise = float(self.smooth_um[worn] - self.smooth_um[out])
         share = (self._level_um - float(self.smooth_um[out])) / rise if rise > 0.0 else 0.0
         return float(self.x_um[out] + share * (self.x_um[worn] - self.x_um[out]))

@@ -1,4 +1,4 @@
-"""An experiment record read: a folder with experiment.toml and CSV files (format 1)."""
+"""Reading of an experiment record: a folder with experiment.toml and CSV files (format 1)."""
 
 import copy
 import hashlib
@@ -59,7 +59,9 @@ _LAST = re.compile(rb"^# sha256 ([0-9a-f]{64}) of the text above\n\Z", re.MULTIL
 
 
 def tables_of_file(path: Path) -> type[AnyTables]:
-    """The tables of a record's folder, its experiment.toml or a mapping, by the kind of contact that it describes."""
+    """Class of the tables in a record's folder, experiment.toml or mapping, by the kind of contact that it
+    describes.
+    """
     table = path / TABLE_FILE_NAME if path.is_dir() else path
     try:
         found = read_toml(table, RecordError) if table.is_file() else {}
@@ -78,7 +80,8 @@ def tables_of_file(path: Path) -> type[AnyTables]:
 
 
 def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecord:
-    """Read and check a record of any kind, or of one. What can be coped with is stated in its `notes`.
+    """Read and check a record of any kind of contact, or of the given kind; tolerable faults are stated in its `notes`.
+
     Raises RecordError, in one sentence with file, line and column, if the record cannot be read, or is of another kind.
     """
     folder = Path(folder)
@@ -115,9 +118,9 @@ def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecor
 
 
 def without_first_loading(loops: tuple[MeasuredLoop, ...]) -> tuple[tuple[MeasuredLoop, ...], tuple[str, ...]]:
-    """The loops without a repeat's first one where it begins at rest and others follow; and what was left out.
+    """Loops without a repeat's first one if that begins at rest and others follow, and a note on it.
 
-    From rest, bodies are loaded along a branch that no later cycle has.
+    Loading from rest follows a branch that no later cycle has.
     """
     counts, first = Counter(loop.repeat for loop in loops), {loop.repeat: loop for loop in reversed(loops)}
     out = [own for own in loops if own is first[own.repeat] and counts[own.repeat] > 1 and own.begins_at_rest]
@@ -129,8 +132,9 @@ def without_first_loading(loops: tuple[MeasuredLoop, ...]) -> tuple[tuple[Measur
 
 
 def _data_file(folder: Path, files: Table, key: str) -> Path:
-    """The data file that a key of `[files]` names.
-    Raises RecordError if there is none, or it lies outside the folder.
+    """Path of the data file that a key of `[files]` names.
+
+    Raises RecordError if it does not exist, or lies outside the folder.
     """
     path: Path = folder / getattr(files, key)
     try:
@@ -143,7 +147,7 @@ def _data_file(folder: Path, files: Table, key: str) -> Path:
 
 
 def loops_in(table: ColumnTable) -> Iterator[MeasuredLoop]:
-    """The loops of a table, in order of repeats and cycles."""
+    """Loops of a table, in order of repeats and cycles."""
     columns = sorted_rows(table, ("repeat", "cycle", "sample")).columns
     repeat, cycle = columns["repeat"], columns["cycle"]
     for part in _groups(repeat, cycle):
@@ -161,7 +165,7 @@ def loops_in(table: ColumnTable) -> Iterator[MeasuredLoop]:
 
 
 def evolution_in(table: ColumnTable) -> Iterator[MeasuredEvolution]:
-    """The evolutions of a table, repeat by repeat."""
+    """Evolutions of a table, in order of repeats."""
     columns = sorted_rows(table, ("repeat", "cycle")).columns
     for part in _groups(columns["repeat"]):
         own = {name: values[part] for name, values in columns.items() if name != "repeat"}
@@ -181,7 +185,7 @@ def _surfaces(table: ColumnTable, worn: WornSurfaces, body: str) -> Iterator[Any
 
 
 def sorted_rows(table: ColumnTable, keys: Sequence[str]) -> ColumnTable:
-    """The rows in order of the keys. Raises RecordError if two rows have the same keys."""
+    """Table with its rows sorted by the keys. Raises RecordError if two rows have equal keys."""
     if _in_order([table.columns[key] for key in keys]):
         return replace(table, columns={n: _frozen(v) for n, v in table.columns.items()})
     order = np.lexsort([table.columns[key] for key in reversed(keys)])
@@ -200,7 +204,7 @@ def sorted_rows(table: ColumnTable, keys: Sequence[str]) -> ColumnTable:
 
 
 def _in_order(keys: Sequence[Array]) -> bool:
-    """Whether every row comes after the one before it, the first key counting most."""
+    """True if the rows are already sorted, the first key counting most."""
     after = np.zeros(keys[0].size - 1, dtype=bool)
     for key in reversed(keys):
         step = np.diff(key)
@@ -209,7 +213,7 @@ def _in_order(keys: Sequence[Array]) -> bool:
 
 
 def _groups(*keys: Array) -> Iterator[slice]:
-    """Slices of equal keys in sorted rows."""
+    """Slices of consecutive rows with equal keys."""
     changes: BoolArray = np.logical_or.reduce([np.diff(key) != 0.0 for key in keys])
     bounds = [0, *(np.flatnonzero(changes) + 1).tolist(), keys[0].size]
     for start, stop in pairwise(bounds):
@@ -225,8 +229,9 @@ Model = TypeVar("Model", bound=OfTest)
 
 
 def require_unchanged(table_path: Path) -> tuple[str, ...]:
-    """See that a record's tables are as they were written; notes on experiment.toml itself.
-    Raises RecordError if a table has changed, or experiment.toml cannot be read.
+    """Check the checksums of a record's files; returns a note if experiment.toml itself was changed.
+
+    Raises RecordError if a data file was changed, or experiment.toml cannot be read.
     """
     data = read_bytes(table_path, RecordError, "TOML file")
     folder = table_path.parent.resolve()
@@ -247,11 +252,10 @@ def require_unchanged(table_path: Path) -> tuple[str, ...]:
 
 
 def read_tables(path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]:
-    """The checked tables of a TOML file, and one sentence for each unknown key that was passed over.
+    """Checked tables of a TOML file, and one sentence for each unknown key that was ignored.
 
-    A key that only looks like a misspelt one is refused: passing over it would lose what it says.
-    Raises RecordError, in one sentence with line and column, if the file cannot be read, or is no valid TOML of that
-    model.
+    An unknown key that looks like a misspelt one is refused. Raises RecordError, in one sentence with line and column,
+    if the file cannot be read, or is not valid for this model.
     """
     text = read_text(path, RecordError, "TOML file")
     data = parsed_toml(text, str(path), RecordError)
@@ -291,7 +295,7 @@ def _below(data: dict[str, Any], table: Sequence[int | str]) -> dict[str, Any]:
 
 
 def _looks_misspelt(keys: Sequence[int | str], data: Mapping[str, Any], model: type[BaseModel]) -> bool:
-    """Whether an unknown key resembles a known one that is not given in the same table."""
+    """True if an unknown key resembles a known one that is missing from its table."""
     *table, last = keys
     key = str(last)
     given: Any = data
@@ -306,7 +310,7 @@ def _looks_misspelt(keys: Sequence[int | str], data: Mapping[str, Any], model: t
 
 
 def _position(text: str, keys: Sequence[int | str]) -> tuple[int, int]:
-    """Line and column, from 1, of a key in TOML text; of its table's header, or the start, where it is not spelled."""
+    """Line and column, counted from 1, of a key in TOML text, or else of its table's header or of the start."""
     table, here, fallback = ".".join(map(str, keys[:-1])), "", (1, 1)
     for number, line in enumerate(text.splitlines(), start=1):
         if header := re.match(r"\s*\[([^\[\]]+)\]", line):

@@ -1,4 +1,4 @@
-"""What a check says of a record and what single checks look at: figures of all loops by plain array arithmetic."""
+"""Remarks of a check, and statistics of all loops on which checks are based."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -32,7 +32,7 @@ ALIKE = 0.01  #: Conditions are rounded to this share of themselves, and alike w
 
 
 def of_equal_times(loops: Iterable[MeasuredLoop]) -> list[list[MeasuredLoop]]:
-    """Groups of complete loops whose samples lie at the same times within a microsecond, largest group first."""
+    """Groups of complete loops sampled at the same times within a microsecond, the largest group first."""
     groups: dict[bytes, list[MeasuredLoop]] = {}
     for loop in loops:
         if loop.complete is loop:
@@ -42,13 +42,13 @@ def of_equal_times(loops: Iterable[MeasuredLoop]) -> list[list[MeasuredLoop]]:
 
 @dataclass(frozen=True, eq=False)
 class LoopStatistics:
-    """One row for each loop, in the record's order; NaN for loops of too few samples.
+    """Statistics with one entry for each loop, in the record's order; NaN for loops with too few samples.
 
-    `time_error` is the number of samples whose time does not increase, `period_s` the time of a cycle. Amplitudes are
-    half the distance of the 1 % and the 99 % quantile, offsets the middle between them. `*_gap` is the part of the
-    range by which the loop's end misses its start beyond the usual step between samples, `displacement_jump` the
-    largest step over the range. Outliers count samples of either channel. `force_folded` is 1 where the force never
-    changes its sign, but falls to nothing and rises again twice in a cycle.
+    `time_errors` counts samples whose time does not increase; `period_s` is the duration of a cycle. Amplitudes are
+    half the distance between the 1 % and 99 % quantiles, offsets the middle between them. `*_gap` is the share of the
+    range by which a loop fails to close, beyond noise and the usual step; `displacement_jump` is the largest step over
+    the range. `outliers` counts samples of either channel. `force_folded` is 1 if the force never changes sign but
+    falls to zero and rises again twice in a cycle.
     """
 
     repeat: IntArray
@@ -76,7 +76,7 @@ class LoopStatistics:
 
 
 def loop_statistics(loops: Sequence[MeasuredLoop]) -> LoopStatistics:
-    """Statistics of all loops of a record."""
+    """Statistics of all these loops."""
     complete = [loop.complete for loop in loops]
     samples = np.array([loop.time_s.size for loop in complete], dtype=np.int64)
     columns = {name: np.full(len(loops), np.nan) for name in _COMPUTED}
@@ -134,10 +134,9 @@ def _chunk(loops: Sequence[MeasuredLoop]) -> dict[str, Array]:
 
 
 def _periods(time: Array) -> Array:
-    """How long the cycle of each loop (l, n) lasts: a loop ends one step before it begins again.
+    """Duration (l,) of each loop's cycle for times (l, n), including the step from the last sample to the next cycle.
 
-    By the median step where steps are alike: one wrong time or a missing end does not matter. Simulations, and loggers
-    that store turns densely, have steps that are not.
+    It uses the median step if steps are even, so that a single wrong time does not matter.
     """
     step = np.diff(time, axis=1)
     spanned = (time[:, -1] - time[:, 0]) * time.shape[1] / step.shape[1]
@@ -145,10 +144,7 @@ def _periods(time: Array) -> Array:
 
 
 def _in_time(noise: Array, values: Array, time: Array) -> Array:
-    """The noise (l,) of loops (l, n), by their own times where these are uneven.
-
-    There the curvature of a loop would pass for noise, as would a sine's between the positions of a simulation.
-    """
+    """Noise (l,) of loops (l, n), recomputed with the sample times of loops with uneven steps."""
     noise_in_time = noise.copy()
     for place in np.flatnonzero(uneven(time)):
         noise_in_time[place] = sample_noise(values[place], time[place])
@@ -156,14 +152,14 @@ def _in_time(noise: Array, values: Array, time: Array) -> Array:
 
 
 def _outliers(values: Array) -> tuple[BoolArray, Array]:
-    """Samples (l, n) beyond what their neighbours bracket, and the noise of each loop (l,)."""
+    """Marks (l, n) of outlying samples, and the noise of each loop (l,)."""
     noise = noises(values)
     # An outlier is this many standard deviations of noise outside what its neighbours bracket.
     return outside_neighbours(values, lambda steps: 8.0 * noise[:, None] + 2.5 * steps[2]), noise
 
 
 def _healed(values: Array, bad: BoolArray) -> Array:
-    """The samples with outliers replaced by the median of their neighbours."""
+    """Samples (l, n) with outliers replaced by the median of their neighbours."""
     if not bad.any():
         return values
     neighbours = np.stack([np.roll(values, shift, axis=1) for shift in (-2, -1, 1, 2)])
@@ -171,7 +167,7 @@ def _healed(values: Array, bad: BoolArray) -> Array:
 
 
 def _gap(values: Array, noise: Array, extent: Array) -> Array:
-    """How far start and end, each led on by half a step, miss each other beyond noise and a step, per extent (l,)."""
+    """Distance between start and end of each loop beyond noise and a step, over its range (l,)."""
     step = np.diff(values, axis=1)
     end, start = values[:, -1] + 0.5 * step[:, -1], values[:, 0] - 0.5 * step[:, 0]
     # Start and end of a loop, led on, scatter by some two standard deviations of noise; this many open no loop.
@@ -181,9 +177,9 @@ def _gap(values: Array, noise: Array, extent: Array) -> Array:
 
 
 def _saturated(channels: Iterable[Array | None], beside: Array) -> Array:
-    """1 for channels of loops (l, n) that ran into the end of their range, by what scatters beside them (l, n).
+    """Array (l,): 1 for channels of loops (l, n) clipped at the end of their range; `beside` is another channel (l, n).
 
-    Where a plateau may as well lie within one step, most loops end at the same value, as a stop stays where it is.
+    Where a plateau may lie within one reading step, clipping counts only if most loops end at the same value.
     """
     pairs = zip(channels, beside, strict=True)
     found = [None if one is None else clipped(one, beside=other) for one, other in pairs]
@@ -193,13 +189,13 @@ def _saturated(channels: Iterable[Array | None], beside: Array) -> Array:
 
 
 def coarse_step_of(values: Array) -> float:
-    """The step in which a channel (n,) is read; 0 where a third of its samples differ, as those of an even drive do."""
+    """Reading step of a channel (n,); 0 if more than a third of its samples differ."""
     known = values[np.isfinite(values)]
     return step_of(known) if 3 <= np.unique(known).size <= known.size / 3 else 0.0
 
 
 def _folded(x: Array, q: Array) -> bool:
-    """Whether the force keeps its sign and rises from nothing twice while the displacement rises once."""
+    """True if the force keeps its sign and rises from zero twice while the displacement rises once."""
     size = np.abs(q)
     peak = float(size.max())
     low, high = float(q.min()), float(q.max())
@@ -208,19 +204,19 @@ def _folded(x: Array, q: Array) -> bool:
 
 
 def _rises(share: Array) -> int:
-    """How often a closed course between 0 and 1 comes from its lowest to its highest third."""
+    """Number of times that a closed course, scaled to 0 … 1, passes from its lowest to its highest third."""
     ends = np.where(share > 2.0 / 3.0, 1, np.where(share < 1.0 / 3.0, -1, 0))
     ends = ends[ends != 0]
     return int(np.count_nonzero((ends > 0) & (np.roll(ends, 1) < 0)))
 
 
 def plural(count: int, noun: str) -> str:
-    """``1 loop``, ``3 loops``."""
+    """Number with its noun: ``1 loop``, ``3 loops``."""
     return f"{counted(count)} {noun}{'' if count == 1 else 's'}"
 
 
 def listed(values: Sequence[int]) -> str:
-    """``1, 2, 3 and 12 more``."""
+    """Numbers as text, shortened: ``1, 2, 3 and 12 more``."""
     shown = ", ".join(counted(value) for value in values[:MOST_LISTED])
     more = len(values) - MOST_LISTED
     return f"{shown} and {more} more" if more > 0 else shown
@@ -229,9 +225,9 @@ def listed(values: Sequence[int]) -> str:
 def unlike_conditions(
     pairs: Mapping[str, tuple[float | None, float | None]], cycles: tuple[float, float]
 ) -> str | None:
-    """A sentence on the conditions in which a run and a record differ, by key; None where they are of one test.
+    """Sentence on the conditions in which a run and a record differ; None if they are of the same test.
 
-    pairs: of the run and of the record, None where it says nothing.  cycles: a run may be the longer one.
+    pairs: values of run and record by key, None where unstated. cycles: of run and record; the run may be longer.
     """
     differ = [
         f"{key} is {own:.4g} in the run and {other:.4g} in the record"
@@ -245,7 +241,7 @@ def unlike_conditions(
 
 @dataclass(frozen=True)
 class Remark:
-    """Something found: a `problem` spoils what depends on it, a `note` should be known."""
+    """Finding of a check: a `problem` makes dependent figures unreliable, a `note` is for information."""
 
     level: Literal["problem", "note"]
     topic: str
@@ -255,7 +251,7 @@ class Remark:
 
 @dataclass(frozen=True)
 class RecordReport:
-    """The outcome of a check: remarks, what the record supports and what it does not."""
+    """Result of a check: remarks, and which conclusions the record supports and which not."""
 
     name: str
     repeats: tuple[int, ...]
@@ -269,19 +265,18 @@ class RecordReport:
 
     @property
     def problems(self) -> tuple[Remark, ...]:
-        """The remarks on what spoils a figure."""
+        """Remarks that are problems."""
         return tuple(remark for remark in self.remarks if remark.level == "problem")
 
     def to_json(self) -> dict[str, object]:
-        """The report as plain values."""
+        """Report as plain values for JSON."""
         return asdict(self)
 
 
 @dataclass(frozen=True, eq=False)
 class CheckedRecord:
-    """A record, statistics of all its loops, and of those that are analysed in full the figures or why not.
-
-    Loops of figures and refusals are named (repeat, cycle).
+    """Record with statistics of all loops; for loops analysed in full, by (repeat, cycle), figures or reason of
+    refusal.
     """
 
     record: AnyRecord
@@ -291,7 +286,7 @@ class CheckedRecord:
 
 
 def where(checked: CheckedRecord, wrong: BoolArray) -> str:
-    """Which loops: "3 of 21 loops (first: repeat 1, cycle 100)"."""
+    """Text that says which loops are marked: "3 of 21 loops (first: repeat 1, cycle 100)"."""
     first = int(np.argmax(wrong))
     s = checked.statistics
     return (

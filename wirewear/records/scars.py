@@ -1,4 +1,7 @@
-"""Maps of scars as they were measured at the end of a test."""
+"""Measured maps of scars at the end of a test.
+
+A spike is a single point that stands out of its neighbours.
+"""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,11 +23,11 @@ LEAST_FILLED = 0.25  #: A map of which fewer points are given than this share of
 
 @dataclass(frozen=True, eq=False)
 class MeasuredScar:
-    """Worn depth of one repeat's body at the end: `depth_um` (n_x, n_y) over `x_um` (n_x,) and `y_um` (n_y,).
+    """Worn depths (n_x, n_y) of one repeat's body at the end, over `x_um` (n_x,) along the motion and `y_um` (n_y,)
+    across.
 
-    x is the sliding direction. NaN stands where the map has no point. `spikes_um` (n_x, n_y) are the depths that single
-    points which stand out were measured with, NaN at all others; None where none does. `levelling_notes` are sentences
-    about how it was levelled.
+    NaN stands where the map has no point. `spikes_um` (n_x, n_y) holds the measured depths of spikes, NaN elsewhere;
+    None if there are none. `levelling_notes` are sentences on how the map was levelled.
     """
 
     repeat: int
@@ -37,7 +40,7 @@ class MeasuredScar:
 
     @property
     def points(self) -> dict[str, Array]:
-        """The known points as they were measured, columns (n,) of a file."""
+        """Known points as measured, as columns (n,) of a file."""
         x, y = np.meshgrid(self.x_um, self.y_um, indexing="ij")
         depth = as_measured(self.depth_um, self.spikes_um)
         known = np.isfinite(depth)
@@ -49,17 +52,17 @@ class MeasuredScar:
         return self.x_um, self.y_um, self.depth_um
 
     def of_field(self, depth_um: Array) -> "MeasuredScar":
-        """The map with other depths (n_x, n_y), as far as it has points."""
+        """Copy of the map with other depths (n_x, n_y), 0 where it has no point."""
         return replace(self, depth_um=np.where(np.isfinite(self.depth_um), depth_um, 0.0), spikes_um=None)
 
     @property
     def spans_um(self) -> dict[str, float]:
-        """Depth, length along the motion and width across."""
+        """Depth, length along the motion and width across, in µm by name."""
         return {name: self.figures[name] for name in SCAR_FIGURES[1:]}
 
     @classmethod
     def from_points(cls, repeat: int, body: str, x_um: Array, y_um: Array, depth_um: Array) -> "MeasuredScar":
-        """The map of points (n,) that lie on the lines of a grid, in any order. Raises RecordError if they do not."""
+        """Map of points (n,) on the lines of a grid, in any order. Raises RecordError if they lie on no grid."""
         x, y, measured = grid_of(repeat, x_um, y_um, depth_um)
         depth, spikes = without_spikes(measured)
         depth.setflags(write=False)
@@ -67,7 +70,7 @@ class MeasuredScar:
 
     @classmethod
     def of_run(cls, scar: Scar, repeat: int, noise_um: float, random: np.random.Generator) -> "MeasuredScar":
-        """The map that a profilometer takes of a simulated scar, in the test's frame."""
+        """Map of a simulated scar as a profilometer with this noise would measure it, in the test's frame."""
         x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
         worn = scar.depth_um > 0.01 * scar.max_depth_um
         if not worn.any():
@@ -84,9 +87,9 @@ class MeasuredScar:
         return cls(repeat, scar.body, lines[0], lines[1], depth + noise_um * random.standard_normal(depth.shape))
 
     def turned(self, angle_deg: float) -> "MeasuredScar":
-        """The map turned about its origin, on lines of the new x and y that are as dense as its own.
+        """Map turned about its origin, on lines along the new x and y with the old spacing.
 
-        Quarters of a turn keep every point. The rest is left out where it moves no point by half of a line's distance.
+        Quarter turns keep every point. A remaining angle that moves no point by half a line's spacing is neglected.
         """
         quarters, rest_deg = divmod(angle_deg + 45.0, 90.0)
         x, y, depth, spikes = self.x_um, self.y_um, self.depth_um, self.spikes_um
@@ -105,12 +108,12 @@ class MeasuredScar:
 
     @property
     def spikes_note(self) -> str:
-        """How many single points stand out, a sentence; empty where none does."""
+        """Sentence on the number of spikes; "" if there are none."""
         return spikes_text(self.spikes_um, self.depth_um, f"the {called(self.body)}'s scar of repeat {self.repeat}")
 
     @property
     def border_note(self) -> str:
-        """A sentence where heights along the map's border count as worn; else empty."""
+        """Sentence if much of what counts as worn lies along the map's border; else ""."""
         known = np.isfinite(self.depth_um)
         border = np.zeros_like(known)
         for axis in (0, 1):
@@ -122,7 +125,7 @@ class MeasuredScar:
         return border_text(share, f"the {called(self.body)}'s map of repeat {self.repeat}")
 
     def bridged(self) -> "tuple[MeasuredScar, str]":
-        """The scar with small gaps interpolated along its lines, and a sentence on how many points that were."""
+        """Map with gaps of up to WIDEST points interpolated, and a sentence on them ("" if there are none)."""
         depth = self._filled(WIDEST)
         fill = np.isfinite(depth) & ~np.isfinite(self.depth_um)
         if not fill.any():
@@ -135,7 +138,7 @@ class MeasuredScar:
         return replace(self, depth_um=depth), note
 
     def _filled(self, widest: int) -> Array:
-        """Depths (n_x, n_y) with gaps of up to so many points interpolated along lines both ways."""
+        """Depths (n_x, n_y) with gaps of up to `widest` points interpolated along x and y."""
         both = np.stack([_along(self.y_um, self.depth_um, widest), _along(self.x_um, self.depth_um.T, widest).T])
         known = np.isfinite(both)
         means = np.where(known, both, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
@@ -143,7 +146,7 @@ class MeasuredScar:
 
     @cached_property
     def ground_um(self) -> float:
-        """The reading where nothing is worn: what others evaluate is often off zero. 0 where the map shows none."""
+        """Depth in µm that the map shows where nothing is worn; 0 if it is not clear."""
         known = np.isfinite(self.depth_um)
         if np.count_nonzero(known) < FEWEST_LEVELLED:
             return 0.0
@@ -154,12 +157,12 @@ class MeasuredScar:
 
     @cached_property
     def worn_um(self) -> Array:
-        """Depths (n_x, n_y) below what is not worn; where no point is known, as the points beside say, or 0."""
+        """Depths (n_x, n_y) below the unworn surface, interpolated where no point is known."""
         return np.nan_to_num(self._filled(max(self.depth_um.shape)) - self.ground_um)
 
     @cached_property
     def figures(self) -> dict[str, float]:
-        """The scar's `SCAR_FIGURES` in µm and µm³, by name."""
+        """Figures of the scar (SCAR_FIGURES) in µm and µm³ by name."""
         return dict(zip(SCAR_FIGURES, scar_figures(self.x_um, self.y_um, self.worn_um), strict=True))
 
     @property
@@ -167,17 +170,16 @@ class MeasuredScar:
         return f"{self.figures['depth']:.3g} µm deep, {1e6 * self.volume_mm3:.4g}·10⁻⁶ mm³"
 
     def volume_of(self, _length_mm: float | None) -> float:
-        """Worn volume [mm³]: a map covers all of the contact, of whatever length."""
+        """Worn volume in mm³; a map covers the whole contact, so that the length is ignored."""
         return self.volume_mm3
 
     @property
     def volume_mm3(self) -> float:
-        """Worn volume [mm³]."""
         return 1e-9 * self.figures["volume"]
 
     @property
     def rim_um(self) -> Array:
-        """Depths (n,) at which the map ends: the first and the last known one of every line along x and along y."""
+        """Depths (n,) at the map's edge: the first and last known one of every line along x and along y."""
         known = np.isfinite(self.depth_um)
         ends = [depth[has][[0, -1]] for depth, has in zip(self.depth_um, known, strict=True) if has.any()]
         ends += [depth[has][[0, -1]] for depth, has in zip(self.depth_um.T, known.T, strict=True) if has.any()]
@@ -185,7 +187,7 @@ class MeasuredScar:
 
     @property
     def gaps(self) -> float:
-        """Share of the map's points that are missing, of those with known ones on all four sides along the lines."""
+        """Share of missing points among those with known points on all four sides."""
         known = np.isfinite(self.depth_um)
         within = np.ones_like(known)
         for axis in (0, 1):
@@ -197,8 +199,10 @@ class MeasuredScar:
 
 
 def grid_of(repeat: int, x_um: Array, y_um: Array, level_um: Array) -> tuple[Array, Array, Array]:
-    """Lines x (n_x,), y (n_y,) and levels (n_x, n_y) of points (n,) on a grid, in any order; NaN where there is none.
-    Raises RecordError if they do not lie on one.
+    """Lines x (n_x,), y (n_y,) and levels (n_x, n_y) of points (n,) on a grid, in any order; NaN where there is no
+    point.
+
+    Raises RecordError if they lie on no grid. repeat: for the message.
     """
     lines = np.unique(x_um).size, np.unique(y_um).size
     # Before a grid is made of them: points at random would need a huge one.
@@ -214,7 +218,9 @@ def grid_of(repeat: int, x_um: Array, y_um: Array, level_um: Array) -> tuple[Arr
 
 
 def _carried(lines: tuple[Array, Array], spikes: Array, angle: float, onto: tuple[Array, Array]) -> Array:
-    """Spikes of a map over lines at the nearest points of lines of a map that is turned by an angle [rad]."""
+    """Spikes of a map over `lines`, moved to the nearest points of the lines `onto` of a map turned by an
+    angle in rad.
+    """
     found = np.full((onto[0].size, onto[1].size), np.nan)
     at = np.argwhere(np.isfinite(spikes))
     x, y = lines[0][at[:, 0]], lines[1][at[:, 1]]
@@ -225,7 +231,7 @@ def _carried(lines: tuple[Array, Array], spikes: Array, angle: float, onto: tupl
 
 
 def _along(line: Array, depth: Array, widest: int) -> Array:
-    """Depths (n, m) over a line (m,) between the known ones beside gaps of so many points; NaN elsewhere."""
+    """Depths (n, m) interpolated over a line (m,) in gaps of up to `widest` points; NaN elsewhere."""
     known, place = np.isfinite(depth), np.arange(line.size)
     before = np.maximum.accumulate(np.where(known, place, -1), axis=1)
     after = np.minimum.accumulate(np.where(known, place, line.size)[:, ::-1], axis=1)[:, ::-1]
@@ -239,7 +245,7 @@ def _along(line: Array, depth: Array, widest: int) -> Array:
 
 
 def _turned(x: Array, y: Array, depth: Array, angle: float, step: float) -> tuple[Array, Array, Array]:
-    """A map between points interpolated at those of a grid that is turned by an angle [rad]; NaN beyond the map."""
+    """Lines x, y and depths of a map interpolated on a grid turned by an angle in rad; NaN beyond the map."""
     from scipy.interpolate import RegularGridInterpolator
 
     cosine, sine = np.cos(angle), np.sin(angle)

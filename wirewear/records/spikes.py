@@ -1,4 +1,4 @@
-"""Single points that stand out of a map: what confocal microscopes and interferometers read at steep walls and dirt."""
+"""Spikes of a map: single points that stand out, as optical profilometers give them at steep walls and dirt."""
 
 from collections.abc import Sequence
 
@@ -20,7 +20,7 @@ FINEST_um = 1e-3  #: Nothing is known better than this of a height.
 
 
 def noise_um(levels: Array) -> float:
-    """Standard deviation of the noise of levels (n_x, n_y) in µm from point to point."""
+    """Standard deviation in µm of the noise of levels (n_x, n_y) between neighbouring points."""
     found = []
     for axis in (0, 1):
         # Of a straight line nothing is left in second differences, of noise √6 times its deviation.
@@ -31,9 +31,9 @@ def noise_um(levels: Array) -> float:
 
 
 def without_spikes(levels: Array) -> tuple[Array, BoolArray]:
-    """Levels (n_x, n_y) in µm, in place of spikes what is between the points beside them; and which points are spikes.
+    """Levels (n_x, n_y) in µm with spikes replaced by interpolation between neighbours, and marks of the spikes.
 
-    NaN is a point that is missing. A profile has n_y = 1.
+    Missing points are NaN. A profile has n_y = 1.
     """
     least, spikes = FAR * noise_um(levels), np.zeros(levels.shape, dtype=bool)
     candidates = np.argwhere(_beyond_lines(levels, least))
@@ -65,12 +65,12 @@ def without_spikes(levels: Array) -> tuple[Array, BoolArray]:
 
 
 def as_measured(depth_um: Array, spikes_um: Array | None) -> Array:
-    """Depths with those that single points which stand out were measured with."""
+    """Depths with spikes put back as they were measured."""
     return depth_um if spikes_um is None else np.where(np.isfinite(spikes_um), spikes_um, depth_um)
 
 
 def border_text(share: float, where: str) -> str:
-    """A sentence on the share of the worn volume that lies along the border, negative where raised; empty of little."""
+    """Sentence on the share of the worn volume along the border, negative if raised; "" if it is small."""
     if abs(share) < MOST_AT_BORDER:
         return ""
     what = f"{share:.1%} of what is worn lies" if share > 0.0 else f"{-share:.1%} of what is worn is piled up"
@@ -81,7 +81,7 @@ def border_text(share: float, where: str) -> str:
 
 
 def spikes_text(spikes_um: Array | None, depth_um: Array, where: str) -> str:
-    """How many single points stand out of a surface, and by how much; empty of none."""
+    """Sentence on how many spikes stand out of a surface and by how much; "" if none do."""
     if spikes_um is None:
         return ""
     count = int(np.isfinite(spikes_um).sum())
@@ -93,7 +93,7 @@ def spikes_text(spikes_um: Array | None, depth_um: Array, where: str) -> str:
 
 
 def _beyond_lines(levels: Array, least: float) -> BoolArray:
-    """Points that stand out to the same side from one of two points on either side along each line."""
+    """Marks of points that stand out to the same side from both neighbours along each line."""
     found = np.zeros(levels.shape, dtype=bool)
     wide = np.pad(levels, NEAR + 1, constant_values=np.nan)
     for side in (1.0, -1.0):
@@ -108,7 +108,7 @@ def _beyond_lines(levels: Array, least: float) -> BoolArray:
 
 
 def _beside(wide: Array, axis: int, step: int) -> Array:
-    """Levels so many points farther along an axis, of levels with a border of `NEAR` + 1."""
+    """Levels `step` points farther along an axis, from levels padded by NEAR + 1 points."""
     border = NEAR + 1
     starts = [border + (step if own == axis else 0) for own in (0, 1)]
     first, second = (slice(start, start + size - 2 * border) for start, size in zip(starts, wide.shape, strict=True))
@@ -116,7 +116,9 @@ def _beside(wide: Array, axis: int, step: int) -> Array:
 
 
 def _between(levels: Array, place: IntArray, reach: Sequence[int]) -> tuple[float, float]:
-    """The level at a place (2,) by a plane through the known points about it, and how far these spread about it."""
+    """Level at the index `place` (2,) by a plane through known points around it, and the spread of these about the
+    plane.
+    """
     first = np.maximum(place - reach, 0)
     near = levels[tuple(slice(a, b + own + 1) for a, b, own in zip(first, place, reach, strict=True))]
     at: IntArray = np.argwhere(np.isfinite(near))

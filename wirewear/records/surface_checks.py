@@ -1,17 +1,17 @@
-"""What is odd about worn surfaces, and what their sizes must have in common as the bodies wore each other.
+"""Checks of worn surfaces: their sizes must fit together, as the bodies wore each other.
 
 Two bodies that overlap by a depth d_t, the sum of both scars' depths, touch where their gap rᵀHr is below it: a spot
-whose second moments go with d_t H⁻¹. Of wires, the moving one along the motion, it reaches y² = 2R·d_t across at any
+whose second moments go with d_t H⁻¹. For wires, the moving one along the motion, it reaches y² = 2R·d_t across at any
 crossing angle, on both. Along the motion it is longer by 1/sin θ · √(1 + cos² θ), and on the moving wire by the stroke.
-It leans towards the bisector of the wires' axes: its mixed moment is cot θ of that across, which the stroke leaves
-alone. Sizes are moments of what lies deeper than a quarter of the deepest point, of a paraboloid 1/8 of its squared
-half width. A ball on a flat is as wires at 90°.
+It leans towards the bisector of the wires' axes: its mixed moment is cot θ of that across, unaffected by the stroke.
+Sizes are second moments of what lies deeper than a quarter of the deepest point; for a paraboloid that is 1/8 of its
+squared half width. A ball on a flat is as wires at 90°.
 
 In the records of the frozen blind batches, with every effect that rigs have, and in kinematic wear at 30° to 90°, the
 moment across is 0.74 to 1.04 of that, both wires' differ by 3 %, along the motion the fixed wire's is 0.73 to 0.86 of
 the spot's, and the moving wire's spread exceeds the spot's by 0.3 to 0.61 stroke amplitudes.
 
-A cylinder in a flat touches it over x² = 2R·d_t. The pad's scar is as long; the flat's is longer by the stroke. Of a
+A cylinder in a flat touches it over x² = 2R·d_t. The pad's scar is as long; the flat's is longer by the stroke. For a
 parabola the second moment is 3/20 of its squared half width.
 """
 
@@ -63,7 +63,7 @@ SHORTER = 0.95
 
 @dataclass(frozen=True)
 class ScarSize:
-    """Depth [µm] and second moments along and across the motion [µm²] of a scar, and the mixed one."""
+    """Depth in µm of a scar, and its second moments in µm²: along the motion, across it, and mixed."""
 
     depth_um: float
     along_um2: float
@@ -72,7 +72,7 @@ class ScarSize:
 
     @classmethod
     def of(cls, scar: MeasuredScar) -> "ScarSize | None":
-        """The sizes of a map's scar; None where it does not stand out from the map."""
+        """Size of a map's scar; None if it does not stand out from the map."""
         lowest, depth = float(np.percentile(scar.worn_um, 0.5)), scar.figures["depth"]
         if depth <= CLEAR * max(-lowest, 0.0) or depth <= 0.0:
             return None
@@ -86,7 +86,7 @@ class ScarSize:
 
 
 def unlike_sizes(record: ExperimentRecord) -> Iterator[str]:
-    """Sentences on the sizes that the scars of each repeat cannot have."""
+    """Sentences on scars of a repeat whose sizes do not fit together."""
     driven, held = record.tables.bodies_of_test
     # What is curved along the motion carries the contact about on the held body; a pad's face has no radius.
     along_motion = driven.curvature_per_mm()[:, 0]
@@ -129,7 +129,7 @@ def _unlike_shapes(record: ExperimentRecord, sizes: dict[str, ScarSize], spots_m
 
 
 def _mirrored(scars: dict[str, ScarSize], spots_mm: Array) -> Iterator[str]:
-    """Scars that lean to the wrong side; where none leans at some angle of those that may be, none is judged."""
+    """Sentences on scars that lean to the wrong side; none if the crossing angle leaves the side uncertain."""
     leans = spots_mm[:, 0, 1] / spots_mm[:, 1, 1]
     if float((leans * leans[1]).min()) > UPRIGHT:
         for body, size in scars.items():
@@ -141,7 +141,7 @@ def _mirrored(scars: dict[str, ScarSize], spots_mm: Array) -> Iterator[str]:
 
 
 def scar_remarks(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on scars, one after another."""
+    """Remarks on the scars of a record."""
     record = checked.record
     diameter_um = 1e3 * min(min(body.diameters_mm) for body in record.tables.bodies_of_test)
     for body in record.tables.body_names:
@@ -163,7 +163,7 @@ def scar_remarks(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def _unlike_wear(record: ExperimentRecord) -> Iterator[Remark]:
-    """Worn volumes that are far from what the tests' energies and the stated coefficient make them."""
+    """Remarks on worn volumes far from the tests' energies times the stated wear coefficient."""
     stated = record.tables.stated.energy_wear_coefficient_mm3_per_J
     for repeat in record.repeats if stated else ():
         volumes = [scar.volume_mm3 for scar in record.scars if scar.repeat == repeat]
@@ -229,7 +229,7 @@ def profile_remarks(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def _bodies_remarks(record: LineRecord) -> list[Remark]:
-    """Remarks on assumed bodies, whose compliance adds to the rig's."""
+    """Remarks on assumed heights of bodies, whose compliance adds to the rig's."""
     missing = record.tables.assumed_heights_mm
     if not missing:
         return []
@@ -262,7 +262,7 @@ def _profile_remarks(record: LineRecord, profile: MeasuredProfile) -> list[Remar
 
 
 def _expected_area(record: LineRecord, body: str) -> float | None:
-    """Worn cross-section in gross slip on a rigid rig by what is stated, µm²; None where too little is."""
+    """Worn cross-section in µm² in gross slip on a rigid rig, from stated values; None if too little is stated."""
     stated, asked = record.tables.stated, record.tables.conditions
     energy = getattr(stated, f"{body}_energy_wear_coefficient_mm3_per_J")
     archard = getattr(stated, f"{body}_archard_wear_coefficient_mm3_per_N_m")
@@ -277,7 +277,7 @@ def _expected_area(record: LineRecord, body: str) -> float | None:
 
 
 def unlike_profiles(record: LineRecord) -> Iterator[str]:
-    """Sentences on the sizes that the profiles of each repeat cannot have."""
+    """Sentences on profiles of a repeat whose sizes do not fit together."""
     for repeat in record.repeats:
         of_repeat = [profile for profile in record.scars if profile.repeat == repeat]
         spreads = {profile.body: spread for profile in of_repeat if (spread := _spread_um2(profile)) is not None}
@@ -307,7 +307,7 @@ def _unlike(record: LineRecord, depth_um: float, pad_um2: float, specimen_um2: f
 
 
 def _spread_um2(profile: MeasuredProfile) -> float | None:
-    """The second moment about the middle [µm²]; None where the scar does not stand out."""
+    """Second moment in µm² of a profile about its middle; None if the scar does not stand out."""
     deepest, lowest = float(profile.depth_um.max()), float(np.percentile(profile.depth_um, 0.5))
     if deepest <= CLEAR * max(-lowest, 0.0) or deepest <= 0.0 or profile.x_um.size < 3:
         return None

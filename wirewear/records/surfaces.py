@@ -1,4 +1,4 @@
-"""How worn surfaces stand in a record: maps of scars, profiles across a line's."""
+"""Kinds of worn surfaces in records: maps of scars, and profiles across line contacts."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ _REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
 
 @dataclass(frozen=True)
 class WornSurfaces:
-    """How the worn surfaces of a kind of contact stand in a record, and what sentences say of them."""
+    """Names and columns of the worn surfaces of a kind of contact, and words on them for sentences."""
 
     name: str  #: Files are named by it and the body, such as scar_moving.
     noun: str  #: What one is called among what an import holds.

@@ -1,6 +1,6 @@
-"""What stands twice in a record, and what stands under the number of another cycle or repeat.
+"""Checks for copied data in a record, and for data filed under another cycle or repeat.
 
-No two readings of a noisy sensor are alike sample by sample; what was exchanged shows by its figures.
+Two readings of a noisy sensor are never equal sample by sample; exchanged data show by their figures.
 """
 
 from collections.abc import Iterable, Iterator
@@ -39,7 +39,9 @@ ROUNDS = 4  #: Rounds in which medians of repeats and of cycles settle.
 
 
 def renumbered(checked: CheckedRecord) -> Iterator[Remark]:
-    """Repeats whose loops have the energies of an evolution, or of the other repeats, at other cycles."""
+    """Remarks on repeats whose loops have energies that belong to other cycles, by an evolution or the other
+    repeats.
+    """
     s = checked.statistics
     evolutions = {part.repeat: part for part in checked.record.evolution}
     for repeat in checked.record.repeats:
@@ -68,7 +70,7 @@ def renumbered(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def exchanged_evolutions(checked: CheckedRecord) -> Iterator[Remark]:
-    """Repeats that have each other's evolution: each one's loops have the energies of one other, and not their own."""
+    """Remarks on repeats whose evolutions are exchanged, as the energies of their loops show."""
     s, owners = checked.statistics, {}
     for repeat in checked.record.repeats:
         own = np.flatnonzero((s.repeat == repeat) & (s.energy_mJ > 0.0))
@@ -87,7 +89,7 @@ def exchanged_evolutions(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def exchanged_loops(checked: CheckedRecord) -> Iterator[Remark]:
-    """Two loops of which each has the energy and the largest force of the other one's cycle and repeat."""
+    """Remarks on pairs of loops each of which has the energy and largest force expected of the other."""
     s = checked.statistics
     own = np.flatnonzero((s.energy_mJ > 0.0) & (s.force_amplitude_N > 0.0) & (s.cycle > 0))
     figures = {"dissipated_energy_mJ": s.energy_mJ, "max_tangential_force_N": s.force_amplitude_N}
@@ -122,9 +124,10 @@ def exchanged_loops(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def _expected(checked: CheckedRecord, name: str, values: Array, repeat: Numbers, cycle: Numbers) -> Array:
-    """Logarithms (n,) of a figure that loops should have, by their repeat's evolution, or by the other repeats.
+    """Logarithms (n,) of a figure expected of loops, from their repeat's evolution or else the other repeats; NaN if
+    unknown.
 
-    Those of a repeat and of a cycle are taken off as medians: a definition or a specimen is not what is sought.
+    Common factors of a repeat or a cycle are removed as medians: other definitions and specimens are not looked for.
     """
     expected = np.full(values.size, np.nan)
     for part in checked.record.evolution:
@@ -148,12 +151,16 @@ def _medians(values: Array, group: Numbers) -> Array:
 
 
 def _deviation(off: Array) -> float:
-    """Standard deviation by the median, so that loops out of place do not count."""
+    """Robust standard deviation, so that misplaced loops do not count."""
     return max(1.4826 * float(np.median(np.abs(off - np.median(off)))), FINEST)
 
 
 def _other_order(energies: Array, expected: dict[str, Array]) -> str | None:
-    """How else energies (n,) are those expected of cycles, by what must be done for it; None if nohow."""
+    """Words on how energies (n,) would fit the expected ones, such as "in reverse order"; None if they fit, or never
+    do.
+
+    expected: energies (n,) by the words for each way of renumbering.
+    """
     known = expected[_AS_NUMBERED] > 0.0
     if np.count_nonzero(known) < 3:
         return None
@@ -176,7 +183,7 @@ def _other_order(energies: Array, expected: dict[str, Array]) -> str | None:
 
 
 def copied_loops(checked: CheckedRecord) -> Iterator[Remark]:
-    """Channels of one loop that are those of another; without noise, as simulations are, two cycles may be alike."""
+    """Remarks on loops with a channel equal to that of another loop."""
     record, noise = checked.record, checked.record.tables.noise
     for name, stated in (
         ("displacement_um", noise.displacement_um),
@@ -192,7 +199,7 @@ def copied_loops(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def copied_evolution(checked: CheckedRecord) -> Iterator[Remark]:
-    """Repeats whose evolutions are the same in every figure."""
+    """Remarks on repeats with equal evolutions."""
     parts = ((f"repeat {part.repeat}", tuple(part.columns.values())) for part in checked.record.evolution)
     if pair := _first_copy(parts):
         tables = checked.record.tables
@@ -203,13 +210,13 @@ def copied_evolution(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def copied_scars(scars: Iterable[MeasuredScar]) -> Iterator[str]:
-    """Maps that are those of another repeat or body, a sentence."""
+    """Sentences on maps equal to that of another repeat or body."""
     if pair := _first_copy((f"the {called(scar.body)}'s of repeat {scar.repeat}", (scar.depth_um,)) for scar in scars):
         yield f"A scar stands twice: {pair[1]} is {pair[0]}, point by point, so that one is a copy, or without noise."
 
 
 def _first_copy(named: Iterable[tuple[str, tuple[Array, ...]]]) -> tuple[str, str] | None:
-    """The names of the first two that hold the same numbers, not all of them alike."""
+    """Names of the first two entries with equal numbers, constants excepted; None if there are none."""
     seen: dict[bytes, str] = {}
     for name, arrays in named:
         if not any(array.size and np.nanmax(array) > np.nanmin(array) for array in arrays if np.isfinite(array).any()):

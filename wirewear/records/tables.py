@@ -1,4 +1,4 @@
-"""The tables of experiment.toml: every key with its unit, sensible range, default and meaning."""
+"""Tables of experiment.toml for contacts at a point: every key with its unit, range, default and meaning."""
 
 from abc import abstractmethod
 from collections.abc import Mapping
@@ -49,7 +49,7 @@ RunningIn = Annotated[float, PlainValidator(Quantity("cycles", 1.0, 1e9))]
 
 
 class RecordConditions(Asked):
-    """What was asked of the rig."""
+    """Conditions asked of the rig."""
 
     drive: Annotated[Literal["sensor", "stroke"], PlainValidator(keys.one_of(*DRIVES))] = Field(
         "sensor", description="where the amplitude is held: on the sensor's reading, or on the true motion"
@@ -57,7 +57,7 @@ class RecordConditions(Asked):
 
 
 class StatedFrictionEvolution(keys.Table):
-    """Running-in of the friction that the owner knows of: exponential from the initial to the final coefficient."""
+    """Known running-in of the friction: exponential from the initial to the final coefficient."""
 
     initial: keys.Friction = Field(description="coefficient of friction at the start", examples=[0.44])
     final: keys.Friction = Field(description="coefficient of friction in the end", examples=[0.66])
@@ -65,7 +65,7 @@ class StatedFrictionEvolution(keys.Table):
 
 
 class StatedWearRateEvolution(keys.Table):
-    """Running-in of the wear that the owner knows of: factors on the wear coefficient, exponential in between."""
+    """Known running-in of the wear: factors on the wear coefficient, exponential from the initial to the final one."""
 
     initial_factor: WearFactor = Field(description="factor on the wear coefficient at the start", examples=[3.0])
     final_factor: WearFactor = Field(description="factor on the wear coefficient in the end", examples=[1.0])
@@ -73,29 +73,29 @@ class StatedWearRateEvolution(keys.Table):
 
 
 class StatedFriction(keys.Table):
-    """The friction that the rig's owner states."""
+    """Friction as the rig's owner states it."""
 
     friction: keys.Friction | None = Field(None, description="coefficient of friction", examples=[0.62])
 
 
 class StatedRig(HolderTable, StatedFriction):
-    """What the rig's owner states of it, and of what changes over the cycles."""
+    """Rig and evolution over the cycles as its owner states them."""
 
     friction_evolution: StatedFrictionEvolution | None = Field(None, description="running-in of the friction")
     wear_rate_evolution: StatedWearRateEvolution | None = Field(None, description="running-in of the wear")
 
     @property
     def final_friction(self) -> float | None:
-        """Coefficient of friction once it has run in; None where it is not stated."""
+        """Coefficient of friction after running-in; None if unstated."""
         return self.friction if self.friction_evolution is None else self.friction_evolution.final
 
     def with_fitted(self, fitted: Mapping[str, Any]) -> Self:
-        """The table with fitted values in place of stated ones; friction then runs in only if that is fitted."""
+        """Copy with fitted values in place of stated ones; friction runs in only if that was fitted."""
         return self.model_copy(update={"friction_evolution": None, **fitted})
 
 
 class StatedWear(keys.Table):
-    """The wear that the rig's owner states."""
+    """Wear as the rig's owner states it."""
 
     WEAR: ClassVar[tuple[str, ...]] = ("energy_wear_coefficient_mm3_per_J", "moving_share")
 
@@ -106,11 +106,11 @@ class StatedWear(keys.Table):
 
 
 class Stated(StatedRig, StatedWear, StatedFriction):
-    """What the rig's owner states; what is not stated is taken as ideal."""
+    """Statements of the rig's owner; unstated properties are taken as ideal."""
 
 
 class Noise(keys.Table):
-    """Standard deviations of one sample; None where the owner does not know."""
+    """Standard deviation of one sample of each channel; None if unknown."""
 
     displacement_um: DisplacementNoise | None = Field(None, description="noise of the displacement sensor")
     tangential_force_N: ForceNoise | None = Field(None, description="noise of the tangential force")
@@ -118,7 +118,7 @@ class Noise(keys.Table):
 
 
 class StatedScatter(keys.Table):
-    """Standard deviations between tests on fresh specimens; None where the owner does not know."""
+    """Standard deviations between tests on fresh specimens; None if unknown."""
 
     friction: Spread | None = Field(None, description="relative scatter of the friction", examples=[0.05])
     normal_load: Spread | None = Field(None, description="relative scatter of the normal load")
@@ -128,9 +128,9 @@ class StatedScatter(keys.Table):
 
 
 class Tolerance(keys.Table):
-    """Differences that the owner takes for practically equal, relative.
+    """Relative differences that count as equal in practice.
 
-    The defaults are what laboratories calibrate to: force transducers and extensometers of class 1 are within 1 %
+    The defaults are calibration classes of laboratories: force transducers and extensometers of class 1 are within 1 %
     (ISO 7500-1, ISO 9513), an energy is a product of both, and a worn volume is known within some 5 %.
     """
 
@@ -141,7 +141,7 @@ class Tolerance(keys.Table):
 
 
 class Frames(keys.Table):
-    """What x of each scar's map runs along, from the point of first contact."""
+    """Direction of x in each scar's map, whose origin is the point of first contact."""
 
     scar_moving: Frame = Field("test", description='"test", x along the motion, or "wire", x along the body\'s axis')
     scar_fixed: Frame = Field("test", description="the same of the fixed wire")
@@ -152,7 +152,7 @@ class Frames(keys.Table):
 
 
 class Files(keys.Table):
-    """Names of the data files beside experiment.toml; scars are those of the record's bodies."""
+    """Names of the data files beside experiment.toml."""
 
     loops: FileName = Field(description="file of the loops", examples=["loops.csv"])
     evolution: FileName | None = Field(None, description="file of the evolution over the cycles")
@@ -166,7 +166,7 @@ class Files(keys.Table):
 
 
 def known_of(table: type[keys.Table], values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values whose keys a table knows."""
+    """Values whose keys this table has, except None."""
     return {key: values[key] for key in table.model_fields if values.get(key) is not None}
 
 
@@ -175,25 +175,25 @@ ALL_BODIES = frozenset(key.removeprefix(f"{SCARS.name}_") for key in Frames.mode
 
 
 def curved(bodies: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
-    """Diameters and angles in the tables of bodies, by keys that name these."""
+    """Diameters and angles of bodies by keys that include the body's name."""
     keys = ("diameter_mm", "diameter_along_mm", "axis_angle_deg")
     return {f"{key} of the {called(name)}": own[key] for name, own in bodies.items() for key in keys if key in own}
 
 
 def each_wire(wires: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """The tables of both wires by their names."""
+    """Complete table of each wire by its name; common keys are taken from the table of both."""
     return {name: {**wires, **(wires.get(name) or {})} for name in WIRES}
 
 
 class PointTest(OfTest):
-    """A file about a test of a contact at a point."""
+    """Test of a contact at a point as stated in a file."""
 
     worn, needs_loops = SCARS, True
 
     @property
     @abstractmethod
     def bodies_of_test(self) -> tuple[Body, Body]:
-        """The driven body, which lies below, and the held one above it."""
+        """The driven body, which lies below, then the held one."""
 
     @property
     def crosses_askew(self) -> bool:
@@ -205,18 +205,19 @@ class PointTest(OfTest):
 
     @abstractmethod
     def contradiction(self) -> Inconsistency | None:
-        """The key of the bodies that does not fit the others; None where all fit."""
+        """Key of the bodies that does not fit the others, with the reason; None if all fit."""
 
     def require_whole(self, where: str) -> None:
-        """See that the bodies touch at a point; RecordError if they do not, or something is missing."""
+        """Check that the bodies touch at a point. Raises RecordError if not, or if something is missing."""
         if (wrong := self.contradiction()) is not None:
             raise RecordError(f"{wrong.keys[-1]} in [{'.'.join(wrong.keys[:-1])}] of {where} {wrong.problem}.")
         if any(body.face is not None or body.surface is not None for body in self.bodies_of_test):
             raise RecordError(f"{where} is of a pad or a measured surface, of whose tests no records are read yet.")
 
     def require_bodies(self, where: str, *given: keys.Table) -> None:
-        """See that tables with a key for each body of any kind of contact give those of the test's own bodies alone.
-        Raises RecordError if one is of another kind's.
+        """Check that tables with a key for each possible body give only those of this test.
+
+        Raises RecordError if one belongs to another kind of contact.
         """
         for key in (key for table in given for key in table.model_fields_set):
             name = key.removeprefix(f"{SCARS.name}_")
@@ -227,13 +228,13 @@ class PointTest(OfTest):
 
 
 class OfWires(keys.Table):
-    """The kind of contact, where it is stated."""
+    """Kind of contact, where it is stated."""
 
     kind: Annotated[str, PlainValidator(keys.one_of(kinds.CROSSED_WIRES))] = Field(description="kind of contact")
 
 
 class WiresTest(PointTest):
-    """A test of crossed wires as its file states it."""
+    """Test of crossed wires as stated in a file."""
 
     of = Wires
 
@@ -242,7 +243,7 @@ class WiresTest(PointTest):
 
     @property
     def bodies_of_test(self) -> tuple[Body, Body]:
-        """The moving and the fixed wire; every worn surface is turned between its wire's frame and the test's."""
+        """The moving and the fixed wire."""
         return self.wires.of_test()
 
     def contradiction(self) -> Inconsistency | None:
@@ -250,7 +251,7 @@ class WiresTest(PointTest):
 
 
 class PointRecordTables(OfRecord, PointTest):
-    """The tables that the experiment.toml of any contact at a point has besides those of its bodies and files."""
+    """Tables of any point contact's experiment.toml, besides those of its bodies."""
 
     conditions: RecordConditions = Field(description="load, stroke, frequency and length of the test")
     stated: Stated = Field(Stated(), description="what the rig's owner states")
@@ -261,13 +262,13 @@ class PointRecordTables(OfRecord, PointTest):
     files: Files = Field(description="names of the data files")
 
     def require_whole(self, where: str) -> None:
-        """See that the bodies touch at a point, and that all scars are of them."""
+        """Check that the bodies touch at a point, and that all scars belong to them. Raises RecordError if not."""
         super().require_whole(where)
         self.require_bodies(f"[files] of {where}", self.files, self.files.frames)
 
     @property
     def wear(self) -> dict[str, tuple[str, ...]]:
-        """One coefficient of both bodies together."""
+        """One wear coefficient for both bodies together."""
         return {"energy_wear_coefficient_mm3_per_J": self.body_names}
 
     @property
@@ -281,11 +282,11 @@ class PointRecordTables(OfRecord, PointTest):
 
     @property
     def contact_stiffness_N_per_um(self) -> float:
-        """Mindlin's 2G*a of the unworn bodies under the asked load."""
+        """Tangential stiffness 2G*a of the unworn contact under the asked load, in N/µm (Mindlin)."""
         return unworn_stiffness_N_per_um(self.conditions.normal_load_N, *self.bodies_of_test)
 
     def placed(self, surface: MeasuredScar) -> MeasuredScar:
-        """The map turned where its file has it along the body's axis."""
+        """Map turned so that x runs along the motion."""
         of_body = getattr(self.files.frames, f"{SCARS.name}_{surface.body}") == "wire"
         return surface.turned(self.body(surface.body).axis_angle_deg if of_body else 0.0)
 
@@ -299,12 +300,12 @@ class PointRecordTables(OfRecord, PointTest):
 
     @property
     def assumed(self) -> str:
-        """What a simulation assumes of the bodies, after a semicolon; empty where all is stated."""
+        """Assumptions about the bodies as the end of a sentence, after a semicolon; "" if all is stated."""
         return ""
 
 
 class RecordTables(PointRecordTables, WiresTest):
-    """The whole of the experiment.toml of crossed wires."""
+    """All tables of the experiment.toml of crossed wires."""
 
     @classmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
@@ -321,13 +322,13 @@ class RecordTables(PointRecordTables, WiresTest):
         return {**super().of_study, **curved(each_wire(wires)), **angles}
 
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
-        """Two wires; the motion has an angle to the moving one."""
+        """Study tables with both wires, and the angle of the motion to the moving wire."""
         wires = self.wires.model_dump(mode="json", exclude_none=True)
         angle = {"motion_angle_deg": wires.pop("motion_angle_deg", 0.0)}
         return data | {"wires": wires, "conditions": data["conditions"] | (angle if any(angle.values()) else {})}
 
     @property
     def assumed(self) -> str:
-        """How wires are held where that is not stated."""
+        """Assumption on how the wires are held, as the end of a sentence; "" if it is stated."""
         given = {*self.wires.model_fields_set, *self.wires.moving.model_fields_set, *self.wires.fixed.model_fields_set}
         return "" if "grip_angle_deg" in given else "; wires are held rigidly over 90° of their backs, all along"

@@ -1,4 +1,4 @@
-"""What files about a test are asked, of whatever kind of contact, and what else is known of it."""
+"""Tables and properties common to all files about a test, of whatever kind of contact."""
 
 import sys
 from abc import ABC, abstractmethod
@@ -18,7 +18,7 @@ from wirewear.test.programme import CycleBlock
 
 
 class OfTest(Table):
-    """A file that describes a test of any kind of contact."""
+    """File that describes a test of any kind of contact."""
 
     of: ClassVar[type[StatedBodies]]  #: How it states the bodies.
     contact_kind: ClassVar[str]  #: The name of its kind.
@@ -35,7 +35,9 @@ class OfTest(Table):
 
     @classmethod
     def known(cls, data: dict[str, Any], where: str) -> dict[str, Any]:
-        """A file's tables by the keys that these have; RecordError if it says a thing twice."""
+        """A file's tables with other spellings replaced by these keys. Raises RecordError if something is
+        stated twice.
+        """
         del where
         return data
 
@@ -45,23 +47,24 @@ class OfTest(Table):
 
     @property
     def extent(self) -> Extent:
-        """How far the contact reaches across its motion."""
+        """Extent of the contact across its motion: per millimetre of a line contact, or the whole contact."""
         return extent_of(self.length_mm)
 
     @property
     def crosses_askew(self) -> bool:
-        """Whether two bodies touch at a point, and not as wires at right angles."""
+        """True if the bodies touch at a point and their axes do not cross at a right angle."""
         return False
 
     @property
     def depth_noise_um(self) -> float:
-        """Stated error of one depth of a worn surface."""
+        """Stated error in µm of one depth of a worn surface."""
         return 0.0
 
     @classmethod
     def length_of(cls, study: Mapping[str, Any], asked_mm: float | None, label: str) -> float | None:
-        """Length of the contact that a record of a study's result is of, None of a contact at a point.
-        Raises RecordError if one is given of such a contact, or none of another.
+        """Length in mm of the contact for a record of a study's result; None for a contact at a point.
+
+        Raises RecordError if a length is given for a contact at a point, or is missing for a line contact.
         """
         del study
         if asked_mm:
@@ -69,10 +72,10 @@ class OfTest(Table):
         return None
 
     def require_whole(self, where: str) -> None:
-        """See that the tables of a file say all that they must; RecordError where they do not."""
+        """Check that the tables say all that they must. Raises RecordError if not."""
 
     def placed(self, surface: Any) -> Any:
-        """A surface of a file with x along the motion."""
+        """Worn surface of a file, turned so that x runs along the motion."""
         return surface
 
 
@@ -80,7 +83,7 @@ Model = TypeVar("Model", bound=OfTest)
 
 
 def of_kinds(*models: type[Model]) -> dict[str, type[Model]]:
-    """The tables of a sort of files by the names of all kinds: of these those that state bodies as the kind does."""
+    """Class of tables for each kind of contact by its name, chosen from these models by how they state bodies."""
     found: dict[str, type[Model]] = {}
     for kind in KINDS.values():
         model: Any = next(own for own in models if issubclass(kind.bodies, own.of))
@@ -93,7 +96,7 @@ def of_kinds(*models: type[Model]) -> dict[str, type[Model]]:
 
 
 class OfRecord(OfTest, ABC):
-    """The tables of an experiment.toml, which know how a study and a result of their kind state the same test."""
+    """Tables of an experiment.toml, with their conversion from and to a study of the same kind."""
 
     fitted_by_loops: ClassVar[bool] = False  #: Whether loops alone give friction and rig, without a run of its study.
     contact_slips: ClassVar[bool] = True  #: Whether the contact slips within the stick branch as Mindlin's does.
@@ -102,51 +105,53 @@ class OfRecord(OfTest, ABC):
 
     @property
     def predicted(self) -> str:
-        """What a study of its test gives, to begin a sentence."""
+        """Beginning of a sentence on the prediction by a study of the test."""
         return "A simulation"
 
     @property
     @abstractmethod
     def wear(self) -> Mapping[str, tuple[str, ...]]:
-        """Coefficients of wear per friction energy by their keys in `[stated]`, with the bodies that wear by each."""
+        """Keys in `[stated]` of wear coefficients per friction energy, each with the bodies that wear by it."""
 
     @property
     @abstractmethod
     def shares(self) -> Mapping[str, float]:
-        """Parts of the worn volume that either body loses, as is stated."""
+        """Share of the worn volume that each body loses."""
 
     @classmethod
     @abstractmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
-        """Tables of the bodies and what touches, of a resolved study as results hold it; `label` names it in messages.
+        """Tables of bodies and contact from a resolved study; `label` names it in messages.
+
         Raises RecordError if a record cannot describe them.
         """
 
     @classmethod
     def stated_by(cls, study: Mapping[str, Any]) -> dict[str, Any]:
-        """The values of a study's conditions, friction, wear and rig by their keys."""
+        """Values of a study's conditions, friction, wear and rig by key."""
         parts = ("conditions", "contact", "wear", "holder")
         return {key: value for part in parts for key, value in (study.get(part) or {}).items()}
 
     @property
     @abstractmethod
     def of_study(self) -> dict[str, float | None]:
-        """The values that distinguish tests, by the keys of a study's tables."""
+        """Values that distinguish tests, by the keys of a study."""
 
     @abstractmethod
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
-        """Tables of a study with those of the bodies.
-        Raises RecordError if what is stated of bodies and rig does not fit together.
+        """Tables of a study with those of the bodies added.
+
+        Raises RecordError if the statements on bodies and rig are not consistent.
         """
 
     @property
     def contact_stiffness_N_per_um(self) -> float | None:
-        """Stiffness of the unworn contact; None where the bodies yield too, for which there is no closed form."""
+        """Tangential stiffness of the unworn contact in N/µm; None if there is no closed form."""
         return None
 
     @property
     def doubts_bodies(self) -> bool:
-        """Whether the compliance between rig and contact is unsure."""
+        """True if the compliance between rig and contact is uncertain."""
         return False
 
 
@@ -170,7 +175,7 @@ Roughness = Annotated[float, PlainValidator(Quantity("um", 0.0, 1000.0))]
 
 
 class Metadata(Table):
-    """Keys that no computation asks for; all are optional."""
+    """Optional information that no computation uses."""
 
     source: Annotated[Source, PlainValidator(one_of(*get_args(Source)))] | None = Field(
         None, description='whether the test was "measured" or "simulated"; unknown where nothing is said'
@@ -191,5 +196,5 @@ class Metadata(Table):
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """Known metadata, one ``key: value`` a line."""
+        """Known metadata as lines ``key: value``."""
         return tuple(f"{key}: {value}" for key, value in self.model_dump(exclude_none=True).items())

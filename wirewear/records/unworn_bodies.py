@@ -1,4 +1,4 @@
-"""Surfaces of bodies that are not worn, as they may lie under a map or profile of heights."""
+"""Unworn surfaces of bodies, as they may lie under a map or profile of heights."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,9 +18,9 @@ OF_SECOND_ORDER = 0.76
 
 
 class Surface(Protocol):
-    """Unworn surfaces of a body that lies in any way: `placing` parameters say how, `forms` further ones its form.
+    """Unworn surfaces of a body: `placing` parameters give its position, `forms` further ones its deviation in shape.
 
-    All are about as large as the heights in µm that they move the map's border by.
+    A parameter of 1 moves the border of the map by about 1 µm in height.
     """
 
     @property
@@ -29,19 +29,18 @@ class Surface(Protocol):
     def forms(self) -> int: ...
 
     def form_text(self, parameters: Array, body: str) -> str:
-        """How the form of a body differs from the stated one, the beginning of a sentence."""
+        """Beginning of a sentence on how the body's shape differs from the stated one."""
 
     def height(self, parameters: Array, at: Array) -> Array:
-        """Heights (m,) in µm at places (2, m) in µm; those parameters that are not given are 0."""
+        """Heights (m,) in µm at places (2, m) in µm; parameters that are left out are 0."""
 
 
 @dataclass(frozen=True)
 class RoundSurface:
-    """A body round along and across its axis, or straight, about the middle of a map of half sizes (2,) in µm.
+    """Body that is round or straight along and across its axis, under a map of half sizes (2,) in µm.
 
-    Placing: level, along and across, and the turn of an axis. What is round is moved, what is straight tilted; both
-    are alike to second order. Forms: curvature of what is round, of a ball also how
-    that changes outwards; bows of what is straight.
+    Placing: level, shift (if round) or tilt (if straight) along and across, and rotation of an axis. Forms: curvature
+    if round, for a ball also its change outwards; bending if straight.
     """
 
     curvatures_per_mm: tuple[float, float]
@@ -59,28 +58,30 @@ class RoundSurface:
 
     @cached_property
     def scales(self) -> Array:
-        """Level, shifts or tilts along and across, and turn for a parameter of 1."""
+        """Level, shifts or tilts along and across, and rotation for parameters of 1."""
         k, half = 1e-3 * np.array(self.curvatures_per_mm), np.array(self.half_um)
         moves = np.where(k > 0.0, 1.0 / np.maximum(k * half, 1e-12), 1.0 / half)
         twist = abs(k[0] - k[1]) * half[0] * half[1]
         return np.array([1.0, *moves, 1.0 / max(twist, 1e-12)])
 
     def beside(self, parameters: Array, at: Array) -> Array:
-        """Places (2, m) in µm from the crown along and across the axis as it lies; from the middle where straight."""
+        """Coordinates (2, m) in µm along and across the axis of places (2, m), from the crown, or the map's middle if
+        straight.
+        """
         _, along, across, turn = self._placed(parameters)
         moved = np.where(np.array(self.curvatures_per_mm) > 0.0, (along, across), 0.0)
         return np.asarray((at - turn * np.stack([-at[1], at[0]])) / np.sqrt(1.0 + turn**2) - moved[:, None])
 
     def turned_deg(self, parameters: Array) -> float:
-        """Angle by which the axis is turned."""
+        """Angle in degrees by which the axis is rotated."""
         return float(np.degrees(np.arctan(self._placed(parameters)[3])))
 
     def moving(self, places_um: Array) -> Array:
-        """Parameters that put the crown there (2,), as far as it is round."""
+        """Parameters that put the crown of a round body at this place (2,)."""
         return np.array([0.0, *places_um / self.scales[1:3], 0.0][: self.placing])
 
     def curvatures(self, parameters: Array) -> Array:
-        """One over the radii (2,) along and across [1/mm], those that form makes of the stated ones."""
+        """Curvatures (2,) along and across in 1/mm, including the deviation in shape."""
         k, half = np.array(self.curvatures_per_mm), np.array(self.half_um)
         form = np.zeros(3)
         form[: max(parameters.size - self.placing, 0)] = parameters[self.placing :]
@@ -89,7 +90,7 @@ class RoundSurface:
         return np.asarray(np.where(k > 0.0, k, 0.0) + 2e3 * form[:2] / half**2)
 
     def form_text(self, parameters: Array, body: str) -> str:
-        """The radius that differs most, along or across, or that the body is not straight."""
+        """Beginning of a sentence on the radius that differs most, or on a body that is not straight."""
         stated, near = np.array(self.curvatures_per_mm), np.array(parameters)
         if self.placing == 3 and stated.all() and near.size == self.placing + self.forms:
             # The radius that comes nearest over the map, not that of the crown.
@@ -125,9 +126,9 @@ class RoundSurface:
 
 @dataclass(frozen=True)
 class FaceSurface:
-    """The face of a line contact's body along a profile of half a length in µm.
+    """Face of a line contact's body under a profile of half length `half_um`.
 
-    Placing: level and tilt, and the shift of a face with edges; along a cylinder a shift is a tilt. Forms: a bow.
+    Placing: level, tilt, and the shift of a face with edges (for a cylinder, a shift is a tilt). Forms: bending.
     """
 
     face: Face | Flat
@@ -146,7 +147,7 @@ class FaceSurface:
         return f"where it is unworn, the {body} bows"
 
     def height(self, parameters: Array, at: Array) -> Array:
-        """Heights (m,) in µm at places (2, m) in µm, those across without effect."""
+        """Heights (m,) in µm at places (2, m) in µm; the coordinate across has no effect."""
         level, tilt, *more = parameters
         beside = at[0] - (self.half_um * 0.1 * more[0] if self.shifts else 0.0)
         shape = 1e3 * self.face.height(1e-3 * np.column_stack([beside, np.zeros_like(beside)]))
@@ -156,7 +157,7 @@ class FaceSurface:
 
 @dataclass(frozen=True)
 class LevelSurface:
-    """A plane at some height: what depths are counted from."""
+    """Horizontal plane at some height."""
 
     placing: int = 1
     forms: int = 0
@@ -169,7 +170,7 @@ class LevelSurface:
 
 
 def jacobian(surface: Surface, parameters: Array, at: Array, size: int) -> tuple[Array, Array]:
-    """Heights (m,) of a surface at places (2, m), and what its first parameters change of them (m, size)."""
+    """Heights (m,) of a surface at places (2, m), and their derivatives by its first `size` parameters (m, size)."""
     whole = np.append(parameters, np.zeros(max(size - parameters.size, 0)))
     middle, steps = surface.height(parameters, at), 0.01 * np.eye(whole.size)[:size]
     return middle, np.stack([(surface.height(whole + step, at) - middle) / 0.01 for step in steps], axis=1)

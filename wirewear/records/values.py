@@ -1,4 +1,4 @@
-"""An experiment record as a value: loops of each repeat and cycle, evolution, scars."""
+"""Experiment record as a value: loops of each repeat and cycle, evolution, worn surfaces."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -34,11 +34,10 @@ _IN_TABLE = {"conditions": "conditions", "contact": "stated", "wear": "stated"}
 
 
 def stated_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
-    """The record's test as its owner states it, a study of its kind of contact.
+    """Study of the record's test as its owner states it.
 
-    more: further tables of the study, such as log and mesh.
-    Raises RecordError if friction or wear is not stated, or friction twice and differently; StudyError if what is
-    stated does not fit together.
+    more: further tables of the study, such as log and mesh. Raises RecordError if friction or wear is not stated, or
+    friction is stated twice and differently; StudyError if the statements do not fit together.
     """
     friction = stated_friction(tables)
     for lacking in tables.missing:
@@ -51,7 +50,8 @@ def stated_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
 
 
 def stated_friction(tables: Any) -> float | None:
-    """Friction once it has run in, None where it is not stated.
+    """Coefficient of friction after running-in; None if unstated.
+
     Raises RecordError if it is stated twice and differently.
     """
     stated: StatedRig = tables.stated
@@ -65,7 +65,7 @@ def stated_friction(tables: Any) -> float | None:
 
 
 def stated_tables(tables: Any, friction: float) -> dict[str, Any]:
-    """The tables of that study with a friction; bodies whose wear is not stated do not wear."""
+    """Tables of a study of the record's test with this friction; bodies with unstated wear do not wear."""
     stated = tables.stated.model_dump(mode="json", exclude_unset=True, exclude_none=True)
     rig = {key: stated[key] for key in StatedRig.model_fields if key in stated and key not in _OF_THE_CONTACT}
     wear = {key: stated[key] for key in type(tables.stated).WEAR if key in stated}
@@ -87,16 +87,16 @@ def stated_tables(tables: Any, friction: float) -> dict[str, Any]:
 
 
 def _stated_block(block: CycleBlock) -> dict[str, Any]:
-    """A block of a record's programme as that of a study."""
+    """Block of a record's programme as a block of a study's."""
     return {"cycles": block.cycles, **block.values, **({"name": block.name} if block.name else {})}
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredLoop:
-    """One cycle of one repeat as the sensors read it, in the order of its samples.
+    """Loop of one cycle of one repeat as the sensors read it, in the order of its samples.
 
-    All arrays have shape (n,); `time_s` counts from the start of the cycle, `tangential_force_N` is positive when it
-    resists motion in +x, `normal_force_N` is None where it was not measured. NaN is a sample that is missing.
+    Arrays have shape (n,); `time_s` counts from the start of the cycle, `tangential_force_N` is positive when it
+    resists motion in +x, `normal_force_N` is None if not measured. NaN is a missing sample.
     """
 
     repeat: int
@@ -113,7 +113,7 @@ class MeasuredLoop:
 
     @property
     def complete(self) -> "MeasuredLoop":
-        """The loop without the samples of which a channel is missing."""
+        """Copy of the loop without samples that lack a channel."""
         channels = [self.time_s, self.displacement_um, self.tangential_force_N]
         if self.normal_force_N is not None:
             channels.append(self.normal_force_N)
@@ -122,7 +122,7 @@ class MeasuredLoop:
 
     @property
     def begins_at_rest(self) -> bool:
-        """Whether it goes from rest to one end first, as a test's first cycle may: it then ends at another force."""
+        """True if the loop goes from rest to one end first, as a test's first cycle may, and so does not close."""
         whole = self.complete
         x, q = whole.displacement_um, whole.tangential_force_N
         if x.size < _FEWEST_SAMPLES:
@@ -133,17 +133,17 @@ class MeasuredLoop:
         return bool(rests and abs(q[-1] - q[0]) > _ENDS_APART * force)
 
     def taken(self, keep: BoolArray) -> "MeasuredLoop":
-        """The loop's samples that are to be kept."""
+        """Copy of the loop with the samples marked in `keep` (n,)."""
         normal = None if self.normal_force_N is None else self.normal_force_N[keep]
         channels = (self.time_s[keep], self.displacement_um[keep], self.tangential_force_N[keep], normal)
         return MeasuredLoop(self.repeat, self.cycle, *channels)
 
     def signals(self, period_s: float | None = None) -> LoopSignals:
-        """The loop's channels, for a sensor."""
+        """Channels of the loop, as input for a sensor model."""
         return LoopSignals(self.time_s, self.displacement_um, self.tangential_force_N, self.normal_force_N, period_s)
 
     def read_as(self, signals: LoopSignals) -> "MeasuredLoop":
-        """The loop with other displacements and forces."""
+        """Copy of the loop with the displacements and forces of `signals`."""
         return replace(
             self,
             displacement_um=signals.displacement_um,
@@ -152,8 +152,9 @@ class MeasuredLoop:
         )
 
     def figures(self, normal_load_N: float | None = None) -> LoopFigures:
-        """Figures of the loop, analysed once; `normal_load_N` stands in for a normal force that was not measured.
-        Raises LoopError if the samples make no loop.
+        """Figures of the loop, computed once; `normal_load_N` replaces a normal force that was not measured.
+
+        Raises LoopError if the samples cannot be analysed.
         """
         if normal_load_N not in self._analysed:
             loop = self.complete
@@ -165,7 +166,7 @@ class MeasuredLoop:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredEvolution:
-    """One repeat's figures over the cycles, columns of shape (n,): `columns["cycle"]` increases; NaN is missing."""
+    """Figures of one repeat over the cycles, as columns (n,); `columns["cycle"]` increases, NaN is a missing value."""
 
     repeat: int
     columns: Mapping[str, Array]
@@ -177,9 +178,7 @@ Surface = TypeVar("Surface", bound="MeasuredScar | MeasuredProfile", default=Mea
 
 
 def _schedule(tables: Any) -> Schedule[Any]:
-    """The blocks of a record's programme in turn, each with the tables of a test under its conditions alone, whose
-    programme states the conditions of all of them.
-    """
+    """Blocks of a record's programme in turn, each with the tables of a test under that block's conditions only."""
 
     def under(values: Mapping[str, Any]) -> Any:
         own: dict[str, Any] = {}
@@ -204,8 +203,9 @@ def _schedule(tables: Any) -> Schedule[Any]:
 
 
 def _energies_mJ(evolution: Sequence[MeasuredEvolution], schedule: Schedule[Any]) -> dict[int, float]:
-    """Energy of a cycle by its block: median of those measured, or where a block has none, of all of them the friction
-    work of gross slip on a rigid rig, as far as that differs from block to block.
+    """Friction energy per cycle in mJ of each block, as the median of measured values.
+
+    If a block has none, all get the friction work of gross slip on a rigid rig, of which only ratios are meaningful.
     """
     found: dict[int, float] = {}
     for block in sorted({one.block for one in schedule.stretches}):
@@ -223,7 +223,7 @@ def _energies_mJ(evolution: Sequence[MeasuredEvolution], schedule: Schedule[Any]
 
 
 def _stroke_um(tables: Any) -> float:
-    """Amplitude of the stroke that is asked for: what the drive holds, or what that comes to on a rigid rig."""
+    """Displacement amplitude in µm: as asked for, or as the held quantity gives on a rigid rig."""
     asked, friction = tables.conditions, tables.stated.friction or 1.0
     held, largest = held_by(asked), asked.displacement_amplitude_um
     return float(largest if held is None else held.first_um(friction * asked.normal_load_N, 0.0, largest))
@@ -236,13 +236,13 @@ def _rows(evolution: MeasuredEvolution, schedule: Schedule[Any], block: int) -> 
 
 @dataclass(frozen=True, eq=False)
 class ExperimentRecord(Generic[Tables, Surface]):
-    """A record of format 1; `notes` are sentences about what was passed over on reading.
+    """Experiment record of format 1.
 
-    Loops are ordered by repeat and cycle. `scars` are the worn surfaces at the end: maps of wires, profiles of a line
-    contact, whose forces and energies are those of the whole contact. `path` is the folder that it was read from, or
-    None. `block` is the number of the block of its programme that is looked at, None for the whole test, and `worked`
-    shows how many of its cycles spend as much energy as all so far; `within_longer_strokes` whether other blocks have
-    longer strokes.
+    `loops` are sorted by repeat and cycle. `scars` are the worn surfaces at the end: maps, or profiles of a line
+    contact, whose forces and energies are of the whole contact. `notes` are sentences on what was ignored in reading.
+    `path` is its folder, or None. `block` is the number of the chosen block of its programme, None for the whole test;
+    `worked` holds pairs of a cycle of the test and the number of cycles of that block that dissipate as much energy;
+    and `within_longer_strokes` is True if other blocks have longer strokes.
     """
 
     tables: Tables
@@ -256,12 +256,11 @@ class ExperimentRecord(Generic[Tables, Surface]):
     within_longer_strokes: bool = False
 
     def of_block(self, number: int | None = None) -> "ExperimentRecord[Tables, Surface]":
-        """What was measured under the conditions of one block of the programme: loops, evolution, and the scars at the
-        end where no other block has a longer stroke, which shapes them.
+        """Part of the record measured under one block of its programme: loops, evolution, and scars unless a longer
+        stroke of another block shaped them.
 
-        number: from 1; by default that with most loops of those with the longest stroke. Itself where there is no
-        programme.
-        Raises RecordError where there is no such block, or no loop of it.
+        number: from 1; by default the block with the longest stroke and most loops. A record without a programme is
+        returned unchanged. Raises RecordError if there is no such block, or no loop of it.
         """
         tables: Any = self.tables
         if not tables.programme or self.block is not None:
@@ -294,7 +293,7 @@ class ExperimentRecord(Generic[Tables, Surface]):
         )
 
     def working_cycles(self, cycles: Array) -> Array:
-        """How many cycles (n,) of the block that is looked at spend the friction energy of cycles (n,) of the test."""
+        """Number of cycles (n,) of the chosen block that dissipate as much energy as these cycles (n,) of the test."""
         return np.interp(cycles, *np.array(self.worked).T) if self.worked else cycles
 
     @property
@@ -307,7 +306,7 @@ class ExperimentRecord(Generic[Tables, Surface]):
 
     @property
     def repeats(self) -> tuple[int, ...]:
-        """Numbers of the repeats that have loops, or, where a record may be without, that anything is recorded of."""
+        """Numbers of the repeats that have loops, or for records that may lack loops, any data."""
         parts: tuple[Any, ...] = (*self.loops, *(() if self.tables.needs_loops else (*self.evolution, *self.scars)))
         return tuple(sorted({one.repeat for one in parts}))
 
@@ -316,23 +315,23 @@ class ExperimentRecord(Generic[Tables, Surface]):
         return tuple(sorted({loop.cycle for loop in self.loops}))
 
     def loops_at(self, cycle: int) -> tuple[MeasuredLoop, ...]:
-        """The loops of a cycle, one for each repeat that has it."""
+        """Loops of a cycle, one for each repeat that has it."""
         return tuple(loop for loop in self.loops if loop.cycle == cycle)
 
     def loop(self, repeat: int, cycle: int) -> MeasuredLoop:
-        """One loop. Raises RecordError if the record has none of that repeat and cycle."""
+        """Loop of this repeat and cycle. Raises RecordError if there is none."""
         for loop in self.loops:
             if (loop.repeat, loop.cycle) == (repeat, cycle):
                 return loop
         raise RecordError(f"the record {self.name!r} has no loop of repeat {repeat} at cycle {cycle}.")
 
     def scars_of(self, body: str) -> tuple[Surface, ...]:
-        """All repeats' worn surfaces of a body."""
+        """Worn surfaces of a body in all repeats."""
         return tuple(scar for scar in self.scars if scar.body == body)
 
     @property
     def worn_volumes_mm3(self) -> dict[str, dict[int, float]]:
-        """Worn volumes by body and repeat, of the whole contact."""
+        """Worn volumes in mm³ of the whole contact, by body and repeat."""
         length = self.tables.length_mm
         return {
             body: {one.repeat: one.volume_of(length) for one in self.scars_of(body)} for body in self.tables.body_names

@@ -1,6 +1,6 @@
-"""An experiment record written: prepared in a folder beside its place, and put there in one step.
+"""Writing of an experiment record: prepared in a folder beside its place, and moved there in one step.
 
-A record takes the place of one that was made of the same file and is still as it was written, and of no other unasked.
+An existing record is replaced only if it was made of the same source and is unchanged, or if the user asks for it.
 """
 
 import hashlib
@@ -47,11 +47,11 @@ _MADE_OF = "# made of "  #: Before the path, from the record's folder, of the fi
 
 
 def require_place(folder: Path, *, made_of: Sequence[Path] = (), overwrite: bool = False) -> None:
-    """See that a record may be put into a folder, and could be; nothing is left or changed.
+    """Check that a record can be written to a folder; nothing is changed.
 
-    made_of: what it is made of, the mapping, run or record first.  overwrite: another one there may go.
-    Raises RecordError if the folder is or holds what the record is made of, or holds another record or a file that
-    would be lost; RunError if it cannot be written.
+    made_of: sources of the record; the mapping, run or record comes first. overwrite: any record there may be replaced.
+    Raises RecordError if the folder is or holds a source of the record, or holds another record or a file that would be
+    lost; RunError if it cannot be written.
     """
     with writing(RecordError, f"cannot write the record to {folder}"):
         place = link_followed(folder).resolve()
@@ -74,7 +74,7 @@ def require_place(folder: Path, *, made_of: Sequence[Path] = (), overwrite: bool
 
 
 def _lost(folder: Path, made_of: Sequence[Path]) -> str | None:
-    """What would be lost in a folder, in words; empty where a record there was made in the same way."""
+    """Words on what would be lost in a folder; None if it is free, or holds a record made in the same way."""
     path = folder / TABLE_FILE_NAME
     if not path.is_file():
         return next((name for name in _FILES if os.path.lexists(folder / name)), None)
@@ -91,7 +91,7 @@ def _lost(folder: Path, made_of: Sequence[Path]) -> str | None:
 
 
 def _origin(folder: Path, made_of: Sequence[Path]) -> str:
-    """The line of experiment.toml that says what a record was made of; nothing where that is not known."""
+    """Line of experiment.toml that names the first source of a record; "" if there is none."""
     if not made_of:
         return ""
     place = os.fsencode(os.path.relpath(made_of[0].resolve(), folder.resolve()))
@@ -101,12 +101,12 @@ def _origin(folder: Path, made_of: Sequence[Path]) -> str:
 def write_record(
     folder: str | Path, record: AnyRecord, *, made_of: Sequence[Path] = (), overwrite: bool = False
 ) -> Path:
-    """Write a record to `folder`, which is made if need be, and return it; numbers keep all their digits.
+    """Write a record to `folder`, which is created if missing, and return it; numbers keep all their digits.
 
-    The files take the names of format 1. What a record before had there goes, other files stay. Whoever reads, or is
-    killed at any moment, meets the record before or this one. `made_of` and `overwrite` are as of `require_place`.
-    Raises RecordError if the record has no loops and must have some, or nothing at all, has no place there, or a file
-    cannot be written; RunError if the folder cannot be made, or another command is writing to it.
+    Files of an earlier record there are replaced, other files stay. At any moment others see the old or the new record.
+    `made_of` and `overwrite` are as in `require_place`. Raises RecordError if the record lacks the loops that it must
+    have, or holds nothing, has no place there, or a file cannot be written; RunError if the folder cannot be created,
+    or another command is writing to it.
     """
     folder, tables = Path(folder), record.tables
     frames = {"loops": loops_frame(record.loops)} if record.loops else {}
@@ -142,7 +142,7 @@ def write_record(
 
 
 def loops_frame(loops: Sequence[MeasuredLoop]) -> "pl.DataFrame":
-    """Loops as a record's table."""
+    """Table of loops as it stands in a record."""
     sizes = [loop.time_s.size for loop in loops]
     columns: dict[str, Any] = {
         "repeat": np.repeat([loop.repeat for loop in loops], sizes),
@@ -165,14 +165,14 @@ def _write_surfaces(surfaces: Sequence[MeasuredScar | MeasuredProfile]) -> "pl.D
 
 
 def frame_of(columns: Mapping[str, ArrayLike]) -> "pl.DataFrame":
-    """Columns as a table in which an empty field is a value that is missing."""
+    """Data frame of these columns, with NaN as empty fields."""
     import polars as pl
 
     return pl.DataFrame(dict(columns)).with_columns(pl.selectors.float().fill_nan(None))
 
 
 def with_checksums(text: str, folder: Path, names: Iterable[object]) -> str:
-    """The text of experiment.toml, and behind it the checksums of files of its folder, by their names, and its own."""
+    """Text of experiment.toml followed by the checksums of these files in its folder, and its own."""
     lines = [f"# sha256 {hashlib.sha256((folder / str(name)).read_bytes()).hexdigest()} {name}\n" for name in names]
     text += "\n# The files as wirewear wrote them. Whoever changes one on purpose deletes its line.\n" + "".join(lines)
     return text + f"# sha256 {hashlib.sha256(text.encode()).hexdigest()} of the text above\n"
