@@ -128,8 +128,8 @@ def notes(found: ContactEstimate) -> list[str]:
     if found.yield_ratio > FULLY:
         said.append(
             f"{contact.name}: far beyond yield. The elastic peak pressure, {found.peak_pressure_MPa:.0f} MPa, is "
-            f"{found.yield_ratio:.2g} times that of first yield: pressure, area and life are those of wires that do "
-            f"not flow; the plastic area is some {found.plastic_area_mm2:.2g} mm²."
+            f"{found.yield_ratio:.2g} times that of first yield: the estimates are of wires that do not flow; the "
+            f"plastic area is some {found.plastic_area_mm2:.2g} mm²."
         )
     elif found.yield_ratio > 1.0:
         said.append(
@@ -145,9 +145,11 @@ def notes(found: ContactEstimate) -> list[str]:
 
 def _material(wire: LoadedWire) -> dict[str, Any]:
     own = wire.wire
+    yields = {} if own.yield_stress_MPa is None else {"yield_stress_MPa": own.yield_stress_MPa}
     if own.material is not None:
-        return {"material": own.material}
-    return {"youngs_modulus_MPa": own.elastic.youngs_modulus_MPa, "poissons_ratio": own.elastic.poissons_ratio}
+        return {"material": own.material, **yields}
+    elastic = {"youngs_modulus_MPa": own.elastic.youngs_modulus_MPa, "poissons_ratio": own.elastic.poissons_ratio}
+    return elastic | yields
 
 
 def _bulk(wire: LoadedWire) -> dict[str, float]:
