@@ -235,8 +235,8 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): what 1.0.0 weighs and 3 % of slack. Looked at when a version is made.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 73_800,
-    "lines of wirewear": 60_000,
+    "lines of geometry, solvers and wirewear": 75_200,
+    "lines of wirewear": 61_000,
     "lines of studies": 17_100,
     "lines of tests": 32_700,
     "files of geometry, solvers and wirewear": 372,
