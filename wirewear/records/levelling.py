@@ -1,9 +1,9 @@
-"""The unworn surface under a map or profile of heights: of all ways in which the body may lie, the one that the map
-shows where nothing is worn.
+"""Fit of the unworn surface under a map or profile of heights.
 
-Wear only takes away. So the unworn surface is one on which a part of the map lies within its noise, some of it at the
-border, and above which little stands: what is piled up. Surfaces through a few places at random are weighed by that,
-and the best is then fitted to all points that are neither worn nor piled up.
+Wear only removes material. The unworn surface is therefore one on which part of the map lies within its noise, some of
+it at the border, and above which little stands (piled-up material). Surfaces through a few random points are rated by
+that, and the best is fitted to all points that are neither worn nor piled up. A form is a deviation of the body's
+unworn shape from the stated one.
 """
 
 from dataclasses import dataclass, replace
@@ -53,12 +53,12 @@ HELPS = "a map that reaches farther beyond the scar would help, or worn depths (
 
 @dataclass(frozen=True, eq=False)
 class Unworn:
-    """The unworn surface that was found: its parameters, and what lies on it.
+    """Unworn surface that was found: its parameters, and measures of how much of the map lies on it.
 
-    share, border: shares of the map and of its border that lie on it.  above, border_above: that stand above it.
-    doubt_um3: standard deviation of the volume below it over the whole map.
-    form_um: how far its form differs from the stated one across the map; 0 where that is not to be seen.
-    unclear: parameters with those of a form that cannot be distinguished from a scar, so that it is not taken off.
+    share, border: shares of the map and of its border that lie on it. above, border_above: shares that stand above it.
+    doubt_um3: standard deviation of the volume below it over the whole map. form_um: size of the subtracted form across
+    the map; 0 if there is none. unclear: parameters including a form that cannot be distinguished from a scar and is
+    not subtracted; else None.
     """
 
     parameters: Array
@@ -72,7 +72,7 @@ class Unworn:
 
     @property
     def doubtful(self) -> bool:
-        """Whether what was taken to be unworn may be something else."""
+        """True if the surface that was found may not be the unworn one."""
         return self.share < LEAST_ON or self.border < LEAST_BORDER or self._raised
 
     @property
@@ -80,9 +80,9 @@ class Unworn:
         return self.above > MOST_ABOVE or self.border_above > MOST_AT_BORDER
 
     def remarks(self, where: str, depth: Array, places: Array, surface: Surface, body: str) -> tuple[str, ...]:
-        """Sentences about the surface that was found in a file, with depths (n_x, n_y) below it.
+        """Sentences on the surface found in a file, with depths (n_x, n_y) below it; `where` names the file.
 
-        body: the one whose worn volume is asked for, without what its form differs; empty where that counts as depth.
+        body: whose worn volume is wanted without its form; "" if the form counts as depth.
         """
         said = []
         if self._raised:
@@ -107,16 +107,15 @@ class Unworn:
 
 
 def _cell(places: Array) -> float:
-    """Area of one point of places (2, n_x, n_y) in µm², or its length along a profile in µm."""
+    """Area of one point in µm² for places (2, n_x, n_y), or its length in µm along a profile."""
     steps = (places[:, 1:2, :1] - places[:, :1, :1], places[:, :1, 1:2] - places[:, :1, :1])
     return float(np.prod([np.linalg.norm(step) for step in steps if step.size]))
 
 
 def unworn_surface(surface: Surface, places: Array, height: Array, start: Array, *, form: bool = True) -> Unworn:
-    """The unworn surface under heights (n_x, n_y) at places (2, n_x, n_y), all in µm; NaN where nothing is known.
+    """Unworn surface under heights (n_x, n_y) at places (2, n_x, n_y), all in µm; NaN is an unknown height.
 
-    start: parameters near which it is sought first.  form: whether its form may be another than the stated one; where
-    not, that which differs counts as depth.
+    start: parameters at which the search begins. form: allow a form, which is then subtracted; else it counts as depth.
     """
     found, scale = _sought(surface, places, height, start)
     found, unworn = _settled(surface, places, height, found, scale)
@@ -139,7 +138,9 @@ def unworn_surface(surface: Surface, places: Array, height: Array, start: Array,
 def _blocks(
     places: Array, values: Array, parts: int = PLACES, known: float = KNOWN
 ) -> tuple[Array, Array, Array, BoolArray]:
-    """Medians of groups of neighbours: their places (2, m), values (m,), counts (m,), and which are at the border."""
+    """Medians of groups of neighbouring points: places (2, m), values (m,), counts (m,), and marks of those at the
+    border.
+    """
     shape = values.shape
     most = parts if min(shape) > 1 else parts * PLACES_OF_LINE // PLACES
     steps = [max(-(-n // most), 1) for n in shape]
@@ -167,7 +168,7 @@ def _blocks(
 
 
 def _sought(surface: Surface, places: Array, height: Array, start: Array) -> tuple[Array, float]:
-    """The parameters of the best of many surfaces, and within which distance places lie on it."""
+    """Parameters of the best of many random surfaces, and the distance within which points lie on it."""
     noise, random, found, scale = noise_um(height), np.random.default_rng(0), start, FINEST_um
     flat = places.reshape(2, -1)
     for _ in range(ROUNDS):
@@ -188,9 +189,10 @@ def _range(rest: Array, sharp: float) -> float:
 
 
 def direction_deg(x: Array, y: Array, height: Array, curvatures_per_mm: tuple[float, float]) -> float:
-    """Direction [deg] from x, of (−90°, 90°], of the axis of a body so curved along and across, of surface (n_x, n_y).
+    """Direction in degrees from x, in (−90°, 90°], of the axis of a body with these curvatures along and across its
+    axis.
 
-    That at which most of a map lies on a parabola and a plane.
+    It is the one for which most of the map (n_x, n_y) lies on a parabolic surface with a plane.
     """
     places = np.stack(np.meshgrid(x - x.mean(), y - y.mean(), indexing="ij"))
     (u, v), z, count, border = _blocks(places, height, parts=24)
@@ -209,7 +211,9 @@ def direction_deg(x: Array, y: Array, height: Array, curvatures_per_mm: tuple[fl
 
 @dataclass(frozen=True, eq=False)
 class _Candidates:
-    """Places whose heights (m,) are given above a surface, with what parameters change of them (m, k)."""
+    """Heights (m,) of points above a surface, and their derivatives by its parameters (m, k), to rate other
+    parameters.
+    """
 
     rest: Array
     slopes: Array
@@ -219,11 +223,11 @@ class _Candidates:
 
     @cached_property
     def scales(self) -> Array:
-        """Distances within which places may be said to lie on a surface."""
+        """Trial distances within which points count as lying on a surface."""
         return np.asarray(2.5 * self.sharp * 2.0 ** np.arange(np.log2(max(self.range / (10.0 * self.sharp), 2.0))))
 
     def best(self, random: np.random.Generator, count: int = DRAWN) -> tuple[Array, float, float]:
-        """The change of parameters (k,) and the scale that weigh most of so many at random, and their weight."""
+        """Change of parameters (k,) and distance with the highest weight among `count` random ones, and that weight."""
         size, (_, k) = self.rest.size, self.slopes.shape
         at_border = np.flatnonzero(self.border)
         ends, anywhere = (random.integers(most, size=(count // 2, k)) for most in (at_border.size, size))
@@ -242,9 +246,9 @@ class _Candidates:
         return np.array(changes[one], dtype=np.float64), float(self.scales[place]), float(weights[one, place])
 
     def weights(self, changes: Array) -> Array:
-        """Logarithms of likelihoods (n, scales) of surfaces changed by (n, k), at each scale.
+        """Weights (n, scales) of surfaces with changed parameters (n, k), as log-likelihoods for each trial distance.
 
-        As a logarithm of a likelihood: a place within a scale shows by how much it is narrower than the range.
+        A point within the distance counts by how much smaller this is than the range of heights.
         """
         off = self.rest - changes @ self.slopes.T
         found = np.empty((len(changes), self.scales.size))
@@ -264,7 +268,7 @@ class _Candidates:
 
 
 def _settled(surface: Surface, places: Array, height: Array, found: Array, scale: float) -> tuple[Array, BoolArray]:
-    """Parameters fitted to all points that are neither worn nor piled up, by means of neighbours; and those points."""
+    """Parameters fitted to all points that are neither worn nor piled up, and marks of these points (n_x, n_y)."""
     flat, unworn = places.reshape(2, -1), np.zeros(height.shape, dtype=bool)
     rough = max(scale, FAR * noise_um(height))
     for place in range(SETTLED):
@@ -279,19 +283,19 @@ def _settled(surface: Surface, places: Array, height: Array, found: Array, scale
 
 
 def _within(left: Array) -> float:
-    """The distance within which points lie that leave so much (m,)."""
+    """Distance within which points with these residuals (m,) lie on the surface."""
     return 2.0 * FAR * max(median_deviation(left), FINEST_um)
 
 
 def _form_um(surface: Surface, places: Array, found: Array) -> float:
-    """How far across the map the form of a surface differs from the stated one."""
+    """Height range across the map of a surface's form in µm."""
     flat = places.reshape(2, -1)[:, :: max(places[0].size // MOST_POINTS, 1)]
     changed = jacobian(surface, found[: surface.placing], flat, found.size)[1][:, surface.placing :]
     return float(np.ptp(changed @ found[surface.placing :]))
 
 
 def _fitted(surface: Surface, places: Array, height: Array, found: Array, unworn: BoolArray) -> tuple[Array, Array]:
-    """Parameters fitted to some of the points, robustly, about those that were found; and what is left (m,)."""
+    """Parameters fitted robustly to the points marked in `unworn`, starting from `found`, and residuals (m,)."""
     chosen = np.flatnonzero(unworn)
     chosen = chosen[:: max(chosen.size // MOST_POINTS, 1)]
     middle, slopes = jacobian(surface, found, places.reshape(2, -1)[:, chosen], found.size)
@@ -307,10 +311,10 @@ def _fitted(surface: Surface, places: Array, height: Array, found: Array, unworn
 
 
 def bare(rest: Array, scale: float, least: float) -> BoolArray:
-    """Points (n_x, n_y) that are neither worn nor piled up, nor close to such, by heights above the unworn surface.
+    """Marks of points (n_x, n_y) that are neither worn nor piled up nor close to such, from heights above the surface.
 
-    Judged by means of neighbours: an edge is shallower than the noise; of fewer where that leaves too little of them.
-    Nothing is off by less than `least`.
+    Judged by means of neighbours, as a scar's edge is shallower than the noise; fewer neighbours are used if too few
+    points remain. Means within `least` always count as unworn.
     """
     known = np.isfinite(rest)
     white = noise_um(rest)
@@ -336,21 +340,23 @@ def bare(rest: Array, scale: float, least: float) -> BoolArray:
 
 @dataclass(frozen=True, eq=False)
 class _Means:
-    """Means of unworn points in parts of a map: their heights above a surface (m,), what parameters change (m, k)."""
+    """Means of unworn points in parts of a map: heights above a surface (m,), and derivatives by its
+    parameters (m, k).
+    """
 
     rest: Array
     slopes: Array
 
     @classmethod
     def of(cls, surface: Surface, places: Array, rest: Array, found: Array, unworn: BoolArray) -> "_Means":
-        """Means of what stands above a surface found, with slopes for all its placing and forms."""
+        """Weighted means for a surface that was found, with derivatives for all its parameters."""
         at, means, count, _ = _blocks(places, np.where(unworn, rest, np.nan), parts=24, known=0.05)
         weight = np.sqrt(count / count.max(initial=1))
         slopes = jacobian(surface, found, at, surface.placing + surface.forms)[1]
         return cls(weight * means, weight[:, None] * slopes)
 
     def fitted(self, size: int) -> tuple[Array, Array, float]:
-        """The first parameters (size,) by least squares, their covariance, and the deviation of what is left."""
+        """First `size` parameters by least squares, their covariance, and the standard deviation of residuals."""
         slopes = self.slopes[:, :size]
         inverse = np.linalg.pinv(slopes)
         change = inverse @ self.rest
@@ -360,7 +366,7 @@ class _Means:
 
 
 def _form(surface: Surface, places: Array, height: Array, found: Array, unworn: BoolArray) -> Array | None:
-    """Parameters with those of form; None where it is not seen to differ from the stated one."""
+    """Parameters including a form; None if no form is seen."""
     rest = height - surface.height(found, places.reshape(2, -1)).reshape(height.shape)
     means, whole = _Means.of(surface, places, rest, found, unworn), surface.placing + surface.forms
     if means.rest.size < 2 * whole:
@@ -375,8 +381,9 @@ def _form(surface: Surface, places: Array, height: Array, found: Array, unworn: 
 
 
 def _farther(surface: Surface, places: Array, height: Array, found: Array, unworn: BoolArray) -> Array | None:
-    """Parameters fitted to that half of the unworn points which lies farther from all others, as what is piled up
-    raises those near a scar; None where they are too few.
+    """Parameters fitted to the half of the unworn points farthest from all others; None if they are too few.
+
+    Points near a scar may be raised by piled-up material.
     """
     away = distance_transform_edt(unworn | ~np.isfinite(height))
     # Unworn points a parameter that are fitted by their farther half, too.

@@ -1,4 +1,4 @@
-"""Turning a laboratory's own files into experiment records."""
+"""Import of a laboratory's own files as experiment records, by a mapping file."""
 
 from wirewear.records.importing.importing import import_record
 

@@ -1,4 +1,8 @@
-"""The columns of a laboratory's file: which hold what by name, unit and words, and which are passed over."""
+"""Recognition of the columns of a laboratory's file by names, units and words, and remarks on columns not used.
+
+A channel is a measured quantity such as "force"; a key is the name of a record's column. A value of a mapping is open
+if the user must fill it in.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -42,7 +46,7 @@ SURFACE_KEYS = {"x_um": "x", "y_um": "y", "depth_um": "depth", "height_um": "hei
 
 @dataclass(frozen=True)
 class GuessedFile:
-    """A file with how it is spelled and the columns that were recognised."""
+    """A laboratory's file with its spelling (encoding, delimiter, …) and the columns recognised in it."""
 
     path: Path
     holds: str
@@ -60,21 +64,22 @@ class GuessedFile:
 
     @property
     def named(self) -> bool:
-        """Whether the file itself names its columns."""
+        """True if the file names its columns."""
         return any(self.titles)
 
     def unit(self, place: int, channel: str) -> str:
-        """The unit of a column, by its title or as the file has it beside; empty where none is stated."""
+        """Unit of the column of this index, from its title or as the file states it; "" if unstated."""
         return stem_and_unit(self.titles[place], units_of(channel))[1] or self.units[place]
 
     def read(self, columns: dict[str, dict[str, Any]], length_mm: float | None = None) -> dict[str, Array]:
-        """Columns of a mapping as they are read, what is left open in them apart."""
+        """Columns by key, read as a mapping with these columns would; open values are ignored."""
         wanted = {key: ColumnMapping(**shut(own)) for key, own in columns.items()}
         return read_source(self.path, Source(files=(self.path.name,), **self.spelling), wanted, length_mm)
 
     @property
     def listing(self) -> str:
-        """The file's columns in words, with the range of their numbers.
+        """Text that lists the file's columns with the ranges of their numbers.
+
         Raises RecordError if none of them can be read.
         """
         ranges, unread = [], []
@@ -94,13 +99,13 @@ class GuessedFile:
 
 
 def shut(column: dict[str, Any]) -> dict[str, Any]:
-    """What is known of a column: without what is open, and without volts that no factor turns into something else."""
+    """Known entries of a mapping's column, without open ones, and without the unit of volts that lack a factor."""
     unscaled = column.get("factor") == OPEN
     return {word: one for word, one in column.items() if one != OPEN and not (unscaled and word == "unit")}
 
 
 def loop_columns(file: GuessedFile) -> dict[str, tuple[str | int, str]]:
-    """Column and unit of each channel of a loop that is recognised, by its key in a record."""
+    """Column and unit of each recognised channel of a loop, by key."""
     loops = taken_columns(file, LOOP_KEYS)
     if "tangential_force_N" not in loops and "normal_force_N" in loops:
         values = file.read({"any": {"column": loops["normal_force_N"][0]}})["any"]
@@ -112,7 +117,10 @@ def loop_columns(file: GuessedFile) -> dict[str, tuple[str | int, str]]:
 
 
 def taken_columns(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[str | int, str]]:
-    """Column and unit of each channel, each column once; of several, the first whose numbers change."""
+    """Column and unit of each recognised channel, by key; no column is used twice, and one that varies is preferred.
+
+    keys: channel by key of the record.
+    """
     columns: dict[str, tuple[str | int, str]] = {}
     free = list(range(len(file.titles)))
     for key, channel in keys.items():
@@ -135,8 +143,8 @@ def taken_columns(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[st
 
 
 def rivals(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> dict[str, str]:
-    """Sentences on columns that were passed over for those taken, by the key: they have as good a name and another
-    course.
+    """Sentences, by key, on columns with equally good names and other values that were passed over for those in
+    `columns`.
     """
     sentences = {}
     taken = {file.references.index(reference) for reference, _ in columns.values() if reference in file.references}
@@ -157,7 +165,7 @@ def rivals(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> d
 
 
 def unread(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> list[str]:
-    """Sentences on columns that state a factor, or part the samples by words or numbers, and are not taken."""
+    """Sentences on unused columns that state a factor, or that seem to number the samples by words or counts."""
     taken, sentences = {reference for reference, _ in columns.values()}, []
     for place, (reference, title) in enumerate(zip(file.references, file.titles, strict=True)):
         if reference in taken or not title or place >= MOST_LABELS:
@@ -187,20 +195,20 @@ def unread(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> l
 
 
 def _differ(file: GuessedFile, channel: str, *places: int) -> bool:
-    """Whether two columns hold other values of a channel."""
+    """True if two columns, by index, hold different values of a channel."""
     units = [units_of(channel).get(file.unit(place, channel), 1.0) for place in places]
     one, other = (unit * values_of(file, place) for unit, place in zip(units, places, strict=True))
     return one.shape != other.shape or float(np.nanmax(np.abs(one - other))) > ALIKE * float(np.nanmax(np.abs(one)))
 
 
 def _of_another_kind(unit: str, channel: str) -> bool:
-    """Whether a column's unit is one of what the channel is not, such as the °C of a T that is no time."""
+    """True if a unit belongs to another quantity than the channel, such as °C for a column T that might be time."""
     counted = not units_of(channel) and unit in ("cycles", "Zyklen", "ciclos")
     return unit in KNOWN_UNITS and unit not in RAW_UNITS and unit not in units_of(channel) and not counted
 
 
 def values_of(file: GuessedFile, place: int, key: str = "time_s") -> Array:
-    """The numbers of a column, as of that key of a record; none where it cannot be read."""
+    """Numbers of the column of this index, read as the given key; empty if it cannot be read."""
     try:
         return file.read({key: {"column": file.references[place]}})[key]
     except RecordError:

@@ -1,4 +1,7 @@
-"""What laboratories' files show of a test: load, amplitude, frequency, cycles, signs of forces, scars."""
+"""Conditions of a test that its files show: load, amplitude, frequency, cycles, signs of forces, scars.
+
+A value of a mapping is open if the files do not show it, so that the user must fill it in.
+"""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -50,8 +53,10 @@ _SCALE = {
 def conditions_of(
     text: GuessedFile, source: dict[str, Any], known: dict[str, Any], length_mm: float | None = None
 ) -> tuple[dict[str, Any], dict[str, float], list[str]]:
-    """Conditions that the first file shows, left open where it does not; signs of forces by key; what was assumed.
-    Raises RecordError if the file holds too few samples, or its loops cannot be distinguished.
+    """Conditions that the first file shows (others are open), signs of forces by key, and sentences on assumptions.
+
+    source: table `[loops]` of the mapping, whose columns may be changed in place. known: conditions that the user
+    states. Raises RecordError if the file holds too few samples, or its loops cannot be distinguished.
     """
     closed = {key: own for key, own in source["columns"].items() if own["column"] != OPEN}
     columns = text.read(closed, length_mm) if closed else {}
@@ -96,7 +101,7 @@ def conditions_of(
 
 
 def _clocked(columns: dict[str, Array]) -> tuple[dict[str, Array], Clock]:
-    """Columns with the times behind their clock, or without any where it does not show them; and the clock."""
+    """Columns with repaired times, or without times if the clock does not show them, and the clock."""
     time, x = columns.get("time_s"), columns["displacement_um"]
     if time is None or time.shape != x.shape:
         return columns, Clock(time)
@@ -111,14 +116,14 @@ def _without_unit(text: GuessedFile) -> bool:
 
 
 def _open(source: dict[str, Any], key: str) -> bool:
-    """Whether what a column's numbers mean is still to be filled in."""
+    """True if the unit or factor of a column is open."""
     return OPEN in source["columns"].get(key, {}).values()
 
 
 def _loops(
     text: GuessedFile, source: dict[str, Any], frequency: float | str, length_mm: float | None
 ) -> list[MeasuredLoop]:
-    """The loops as the import will read them, in the file's own numbers where a unit is open."""
+    """Loops as the import will read them; columns with an open unit keep the file's numbers."""
     whole = LoopSource(**source | {"columns": {key: shut(own) for key, own in source["columns"].items()}})
     # Without times, loops are split where the drive turns, whatever a cycle lasts.
     unknown = np.nan if "time_s" in source["columns"] or "sample_rate_Hz" in source else 1.0
@@ -128,11 +133,9 @@ def _loops(
 
 
 def frequency_of(columns: dict[str, Array], source: dict[str, Any], doubt_s: float = 0.0) -> tuple[float | None, str]:
-    """Cycles a second: of a log of several cycles by their phase, of one by its length; None where no time is stated.
+    """Frequency in Hz, None if no times are stated, and a reason against numbering cycles by it ("" if there is none).
 
-    And what stands against numbering cycles by it, if anything.
-
-    doubt_s: by how much times on either side of a gap may be off each other.
+    doubt_s: uncertainty of times across gaps in the log.
     """
     x = columns["displacement_um"]
     time = columns.get("time_s")
@@ -165,8 +168,9 @@ def frequency_of(columns: dict[str, Array], source: dict[str, Any], doubt_s: flo
 
 
 def _across_gaps(pieces: Sequence[Array], times: Sequence[Array], doubt_s: float) -> tuple[float | None, str]:
-    """Period in s, and what it rests on, of displacements in pieces of a log: by their cycles, and by gaps that are
-    known well enough to be a whole number of these.
+    """Frequency in Hz from a log in pieces, and a reason against numbering cycles by it ("" if there is none).
+
+    It uses the cycles in each piece, and gaps that are known well enough to be a whole number of cycles.
     """
     whole = [(x[part], t[part]) for x, t in zip(pieces, times, strict=True) if x.size > 2 for part in split_cycles(x)]
     periods = [period_of(t, x) for x, t in whole]
@@ -220,7 +224,7 @@ def _amplitude(source: dict[str, Any], loops: Sequence[MeasuredLoop], known: dic
 
 
 def _amplitude_of(loop: MeasuredLoop) -> float:
-    """Half a loop's stroke: where its drive turns, for the outermost of noisy readings lie farther out."""
+    """Displacement amplitude in µm, between the drive's reversals and not the outermost noisy samples."""
     try:
         return loop.figures(None).displacement_amplitude_um.value
     except LoopError:
@@ -237,28 +241,30 @@ def _last_cycle(source: dict[str, Any], loops: Sequence[MeasuredLoop]) -> int:
 
 @dataclass(frozen=True)
 class Touching:
-    """What touches: the bodies' names, and what options state of them."""
+    """Bodies in contact: their names, and what options state of them."""
 
     names: tuple[str, ...]
     stated: BodiesByOptions
 
     @classmethod
     def of(cls, kind: str, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]) -> Self:
-        """The bodies of a kind; elastic, of_other: constants of both, those of a pad or a ball apart.
-        Raises RecordError, in one sentence, if what no file states is not known.
+        """Bodies of a kind of contact from options; `elastic` and `of_other` are elastic constants of both, and of pad
+        or ball.
+
+        Raises RecordError, in one sentence, if something is missing that no file states.
         """
         return cls(KINDS[kind].body_names, KINDS[kind].bodies.by_options(known, elastic, of_other))
 
     @property
     def bodies(self) -> Mapping[str, Body]:
-        """Those that are known, by their names."""
+        """Known bodies by name."""
         return {body.name: body for body in self.stated.bodies}
 
 
 def scars_of(
     points: Sequence[GuessedFile], maps: Sequence[Path], touching: Touching
 ) -> tuple[dict[str, Any], list[str]]:
-    """The tables `[scars.*]` of texts of points and of maps of such bodies, and what was assumed."""
+    """Tables `[scars.*]` of a mapping for these files of points and of maps, and sentences on assumptions."""
     scars: dict[str, Any] = {}
     remarks = [f"{text.path.name} was left out: there are no bodies" for text in points if not touching.names]
     for text in points if touching.names else ():
@@ -306,9 +312,9 @@ def _add_maps(scars: dict[str, Any], maps: Sequence[Path], touching: Touching, r
 
 
 def map_source(path: Path, remarks: list[str]) -> tuple[StatedMap, dict[str, Any]] | None:
-    """A map, and the keys of a mapping that read it, open where its file does not state its scale; None if unreadable.
+    """Map of a file, and the mapping's keys to read it, with open ones if the file does not state its scale.
 
-    Either is remarked.
+    None if it cannot be read. A sentence is appended to `remarks` in either case.
     """
     try:
         surface = stated_map(path)
@@ -328,12 +334,14 @@ def _noted(found: tuple[dict[str, Any], str], remarks: list[str]) -> dict[str, A
 
 
 def listed(files: str | list[str]) -> list[str]:
-    """One name or several as a list."""
+    """File names as a list, from one name or several."""
     return [files] if isinstance(files, str) else files
 
 
 def body_of(path: Path, names: Sequence[str], otherwise: str, remarks: list[str]) -> str:
-    """Whose worn surface a file holds by the words in its name, or with a remark the other one."""
+    """Name of the body whose surface a file holds, by words in its name; else `otherwise`, with a sentence added to
+    `remarks`.
+    """
     name = path.stem.lower()
     for body in names:
         if any(word in name for word in WORDS[body]):
@@ -370,7 +378,7 @@ def along_x(path: Path, name: str, touching: Touching, later: str) -> tuple[dict
 
 
 def laid(path: Path, name: str, touching: Touching, surface: tuple[Array, Array, Array]) -> tuple[dict[str, Any], str]:
-    """How a body lies in a map of heights, as keys of a mapping: of the ways there are, the nearest; and a remark."""
+    """Keys of a mapping for how a body lies in a map of heights, the nearest of the possible ways, and a remark."""
     if (body := touching.bodies.get(name)) is None:
         return along_x(path, name, touching, "with --diameter its heights show it")
     if not body.has_axis:

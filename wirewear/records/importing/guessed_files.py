@@ -1,4 +1,4 @@
-"""What a laboratory's file seems to hold: its columns by their usual names, loops, an evolution or a worn surface."""
+"""Recognition of what a laboratory's file holds: loops, an evolution or a worn surface, by the names of its columns."""
 
 import re
 from collections.abc import Sequence
@@ -43,7 +43,7 @@ _NEEDED = frozenset(("displacement_um", "tangential_force_N"))
 
 
 def looked_into(path: Path) -> GuessedFile:
-    """What a file seems to hold. Raises RecordError if it cannot be read, or holds no table of numbers."""
+    """File with its recognised contents. Raises RecordError if it cannot be read, or holds no table of numbers."""
     file = table_of(path)
     if not file.named:
         return _line_of_heights(file) or _points_without_names(file)
@@ -70,7 +70,8 @@ def looked_into(path: Path) -> GuessedFile:
 
 
 def table_of(path: Path, layout: GuessedLayout | None = None) -> GuessedFile:
-    """A file's columns, a text's as it is laid out, before it is known what they hold.
+    """Columns of a file before their contents are recognised; `layout` is that of a text, guessed by default.
+
     Raises RecordError if it cannot be read, or holds no table of numbers.
     """
     kind = kind_of(path)
@@ -109,9 +110,10 @@ def table_of(path: Path, layout: GuessedLayout | None = None) -> GuessedFile:
 def _in_groups(
     path: Path, references: Sequence[str | int], names: Sequence[str], units: Sequence[str]
 ) -> tuple[tuple[str | int, ...], tuple[str, ...], tuple[str, ...]]:
-    """Columns side by side whose names differ by their numbers are samples of one channel; without names, all are.
+    """References, titles and units of columns, with runs of columns that differ by their number combined to one
+    channel.
 
-    Such a file's own name then stands for the channel's.
+    Such columns are samples of one cycle. Without names, the file's own name stands for the channel.
     """
     found: list[tuple[str | int, str, str]] = []
     place = 0
@@ -128,7 +130,7 @@ def _in_groups(
 
 
 def joined(channels: Sequence[GuessedFile]) -> tuple[GuessedFile, ...]:
-    """Two files that hold a channel each as one; none where they do not belong together."""
+    """Two files that hold displacement and force as one; empty if they do not belong together."""
     pairs = [
         (first, second)
         for first, second in permutations(channels, 2)
@@ -149,7 +151,7 @@ def joined(channels: Sequence[GuessedFile]) -> tuple[GuessedFile, ...]:
 
 
 def _that_moves(files: Sequence[GuessedFile], tables: Sequence[DelimitedLayout]) -> GuessedFile:
-    """Of a file's tables, such as the steps of a programme, that with the most motion; what is left out is stated."""
+    """The table with the most motion among a file's tables, with a remark on those left out."""
     if not tables:
         return files[0]
 
@@ -168,7 +170,7 @@ def _that_moves(files: Sequence[GuessedFile], tables: Sequence[DelimitedLayout])
 
 
 def spelling_of(layout: DelimitedLayout) -> dict[str, Any]:
-    """The keys of a mapping that say how a text is spelled."""
+    """Keys of a mapping that describe a text's layout."""
     delimiter = next(name for name, sign in DELIMITERS.items() if sign == layout.delimiter)
     spelled: dict[str, Any] = {"encoding": layout.encoding, "delimiter": delimiter, "decimal": layout.decimal}
     if layout.header_lines:
@@ -185,7 +187,7 @@ def spelling_of(layout: DelimitedLayout) -> dict[str, Any]:
 
 
 def _counts_each_once(file: GuessedFile, columns: dict[str, tuple[str | int, str]]) -> bool:
-    """Whether each cycle of each repeat has one row alone."""
+    """True if each cycle of each repeat has exactly one row."""
     keys = [key for key in ("repeat", "cycle") if key in columns]
     read = file.read({key: {"column": columns[key][0]} for key in keys})
     rows = np.stack([read[key].ravel() for key in keys]) if len({own.size for own in read.values()}) == 1 else None
@@ -193,7 +195,9 @@ def _counts_each_once(file: GuessedFile, columns: dict[str, tuple[str | int, str
 
 
 def _points_without_names(file: GuessedFile) -> GuessedFile:
-    """Three columns without names as x, y and height, where they lie on a grid; the scar's size shows their units."""
+    """File with three unnamed columns as x, y and height if they lie on a grid, with units guessed from the scar's
+    size.
+    """
     if len(file.references) != 3:
         return file
     points = file.read({key: {"column": place} for key, place in (("x", 1), ("y", 2), ("z", 3))})
@@ -210,7 +214,7 @@ def _points_without_names(file: GuessedFile) -> GuessedFile:
 
 
 def _line_of_heights(file: GuessedFile) -> GuessedFile | None:
-    """One column as heights along a line, or two of which the first goes only one way, as no displacement does."""
+    """File with one column as heights along a line, or two of which the first is monotonic; None for other files."""
     channels = ("height", "x")[: len(file.references)][::-1]
     if len(file.references) > 2 or any(":" in str(own) for own in file.references):
         return None
@@ -223,15 +227,15 @@ def _line_of_heights(file: GuessedFile) -> GuessedFile | None:
 
 
 def _on_grid(x: Array, y: Array) -> bool:
-    """Whether points stand in rows and columns: as many places as of either, and several of each."""
+    """True if points form rows and columns."""
     columns, rows = (np.unique(values[np.isfinite(values)]).size for values in (x, y))
     return min(columns, rows) > 3 and 0.5 * columns * rows <= x.size <= columns * rows
 
 
 def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict[str, Any], list[str]]:
-    """A mapping's columns of a file, open where a unit is not stated, and what should be known of them.
+    """Columns of a mapping for a file, with open units where unstated, and sentences on them.
 
-    per_length: whether forces and energies may be those of a millimetre of a line contact.
+    per_length: forces and energies may be given per millimetre of a line contact.
     """
     columns: dict[str, Any] = {}
     remarks = [*text.remarks]
@@ -258,13 +262,13 @@ def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict
 
 
 def _since_an_epoch(text: GuessedFile, name: str | int) -> bool:
-    """Whether times count from long before the test, such as days since 1900 or milliseconds since 1970."""
+    """True if times count from long before the test, such as days since 1900."""
     time = text.read({"time_s": {"column": name}})["time_s"]
     # A test that began after so many of its own lengths was not timed from its start.
     return bool(np.nanmin(time) > 1e3 * np.ptp(time[np.isfinite(time)]))
 
 
 def listed_once(files: Sequence[Path]) -> str | list[str]:
-    """The names of files in order, one alone or a list."""
+    """Names of the files, sorted, without repetition: a single name or a list."""
     names = sorted({path.name for path in files})
     return names if len(names) > 1 else names[0]

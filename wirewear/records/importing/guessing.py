@@ -1,4 +1,4 @@
-"""A mapping guessed from a laboratory's files: which hold loops and worn surfaces, how they are spelled."""
+"""Guess of a mapping from a laboratory's files: which hold loops and worn surfaces, and how they are to be read."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -30,7 +30,7 @@ _HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unk
 
 
 def asked_of(known: Mapping[str, Any]) -> dict[str, Any]:
-    """The conditions of a test of which no file holds loops. Raises RecordError if the options do not state all."""
+    """Conditions of a test without files of loops. Raises RecordError if the options do not state all of them."""
     missing = [option for key, option in _OPTIONS.items() if known.get(key) is None]
     if missing:
         raise RecordError(f"no file holds loops, so that only options can state the test: give {', '.join(missing)}.")
@@ -40,7 +40,7 @@ def asked_of(known: Mapping[str, Any]) -> dict[str, Any]:
 def profiles_of(
     texts: Sequence[GuessedFile], maps: Sequence[Path], touching: Touching
 ) -> tuple[dict[str, Any], list[str]]:
-    """The tables `[profiles.*]` of texts of profiles and of maps, and what was assumed."""
+    """Tables `[profiles.*]` of a mapping for these files of profiles and maps, and sentences on assumptions."""
     found: dict[str, Any] = {}
     files: dict[str, list[str]] = {}
     remarks: list[str] = []
@@ -84,18 +84,18 @@ _WORN = {"scars": scars_of, "profiles": profiles_of}
 
 @dataclass(frozen=True)
 class GuessedMapping:
-    """What was guessed: the tables of a mapping, and sentences on what should be looked at."""
+    """Guessed tables of a mapping, and sentences on what should be checked."""
 
     tables: dict[str, Any]
     remarks: tuple[str, ...]
 
 
 def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touching) -> GuessedMapping:
-    """The mapping that files of one folder seem to ask for.
-    Raises RecordError, in one sentence, if no file holds loops, or one of them cannot be read.
+    """Guess a mapping from files of one folder.
 
-    files: loops, and perhaps an evolution and scars.  known: what the user says: keys of `[conditions]`, and `name`.
-    touching: what the user says of the bodies.
+    files: of loops, and possibly of an evolution and scars. known: keys of `[conditions]` and `name` as the user states
+    them. touching: bodies as the user states them. Raises RecordError, in one sentence, if no file holds loops, or one
+    of them cannot be read.
     """
     found, stated = recognised_files(files), touching.stated
     extent = extent_of(stated.length_mm)
@@ -119,7 +119,7 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touc
 
 @dataclass(frozen=True)
 class RecognisedFiles:
-    """A laboratory's files by what they seem to hold: loops, evolutions, heights and depths in texts, maps."""
+    """A laboratory's files by what they hold: loops, evolutions, worn surfaces in texts, unknown tables, maps."""
 
     loops: tuple[GuessedFile, ...]
     evolution: tuple[GuessedFile, ...]
@@ -130,8 +130,9 @@ class RecognisedFiles:
 
 
 def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
-    """Files of one folder, looked into; what cannot be read is left out with a sentence.
-    Raises RecordError if they lie in several folders, or there is no such file.
+    """Recognise files of one folder; those that cannot be read are left out with a sentence.
+
+    Raises RecordError if they lie in several folders, or do not exist.
     """
     if any(path.parent != files[0].parent for path in files):
         raise RecordError("the files of a mapping must lie in one folder; copy them into one.")
@@ -162,22 +163,22 @@ def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
 
 
 def left_out(unknown: Sequence[GuessedFile]) -> list[str]:
-    """Sentences on tables of which the usual names do not say what they hold."""
+    """Sentences on tables whose contents were not recognised."""
     return [f"{one.path.name} was left out: what its columns hold is not recognised" for one in unknown]
 
 
 def name_of_folder(files: Sequence[Path]) -> str:
-    """A title for the test that files are of: their folder's name."""
+    """Name of the files' folder, as a title for the test."""
     return files[0].parent.resolve().name or "test"
 
 
 def loop_source(
     loops: Sequence[GuessedFile], known: dict[str, Any], length_mm: float | None = None
 ) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
-    """The table `[loops]`, the conditions that the loops show, and what was assumed.
+    """Table `[loops]` of a mapping, the conditions that the loops show, and sentences on assumptions.
 
-    length_mm: of a line contact, whose forces may be given per millimetre.
-    Raises RecordError, in one sentence, if something is not known that no file states.
+    length_mm: of a line contact, whose forces may be given per millimetre. Raises RecordError, in one sentence, if
+    something is missing that no file states.
     """
     first = loops[0]
     columns, remarks = mapped_columns(first, per_length=bool(extent_of(length_mm).units({"N": 1.0})))
@@ -208,7 +209,7 @@ def loop_source(
 
 
 def evolution_source(tables: Sequence[GuessedFile], *, per_length: bool = False) -> tuple[dict[str, Any], list[str]]:
-    """The table `[evolution]` of files that hold one; empty where none does."""
+    """Table `[evolution]` of a mapping and sentences on assumptions; empty if no file holds an evolution."""
     if not tables:
         return {}, []
     columns, remarks = mapped_columns(tables[0], per_length=per_length)
@@ -219,8 +220,9 @@ def evolution_source(tables: Sequence[GuessedFile], *, per_length: bool = False)
 
 
 def with_files_from(guess: GuessedMapping, home: Path, folder: Path) -> GuessedMapping:
-    """The guess for a mapping that stands in `folder`, in or above which the files' own folder lies.
-    Raises RecordError if the files do not lie there.
+    """Mapping to be stored in `folder`, with file names relative to it; `home` is the files' folder.
+
+    Raises RecordError if `home` is not inside `folder`.
     """
     try:
         relative = home.resolve().relative_to(folder.resolve())
@@ -242,7 +244,7 @@ def with_files_from(guess: GuessedMapping, home: Path, folder: Path) -> GuessedM
 
 
 def mapping_text(guess: GuessedMapping) -> str:
-    """The mapping, to be read by `wirewear import`."""
+    """Text of the mapping file, to be read by `wirewear import`."""
     tables = dict(guess.tables)
     lines = ["# Guessed by `wirewear new --mapping`; `wirewear import --dry-run` draws what it gives."]
     lines += [f"# – {as_sentence(remark)}" for remark in guess.remarks]

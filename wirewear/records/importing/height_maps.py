@@ -1,6 +1,6 @@
 """Height maps of profilometers: Zygo's points, matrices in texts, and all formats that SurfaceTopography reads.
 
-Lines above a matrix state its scale in the words of any language; what a file does not state of it a mapping must say.
+Lines above a matrix state its scale in the words of any language; a mapping must give what they do not state.
 """
 
 import io
@@ -46,7 +46,9 @@ _ZYGO_LAYOUT = DelimitedLayout(delimiter=None, names_line=False)
 
 @dataclass(frozen=True)
 class MapScale:
-    """What a mapping says: distances of points along x, and along y where they differ, and the heights' unit."""
+    """Scale of a map as a mapping states it: spacing of points along x, and along y if different, and unit of
+    heights.
+    """
 
     step_um: float | None = None
     step_y_um: float | None = None
@@ -55,7 +57,7 @@ class MapScale:
 
 @dataclass(frozen=True)
 class StatedMap:
-    """A map as its file has it: heights (n_x, n_y) in its unit, not finite where nothing was measured."""
+    """Map as its file states it: heights (n_x, n_y) in the file's unit, not finite where nothing was measured."""
 
     heights: Array
     step_um: tuple[float, float] | None  #: From point to point along x and y.
@@ -64,12 +66,13 @@ class StatedMap:
 
     @property
     def left_open(self) -> list[str]:
-        """Keys of a mapping that must say what the file does not."""
+        """Keys of a mapping that must give what the file does not state."""
         return ["step_um"] * (self.step_um is None) + ["height_unit"] * (self.unit_um is None)
 
     def scaled(self, file: Path, stated: MapScale) -> Map:
-        """The map in µm about its middle; what a mapping states goes before what the file states.
-        Raises RecordError, in one sentence, if neither states the scale, or the size is not finite.
+        """Map in µm with its origin in the middle; the mapping's scale takes precedence over the file's.
+
+        Raises RecordError, in one sentence, if neither states the scale, or the size is not plausible.
         """
         step = self.step_um if stated.step_um is None else (stated.step_um, stated.step_y_um or stated.step_um)
         unit = self.unit_um if stated.height_unit is None else FIELD_UNITS["um"][stated.height_unit]
@@ -88,7 +91,7 @@ class StatedMap:
 
 
 def positive(text: str) -> float | None:
-    """A number above zero with a decimal point or comma; None of any other text."""
+    """Positive number with a decimal point or comma; None for any other text."""
     try:
         value = float(text.replace(",", "."))
     except ValueError:
@@ -101,7 +104,9 @@ Pair = tuple[float, float]
 
 @dataclass(frozen=True)
 class Matrix:
-    """A text with a matrix: its layout, and what stands above: the size of all of it or of one point, and a unit."""
+    """Text with a matrix of heights: its layout, its whole size or the size of a point, and the unit of heights, if
+    stated.
+    """
 
     guessed: GuessedLayout
     sizes_um: Pair | None = None
@@ -109,7 +114,7 @@ class Matrix:
     unit_um: float | None = None
 
     def read(self, file: Path) -> StatedMap:
-        """The heights with what is stated of them. Raises RecordError if a field is no number."""
+        """Map of the heights. Raises RecordError if a field is not a number."""
         layout = (self.guessed.tables or (self.guessed.layout,))[0]
         text = read_delimited(file, layout)
         # Numbers need no quotation marks, and are read fast without.
@@ -125,7 +130,7 @@ class Matrix:
 
 
 def matrix_of(file: Path) -> Matrix | None:
-    """The matrix that a text holds, None where it holds none. Raises RecordError if the file cannot be read."""
+    """Matrix in a text file; None if there is none. Raises RecordError if the file cannot be read."""
     try:
         guessed = guessed_layout(file)
     except RecordError:
@@ -150,7 +155,7 @@ def _is_number(text: str) -> bool:
 
 
 def _of_pixels(rows: Sequence[Sequence[str]]) -> tuple[Pair | None, float | None]:
-    """Size of a point and unit of heights of a Keyence export: a calibration with its unit, and a unit."""
+    """Size of a point and unit of heights in the header of a Keyence export."""
     pixel, unit = None, None
     for row in rows:
         if len(row) >= 3 and row[2] in _LENGTHS and (number := positive(row[1])) is not None:
@@ -161,7 +166,7 @@ def _of_pixels(rows: Sequence[Sequence[str]]) -> tuple[Pair | None, float | None
 
 
 def _of_sizes(lines: Sequence[str]) -> tuple[Pair | None, float | None]:
-    """Width and height in µm and the values' unit of a Gwyddion export, whose head has this order in every language."""
+    """Width and height of the map, and unit of heights, in the header of a Gwyddion export in any language."""
     sizes, unit = [], None
     for line in (own for own in lines if own.startswith("#")):
         found = re.search(r"[:=：]\s*(?:([-+\d.,eE]+)\s*)?(\S+)\s*$", line)
@@ -175,9 +180,10 @@ def _of_sizes(lines: Sequence[str]) -> tuple[Pair | None, float | None]:
 
 
 def _of_wyko(guessed: GuessedLayout, lines: Sequence[str]) -> Matrix:
-    """Wyko's text: the pixel in mm, its shape, and heights in nm, or in waves where the first line's second flag is 0.
+    """Matrix of Wyko's text: the pixel in mm, its shape, and heights in nm, or in waves if the first line's second flag
+    is 0.
 
-    As Gwyddion and SurfaceTopography read it; the latter does not divide by a whole number of waves (``Mult 6``).
+    As in Gwyddion and SurfaceTopography; the latter does not divide by a whole number of waves (``Mult 6``).
     """
     words = [line.split() for line in lines]
     stated = {own[0]: positive(own[-1]) for own in words if len(own) > 1}
@@ -192,7 +198,9 @@ def _of_wyko(guessed: GuessedLayout, lines: Sequence[str]) -> Matrix:
 
 
 def _without_places(heights: Array, names: Sequence[str]) -> tuple[Array, Pair | None]:
-    """Heights (n_x, n_y) without a first row and column that count places, and the steps in which they count."""
+    """Heights (n_x, n_y) without a first row and column of positions, and the steps of these (None if there
+    are none).
+    """
     if names:
         along = np.array([float(name.replace(",", ".")) for name in names[1:]])
         beside, inside = heights[0], heights[1:]
@@ -205,7 +213,7 @@ def _without_places(heights: Array, names: Sequence[str]) -> tuple[Array, Pair |
 
 
 def _even_step(places: Array) -> float | None:
-    """From number to number, where they go up or down evenly; None of other numbers."""
+    """Step of evenly spaced numbers; None for other numbers."""
     steps = np.diff(places)
     middle = float(np.median(steps)) if steps.size > 1 else 0.0
     even = middle != 0.0 and bool(np.all(np.abs(steps - middle) < EVEN * abs(middle)))
@@ -213,7 +221,7 @@ def _even_step(places: Array) -> float | None:
 
 
 def is_map(path: Path) -> bool:
-    """Whether a file is a height map: by the end of its name, or as a matrix in a text that states its size."""
+    """True if a file is a height map, by the ending of its name or as a matrix in a text that states its scale."""
     if path.suffix.lower() in MAPS:
         return True
     try:
@@ -226,14 +234,15 @@ def is_map(path: Path) -> bool:
 
 
 def height_map(file: Path, stated: MapScale | None = None) -> Map:
-    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm; NaN where nothing was measured.
-    Raises RecordError if the file cannot be read, or neither it nor `stated` gives its size, which is finite, and unit.
+    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y) in µm; NaN where nothing was measured.
+
+    Raises RecordError if the file cannot be read, or neither it nor `stated` gives size and unit.
     """
     return stated_map(file).scaled(file, stated or MapScale())
 
 
 def stated_map(file: Path) -> StatedMap:
-    """A map with what its file states of its scale. Raises RecordError, in one sentence, if the file cannot be read."""
+    """Map with the scale that its file states. Raises RecordError, in one sentence, if the file cannot be read."""
     if file.is_file() and file.read_bytes()[: len(_ZYGO)] == _ZYGO:
         return _zygo(file)
     if file.suffix.lower() not in MAPS and (matrix := matrix_of(file)) is not None:
@@ -245,7 +254,7 @@ def stated_map(file: Path) -> StatedMap:
 
 
 def _of_numpy(file: Path) -> StatedMap:
-    """An array of heights (n_x, n_y), which has no scale; mapped, so that a part cut off is seen."""
+    """Map from an array of heights (n_x, n_y), without a scale; memory-mapped so that a truncated file is detected."""
     try:
         return StatedMap(np.array(np.load(file, mmap_mode="r"), dtype=np.float64), None, None)
     except DAMAGED_FILE_ERRORS as problem:
@@ -267,7 +276,7 @@ def _unreadable(file: Path, problem: Exception) -> RecordError:
 
 
 def _zygo(file: Path) -> StatedMap:
-    """A map in Zygo's XYZ format: columns and rows of the camera, heights in µm, the pixel in metres in line 8."""
+    """Map in Zygo's XYZ format: columns and rows of the camera, heights in µm, the pixel in metres in line 8."""
     data = file.read_bytes().replace(b"\r\n", b"\n")
     head, _, rest = data.partition(b"\n#\n")
     lines = head.decode("latin-1").split("\n")
@@ -320,7 +329,9 @@ def _by_surface_topography(file: Path) -> StatedMap:
 
 
 def _own_reason(file: Path) -> Exception | None:
-    """Why the reader of the format that the file's name says refuses it, where there is such a format."""
+    """Error of the reader for the format that the file's ending names; None if there is no such reader, or it
+    succeeds.
+    """
     from SurfaceTopography.IO import readers
 
     for reader in readers:
@@ -337,8 +348,9 @@ def _own_reason(file: Path) -> Exception | None:
 
 
 def _require_room(file: Path) -> bytes | None:
-    """See that a file's contents fit into the memory; the first lines of a text, on which reading is tried.
-    Raises RecordError if they do not.
+    """First lines of a text, on which reading is tried before the whole; None for other files.
+
+    Raises RecordError if the file's contents do not fit into memory.
     """
     data = file.read_bytes()
     if data.startswith(b"PK\x03\x04"):

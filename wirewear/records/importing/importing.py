@@ -1,4 +1,4 @@
-"""From a laboratory's files to a record, by a mapping."""
+"""Import of a laboratory's files as a record, by a mapping."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -41,8 +41,9 @@ _NO_CYCLE = -1.0  #: In place of the number of a cycle where a sample belongs to
 
 
 def import_record(mapping_path: str | Path) -> AnyRecord:
-    """The record that a mapping file describes; file names in it are relative to its folder.
-    Raises RecordError, in one sentence, if the mapping or a file cannot be read, or does not hold what the mapping
+    """Record that a mapping file describes; file names in it are relative to its folder.
+
+    Raises RecordError, in one sentence, if the mapping or a file cannot be read, or files do not hold what the mapping
     says.
     """
     path = Path(mapping_path)
@@ -83,15 +84,16 @@ def _mapping_of(path: Path) -> tuple[Any, tuple[str, ...]]:
 
 
 def inputs_of(mapping_path: Path) -> list[Path]:
-    """A mapping and the files that it names.
-    Raises RecordError, in one sentence, if the mapping cannot be read, or a file is not there.
+    """Paths of a mapping and of all files that it names.
+
+    Raises RecordError, in one sentence, if the mapping cannot be read, or a file does not exist.
     """
     mapping, _ = _mapping_of(mapping_path)
     return [mapping_path, *(file for _, file in _files_of(mapping, mapping_path.parent))]
 
 
 def _files_of(mapping: Any, home: Path) -> Iterator[tuple[Any, Path]]:
-    """The files that a mapping names, each behind its source."""
+    """Each source of a mapping with each of its files."""
     surfaces = (getattr(mapping.surfaces, body) for body in mapping.body_names)
     for source in filter(None, (mapping.loops, mapping.evolution, *surfaces)):
         columns = () if source.columns is None else sources.wanted_columns(source.columns).values()
@@ -102,10 +104,10 @@ def _files_of(mapping: Any, home: Path) -> Iterator[tuple[Any, Path]]:
 def mapped_loops(
     source: LoopSource, mapping_path: Path, frequency_Hz: float, length_mm: float | None = None
 ) -> tuple[tuple[MeasuredLoop, ...], tuple[str, ...]]:
-    """The loops of a source in order, their forces resisting the motion, and what was turned for that.
+    """Loops of a source, sorted, with forces that resist the motion, and notes on changes.
 
-    length_mm: of a line contact, whose forces may be given per millimetre.
-    Raises RecordError if a file cannot be read or lacks something, or a loop is there twice.
+    length_mm: of a line contact, whose forces may be given per millimetre. Raises RecordError if a file cannot be read
+    or lacks something, or a loop occurs twice.
     """
     home = mapping_path.parent
     loops, loop_notes = list[MeasuredLoop](), list[str]()
@@ -128,7 +130,9 @@ def mapped_loops(
 
 
 def drives_motion(loop: MeasuredLoop) -> bool:
-    """Whether the force of a loop without gaps acts with the motion, which friction never does."""
+    """True if the force of a complete loop acts with the motion, which friction never does, so that its sign
+    is wrong.
+    """
     x, force = loop.displacement_um, loop.tangential_force_N
     box = float(np.ptp(x) * np.ptp(force)) if x.size else 0.0
     if not box:
@@ -142,7 +146,8 @@ def drives_motion(loop: MeasuredLoop) -> bool:
 def loops_of(
     file: Path, source: LoopSource, frequency: float, length_mm: float | None = None
 ) -> tuple[list[MeasuredLoop], tuple[str, ...]]:
-    """The loops of one file as they stand there, and notes on them; `length_mm` as of `mapped_loops`.
+    """Loops of one file with unchanged signs, and notes; `length_mm` as for `mapped_loops`.
+
     Raises RecordError if the file cannot be read or lacks something.
     """
     named = sources.numbers_in_name(file, source)
@@ -197,7 +202,11 @@ def loops_of(
 
 
 def in_rows(file: Path, columns: dict[str, Array]) -> dict[str, Array]:
-    """Columns of equal length (n,); matrices (samples, cycles) are laid end to end, with their `cycles` from 0."""
+    """Columns of equal length (n,); matrices (samples, cycles) are joined end to end, with a column `cycles` counted
+    from 0.
+
+    Raises RecordError if the columns do not fit together.
+    """
     columns = _samples_first(columns)
     shape = columns["displacement_um"].shape
     if len(shape) == 1:
@@ -223,7 +232,7 @@ def in_rows(file: Path, columns: dict[str, Array]) -> dict[str, Array]:
 
 
 def _samples_first(columns: dict[str, Array]) -> dict[str, Array]:
-    """Matrices with one cycle a column, where the file has one a row: along a cycle goes the stroke."""
+    """Columns with matrices transposed if needed to have one cycle in each column."""
     x = columns["displacement_um"]
     if x.ndim < 2 or np.nanmean(np.ptp(x, axis=0)) >= np.nanmean(np.ptp(x, axis=1)):
         return columns
@@ -231,7 +240,9 @@ def _samples_first(columns: dict[str, Array]) -> dict[str, Array]:
 
 
 def _split(source: LoopSource, x: Array, force: Array) -> Array:
-    """Cycle numbers of a signal without time, split where the drive turns round."""
+    """Number of the cycle of each sample (n,) without times, split at the drive's reversals; _NO_CYCLE for missing
+    samples.
+    """
     known = np.flatnonzero(np.isfinite(x) & np.isfinite(force))
     cycle = np.full(x.size, _NO_CYCLE)
     scattered = known.size > 2 and outline(x[known], force[known]) is not None

@@ -1,4 +1,4 @@
-"""Readers of MATLAB's and LabVIEW's files, and all readers there are, also of installed packages."""
+"""Readers of MATLAB's and LabVIEW's files, and the list of all readers, including those of installed packages."""
 
 import re
 import struct
@@ -47,8 +47,9 @@ ENTRY_POINT_GROUP = "wirewear.readers"  #: Entry point group in which a package 
 
 
 def require_room_for(path: Path) -> None:
-    """See that a file's arrays can be held and can be true; what is no MATLAB file is left to the reader.
-    Raises RecordError if they cannot.
+    """Check that the arrays of a MATLAB file are plausible and fit into memory; other files pass.
+
+    Raises RecordError if not.
     """
     data = path.read_bytes()
     order = _ORDER.get(data[124:_HEAD])
@@ -70,7 +71,7 @@ def require_room_for(path: Path) -> None:
 
 
 def _inflated(body: memoryview, most: float) -> tuple[bytes, int]:
-    """The first bytes of a compressed element and its whole size, counted no further than `most`."""
+    """First bytes of a compressed element and its whole size, counted up to about `most` bytes."""
     inflater, head, whole = zlib.decompressobj(), b"", 0
     rest: bytes = bytes(body)
     while rest and not inflater.eof and whole <= most:
@@ -84,7 +85,7 @@ def _inflated(body: memoryview, most: float) -> tuple[bytes, int]:
 
 
 def _taken(head: bytes, whole: int, order: str) -> float:
-    """Bytes that an array takes: its dimensions by its class, or what its parts may at most."""
+    """Memory in bytes that an array takes, from its dimensions and class, or an upper bound for nested ones."""
     try:
         kind = struct.unpack_from(f"{order}I", head, 16)[0] & 0xFF
         (length,) = struct.unpack_from(f"{order}I", head, 28)
@@ -102,27 +103,29 @@ def _taken(head: bytes, whole: int, order: str) -> float:
 
 
 class MatlabReader(Reader):
-    """Variables of a MATLAB file by their paths, ``Loops.force``; of a matrix perhaps one column: ``hyst(:,2)``."""
+    """Reader of a MATLAB file's variables by their paths, ``Loops.force``, or of a matrix's column, ``hyst(:,2)``."""
 
     kind = "matlab"
 
     def reads(self, head: bytes) -> bool:
-        """Whether a file begins as these do; those of version 4 with the head of their first variable."""
+        """True if a file begins as a MATLAB file; for version 4, with the head of its first variable."""
         return head.startswith(b"MATLAB ") or _of_version_4(head)
 
     def channels(self, path: Path) -> tuple[Channel, ...]:
-        """Variables of numbers; of a matrix that is long and narrow, its columns or rows, too."""
+        """Numeric variables, with columns or rows of long and narrow matrices."""
         return tuple(Channel(name) for own in _arrays(path, _contents(path)) for name in _parts(*own))
 
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Wanted) -> dict[str, Array]:  # noqa: ARG002
-        """The variables, by their paths; ``layout`` says nothing of such a file."""
+        """Variables by the names in `wanted`; `layout` has no effect."""
         contents = _contents(path, {_whole(column) for column in wanted.values()})
         _require_one_channel_each(path, contents, wanted)
         return {name: _variable(path, contents, str(column)) for name, column in wanted.items()}
 
 
 def _of_version_4(head: bytes) -> bool:
-    """Five integers (order and type, rows, columns, whether complex, length of the name) and a name that ends in 0."""
+    """True for five integers (order and type, rows, columns, complex or not, length of the name) and a name that ends
+    in 0.
+    """
     for order in "<>":
         kind, rows, columns, imaginary, length = struct.unpack(f"{order}5i", head[:20].ljust(20, b"\xff"))
         if (
@@ -137,7 +140,7 @@ def _of_version_4(head: bytes) -> bool:
 
 
 def _contents(path: Path, wanted: Collection[str] | None = None) -> Any:
-    """The variables by name, structures as objects or mappings; of version 7.3, those that are not wanted as None."""
+    """Variables by name, with structures as objects or mappings; in version 7.3 unwanted variables are None."""
     from scipy.io import loadmat
     from scipy.io.matlab import MatReadError
 
@@ -174,7 +177,7 @@ def _matlab_73(path: Path, wanted: Collection[str] | None) -> dict[str, Any]:
 
 
 def _arrays(path: Path, contents: Any, above: str = "") -> Iterator[tuple[str, Array]]:
-    """Paths and values of all variables of numbers, of more than one each."""
+    """Paths and values of all numeric variables with more than one number."""
     members = contents if isinstance(contents, dict) else {name: getattr(contents, name) for name in _fields(contents)}
     for name, value in members.items():
         if name.startswith("__"):
@@ -190,7 +193,7 @@ def _fields(value: object) -> tuple[str, ...]:
 
 
 def _parts(name: str, array: Array) -> list[str]:
-    """The variable, and its columns or rows where they may be channels."""
+    """Name of a variable, followed by those of its columns or rows if they may be channels."""
     if array.ndim == 1:
         return [name]
     rows, columns = array.shape
@@ -202,8 +205,9 @@ def _parts(name: str, array: Array) -> list[str]:
 
 
 def _require_one_channel_each(path: Path, contents: Any, wanted: Wanted) -> None:
-    """See that no whole variable stands for two channels.
-    Raises RecordError if one does; the sentence says how its columns are named.
+    """Check that no whole variable is used for two channels.
+
+    Raises RecordError, saying how its columns are named, if one is.
     """
     for variable in dict.fromkeys(map(str, wanted.values())):
         several = [name for name, column in wanted.items() if str(column) == variable]
@@ -249,16 +253,17 @@ def _numeric(path: Path, name: str, value: object) -> Array:
 
 
 class TdmsReader(Reader):
-    """Channels of a TDMS file, named by group and channel: ``Loops/Force``, or by the channel alone if it is one."""
+    """Reader of a TDMS file's channels, named by group and channel, ``Loops/Force``, or by the channel alone
+    if unique.
+    """
 
     kind = "tdms"
 
     def reads(self, head: bytes) -> bool:
-        """Whether a file begins as these do."""
         return head.startswith(b"TDSm")
 
     def channels(self, path: Path) -> tuple[Channel, ...]:
-        """Channels of numbers, with the unit and the rate that their properties state."""
+        """Numeric channels with the unit and sample rate that their properties state."""
         return tuple(
             Channel(name, str(own.properties.get("unit_string", "")), _rate(own.properties))
             for name, own in _channels(path).items()
@@ -266,7 +271,7 @@ class TdmsReader(Reader):
         )
 
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:  # noqa: ARG002
-        """The channels by their names; ``layout`` says nothing of such a file."""
+        """Channels by the names in `wanted`; `layout` has no effect."""
         channels = _channels(path)
         return {name: _numbers(path, channels, str(column)) for name, column in wanted.items()}
 
@@ -309,8 +314,9 @@ LIBRARY: tuple[type[Reader], ...] = (TextReader, MatlabReader, TdmsReader)
 
 @cache
 def readers() -> Mapping[str, Reader]:
-    """One of each, by its kind.
-    Raises RecordError if a package's entry point holds no reader, or one whose kind is taken.
+    """One instance of each reader by its kind.
+
+    Raises RecordError if a package's entry point is not a reader, or its kind is already used.
     """
     found: dict[str, Reader] = {kind.kind: kind() for kind in LIBRARY}
     home = "wirewear.records.importing.text_reader"
@@ -325,8 +331,9 @@ def readers() -> Mapping[str, Reader]:
 
 
 def kind_of(path: Path) -> str:
-    """Of which kind a file is, by its own first bytes: text, unless a reader knows them.
-    Raises RecordError if the file cannot be read, or is no ordinary one.
+    """Kind of reader for a file, by its first bytes; text if no other reader recognises them.
+
+    Raises RecordError if the file cannot be read, or is not an ordinary one.
     """
     # A pipe or a device may have no end.
     if is_special(path):

@@ -1,4 +1,4 @@
-"""Where loops come from: a record, a result, or a logger's file with columns chosen by name and unit or recognised."""
+"""Loops from any source: a record, a result, or a logger's file with stated or recognised columns."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -49,7 +49,7 @@ SPLIT = (
 
 @dataclass(frozen=True, eq=False)
 class SampledLoop:
-    """Samples of one cycle, arrays (n,); `normal_load_N` may be one number or unknown, `time_s` unknown.
+    """Samples (n,) of one cycle; `normal_load_N` may be a single number or None, `time_s` may be None.
 
     `notes` say how the cycle was found.
     """
@@ -64,16 +64,16 @@ class SampledLoop:
 
     @classmethod
     def of(cls, loop: MeasuredLoop, load_N: float | None) -> "SampledLoop":
-        """A record's loop, under that load where none was measured."""
+        """Loop of a record; `load_N` is used if no normal force was measured."""
         normal = load_N if loop.normal_force_N is None else loop.normal_force_N
         return cls(loop.repeat, loop.cycle, loop.displacement_um, loop.tangential_force_N, normal, loop.time_s)
 
 
 @dataclass(frozen=True)
 class Spelling:
-    """How a text is laid out, as far as it is stated; the rest is guessed from its first lines.
+    """Stated parts of a text's layout; the rest is guessed from its first lines.
 
-    `delimiter` is a name of DELIMITERS.
+    `delimiter` is a name in DELIMITERS.
     """
 
     encoding: str | None = None
@@ -83,7 +83,8 @@ class Spelling:
     lines_after_names: int | None = None
 
     def layout(self, path: Path) -> GuessedLayout | None:
-        """The layout of a file; None where nothing is stated.
+        """Layout of a file, guessed and then replaced by what is stated; None if nothing is stated.
+
         Raises RecordError if the file cannot be read, or no line names its columns.
         """
         given = {key: value for key, value in vars(self).items() if value is not None}
@@ -109,13 +110,12 @@ def logged_loops(
     normal_load: str | None = None,
     spelling: Spelling | None = None,
 ) -> tuple[SampledLoop, ...]:
-    """Loops of a logger's file, split by its columns of repeat and cycle, or else where the drive turns round.
-    Raises RecordError if the file cannot be read, or a column or its unit cannot be identified.
+    """Loops of a logger's file, split by its columns of repeat and cycle, or else at the drive's reversals.
 
-    path: a text, or MATLAB's or LabVIEW's file.
-    displacement, force: "COLUMN" or "COLUMN:UNIT", the column by its name or number; None to recognise it.
-    normal_load: the same, or a number in N; None to recognise it, and to do without where none is.
-    spelling: what is known of a text's encoding, delimiter, decimal sign and header; None to guess all of it.
+    path: a text, or MATLAB's or LabVIEW's file. displacement, force: "COLUMN" or "COLUMN:UNIT", the column by its name
+    or number; None to recognise it. normal_load: a column as above, or a number in N; None to recognise a column, if
+    there is one. spelling: known encoding, delimiter, decimal sign and header of a text; None to guess all of it.
+    Raises RecordError if the file cannot be read, or a column or its unit cannot be identified.
     """
     file = table_of(path, spelling.layout(path) if spelling else None)
     constant = _number(normal_load)
@@ -211,7 +211,7 @@ def _loops(
 
 
 def _cycles(rows: NDArray[np.intp], channels: dict[str, Array]) -> list[NDArray[np.intp]]:
-    """The rows of each whole cycle; all of them where they are one, or points without an order of time."""
+    """Indices of the rows of each whole cycle; of all rows if they are one cycle, or points in no order of time."""
     if rows.size < 2 * FEWEST_SAMPLES:
         return [rows]
     displacement = channels["displacement_um"]
@@ -234,11 +234,10 @@ def read_loops(
     spelling: Spelling | None = None,
 ) -> tuple[SampledLoop, ...]:
     """Loops of a logger's file (see `logged_loops`), a record's folder, a result file or a run's folder.
-    Raises RecordError if the source cannot be read, has no loop of that cycle, or an option does not belong to it;
-    ResultError if the result cannot be read.
 
-    cycle: the only cycle wanted; None for all.  variant: which run, where a folder holds several.
-    displacement, force, normal_load, spelling: of a logger's file, as `logged_loops` takes them.
+    cycle: the only cycle wanted; None for all. variant: which run, if a folder holds several. displacement, force,
+    normal_load, spelling: for a logger's file, as in `logged_loops`. Raises RecordError if the source cannot be read,
+    has no loop of that cycle, or an option does not apply to it; ResultError if the result cannot be read.
     """
     if not path.exists():
         raise RecordError(f"there is no file or folder {path}.")

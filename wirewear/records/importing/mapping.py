@@ -1,4 +1,4 @@
-"""The mapping file of an import: which of a laboratory's files and columns hold what, in which unit and spelling."""
+"""Tables of a mapping file, which says in which files, columns and units a laboratory's data are."""
 
 import re
 from pathlib import Path
@@ -64,7 +64,7 @@ def _checked_files(value: object) -> tuple[str, ...]:
 
 
 def _as_table(value: object) -> object:
-    """A column given by its name or number alone stands for a table of which this is the column."""
+    """Table of a column that is given by its name or number alone."""
     return {"column": value} if isinstance(value, str | int) and not isinstance(value, bool) else value
 
 
@@ -76,7 +76,7 @@ def _checked_column(value: object) -> str | int:
 
 
 class ColumnMapping(Table):
-    """Where a column of the record comes from: value = raw · unit · factor + offset."""
+    """Source of a record's column: value = raw · unit · factor + offset."""
 
     column: Annotated[str | int, PlainValidator(_checked_column)] = Field(
         description="name or number of the column in the file, or path of the MATLAB variable", examples=["Force"]
@@ -96,7 +96,7 @@ OptionalColumn = Annotated[ColumnMapping | None, BeforeValidator(_as_table)]
 
 
 class LoopColumns(Table):
-    """Columns of the loops; what is absent follows from file names, the sample rate or the frequency."""
+    """Columns of the loops; missing ones follow from file names, the sample rate or the frequency."""
 
     displacement_um: Column = Field(description="displacement")
     tangential_force_N: Column = Field(description="tangential force")
@@ -128,7 +128,7 @@ class PointColumns(Table):
 
 
 class Source(Table):
-    """Files and how they are spelled."""
+    """Files and how they are spelled (encoding, delimiter, header)."""
 
     files: Annotated[tuple[str, ...], PlainValidator(_checked_files)] = Field(
         description="file, pattern or list of them, beside the mapping", examples=["cycle_*.csv"]
@@ -155,7 +155,7 @@ class Source(Table):
 
 
 class LoopSource(Source):
-    """The loops: one file a cycle, or all in one."""
+    """Files of loops: one for each cycle, or one for all."""
 
     columns: LoopColumns = Field(description="columns of the loops")
     sample_rate_Hz: Annotated[float | None, PlainValidator(Quantity("Hz", 1e-3, 1e9))] = Field(
@@ -167,7 +167,7 @@ class LoopSource(Source):
 
 
 class EvolutionSource(Source):
-    """The evolution."""
+    """Files of the evolution."""
 
     columns: EvolutionColumns = Field(description="columns of the evolution")
 
@@ -185,12 +185,12 @@ class MapSource(Source):
 
     @property
     def scale(self) -> MapScale:
-        """What is said of the scale of maps."""
+        """Scale of maps as the mapping states it."""
         return MapScale(self.step_um, self.step_y_um, self.height_unit)
 
 
 class ScarSource(MapSource):
-    """A body's scars: points with columns, or a profilometer's maps, one file a repeat."""
+    """Files of a body's scars: points in columns, or a profilometer's maps, one file for each repeat."""
 
     columns: PointColumns | None = Field(None, description="columns of the points")
     frame: Frame | None = Field(
@@ -206,7 +206,7 @@ class ScarSource(MapSource):
 
 
 class Scars(Table):
-    """Scar maps, those of the test's own bodies."""
+    """Sources of scars for each body."""
 
     moving: ScarSource | None = Field(None, description="scars of the moving wire")
     fixed: ScarSource | None = Field(None, description="scars of the fixed wire")
@@ -217,7 +217,7 @@ class Scars(Table):
 
 
 class PointMapping(PointTest):
-    """What the mapping file of any contact at a point states besides its bodies and scars."""
+    """Tables of any point contact's mapping file, besides those of its bodies."""
 
     conditions: RecordConditions = Field(description="load, stroke, frequency and length of the test")
     stated: Stated = Field(Stated(), description="what the rig's owner states")
@@ -232,24 +232,24 @@ class PointMapping(PointTest):
         return self.scars
 
     def require_whole(self, where: str) -> None:
-        """See that all scars are of its own bodies."""
+        """Check that all scars belong to bodies of the test. Raises RecordError if not."""
         super().require_whole(where)
         self.require_bodies(f"[scars] of {where}", self.scars)
 
 
 class Mapping(PointMapping, WiresTest):
-    """A whole mapping file of crossed wires."""
+    """All tables of a mapping file for crossed wires."""
 
 
 class BodiesMapping(PointMapping, BodiesTest[Bodies], Generic[Bodies]):
-    """A whole mapping file of two bodies."""
+    """All tables of a mapping file for two bodies."""
 
 
 def unit_factor(name: str, mapping: ColumnMapping, length_mm: float | None = None) -> float:
-    """Factor from the file's unit and calibration to the unit in a record column's name.
+    """Factor from the file's unit and calibration to the unit of the record's column `name`.
 
-    length_mm: of a line contact; units per length are those of the whole contact over it.
-    Raises ValueError if the unit is unknown for such a column; the message names those that are known.
+    length_mm: of a line contact; units per length then stand for the whole contact's values. Raises ValueError, naming
+    the known units, if the unit is unknown for this column.
     """
     suffix = name.rpartition("_")[2]
     if mapping.unit is None:
@@ -275,7 +275,7 @@ class ProfileColumns(Table):
 
 
 class ProfileSource(MapSource):
-    """A body's profiles: a stylus's lines with columns, or a profilometer's maps, one file a repeat."""
+    """Files of a body's profiles: a stylus's lines in columns, or a profilometer's maps, one file for each repeat."""
 
     columns: ProfileColumns | None = Field(None, description="columns of the profile")
     axis: Annotated[str, PlainValidator(one_of("x", "y"))] = Field(
@@ -294,7 +294,7 @@ class Profiles(Table):
 
 
 class LineMapping(LineTest):
-    """A whole mapping file of a line contact."""
+    """All tables of a mapping file for a line contact."""
 
     loops: LoopSource | None = Field(None, description="where the loops are; forces may be in N/mm")
     evolution: EvolutionSource | None = Field(None, description="where the evolution is")
@@ -306,14 +306,14 @@ class LineMapping(LineTest):
 
 
 class JointMapping(JointTest):
-    """A whole mapping file of a joint."""
+    """All tables of a mapping file for a joint."""
 
     loops: LoopSource = Field(description="where the loops are")
     evolution: EvolutionSource | None = Field(None, description="where the evolution is")
 
     @property
     def surfaces(self) -> Table:
-        """None."""
+        """Empty table, as joints have no worn surfaces."""
         return Table()
 
 

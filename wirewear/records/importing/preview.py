@@ -1,4 +1,4 @@
-"""What an import would give, in words and pictures."""
+"""Preview of an import in words and pictures."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -23,7 +23,7 @@ from wirewear.results.scar import called
 
 
 def import_text(record: AnyRecord) -> str:
-    """What would be imported, the first samples of the first loop and its figures, and those of worn surfaces."""
+    """Text on what would be imported: counts, the first loop with its figures, and sizes of worn surfaces."""
     parts = (
         (record.repeats, "repeat"),
         (record.loops, "loop"),
@@ -39,7 +39,7 @@ def import_text(record: AnyRecord) -> str:
 
 
 def loop_lines(loop: MeasuredLoop, normal_load_N: float) -> list[str]:
-    """The first samples of a loop, and its figures."""
+    """Lines of text with the first samples of a loop and its figures."""
     lines = [
         f"first loop: {loop.name}, {plural(loop.time_s.size, 'sample')}",
         f"{'time_s':>12} {'displacement_um':>16} {'tangential_force_N':>19} {'normal_force_N':>15}",
@@ -60,9 +60,10 @@ def loop_lines(loop: MeasuredLoop, normal_load_N: float) -> list[str]:
 
 
 def draw_import(record: AnyRecord, output: Path) -> list[Path]:
-    """Draw the first loop, and of each body the first worn surfaces as they would be imported; the pictures' paths.
+    """Draw the first loop, and up to three worn surfaces of each body, as they would be imported; return the pictures'
+    paths.
 
-    They stand beside where the record would be, whose folder is made if need be.
+    They are placed beside `output`, whose folder is created if missing.
     """
     prepared_folder(output.parent)
     drawn = []
@@ -78,7 +79,7 @@ def draw_import(record: AnyRecord, output: Path) -> list[Path]:
 
 
 def _scar_picture(scars: Sequence[MeasuredScar], body: str, tables: PointRecordTables) -> Figure:
-    """Depth below the fitted surface, on one scale."""
+    """Figure of a body's depth maps on one colour scale."""
     # As wide as its panels: one alone would stand aside.
     figure = new_figure(3.4, min(WIDTH_in, 1.5 + 2.4 * len(scars)))
     panels = figure.subplots(1, len(scars), sharex=True, sharey=True, squeeze=False)[0]
@@ -145,7 +146,7 @@ def _picture(loop: MeasuredLoop) -> Figure:
 
 
 def mark_motion(axes: Axes, loop: MeasuredLoop) -> None:
-    """An arrow in the middle of the branch on which the displacement grows, and what the force must be there."""
+    """Draw an arrow on the branch where the displacement grows, with a note on the sign of the force there."""
     x, q = loop.displacement_um, loop.tangential_force_N
     steps = np.nan_to_num(np.gradient(x))
     if not (growing := np.flatnonzero(steps > 0.5 * steps.max(initial=0.0))).size:

@@ -1,4 +1,7 @@
-"""Worn depths from heights: of a map the body's unworn surface is fitted and subtracted, of a line the unworn face."""
+"""Worn depths from measured heights, by fitting and subtracting the unworn surface of a map, or face of a profile.
+
+Levelling is that fit. A form is a deviation of the body's unworn shape from the stated one.
+"""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -40,7 +43,7 @@ FEWEST_ON_LINE = 20  #: Fewer points show no face.
 
 @dataclass(frozen=True)
 class MapOfBody:
-    """Whose surface a file holds: a body of a repeat's test, and how the mapping says that it lies there."""
+    """Map file of a body's surface in one repeat, and how the mapping says that the body lies in it."""
 
     file: Path
     source: ScarSource
@@ -49,18 +52,18 @@ class MapOfBody:
 
     @property
     def axis_deg(self) -> float:
-        """Direction of the body's axis from the map's x, as the mapping says."""
+        """Angle of the body's axis from the map's x, as the mapping says."""
         if self.source.frame == "test":
             return self.body.axis_angle_deg
         return 90.0 if self.source.axis == "y" else 0.0
 
     @property
     def crown_unknown(self) -> bool:
-        """Whether the scar alone shows where a body was touched: a tilt moves the crown of all but thin ones far."""
+        """True if only the scar shows where a body was touched, as a tilt moves the crown of any but thin wires far."""
         return not isinstance(self.body, Wire)
 
     def require_direction(self, x: Array, y: Array, height: Array) -> None:
-        """See that the body lies in its map (n_x, n_y) as the mapping says; RecordError where it does not."""
+        """Check that the body lies in its map (n_x, n_y) as the mapping says. Raises RecordError if not."""
         found = direction_deg(x, y, height, self.body.curvatures_per_mm)
         askew = (found - self.axis_deg + 90.0) % 180.0 - 90.0
         if abs(askew) > ASKEW_deg:
@@ -72,7 +75,8 @@ class MapOfBody:
 
 
 def grid_of_points(file: Path, points: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y) of points (n,) in µm; those off a grid are laid on one as dense.
+    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y) of points (n,) in µm, interpolated if they lie on no grid.
+
     Raises RecordError if the points are too few.
     """
     x, y, height = (values[np.isfinite(points[0] + points[1])] for values in points)
@@ -85,7 +89,7 @@ def grid_of_points(file: Path, points: tuple[Array, Array, Array]) -> tuple[Arra
 
 
 def _gridded(x: Array, y: Array, height: Array) -> tuple[Array, Array, Array]:
-    """Points (n,) interpolated onto a grid that has about as many; NaN outside of what they enclose."""
+    """Points (n,) interpolated to a grid of similar density; NaN outside of them."""
     from scipy.interpolate import griddata
 
     known = np.isfinite(height)
@@ -97,10 +101,10 @@ def _gridded(x: Array, y: Array, height: Array) -> tuple[Array, Array, Array]:
 
 
 def scar_of(of: MapOfBody, x: Array, y: Array, height: Array, *, form: bool = True) -> MeasuredScar:
-    """The scar of a map of heights (n_x, n_y) over lines x (n_x,), y (n_y,) in µm; the origin is put at its middle.
+    """Scar from a map of heights (n_x, n_y) over lines x (n_x,), y (n_y,) in µm, with its origin in the scar's middle.
 
-    form: whether how the body's form differs from the stated one is taken off, too.
-    Raises RecordError if the points are too few, or lie beyond the body or at another angle than the mapping says.
+    form: subtract the body's form as well. Raises RecordError if the points are too few, or lie beyond the body or at
+    another angle than the mapping says.
     """
     x, y = x - 0.5 * (x[0] + x[-1]), y - 0.5 * (y[0] + y[-1])
     crown, axis_deg, notes = None if of.crown_unknown else 0.0, of.axis_deg, tuple[str, ...]()
@@ -124,7 +128,7 @@ def scar_of(of: MapOfBody, x: Array, y: Array, height: Array, *, form: bool = Tr
 
 
 def _along_and_across(x: Array, y: Array, axis_deg: float) -> Array:
-    """Places (2, n_x, n_y) of a grid along an axis at an angle to its x, and across."""
+    """Coordinates (2, n_x, n_y) of a grid along an axis at an angle to its x, and across it."""
     cosine, sine = np.cos(np.radians(axis_deg)), np.sin(np.radians(axis_deg))
     return np.stack([x[:, None] * cosine + y[None, :] * sine, y[None, :] * cosine - x[:, None] * sine])
 
@@ -132,8 +136,8 @@ def _along_and_across(x: Array, y: Array, axis_deg: float) -> Array:
 def _levelled(
     of: MapOfBody, x: Array, y: Array, height: Array, *, form: bool
 ) -> tuple[Array, float | None, float, tuple[str, ...]]:
-    """Heights above the unworn surface, its crown's place across its axis, by how much [deg] the axis is turned, and
-    what is to be said of it.
+    """Heights above the unworn surface, the crown's coordinate across its axis (or None), rotation of the axis in
+    degrees against the mapping's, and remarks.
     """
     if of.body.face is not None:
         raise RecordError(f"{of.file}: heights of a pad's face cannot be levelled: import its worn depths.")
@@ -170,8 +174,9 @@ def _levelled(
 def surfaces_of(
     source: ScarSource | ProfileSource, body: str, home: Path, tables: Any
 ) -> Iterator[MeasuredScar | MeasuredProfile]:
-    """The worn surfaces of a body that a source's files hold: maps with x along the motion, or profiles.
-    Raises RecordError if a file cannot be read or lacks something, or a repeat is there twice.
+    """Worn surfaces of a body in the files of a source: maps with x along the motion, or profiles.
+
+    Raises RecordError if a file cannot be read or lacks something, or a repeat occurs twice.
     """
     seen: dict[int, Path] = {}
     for place, file in enumerate(files_of(source, home)):
@@ -223,10 +228,10 @@ def levelled(
     subtract: bool,
     form: bool = True,
 ) -> MeasuredProfile:
-    """The worn depth of heights over places, both (n,) in µm, their zero at the scar's middle.
+    """Profile of worn depths from positions and heights, both (n,) in µm, with its origin in the scar's middle.
 
-    form: whether how the body's form differs from the stated one is taken off, too.
-    Raises RecordError if there are too few points.
+    subtract: fit and subtract the unworn face. form: subtract the body's form as well. Raises RecordError if there are
+    too few points.
     """
     x, height = heights
     if x.size < FEWEST_ON_LINE or np.ptp(x) <= 0.0:
@@ -273,13 +278,13 @@ def _profiles_in(
 
 
 def _in_order(x: Array, level: Array) -> tuple[Array, Array]:
-    """Points by their place; of several in one place the mean."""
+    """Points sorted by position, with the mean of those at the same position."""
     places, where, count = np.unique(x, return_inverse=True, return_counts=True)
     return places, np.bincount(where, weights=level) / count
 
 
 def _line_of_map(file: Path, source: ProfileSource) -> tuple[Array, Array]:
-    """Places along the motion and the mean height across it, both (n,) in µm."""
+    """Positions along the motion and mean heights across it, both (n,) in µm."""
     x, y, height = height_map(file, source.scale)
     if source.axis == "y":
         x, height = y, height.T

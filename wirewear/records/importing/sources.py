@@ -1,4 +1,4 @@
-"""The files that a mapping names and their columns in the record's units."""
+"""Files that a mapping names, and their columns in the record's units."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,8 @@ Wanted = Mapping[str, ColumnMapping]
 
 
 def files_of(source: Source, home: Path) -> list[Path]:
-    """The files that a source names, each once, patterns in natural order (2 before 10).
+    """Files that a source names, each once; matches of a pattern in natural order (2 before 10).
+
     Raises RecordError if there is none.
     """
     found: list[Path] = []
@@ -42,8 +43,9 @@ def files_of(source: Source, home: Path) -> list[Path]:
 
 
 def file_of(column: ColumnMapping, path: Path) -> Path:
-    """The file of a column: that beside a source's file `path` where it has its own, else that file.
-    Raises RecordError if there is none, it is no ordinary file, or lies outside the folder.
+    """File of a column: its own one beside the source's file `path` if it names one, else `path`.
+
+    Raises RecordError if it does not exist, is not an ordinary file, or lies outside the folder.
     """
     if column.file is None:
         return path
@@ -59,7 +61,7 @@ def _natural(path: Path) -> list[tuple[int, str]]:
 
 
 def numbers_in_name(path: Path, source: Source) -> dict[str, int]:
-    """Cycle and repeat as the file's name shows them. Raises RecordError if the name does not fit the pattern."""
+    """Cycle and repeat from a file's name, by key. Raises RecordError if the name does not match the pattern."""
     if source.name_pattern is None:
         return {}
     try:
@@ -79,10 +81,10 @@ def numbers_in_name(path: Path, source: Source) -> dict[str, int]:
 
 
 def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | None = None) -> dict[str, Array]:
-    """The wanted columns of one file in the record's units: (n,), or from MATLAB (samples, cycles).
+    """Wanted columns of one file in the record's units: (n,), or (samples, cycles) from MATLAB.
 
-    length_mm: of a line contact, whose forces and energies may be given per millimetre.
-    Raises RecordError if the file cannot be read, lacks a column or holds text for a number.
+    length_mm: of a line contact, whose forces and energies may be given per millimetre. Raises RecordError if the file
+    cannot be read, lacks a column or holds text for a number.
     """
     factors = {}
     for name, mapping in wanted.items():
@@ -103,7 +105,7 @@ def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | N
 
 
 def layout_of(source: Source) -> DelimitedLayout:
-    """How a source's texts are laid out."""
+    """Layout of a source's texts."""
     return DelimitedLayout(
         delimiter=DELIMITERS[source.delimiter],
         decimal=source.decimal,
@@ -117,12 +119,12 @@ def layout_of(source: Source) -> DelimitedLayout:
 
 
 def wanted_columns(columns: Table) -> dict[str, ColumnMapping]:
-    """The columns that a table of columns names."""
+    """Columns that a table of columns names, by key."""
     return {name: getattr(columns, name) for name in type(columns).model_fields if getattr(columns, name) is not None}
 
 
 def equal_rows(file: Path, columns: dict[str, Array], first: str) -> dict[str, Array]:
-    """Columns (n,). Raises RecordError if they differ in length."""
+    """Columns as arrays (n,). Raises RecordError if their lengths differ from that of the column `first`."""
     count = columns[first].size
     for name, values in columns.items():
         if values.size != count:
@@ -133,11 +135,11 @@ def equal_rows(file: Path, columns: dict[str, Array], first: str) -> dict[str, A
 def columns_of_levels(
     file: Path, source: Source, columns: Table | None, table: str, repeat: int, step_um: float | None = None
 ) -> tuple[str, dict[str, Array]]:
-    """Which of depth_um and height_um a file of worn surfaces gives, and its columns (n,), "repeat" among them.
+    """The key that a file of worn surfaces gives, depth_um or height_um, and its columns (n,) including "repeat".
 
-    columns: what the mapping's `table` says of them.  repeat: of a file without a column of repeats.  step_um: from
-    row to row, where there is no column of positions.
-    Raises RecordError if the mapping gives no columns, none or both of the levels, or the file's do not fit together.
+    columns: as in the mapping's `table`. repeat: for files without a column of repeats. step_um: spacing of rows, if
+    there is no column of positions. Raises RecordError if the mapping gives no columns, or not exactly one of both
+    keys, or columns do not fit together.
     """
     if columns is None:
         raise RecordError(f'{file}: [{table}] must give columns, or kind = "{PROFILOMETER}".')
@@ -156,7 +158,7 @@ def columns_of_levels(
 
 
 def require_recorded(file: Path, **columns: Array) -> None:
-    """See that columns hold what a record's columns of these names can. Raises RecordError if a value is none."""
+    """Check that columns hold values that a record's columns of these names may have. Raises RecordError if not."""
     for name, values in columns.items():
         column = RECORD_COLUMNS.get(name)
         place = None if column is None else column.first_wrong(values)
@@ -165,7 +167,10 @@ def require_recorded(file: Path, **columns: Array) -> None:
 
 
 def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
-    """A pattern for the numbers that differ between files' names: a cycle's, a repeat's."""
+    """Regular expression for the numbers (cycle, repeat) that differ between file names; None for a single name.
+
+    Raises RecordError if the names differ by more than numbers.
+    """
     if len(names) < 2:
         return None
     parts = [re.split(r"(\d+)", name) for name in names]

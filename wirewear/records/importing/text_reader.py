@@ -1,4 +1,7 @@
-"""Readers of laboratories' files, of which that of delimited text reads what most loggers write."""
+"""Base class of readers of laboratories' files, and the reader of delimited text.
+
+A mapping's value is open if it is still "?", to be filled in by the user.
+"""
 
 import re
 import struct
@@ -43,22 +46,23 @@ DAMAGED_FILE_ERRORS: tuple[type[Exception], ...] = (
 
 
 def open_lines(text: str) -> list[tuple[int, str]]:
-    """Numbers of the lines of a mapping, from 1, that are left open, and the key of each."""
+    """Number, counted from 1, and key of each line of a mapping that is open."""
     found = ((number, _OPEN_LINE.match(line)) for number, line in enumerate(text.splitlines(), start=1))
     return [(number, match[1]) for number, match in found if match]
 
 
 def lines_to_fill_in(text: str) -> str:
-    """``line 6 (diameter_mm) and line 14 (displacement_um)`` of a mapping; empty where nothing is left open."""
+    """Text naming the open lines of a mapping: ``line 6 (diameter_mm) and line 14 (displacement_um)``; "" if there are
+    none.
+    """
     *most, last = [f"line {number} ({key})" for number, key in open_lines(text)] or [""]
     return f"{', '.join(most)} and {last}" if most else last
 
 
 def require_mapping(path: Path) -> None:
-    """See that a file is no study, no sweep, no record and none of a laboratory's own files, and is filled in.
+    """Check that a file is not of another kind, such as a study or a record, and has no open lines.
 
-    What else is wrong within a mapping is left to whoever reads it.
-    Raises RecordError, in one sentence that says what it is, if it is one.
+    Raises RecordError, in one sentence, if not.
     """
     require_no_other(path, RecordError, Held.MAPPING)
     if path.is_file() and (left := lines_to_fill_in(read_text(path, RecordError))):
@@ -66,13 +70,13 @@ def require_mapping(path: Path) -> None:
 
 
 def reason_of(problem: Exception) -> str:
-    """What an exception says, on one line and not too long."""
+    """Message of an exception in one line of at most 120 characters."""
     return " ".join(str(problem).split())[:120] or type(problem).__name__
 
 
 @dataclass(frozen=True)
 class Channel:
-    """What a file offers as a column: its name in a mapping, and unit and samples per second where they are stated."""
+    """Column that a file offers: its name for a mapping, and its unit and samples per second if stated."""
 
     name: str
     unit: str = ""
@@ -80,38 +84,39 @@ class Channel:
 
 
 class Reader(ABC):
-    """Reads columns of numbers from files of one kind; a mapping chooses it by ``kind``."""
+    """Base class of readers of columns from one kind of file, chosen in a mapping by ``kind``."""
 
     #: Name in a mapping's ``kind = "..."``.
     kind: ClassVar[str]
 
     @abstractmethod
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
-        """The wanted columns as they stand in the file: (n,), or (samples, cycles) where the file holds matrices.
-        Raises RecordError, in one sentence, if the file cannot be read, lacks a column or holds text for a number.
+        """Wanted columns as they stand in the file: (n,), or (samples, cycles) for matrices.
 
-        layout: the mapping's keys on delimited text, for readers that need them.
-        wanted: the record's columns, and for each the name or the number (from 1 on) of the file's.
+        layout: layout of delimited text by the mapping, for readers that need it. wanted: name or number (from 1) of
+        the file's column, by the record's column. Raises RecordError, in one sentence, if the file cannot be read,
+        lacks a column or holds text for a number.
         """
 
     def reads(self, head: bytes) -> bool:  # noqa: ARG002
-        """Whether a file that begins with these 512 bytes is of this kind; False where only a mapping can say."""
+        """True if a file that begins with these 512 bytes is of this kind; False if only a mapping can tell."""
         return False
 
     def channels(self, path: Path) -> tuple[Channel, ...]:  # noqa: ARG002
-        """What a file offers as columns; nothing where the kind does not name them.
+        """Columns that a file offers; empty if this kind of file does not name them.
+
         Raises RecordError, in one sentence, if the file cannot be read.
         """
         return ()
 
 
 class TextReader(Reader):
-    """Delimited text in the mapping's spelling; ``"2:129"`` are the samples of one cycle a row, or one a column."""
+    """Reader of delimited text; the column ``"2:129"`` is a group of columns with one cycle in each row or column."""
 
     kind = "text"
 
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
-        """The columns of the text; rows that end early leave NaN, times of day become seconds."""
+        """Columns of the text; rows that end early give NaN, times of day become seconds."""
         text = read_delimited(path, layout)
         start = text.layout.lines_before_rows
         if next(text.rows(), None) is None:
@@ -127,7 +132,7 @@ class TextReader(Reader):
 
 
 def _group(text: DelimitedText, column: str | int) -> range | None:
-    """The places of a group of columns; None of one alone."""
+    """Indices of a group of columns; None for a single column."""
     found = _GROUP.fullmatch(str(column)) if column not in text.names else None
     if found is None:
         return None

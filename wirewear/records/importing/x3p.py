@@ -1,6 +1,6 @@
-"""X3P, the exchange format of ISO 25178-72: a zipped XML index beside a matrix of heights, all lengths in metres.
+"""Reader of X3P, the format of ISO 25178-72: a zipped XML index with a matrix of heights, all lengths in metres.
 
-Writers differ: in how they spell the revision, in encoding and namespaces of the index, in the folder that all is in.
+Writers differ in spelling of the revision, encoding and namespaces of the index, and folder of the contents.
 """
 
 import re
@@ -23,8 +23,9 @@ _DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 
 
 def read_x3p(file: Path) -> tuple[Array, tuple[float | None, float | None]]:
-    """Heights (n_x, n_y) in metres, NaN where they are not valid, and the steps along x and y where they are stated.
-    Raises RecordError, in one sentence, if the file holds no matrix of heights; what zipfile raises of a damaged one.
+    """Heights (n_x, n_y) in metres, NaN where invalid, and the steps along x and y in metres, None if unstated.
+
+    Raises RecordError, in one sentence, if the file holds no matrix of heights, and zipfile's errors if it is damaged.
     """
     with zipfile.ZipFile(file) as parts:
         names = {name: PurePosixPath(name.replace("\\", "/").lower()) for name in parts.namelist()}
@@ -60,7 +61,7 @@ def _refused(file: Path, reason: str) -> RecordError:
 
 
 def _parsed(file: Path, data: bytes) -> ET.Element:
-    """The index with its tags without namespaces."""
+    """Root of the index, with namespaces removed from its tags."""
     try:
         root = ET.fromstring(data)
     except (ET.ParseError, ValueError) as problem:
@@ -90,7 +91,7 @@ def _whole(file: Path, root: ET.Element, place: str) -> int:
 
 
 def _number(root: ET.Element, axis: str, name: str) -> float | None:
-    """A finite number of an axis; None of anything else."""
+    """Finite number of an axis; None if there is none."""
     try:
         value = float(_text(root, f"Record1/Axes/{axis}/{name}").replace(",", "."))
     except ValueError:
@@ -99,7 +100,7 @@ def _number(root: ET.Element, axis: str, name: str) -> float | None:
 
 
 def _linked(parts: zipfile.ZipFile, names: dict[str, PurePosixPath], index: str, link: str) -> bytes | None:
-    """What the index links to, beside it or, by its name alone, anywhere; None where there is no such part."""
+    """Contents of a part that the index links to, beside it or by its name anywhere; None if there is no such part."""
     if not link:
         return None
     wanted = PurePosixPath(link.replace("\\", "/").lower())
