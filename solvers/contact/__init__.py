@@ -1,11 +1,9 @@
-"""Frictional contact of two condensed bodies: increments of a finite-sliding motion, solved by semismooth Newton.
+"""Frictional contact of two bodies: increments of a finite-sliding motion, solved by a semismooth Newton method.
 
 Unknowns are the tractions on the primary surface and the holder's position along the normal and the motion. The
-augmented-Lagrangian conditions of Alart & Curnier (Comput. Methods Appl. Mech. Eng. 92 (1991) 353) decide node by
-node between open, stick and slip. Slipping nodes that move far compared with their elastic displacement follow a
-known direction and cost one unknown; the others keep their tangential unknowns. Wear during the increment recedes the
-surfaces in proportion to pressure times slip, one more compliance in the normal equations, so any number of cycles
-can be taken at once.
+augmented-Lagrangian conditions of Alart & Curnier (Comput. Methods Appl. Mech. Eng. 92 (1991) 353) decide node by node
+between open, stick and slip. Nodes that slip far compared with their elastic displacement follow a known direction and
+cost one unknown; the others keep their tangential unknowns. An increment's wear is deposited when it has been solved.
 """
 
 from solvers.contact.advancing import advance, press

@@ -1,14 +1,13 @@
-"""The state that a converged increment leaves, and what is reported of it.
+"""The state that a converged increment leaves, its report, and its friction work, wear work and slip node by node.
 
-Friction work, wear work and slipped length of an increment, node by node, by the trapezoidal rule in time.
+Works and slips are integrated by the trapezoidal rule in time: half is counted at the nodes paired at the increment's
+start, with their pressures and positions, half at those paired at its end. Slip counts only at the friction limit: a
+node that first sticks and then slips dissipates the limit times its slip, not the mean of its tractions.
 
-Half of each stands where nodes were paired at the increment's start, with the pressures and faces of then, half where
-they are at its end. Slip takes part only at the friction limit: a node that first sticks and then slips dissipates the
-limit times its slip, not the mean of its tractions. Small-strain normals do not turn with the loaded surfaces, so that
-sliding nodes move a little along them. The pressure's work on that motion is of no node's own: most of it is given
-back at other nodes and places. What is left of it over a closed loop, the elastic strain's share, belongs to the loop's
-area: 0.3 % of it under a fresh Hertz contact of steel wires. It is left out where a node opens or closes; what layers
-close by is no such motion, but is stored.
+Small-strain normals do not turn with the loaded surfaces, so that sliding nodes move a little along their normals. The
+pressure's work on this motion, the lifting work, is mostly given back at other nodes and positions. Its rest over a
+closed loop is part of the loop's area: 0.3 % of it under a fresh Hertz contact of steel wires. It is left out where a
+node opens or closes. The closure of layers does not count as such a motion; its work is stored.
 """
 
 from collections.abc import Sequence
@@ -38,9 +37,9 @@ def slid(
     traction: Array,
     forces: tuple[Array, Array],
 ) -> tuple[Sliding, Sliding]:
-    """The sliding of an increment from `state` to its outcome at `drive`: at its start and at its end.
+    """Sliding in an increment from `state` to its outcome at `drive`: at the nodes paired at its start and at its end.
 
-    traction: (n, 3) at its end.  forces: (n, 3) nodal ones on the primary and the secondary patch there.
+    traction: (n, 3) in MPa at its end.  forces: (n, 3) nodal forces in N on the primary and the secondary patch then.
     """
     end, start = system.pairing, system.before
     moved_end, moved_start = system.compliance.moved(outcome.traction, forces)
@@ -79,14 +78,16 @@ def slid(
 def _sliding(
     problem: ContactProblem, friction: Friction, pairing: Pairing, pressure: Array, length: Array, lifted: Array
 ) -> Sliding:
-    """Sliding of nodes under pressure (k,) MPa along a length (k,), while they move along their normals, both in mm."""
+    """Sliding of paired nodes under pressure (k,) in MPa along a length (k,), while they move by `lifted` (k,) along
+    their normals; both in mm.
+    """
     energy, worn = friction.limit(pressure) * length, problem.wear.law.work_per_slip(friction)
     wear_work = energy if worn is friction else worn.limit(pressure) * length
     return Sliding(pairing, energy, wear_work, length, 0.0 * energy if problem.law.none else pressure * lifted)
 
 
 def _closed(layers: LayersAtNodes, traction: Array, pairing: Pairing) -> Array:
-    """Closure (k,) of layers under tractions (k, 3)."""
+    """Closure (k,) in mm of layers under tractions (k, 3)."""
     return layers.closure(normal_of(traction, pairing.frames))[0]
 
 
@@ -94,10 +95,10 @@ def _closed(layers: LayersAtNodes, traction: Array, pairing: Pairing) -> Array:
 def _parts(
     moved: Array, slip: Array, traction: Array, frames: Array, lever: Array, holder: tuple[float, float, float]
 ) -> Array:
-    """Pressures of tractions (k, 3), normal parts of motions (k, 3), and sizes of what slips (k, 3) are in the tangent
-    planes, (3, k).
+    """Three rows (3, k): pressures from tractions (k, 3), normal components of motions `moved` (k, 3), and lengths of
+    slips (k, 3) in the tangent planes; mm, MPa.
 
-    holder: its motion along x and z and its tilt, which carries the nodes along.
+    holder: its motion along x and z and its change of tilt, which are added to the motions.
     """
     result = np.empty((3, len(moved)))
     for k in range(len(moved)):
@@ -113,10 +114,10 @@ def _parts(
 
 
 def largest_within(pressure: Array) -> float:
-    """The largest pressure inside a contact, from nodal pressures (n_a, n_t) on the lines of a patch, 0 out of contact.
+    """Largest pressure in MPa away from a contact's rim, from nodal pressures (n_a, n_t) of a patch, 0 out of contact.
 
-    Of nodes whose neighbours all touch their own pressure counts, of all others the means over elements. A patch of one
-    line has neighbours along it only.
+    A node counts by its own pressure if all its neighbours touch; otherwise means over elements count. Nodes on a patch
+    of one line have neighbours along it only.
     """
     return float(_largest_within(np.ascontiguousarray(pressure)))
 
@@ -155,7 +156,9 @@ def accepted(
     iterations: int,
     pairings: int,
 ) -> tuple[ContactState, IncrementReport]:
-    """The state after the increment, its wear deposited on both surfaces, and the report of it.
+    """The state after a converged increment, with wear and prints deposited on both surfaces, and the increment's
+    report.
+
     Raises PatchLeftError if the contact has reached the edge of either patch.
     """
     pairing = system.pairing
@@ -192,10 +195,11 @@ def accepted(
 def printed(
     problem: ContactProblem, wear: WearState, pairing: Pairing, yielding: YieldAtNodes, pressure: Array
 ) -> WearState:
-    """The wear state with the prints that pressures (k,) at paired nodes leave on both bodies.
+    """The wear state with the prints that pressures (k,) in MPa at paired nodes leave on both bodies, shared by
+    `problem.limit`.
 
-    On the body that faces the tractions they are spread over elements; where both yield the other one takes what that
-    lacks or has too much, so that just the gaps stay in which nodes bear what they do.
+    The print on the secondary is spread over its elements; the primary takes the difference, so that the gaps at the
+    nodes become exactly those in which they bear their limits.
     """
     closure, _ = yielding.closure(pressure)
     own, other = wear.prints
@@ -220,7 +224,7 @@ def printed(
 
 
 def _slid_so_far(problem: ContactProblem, state: ContactState, parts: Sequence[Sliding]) -> tuple[Array, Array]:
-    """Distance that each node of the primary and of the secondary has slid, (n,), mm."""
+    """Distance (n,) in mm that each node of the primary, and of the secondary, has slid so far."""
     primary, secondary = state.primary_slid.copy(), state.secondary_slid
     for part in parts:
         primary[part.pairing.nodes] += part.length
@@ -229,8 +233,8 @@ def _slid_so_far(problem: ContactProblem, state: ContactState, parts: Sequence[S
 
 
 def require_inside_patches(problem: ContactProblem, pairing: Pairing, pressed: IntArray, drive: float) -> None:
-    """See that pressed nodes, by their numbers in the pairing, lie inside their patch and face the other one.
-    Raises PatchLeftError if the contact has reached the edge of either patch.
+    """Raise PatchLeftError unless the nodes `pressed`, numbered in the pairing, lie inside their patch and face the
+    other one.
     """
     if not pairing.inside[pressed].all():
         raise PatchLeftError(

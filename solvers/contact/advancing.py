@@ -1,4 +1,9 @@
-"""Motion of the lower body in increments as short as Newton's method needs them, each with surfaces paired again."""
+"""Motion of the lower body in increments as short as Newton's method needs them; surfaces are paired anew in each.
+
+An increment pairs the surfaces at a predicted position of the holder and solves the contact conditions; it repeats both
+until the holder stays where the surfaces were paired. Drive is the displacement of the lower body along x. The core is
+the part of the contact that has stuck ever since the bodies were pressed together.
+"""
 
 from dataclasses import replace
 
@@ -39,7 +44,10 @@ _BRACKET, _HEIGHT_TOLERANCE = 1.25, 1e-8  # Of heights at which surfaces that yi
 
 
 def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
-    """Apply the normal load without friction and without motion."""
+    """Apply the normal load, or the holder's approach, without friction and without motion.
+
+    Everything that touches counts as stuck from then on. SolverError when no contact is found under the load.
+    """
     frictionless = replace(problem, friction=0.0)
     if problem.holder.approach_mm is not None:
         lowered = replace(state, holder_z=-problem.holder.approach_mm, pressed_z=-problem.holder.approach_mm)
@@ -58,8 +66,10 @@ def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, I
 
 
 def _lowered_to_load(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
-    """Pressed by the height at which the load is borne. Where all that touches yields, a little more load moves the
-    bodies far and presses many more nodes, but a little more height does not.
+    """Press by seeking the holder's height at which the load is borne.
+
+    Needed where everything that touches yields: a little more load then moves the bodies far and presses many more
+    nodes, but a little more height does not.
     """
     load = problem.holder.under(state.load_share).normal_load_N
 
@@ -84,12 +94,14 @@ def _lowered_to_load(problem: ContactProblem, state: ContactState) -> tuple[Cont
 
 
 def _stuck(state: ContactState) -> ContactState:
-    """The state of bodies that stick to each other from here on wherever they touch."""
+    """The state with all touching nodes as the core."""
     return replace(state, core=state.traction[:, 2] > 0.0, pressed_ahead=state.drive - state.holder_x)
 
 
 def _height_that_bears(problem: ContactProblem, state: ContactState) -> float:
-    """Height of the holder at which surfaces that yield overlap on as much as bears the load, as a first guess."""
+    """First guess of the holder's height (<= 0): where yielding surfaces overlap on an area that bears the load at
+    their limit.
+    """
     if problem.limit is None:
         return 0.0
     load = problem.holder.under(state.load_share).normal_load_N
@@ -99,9 +111,8 @@ def _height_that_bears(problem: ContactProblem, state: ContactState) -> float:
 
 
 def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
-    """Height of the holder at which rigid interpenetration would carry about the load, as a first guess.
-
-    Doubles the approach until a first Newton solution under prescribed height carries the load.
+    """First guess of the holder's height: the approach is enlarged until a Newton solution at this height carries the
+    load.
     """
     load = problem.holder.under(state.load_share).normal_load_N
     elastic = float(np.median(problem.primary.folded.diagonal())) * load
@@ -132,11 +143,11 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
 
 
 class IncrementFailedError(Exception):
-    """One increment failed; the message says how."""
+    """No solution was found for one increment; the message says how it failed."""
 
 
 class LostContactError(IncrementFailedError):
-    """Nothing touches."""
+    """No node is in contact."""
 
 
 def solve_increment(
@@ -147,9 +158,11 @@ def solve_increment(
     prescribed_height: float | None = None,
     expected: FirstGuess | None = None,
 ) -> tuple[ContactState, IncrementReport]:
-    """Move the lower body to `drive` in one increment; surfaces are paired until they face each other as assumed.
+    """Move the lower body to `drive` in one increment, pairing the surfaces again until the holder stays where assumed.
 
-    prescribed_height: where the holder is held instead of loaded.  expected: a better guess than the last increment.
+    cycles: number of times the slip counts for wear.  prescribed_height: in mm, where the holder is held instead of
+    loaded. expected: a better first guess than the previous state. Returns the new state and its report.
+
     Raises IncrementFailedError if no solution was found, LostContactError where nothing touches, and PatchLeftError if
     the contact has reached the edge of either patch.
     """
@@ -211,10 +224,10 @@ def _solved(
     holder: tuple[float, float],
     images: IntArray | None,
 ) -> ContactOutcome:
-    """The outcome of an increment from tractions (n, 3) on active nodes, with the holder at a height and a place.
+    """The outcome for a system from guessed tractions (n, 3), nodes `active`, and the holder's height and position.
 
-    images: of the primary's nodes, where they make up for half of the unknowns.
-    Raises IncrementFailedError if there is none, LostContactError where nothing touches.
+    images: (n,) mirror image of each node of the primary, if the increment is its own mirror image; halves the
+    unknowns. Raises IncrementFailedError if there is no solution, LostContactError where nothing touches.
     """
     nodes, touching = system.pairing.nodes, np.zeros(len(guess), dtype=bool)
     touching[active] = True
@@ -227,7 +240,7 @@ def _solved(
 
 
 def _slip_share(state: ContactState, nodes: IntArray, outcome: ContactOutcome, drive: float) -> Array:
-    """Slip (n,) of all the primary's nodes over an increment to `drive`, as a share of the drive's motion."""
+    """Slip (n,) of all nodes of the primary over an increment to `drive`, as a share of the drive's signed motion."""
     share = np.zeros_like(state.slip_share)
     if drive != state.drive:
         share[nodes] = outcome.slip_length / (drive - state.drive)
@@ -235,19 +248,19 @@ def _slip_share(state: ContactState, nodes: IntArray, outcome: ContactOutcome, d
 
 
 def _core_is_lost(state: ContactState, nodes: IntArray, outcome: ContactOutcome) -> bool:
-    """Whether none of the core sticks any more."""
+    """True if there is a core and none of its nodes sticks any more."""
     sticks = state.core[nodes] & (outcome.traction[:, 2] > 0.0) & ~outcome.sliding
     return bool(state.core.any() and not sticks.any())
 
 
 def _forces(system: Linearisation, outcome: ContactOutcome) -> tuple[Array, Array]:
-    """An outcome's tractions as nodal forces (n, 3) on the primary and the secondary."""
+    """An outcome's tractions as nodal forces (n, 3) in N on the primary and the secondary."""
     return system.pairing.own.spread(outcome.traction), system.pairing.opposite.spread(outcome.traction)
 
 
 def _towards(state: ContactState, wanted: ContactState) -> ContactState:
-    """The state with prints on their way to those of another: the deeper they are, the less pressure makes them."""
-    # Share of the way that a print takes to what forces leave, from one pairing to the next.
+    """The state with its prints moved by 0.7 of the way to the prints of another state."""
+    # The deeper a print is, the less pressure makes it: a full step would overshoot.
     primary, secondary = (
         None if now is None or then is None else now + 0.7 * (then - now)
         for now, then in zip(state.wear.prints, wanted.wear.prints, strict=True)
@@ -256,7 +269,7 @@ def _towards(state: ContactState, wanted: ContactState) -> ContactState:
 
 
 def _print_change(before: ContactState, after: ContactState) -> float:
-    """Largest difference of two states' prints, mm."""
+    """Largest difference in mm between the prints of two states."""
     pairs = zip(before.wear.prints, after.wear.prints, strict=True)
     return max(float(np.abs(now - then).max()) for then, now in pairs if then is not None and now is not None)
 
@@ -269,7 +282,9 @@ def _touch(
     drive: float,
     nodes: IntArray,
 ) -> bool:
-    """Whether any nodes beside a pairing, which overlap while the bodies are undeformed, touch under its tractions."""
+    """True if any of the nodes outside the pairing, which overlap while undeformed, touches under the outcome's
+    tractions.
+    """
     paired_x = system.paired_holder_x
     pairing = faced(problem, state, nodes, drive, paired_x, outcome.tilt)
     forces = _forces(system, outcome)
@@ -281,7 +296,7 @@ def _touch(
 
 
 def _predicted_holder_position(problem: ContactProblem, state: ContactState, drive: float) -> float:
-    """Where the holder will be if the contact goes on sticking or sliding as it did."""
+    """Position in mm of the holder at `drive` if the contact goes on sticking or sliding as before."""
     compliance = problem.holder.compliance_at_contact_mm_per_N
     if (compliance == 0.0 and problem.holder.play_mm == 0.0) or problem.friction == 0.0:
         return state.holder_x
@@ -296,14 +311,16 @@ def _predicted_holder_position(problem: ContactProblem, state: ContactState, dri
 
 
 def _either(size: int, some: IntArray, others: IntArray) -> IntArray:
-    """Nodes, each once and increasing, that are among some of so many or among others."""
+    """Indices, increasing, of the nodes below `size` that are among `some` or `others`."""
     among = np.zeros(size, dtype=bool)
     among[some], among[others] = True, True
     return np.flatnonzero(among)
 
 
 def _closest(gap: Array, areas: Array, area: float) -> IntArray:
-    """The nodes with the smallest gaps that make up an area, at least a dozen, the smallest first."""
+    """Indices of the nodes with the smallest gaps, the smallest first, whose areas add up to `area`; at least a
+    dozen.
+    """
     few = _FEW
     while True:
         # Next to all nodes are far from the contact: only the nearest are put in order.
@@ -318,7 +335,9 @@ def _closest(gap: Array, areas: Array, area: float) -> IntArray:
 
 
 def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:
-    """The state at `drive` of bodies that do not touch, and the report of it: no force, and the holder at rest."""
+    """The state at `drive` of bodies that do not touch, and its report: no force, the holder at rest in its
+    free play.
+    """
     stop = 0.5 * problem.holder.play_mm
     holder_x = float(np.clip(state.holder_x, -stop, stop))
     none = np.zeros_like(state.traction)
@@ -341,10 +360,10 @@ def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[
 def opened(
     problem: ContactProblem, state: ContactState, drive: float, cycles: float
 ) -> tuple[ContactState, IncrementReport]:
-    """The state at `drive` of bodies from which the load has been taken, and the report of the increment.
+    """The state at `drive` of bodies whose load has been removed, and the report of the increment.
 
-    What no load presses stands just where the bodies would touch. As the load goes, they slide by what strain and rig
-    give back: that is half of the work which pressures of before would do along it, as in any increment.
+    The bodies are left just touching. As the load goes, they slide by the strain and the rig's motion that are
+    released, with half of the work that the pressures before would do along it, as in any increment.
     """
     apart, report = parted(problem, state, drive)
     height = -float(vertical_gaps(problem, apart, drive, apart.holder_x).min())
@@ -378,12 +397,15 @@ def advance(
     load_share: float | None = None,
     bulk: Array | None = None,
 ) -> tuple[ContactState, list[IncrementReport]]:
-    """Move the lower body to `drive`, each bit of slip wearing as if repeated `cycles` times (0: wear frozen).
+    """Move the lower body to `drive`; each bit of slip wears as if repeated `cycles` times (0: no wear).
 
-    guess: what a cycle before came to at this drive, a better first guess than the last increment.
-    load_share: that of the normal load at the increment's end; without it the load stays. Under next to none, and under
-    a held approach, bodies may part, and meet again.  bulk: of the state at the increment's end, else as it is.
-    Cuts the increment where Newton's method does not converge; NotConvergedError when even tiny ones fail.
+    guess: the contact of an earlier cycle at this drive, a better first guess than the previous state.
+    load_share: normal load over the test's at the end; None: unchanged. Below 1 % of it, and under a held approach, the
+    bodies may part, and meet again.
+    bulk: `ContactState.bulk` at the end; None: unchanged.
+
+    Returns the state and the reports of the increments made: the increment is cut into shorter ones where Newton's
+    method does not converge. NotConvergedError when even the shortest fail.
     """
     reports: list[IncrementReport] = []
     pieces = 1
@@ -427,8 +449,10 @@ def advance(
 
 
 def _may_part(problem: ContactProblem, state: ContactState, drive: float, failure: IncrementFailedError) -> bool:
-    """Whether bodies under a held approach have opened on the way to `drive`, or overlap undeformed by next to nothing;
-    never where a load presses them.
+    """True if bodies under a held approach have lost contact on the way to `drive`, or overlap, undeformed, by hardly
+    anything.
+
+    Always False where a load presses them.
     """
     approach = problem.holder.approach_mm
     if approach is None or isinstance(failure, LostContactError):
@@ -439,7 +463,9 @@ def _may_part(problem: ContactProblem, state: ContactState, drive: float, failur
 
 
 def _parted_or_met(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:
-    """Bodies at `drive` that have opened on the way there: touching where they overlap now, or apart."""
+    """The state and report at `drive` of bodies that have lost contact on the way there: touching if they overlap, else
+    apart.
+    """
     apart, report = parted(problem, state, drive)
     try:
         return solve_increment(problem, apart, drive, 0.0)

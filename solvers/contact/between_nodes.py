@@ -1,10 +1,12 @@
-"""A contact between its nodes: where its edge runs, how pressure is spread over elements, and laws as integrals of it.
+"""A contact between its nodes: where its edge lies, how pressure varies within elements, and friction laws integrated
+there.
 
-A pressure that falls as the root of the distance from the contact's edge has a square that is smooth up to it
-(Johnson, Contact Mechanics, 1985, section 5.1). It is fitted to the nodes (`fitted_square`) and sampled within
-elements. The outermost nodes bear what open ones beside them would, more or less by where the mesh lies, so they hardly
-count in the fit. What equilibrium fixes is the load: the edge is moved by one distance all around until the samples
-carry it. Of Hertz's ellipse, the inner nodes thus give the peak pressure p0, and the load P the area 3 P / (2 p0).
+A pressure that falls as the root of the distance from the contact's edge has a square that is smooth up to the edge
+(Johnson, Contact Mechanics, 1985, section 5.1). The square is fitted to the nodes (`fitted_square`) and evaluated at
+samples within elements. The outermost nodes also bear load of open nodes beside them, by an amount that depends on
+where the mesh lies, so they hardly count in the fit. Equilibrium fixes the load instead: the edge is moved by one
+distance all around until the samples carry it. For Hertz's ellipse the inner nodes thus give the peak pressure p0, and
+the load P gives the area 3 P / (2 p0).
 """
 
 from collections.abc import Sequence
@@ -25,27 +27,30 @@ _ACROSS, _FEWEST, _MOST = 72, 2, 8
 _AROUND = 4  #: Nodes without pressure about the contact that are looked at.
 _MOVED, _HALVINGS = 0.25, 20  #: How far the edge is moved at most, in elements, and how exactly.
 _OFF = 0.06  #: Of an element: how well the edge is known, of Hertz's ellipses on meshes of all levels.
-_LARGEST = 1.5  #: An integral over elements, over that of nodes, or the other way round.
+_LARGEST = 1.5  #: Largest allowed ratio of an integral over elements and the sum over nodes, either way.
 
 
 @dataclass(frozen=True, eq=False)
 class SpreadPressure:
-    """Pressure at m samples within the elements of a patch's n nodes, normal forces kept."""
+    """Pressure at m samples within the elements of a patch of n nodes, carrying the same load as the nodal
+    pressures.
+    """
 
-    nodal_MPa: Array  #: (n,) as solved for.
+    nodal_MPa: Array  #: (n,) nodal pressures as solved for.
     areas_mm2: Array  #: (n,) of the nodes.
     places_mm: Array  #: (m, 2) of the samples under pressure, in the patch's axes.
-    pressure_MPa: Array  #: (m,).
+    pressure_MPa: Array  #: (m,) at the samples.
     parts_mm2: Array  #: (m,) areas of the samples.
     edge_mm: Array  #: (e, 2) places where lines of samples leave the contact.
     weights: csr_matrix  #: (n, m) hat functions of the nodes at the samples.
-    samples: int = 1  #: Of an element each way.
+    samples: int = 1  #: Number of samples of an element in each direction.
 
     @classmethod
     def of(cls, patch: ContactPatch, pressure_MPa: Array, smooth: bool = True) -> "SpreadPressure":
-        """From nodal pressures (n,) on a patch; without samples where there is none.
+        """From nodal pressures (n,) on a patch; without any samples where no node is pressed.
 
-        smooth: whether unworn surfaces part, so that inner nodes and the load fix the edge; else all nodes do.
+        smooth: True where unworn surfaces part, so that inner nodes and the load determine the edge; otherwise all
+        nodes do.
         """
         nodal, shape = np.maximum(pressure_MPa, 0.0), patch.shape
         areas = patch.node_areas()
@@ -78,12 +83,12 @@ class SpreadPressure:
 
     @property
     def area_mm2(self) -> float:
-        """Area of the contact, mm²."""
+        """Area of the contact."""
         return float(self.parts_mm2.sum())
 
     @cached_property
     def edge_distance_mm(self) -> Array:
-        """Distance (m,) of the samples from the contact's edge; infinite where it has none on the patch."""
+        """Distance (m,) of each sample from the contact's edge; infinite if the contact has no edge on the patch."""
         from scipy.spatial import KDTree
 
         if not len(self.edge_mm):
@@ -91,9 +96,10 @@ class SpreadPressure:
         return np.asarray(KDTree(self.edge_mm).query(self.places_mm)[0])
 
     def averaged(self, values: Array, elsewhere: float) -> Array:
-        """Means (n,) of values (m,) at the samples over the nodes' supports by load, or a value for none.
+        """Load-weighted means (n,), over each node's support, of values (m,) at the samples; `elsewhere` for nodes
+        without load.
 
-        Their mean by the nodes' loads is that of the samples by theirs.
+        They are scaled so that their mean, weighted by nodal loads, is that of the samples, weighted by theirs.
         """
         weights, of_nodes = self.pressure_MPa * self.parts_mm2, self.areas_mm2 * self.nodal_MPa
         load, of_values = self.weights @ weights, self.weights @ (weights * values)
@@ -102,21 +108,29 @@ class SpreadPressure:
         return np.asarray(mean * wanted / found if found > 0.0 else mean)
 
     def integrals(self, friction: Friction) -> tuple[float, float]:
-        """A law's limit integrated over elements and summed over nodes, N; a local coefficient counts by its mean."""
+        """A friction law's limit integrated over the samples and summed over the nodes, both in N.
+
+        A local coefficient of friction counts by its mean.
+        """
         coefficient = float(np.mean(friction.coefficient))
         of_elements = self.parts_mm2 @ friction.law.limit(coefficient, self.pressure_MPa)
         return float(of_elements), float(self.areas_mm2 @ friction.law.limit(coefficient, self.nodal_MPa))
 
     def share(self, friction: Friction) -> float:
-        """What a law's limit is over that by its nodes' pressures alone."""
+        """Integral of a friction law's limit over elements, divided by its sum over nodal pressures; 1 for no
+        friction.
+        """
         of_elements, of_nodes = self.integrals(friction)
         if not of_nodes > 0.0 or not of_elements > 0.0:
             return 1.0
         return min(max(of_elements / of_nodes, 1.0 / _LARGEST), _LARGEST)
 
     def law_error(self, friction: Friction) -> float:
-        """By how much a law's integral may be off, relative, as the contact's area is known so well alone: under the
-        same load another area has pressures that much lower.
+        """Relative error of a friction law's integral that follows from the uncertainty of the contact's area,
+        `edge_error`.
+
+        At the same load a larger area has pressures lower in proportion, to which only a law not proportional to them
+        responds.
         """
         if friction.law.proportional or not len(self.pressure_MPa):
             return 0.0
@@ -127,41 +141,45 @@ class SpreadPressure:
 
     @cached_property
     def edge_error(self) -> float:
-        """Half the share of the contact's area that its edge, counted in elements, sweeps where it may stand elsewhere.
+        """Half the relative error of the contact's area: the share swept if the edge moves by `_OFF` elements.
 
         Each line of samples crosses the edge twice: for convex contacts the crossings along both axes add up to 4/π of
-        the perimeter (Cauchy-Crofton). Of an ellipse along the grid this is `_OFF` over its half-width in elements.
+        the perimeter (Cauchy-Crofton). For an ellipse along the grid the result is `_OFF` over its half-width in
+        elements.
         """
         return _OFF * pi / 8.0 * self.samples * len(self.edge_mm) / max(len(self.pressure_MPa), 1)
 
 
 @dataclass(frozen=True, eq=False)
 class WithinElements:
-    """How pressure is spread on a patch at the positions of k nodes or unknowns; found when it is first asked for."""
+    """How pressure varies within the elements of a patch, at the positions in a cycle of k nodes; computed on first
+    use.
+    """
 
     patch: ContactPatch
-    pressures_MPa: Sequence[Array]  #: Of the patch's nodes, each (n,).
-    position: IntArray  #: (k,) to which of them each belongs.
-    fresh: float = 1.0  #: How much integrals over elements count: worn bodies touch in bands that they move over.
+    pressures_MPa: Sequence[Array]  #: Nodal pressures (n,) at each position in the cycle.
+    position: IntArray  #: (k,) index in `pressures_MPa` of each node's position.
+    #: Weight in [0, 1] of integrals over elements: 0 for worn bodies, which touch in bands that move over the patch.
+    fresh: float = 1.0
 
     @cached_property
     def spreads(self) -> tuple[SpreadPressure, ...]:
-        """How pressure is spread at each position, one for each of `pressures_MPa`."""
+        """Pressure within elements at each position, one for each of `pressures_MPa`."""
         return tuple(SpreadPressure.of(self.patch, pressure, self.fresh > 0.5) for pressure in self.pressures_MPa)
 
     def among(self, chosen: slice | IntArray) -> "WithinElements":
-        """How pressure is spread about the chosen nodes alone."""
+        """The same description for the chosen nodes alone."""
         return WithinElements(self.patch, self.pressures_MPa, self.position[chosen], self.fresh)
 
     def share(self, friction: Friction) -> Array:
-        """What a law's limit is over that by nodes' pressures alone, (k,)."""
+        """Integral of a friction law's limit over elements, divided by its sum over nodal pressures, (k,)."""
         if self.fresh == 0.0:
             return np.ones(len(self.position))
         return 1.0 + self.fresh * (np.array([own.share(friction) for own in self.spreads])[self.position] - 1.0)
 
 
 def _about(loaded: BoolArray) -> slice:
-    """The lines (n,) that bear load, with some around them."""
+    """Slice of the lines (n,) that bear load, with `_AROUND` more on either side."""
     found = np.flatnonzero(loaded)
     if not found.size:
         return slice(0, 0)
@@ -169,9 +187,10 @@ def _about(loaded: BoolArray) -> slice:
 
 
 def _carrying(square: Array, parts: Array, load: float, samples: int) -> Array:
-    """A pressure's square, so many samples an element, with the edge moved until areas (as the square's) carry a load.
+    """A squared pressure at samples, with the contact's edge moved until the samples, of areas `parts`, carry the load.
 
-    Where a field changes by its slope times a distance, its zero moves by that distance; its peaks stay.
+    samples: their number per element in each direction. A field changed by its slope times a distance has its zero
+    moved by this distance; its peaks stay.
     """
     slopes = [np.gradient(square, 1.0 / samples, axis=axis) for axis, size in enumerate(square.shape) if size > 1]
     slope, inwards, outwards = np.sqrt(sum(each**2 for each in slopes)), -_MOVED, _MOVED
@@ -183,7 +202,7 @@ def _carrying(square: Array, parts: Array, load: float, samples: int) -> Array:
 
 
 def _edge(square: Array, lines: Sequence[Array]) -> Array:
-    """Places (e, 2) where a field changes its sign between neighbouring samples."""
+    """Positions (e, 2) where a field changes its sign between neighbouring samples."""
     found = []
     for axis in (0, 1):
         along, others = np.moveaxis(square, axis, 0), lines[1 - axis]
@@ -195,7 +214,9 @@ def _edge(square: Array, lines: Sequence[Array]) -> Array:
 
 
 def _hats(shape: tuple[int, ...], rows: slice, columns: slice, inside: BoolArray, samples: int) -> csr_matrix:
-    """Hat functions of a patch's nodes, all but some lines of which are left out, at the samples inside (n, m)."""
+    """Hat functions (n, m) of a patch's nodes at the samples inside the contact; rows, columns: the patch's lines in
+    use.
+    """
     i, j = np.nonzero(inside)
     sample, node, value = [], [], []
     for di in (0, 1):

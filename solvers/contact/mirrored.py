@@ -1,7 +1,7 @@
-"""Increments that are their own mirror image across the motion, solved for the nodes on one side.
+"""Increments that are their own mirror image about the plane along the motion, solved for the nodes on one side.
 
-A contact that sticks in its middle has three unknowns at each of its nodes, and needs many: half of them take an eighth
-of the work.
+A contact that sticks in its middle has three unknowns at each of its nodes, and needs many nodes: solving for half of
+them takes an eighth of the work.
 """
 
 from dataclasses import replace
@@ -17,13 +17,14 @@ from solvers.elasticity.compliance import ACROSS, MirroredCompliance, PairedComp
 from solvers.elasticity.pairing import Pairing
 from solvers.elasticity.placement import known_images
 
-_TOLERANCE = 1e-6  # Of the largest traction or depth: what differs by less from its mirror image is its own.
+_TOLERANCE = 1e-6  # Of the largest traction or depth: a smaller difference from the mirror image counts as symmetry.
 _FEWEST = 120  # Loaded nodes: fewer are solved for as fast as halved.
 
 
 def images_across(problem: ContactProblem, state: ContactState) -> IntArray | None:
-    """Where the mirror across the motion takes the primary's nodes, (n,), if an increment from a state is its own
-    image and has so many unknowns that half of them are worth it; else None.
+    """Mirror image (n,) of each node of the primary about the plane along the motion.
+
+    None unless the increment from this state is its own mirror image and has so many unknowns that halving them pays.
     """
     sticks = state.core.any() or problem.friction == 0.0
     plain = not (problem.layers or problem.yields or problem.fields or state.bulk.any() or state.bulk_step.any())
@@ -42,7 +43,9 @@ def images_across(problem: ContactProblem, state: ContactState) -> IntArray | No
 def solved_on_one_side(
     problem: ContactProblem, system: Linearisation, guess: ContactGuess, images: IntArray | None
 ) -> ContactOutcome:
-    """The outcome of an increment; images: (n,) of the primary's nodes, all of the system's among them."""
+    """The outcome of a system, solved on one side if `images` (n,), from `images_across`, is given and enough nodes
+    touch.
+    """
     nodes = system.pairing.nodes
     if images is None or np.count_nonzero(guess.active) < _FEWEST:
         return problem.algorithm.solve_contact(system, guess)
@@ -70,7 +73,7 @@ def solved_on_one_side(
 
 
 def _on_one_side(pairing: Pairing, kept: IntArray, images: IntArray) -> Pairing:
-    """The kept nodes of a pairing, each with the area of its image."""
+    """The nodes `kept` of a pairing, each with the area of its mirror image added to its own."""
     areas = np.where(images[kept] == kept, 1.0, 2.0) * pairing.areas[kept]
     return replace(
         pairing,

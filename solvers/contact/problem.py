@@ -1,4 +1,4 @@
-"""Two bodies pressed together by a holder, and the affine system that an increment poses on one pairing of them."""
+"""Two bodies pressed together by a holder, and the linear system that an increment poses for one pairing of them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -37,19 +37,19 @@ class ContactProblem:
     upper: PlacedBody
     lower: PlacedBody
     holder: Holder
-    friction: float  #: Its coefficient, which effects change.
+    friction: float  #: Coefficient of friction.
     wear: WearRates
     primary_is_upper: bool = True
     #: "augmented-lagrangian" holds gaps and stick exactly; "penalty" puts an elastic layer between the bodies,
     #: `layer_mm_per_MPa` soft in all directions, whose compliance is a small share of a node's own.
     formulation: Formulation = "augmented-lagrangian"
-    layers: tuple[ContactLayer, ...] = ()  #: Physical ones between the surfaces, in series.
-    limit: PressureLimit | None = None  #: What the surfaces bear before they yield; None of elastic bodies.
-    friction_law: FrictionLaw = field(default_factory=Coulomb)  #: What it is the coefficient of.
-    timing: DriveTiming = field(default_factory=DriveTiming)  #: Of the drive, for laws that ask for speeds.
-    fields: Mapping[str, LocalField] = field(default_factory=dict)  #: That laws may ask for, see `LocalState`.
-    algorithm: ContactAlgorithm = field(default_factory=SemismoothNewton)  #: By which increments meet the conditions.
-    cycle: float = 0.0  #: Cycles done, for laws that age.
+    layers: tuple[ContactLayer, ...] = ()  #: Physical layers between the surfaces, in series.
+    limit: PressureLimit | None = None  #: Pressure at which the surfaces yield; None for elastic bodies.
+    friction_law: FrictionLaw = field(default_factory=Coulomb)  #: The law to which `friction` belongs.
+    timing: DriveTiming = field(default_factory=DriveTiming)  #: The drive over time, for laws that need speeds.
+    fields: Mapping[str, LocalField] = field(default_factory=dict)  #: Further local fields, see `LocalState`.
+    algorithm: ContactAlgorithm = field(default_factory=SemismoothNewton)  #: Solves the conditions of an increment.
+    cycle: float = 0.0  #: Number of cycles done, for laws that depend on it.
     surface: PrimarySurface = field(init=False, repr=False)
     layer_mm_per_MPa: float = field(init=False)
 
@@ -63,7 +63,7 @@ class ContactProblem:
         object.__setattr__(self, "layer_mm_per_MPa", layer)
 
     def _nodal_compliance(self) -> float:
-        """Displacement of a typical node of both surfaces by unit pressure on its own area, mm per MPa."""
+        """Displacement of a typical node of both surfaces together by unit pressure on its own area, mm per MPa."""
         return sum(
             float(np.median(body.folded.diagonal()[2::3] * body.patch.node_areas()))
             for body in (self.upper, self.lower)
@@ -71,19 +71,20 @@ class ContactProblem:
 
     @cached_property
     def law(self) -> Friction:
-        """The friction law with its coefficient, as it is where nothing slides or has slid."""
+        """The friction law with its coefficient, where nothing slides or has slid."""
         return Friction(self.friction, self.friction_law)
 
     def law_at(self, local: LocalState) -> Friction:
-        """The friction law as it is at k nodes."""
+        """The friction law with the coefficient at each of k nodes that their local state gives."""
         factor = self.friction_law.factor(local) * self.wear.friction_factor(local)
         return Friction(self.friction * factor, self.friction_law, local=local)
 
     def stretched(self, step: Array, nodes: IntArray, offset: Array) -> Array:
-        """Motion (k, 3) of the upper against the lower surface at nodes of the primary by a step of bulk strain.
+        """Motion (k, 3) in mm of the upper relative to the lower surface at nodes of the primary by a change of bulk
+        strain.
 
-        step: (2, 2, 2) of displacement gradients, see `ContactState`.  offset: (2,) where the bodies face each other.
-        Each surface stretches about its body's origin, the contact's centre.
+        step: (2, 2, 2) change of displacement gradients, see `ContactState.bulk`.  offset: (2,) position in mm of the
+        secondary relative to the primary. Each surface stretches about its body's origin, the centre of the contact.
         """
         own = self.primary.node_positions[nodes]
         lower, upper = (own - offset, own) if self.primary_is_upper else (own, own - offset)
@@ -94,12 +95,12 @@ class ContactProblem:
 
     @property
     def unchanging(self) -> bool:
-        """Whether cycles leave the surfaces as they are."""
+        """True if cycles leave the surfaces and their friction as they are."""
         return self.wear.none and not self.friction_law.remembers
 
     @cached_property
     def yields(self) -> bool:
-        """Whether forces leave a print on a body."""
+        """True if forces can leave a print on a body of a class that yields by itself."""
         return self.upper.yielding is not None or self.lower.yielding is not None
 
     @property
@@ -113,17 +114,17 @@ class ContactProblem:
 
     @cached_property
     def smallest_element(self) -> float:
-        """Smallest spacing of grid lines on either patch, mm."""
+        """Smallest spacing in mm of grid lines on either patch."""
         return min(self.upper.patch.smallest_element, self.lower.patch.smallest_element)
 
     def offset(self, drive: float, holder_x: float) -> Array:
-        """Plane position of the secondary body's origin relative to the primary's, shape (2,)."""
+        """Plane position (2,) in mm of the secondary body's origin relative to the primary's."""
         ahead = drive - holder_x
         return np.array([ahead if self.primary_is_upper else -ahead, 0.0])
 
 
 def unloaded_state(problem: ContactProblem) -> ContactState:
-    """Fresh bodies that just touch."""
+    """The state of unworn bodies that just touch."""
     primary, secondary = problem.primary.patch, problem.secondary.patch
     wear = WearState(
         primary_depth=np.zeros(primary.shape),
@@ -154,14 +155,15 @@ def unloaded_state(problem: ContactProblem) -> ContactState:
 
 
 def misaligned(problem: ContactProblem, angle_rad: float) -> ContactProblem:
-    """The problem with the motion tilted out of the contact plane; a positive angle lifts the holder as x grows.
+    """The problem with the motion tilted out of the plane of contact; a positive angle lifts the holder as x grows.
 
-    Forces stay those along the motion (x) and the load's axis at right angles to it (z), in which the plane of contact
-    descends by tan(angle) along x: both surfaces are sheared by it, which is exact for the contact's geometry and
-    leaves the bodies' compliance as it was, an error of the order of the angle in the elastic displacements alone.
-    Sliding under a dead weight takes Q = P tan(angle + phi) on the way out and P tan(angle - phi) on the way back, with
-    tan(phi) the friction coefficient: their mean is P tan(angle) (1 + mu^2) to first order, P tan(angle) without
-    friction. A loading spring adds a ripple of its stiffness times tan(angle) times the drive.
+    x stays the direction of motion and z the load's at right angles to it. In these axes the plane of contact descends
+    by tan(angle) along x: both surfaces are sheared by it, which is exact for the geometry; the bodies' compliance is
+    unchanged, an error of the order of the angle in elastic displacements alone. Sliding under a dead weight takes Q =
+    P tan(angle + phi) on the way out and P tan(angle - phi) on the way back, with tan(phi) the friction coefficient:
+    their mean is P tan(angle) (1 + mu^2) to first order. A loading spring adds a ripple of its stiffness times
+    tan(angle) times the drive.
+
     Raises SolverError if the angle is not between -30 and 30 degrees.
     """
     if not abs(angle_rad) < pi / 6.0:
@@ -173,7 +175,10 @@ def misaligned(problem: ContactProblem, angle_rad: float) -> ContactProblem:
 
 
 def open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
-    """Worn depth of the primary and the secondary body without what layers fill, with the prints on them."""
+    """Depths (n_a, n_t) in mm by which the surfaces of the primary and the secondary have receded.
+
+    Worn depth less the share that layers fill, plus prints.
+    """
     share = open_share(problem.layers)
     primary, secondary = (
         (depth if share == 1.0 else share * depth) if pressed is None else share * depth + pressed
@@ -183,7 +188,7 @@ def open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Ar
 
 
 def with_prints(problem: ContactProblem, state: ContactState, forces: tuple[Array, Array]) -> ContactState:
-    """The state with the prints that forces (n, 3) on the primary and the secondary leave."""
+    """The state with the prints that nodal forces (n, 3) in N on the primary and the secondary leave."""
     wear = state.wear
     primary = problem.primary.printed(wear.primary_print, forces[0])
     secondary = problem.secondary.printed(wear.secondary_print, forces[1])
@@ -191,17 +196,19 @@ def with_prints(problem: ContactProblem, state: ContactState, forces: tuple[Arra
 
 
 def vertical_gaps(problem: ContactProblem, state: ContactState, drive: float, holder_x: float) -> Array:
-    """Gap at the primary's n nodes with the holder at height 0, (n,), mm; infinite beside the secondary."""
+    """Gap (n,) in mm at the primary's nodes with the holder at height 0; infinite where no secondary patch
+    faces them.
+    """
     offset = facing_offset(problem, state, drive, holder_x)
     upright = vertical_gap(problem.surface, problem.secondary, offset, *open_depths(problem, state))
     return upright + state.holder_tilt * levers(problem, drive, holder_x)
 
 
 def facing_offset(problem: ContactProblem, state: ContactState, drive: float, holder_x: float) -> Array:
-    """Plane position (2,) of the secondary body's origin relative to the primary's where their surfaces meet.
+    """Plane position (2,) in mm of the secondary body's origin relative to the primary's at which surfaces are paired.
 
-    As long as a core sticks, its strain makes up for the motion of the bodies: the surfaces face each other as they
-    were pressed together, and what has worn beside the core must not be moved over it.
+    While there is a core, its strain makes up for the bodies' motion: the surfaces stay paired as they were pressed
+    together, so that depth worn beside the core is not moved over it.
     """
     if state.core.any():
         return problem.offset(state.pressed_ahead, 0.0)
@@ -211,7 +218,9 @@ def facing_offset(problem: ContactProblem, state: ContactState, drive: float, ho
 def faced(
     problem: ContactProblem, state: ContactState, nodes: IntArray, drive: float, holder_x: float, tilt: float
 ) -> Pairing:
-    """Nodes (k,) of the primary as they face the secondary, on the surfaces and after the sticking of a state."""
+    """The pairing of nodes (k,) of the primary with the secondary, on the surfaces of a state, with regard to
+    its core.
+    """
     core = bool(state.core.any())
     offset, depths = facing_offset(problem, state, drive, holder_x), open_depths(problem, state)
     pairing = pair(problem.surface, problem.secondary, nodes, offset, *depths, tilt, at_nodes=core)
@@ -234,18 +243,18 @@ def faced(
 
 
 def _no_deeper(depth: Array, core: Array) -> Array:
-    """Worn depths (n_a, n_t) cut to the largest in the core."""
+    """Worn depths (n_a, n_t), limited to the largest in the core."""
     return np.asarray(np.minimum(depth, core.max(initial=0.0)))
 
 
 def levers(problem: ContactProblem, drive: float, holder_x: float) -> Array:
-    """Distance of the primary's nodes ahead of the holder's pivot, along x, shape (n,)."""
+    """Distance (n,) in mm of the primary's nodes ahead of the holder's pivot, along x."""
     along = problem.primary.node_positions[:, 0]
     return along if problem.primary_is_upper else along - problem.offset(drive, holder_x)[0]
 
 
 def paired_before(problem: ContactProblem, state: ContactState) -> Pairing:
-    """The nodes that carry load, paired as the bodies stand."""
+    """The pairing of the nodes that carry load in a state, at its position."""
     loaded = np.flatnonzero(state.traction[:, 2] > 0.0)
     return faced(problem, state, loaded, state.drive, state.holder_x, state.holder_tilt)
 
@@ -261,9 +270,10 @@ def linearised(
     slip_share: Array,
     guess: Array,
 ) -> Linearisation:
-    """The system of a pairing made with the holder at `holder_x`, for a step to `drive`.
+    """The linear system of a pairing, made with the holder at `holder_x`, for a step from `state` to `drive`.
 
-    before: the loaded nodes' pairing before the step.  slip_share, guess: (n,) and (n, 3) of slip and tractions, see
+    before: pairing of the nodes loaded before the step.  prescribed_height: in mm, in place of the load; None: loaded.
+    slip_share, guess: (n,) slip per drive's motion and (n, 3) tractions, on which friction may depend; see
     `ContactState`.
     """
     holder = problem.holder.under(state.load_share)
@@ -306,8 +316,9 @@ def linearised(
 def law_at(
     problem: ContactProblem, state: ContactState, pairing: Pairing, slip_share: Array, drive: float, traction: Array
 ) -> Friction:
-    """The friction law at paired nodes, which slip by a share (n,) of the drive's motion where the drive is, under
-    tractions (n, 3) as far as they are known.
+    """The friction law at paired nodes, with their local state at `drive`.
+
+    slip_share: (n,) slip of the primary's nodes per motion of the drive.  traction: (n, 3) latest tractions in MPa.
     """
     nodes, timing = pairing.nodes, problem.timing
     local = LocalState(
@@ -324,9 +335,9 @@ def law_at(
 
 
 def within_elements(problem: ContactProblem, states: Sequence[ContactState], position: IntArray) -> WithinElements:
-    """How the pressures of states are spread within the primary's elements, for k nodes by the state of each (k,).
+    """How the pressures of states vary within the primary's elements, at k nodes; `position` (k,) is the state of each.
 
-    They are those along z: slopes are small where pressure falls to nothing.
+    Pressures are tractions along z: slopes are small where pressure vanishes.
     """
     wear = states[0].wear
     worn = float(wear.primary_depth.max() + wear.secondary_depth.max())
@@ -336,14 +347,14 @@ def within_elements(problem: ContactProblem, states: Sequence[ContactState], pos
 
 
 def sliding_force(problem: ContactProblem, state: ContactState) -> float:
-    """Tangential force with which a state's contact would slide, N, had its surfaces never slid."""
+    """Tangential force in N with which the contact of a state would slide if its surfaces had never slid."""
     pressure = state.traction[:, 2]
     within = within_elements(problem, [state], np.zeros(len(pressure), dtype=np.int64))
     return float(problem.surface.areas @ replace(problem.law, within=within).limit(pressure))
 
 
 def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairing, traction: Array) -> LayersAtNodes:
-    """The layers at k paired nodes, after tractions (k, 3) on them."""
+    """The layers at k paired nodes; `traction` (k, 3) in MPa acted on them before the increment."""
     own = state.wear.primary_depth.ravel()[pairing.nodes]
     other = pairing.opposite.averaged(state.wear.secondary_depth.ravel()) / pairing.areas
     yielding = yield_between(problem, state, pairing)
@@ -351,7 +362,7 @@ def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairin
 
 
 def yield_between(problem: ContactProblem, state: ContactState, pairing: Pairing) -> YieldAtNodes | None:
-    """What k paired nodes bear; None where nothing yields."""
+    """Pressure limits at k paired nodes; None where nothing yields."""
     primary, secondary = state.wear.prints
     if problem.limit is None or primary is None or secondary is None:
         return None
@@ -370,12 +381,13 @@ def _old_displacement(
     nodes_before: IntArray,
     frames: Array,
 ) -> Array:
-    """What tractions (k, 3) of before moved the surfaces and the layer by at nodes (k,), under limits of friction (k,).
+    """Displacement (k, 3) in mm of surfaces and layer at nodes under the tractions before the increment, `traction` (k,
+    3).
 
-    old: (k, 3) of the surfaces where the nodes are now, old_before: (l, 3) where the nodes loaded before were then.
-    Material velocities make the slip, so it is taken where a node will be, except at nodes that stuck: the place they
-    face does not change, but the rigid offset of the undeformed bodies does, and the strain along it would make them
-    creep a little in every cycle.
+    old: (k, 3) displacements where the nodes are now, old_before: (l, 3) where the nodes loaded before were then;
+    limit: (k,) of friction. The first are taken, since slip follows from material velocities, except at nodes that
+    stuck: these face the same point as before, and the strain along the bodies' rigid motion would make them creep a
+    little in every cycle.
     """
     result, b = np.empty((len(nodes), 3)), 0
     for k in range(len(nodes)):
@@ -396,5 +408,5 @@ def _old_displacement(
 
 
 def normal_of(vectors: Array, frames: Array) -> Array:
-    """Normal components (k,) of vectors (k, 3)."""
+    """Normal components (k,) of vectors (k, 3), from the nodes' frames (k, 3, 3)."""
     return np.asarray(np.einsum("ij,ij->i", vectors, frames[:, 0]))

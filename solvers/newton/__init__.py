@@ -1,4 +1,4 @@
-"""Semismooth Newton method for the contact conditions of one pairing of two surfaces."""
+"""Semismooth Newton method for the contact conditions of two surfaces in one relative position (one pairing)."""
 
 from solvers.newton.iteration import SemismoothNewton
 

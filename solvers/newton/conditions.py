@@ -1,14 +1,15 @@
-"""The conditions of one pairing: gaps, slips and statuses of nodes under given tractions, and the holder's equilibrium.
+"""The contact conditions of one pairing: gaps, slips and status of its nodes under tractions, and the holder's
+equilibrium.
 
-Per node, with normal traction p, tangential traction q, mean gap g and mean slip s of the upper body against the
+Per node, with normal traction p, tangential traction q, mean gap g and mean slip s of the upper body relative to the
 lower one over the increment:
-    open: p = q = 0, g >= 0;  stick: g = 0, s = 0, |q| <= tau(p);  slip: g = 0, q = -tau(p) s / |s|,
-with tau the friction law, mu p by Coulomb's.
-The augmentation that decides between stick and slip is scaled with the whole compliance that a change of friction
-meets, the rig's included; with the local one alone a soft rig makes nodes alternate between both slip directions.
 
-Free play of the holder is one more alternative beside those of the nodes: it floats without force, or rests on either
-stop.
+    open: p = q = 0, g >= 0;  stick: g = 0, s = 0, |q| <= tau(p);  slip: g = 0, q = -tau(p) s / |s|,
+
+with tau the limit by the friction law, mu p by Coulomb's. The augmentation is the stiffness by which a slip is added to
+the traction to decide between stick and slip (Alart & Curnier). It is scaled with the whole compliance that a change of
+friction meets, the rig's included; with the local one alone a soft rig makes nodes alternate between both directions.
+The holder's free play has a status, too: it floats without force, or rests on either of two stops.
 """
 
 from typing import NamedTuple
@@ -23,22 +24,24 @@ from solvers.newton.terms import Carried, HolderTerms, Iterate, LinearLaws, Node
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
 # friction on all nodes would cause; beyond, iterating the direction mostly converges fast.
 NEAR_STICK = 2.0
-_ROUND_OFF = 1e-12  # Of the largest friction: what is so near to its limit may stick or slip.
+_ROUND_OFF = 1e-12  # Of the largest friction: a node so near to its limit may count as sticking or slipping.
 
 
 class Scales(NamedTuple):
-    """What the augmentation and the equations are measured by."""
+    """Typical sizes with which the augmentation and the equations are scaled."""
 
     collective: float  #: Displacement by unit traction on all nodes, mm per MPa.
-    local: float  #: That by one on one of them.
-    rig: float  #: That by what unit traction moves the rig.
+    local: float  #: Displacement by unit traction on one node alone, mm per MPa.
+    rig: float  #: Displacement of the rig by unit traction on all nodes, mm per MPa.
     series_compliance: float  #: Of contact and rig, mm per N.
-    pressure: float  #: Mean one, MPa.
+    pressure: float  #: Mean pressure, MPa.
     reach: float  #: Displacement by a tilt of 1, mm: at the pivot's height or the contact's edge, whichever is more.
 
 
 class Solution(NamedTuple):
-    """Tractions (k,) and (k, 2) in local frames, and the holder's height, position and tilt."""
+    """Normal (k,) and tangential (k, 2) tractions in MPa in local frames, and the holder's height, position and
+    tilt.
+    """
 
     force: Array  #: The same tractions as `PairedCompliance.displaced` takes them.
     normal: Array
@@ -49,9 +52,11 @@ class Solution(NamedTuple):
 
 
 class Changes(NamedTuple):
-    """What a state changes: how many nodes open or close, how many change between stick and slip but for those on the
-    verge, how many do either; the largest gap of those that were in contact, mm, and the largest turn of friction where
-    they slipped, rad.
+    """What differs between a state and the one before.
+
+    opening, sticking, changing: numbers of nodes that open or close, that change between stick and slip while not on
+    the verge of either, and that do one of both. gap: largest gap in mm of nodes that were in contact. turned: largest
+    turn in rad of friction at nodes that slip.
     """
 
     opening: int
@@ -62,30 +67,32 @@ class Changes(NamedTuple):
 
 
 class ContactConditions:
-    """The conditions on the k nodes of a pairing.
+    """The contact conditions on the k nodes of a pairing.
 
-    holders: the holder as equations take it, by the stop on which it rests; so far as they were asked for.
+    holders: cache of the holder's terms in the equations, by the stop on which it rests (-1, 0 or +1).
     """
 
     def __init__(self, system: Linearisation, loaded: BoolArray) -> None:
-        """Scaled as for a contact of the loaded nodes (k,)."""
+        """loaded: (k,) True for nodes likely in contact, from which the scales are taken."""
         self.system, self.scales, self.nodes = system, _scales(system, loaded), nodes_of(system)
         self.holders: dict[int, HolderTerms] = {}
         self._laws = linear_laws(system, np.zeros(len(loaded)))
 
     def laws(self, about: Array) -> LinearLaws:
-        """Friction and layers, linearised about pressures (k,)."""
+        """Friction and layers, linearised at pressures `about` (k,) in MPa."""
         straight = self.system.layers is None and self.system.friction.law.proportional
         return self._laws if straight else linear_laws(self.system, about)
 
     def world(self, normal: Array, tangential: Array) -> Array:
-        """Tractions (k, 3) in world axes."""
+        """Tractions (k, 3) in world axes from normal (k,) and tangential (k, 2) ones in local frames."""
         frames = self.nodes.frames
         sideways = tangential[:, :1] * frames[:, 1] + tangential[:, 1:] * frames[:, 2]
         return np.asarray(normal[:, None] * frames[:, 0] + sideways)
 
     def first(self, traction: Array, height: float, holder_x: float, active: BoolArray) -> Iterate:
-        """The state under guessed tractions (k, 3) in world axes, with active nodes (k,), and the holder there."""
+        """The state under guessed tractions (k, 3) in world axes, with the nodes `active` (k,) in contact and a holder
+        position.
+        """
         compliance, frames = self.system.compliance, self.nodes.frames
         normal = np.maximum(np.einsum("ij,ij->i", traction, frames[:, 0]), 0.0)
         tangential = np.einsum("ij,ikj->ik", traction, frames[:, 1:])
@@ -103,12 +110,14 @@ class ContactConditions:
         about: Array | None = None,
         given: bool = False,
     ) -> tuple[Iterate, Changes]:
-        """The state that a solution makes: gaps and slips, which nodes are pressed or overlap, which of them stick, and
-        where friction points; and what has changed.
+        """The state that follows from a solution (gaps, slips, status of nodes, directions of friction), and what has
+        changed.
 
-        near_stick: see `NEAR_STICK`.  before: of the state before, which nodes were in contact (k,) and which of them
-        stuck (k,), and where friction pointed (k, 2).  about: pressures (k,) about which the solution was linearised.
-        given: whether nodes stay in contact that were.
+        near_stick: see `NEAR_STICK`.
+        before: for the previous state, True for nodes in contact (k,) and sticking (k,), and directions of friction (k,
+        2).
+        about: pressures (k,) at which the solution was linearised.
+        given: True to keep the nodes in contact that were.
         """
         layers, friction, normal = self.system.layers, self.system.friction, solution.normal
         if layers is None:
@@ -136,7 +145,7 @@ class ContactConditions:
 
 @inlined
 def forces_on(normal: Array, tangential: Array, frames: Array, place: IntArray, known: int) -> Array:
-    """Tractions in world axes (3 known,), in the order in which nodes became known."""
+    """Tractions in world axes (3 known,), in the order in which nodes became known, from those in local frames."""
     force = np.zeros(3 * known)
     for k in range(len(normal)):
         if place[k] >= 0:
@@ -174,9 +183,9 @@ def _judged(
     before: tuple[BoolArray, BoolArray, Array],
     given: bool,
 ) -> tuple[Iterate, Changes]:
-    """The state under displacements of the surfaces (k, 3) and an elastic layer between them.
+    """The state that follows from elastic displacements (k, 3) of the surfaces, and what has changed; see `judged`.
 
-    laws: closure, softness and shear of layers, limit of friction, (k,) each.
+    laws: closure, softness and shear of layers, and limit of friction, (k,) each.
     """
     (closure, softness, shear, limit), (active, stuck, pointed) = laws, before
     normal, tangential, holder_x = solution.normal, solution.tangential, solution.holder_x
@@ -269,7 +278,7 @@ def _scales(system: Linearisation, loaded: BoolArray) -> Scales:
 
 
 def stop_in_play(conditions: ContactConditions, state: Iterate) -> int:
-    """Which stop of its free play the holder rests on: +1 or -1, or 0 while it floats between them."""
+    """The stop of its free play on which the holder rests: +1 or -1, or 0 while it floats between them."""
     holder = conditions.system.holder
     if holder.play_mm == 0.0:
         return 0
@@ -282,7 +291,7 @@ def stop_in_play(conditions: ContactConditions, state: Iterate) -> int:
 
 
 def held_place(conditions: ContactConditions, stop: int) -> float | None:
-    """Where in its free play the holder is held, mm; None while it floats."""
+    """Position in mm in its free play at which the holder is held; None while it floats."""
     system = conditions.system
     if system.holder.play_mm == 0.0:
         return 0.0
@@ -296,7 +305,7 @@ def held_place(conditions: ContactConditions, stop: int) -> float | None:
 def fill_holder_rows(
     transposed: Array, rhs: Array, nodes: Nodes, carried: Carried, holder: HolderTerms, on: IntArray, tan: IntArray
 ) -> None:
-    """Write the last three rows: tractions against the load, and against the rig's springs."""
+    """Write the last three equations in place: the forces' balance along z and x and of moments about the pivot."""
     size = len(rhs)
     z, x, t = size - 3, size - 2, size - 1
     for place in range(size - 3):
@@ -338,7 +347,7 @@ def fill_holder_rows(
 
 
 def unbalanced_force(conditions: ContactConditions, state: Iterate, traction: Array) -> float:
-    """Largest unbalanced force on the holder by tractions (k, 3) over the normal force."""
+    """Largest unbalanced force on the holder under tractions (k, 3), over the normal force."""
     system, areas, holder = conditions.system, conditions.nodes.areas, conditions.system.holder
     force = areas @ traction
     expected = holder.load_N(state.height, system.pressed_height) if system.prescribed_height is None else force[2]

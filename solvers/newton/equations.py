@@ -1,10 +1,10 @@
 """The linear equations of one Newton iteration, and their solution.
 
-Gaps and slips of nodes in the equations of one Newton iteration: what unknown tractions and the holder do to them.
-
-Unknowns stand in this order: normal tractions of the nodes `on` (a,), those along the first and along the second
-tangent of the nodes `tan` (m,), then the holder's height, position and tilt. Rows stand in the same order: no gap, no
-slip or the friction law, the holder's equilibrium. Matrices are filled transposed, as LAPACK wants them.
+Unknowns, and rows of the matrix: first the normal tractions of the nodes `on` (a,), with rows of zero gap; then the
+tractions along the first and along the second tangent of the nodes `tan` (m,), with rows of zero slip or of the
+friction law; then the holder's height, position and tilt, with rows of its equilibrium. The size is a + 2 m + 3. Nodes
+that slip far follow a known direction: their friction is the linearised law's, an affine function of their normal
+traction. Matrices are filled transposed, as LAPACK expects them.
 """
 
 from typing import NamedTuple
@@ -27,19 +27,25 @@ from solvers.newton.terms import Carried, HolderTerms, Iterate, LinearLaws, Node
 
 
 class Loaded(NamedTuple):
-    """What tractions on nodes do, see `PairedCompliance`: columns of `matrix` at a node's `place`, where known."""
+    """Displacements by tractions on known nodes, see `PairedCompliance`: columns of `matrix`, and each node's `place`
+    or -1.
+    """
 
     matrix: Array
     known: int
     place: IntArray
-    layer: float  #: Its compliance.
+    layer: float  #: Compliance of an elastic layer between the bodies, mm per MPa.
 
 
 @inlined
 def gap_rows(
     loaded: Loaded, follow: IntArray, nodes: Nodes, carried: Carried, laws: LinearLaws, on: IntArray, tan: IntArray
 ) -> tuple[Array, Array]:
-    """The transposed matrix (size, size) and right-hand side (size,) of all unknowns, with rows of no gap filled."""
+    """The transposed matrix (size, size) and the right-hand side (size,), of which the first a rows, of zero gap, are
+    filled.
+
+    follow: nodes whose friction follows a known direction.
+    """
     size = len(on) + 2 * len(tan) + 3
     transposed, rhs = np.zeros((size, size)), np.zeros(size)
     moved, row = np.empty(3 * loaded.known), np.empty(size - 3)
@@ -72,9 +78,10 @@ def slip_rows(
     on: IntArray,
     tan: IntArray,
 ) -> tuple[Array, Array]:
-    """Slip of the m nodes with tangential unknowns along both tangents: rows (2 m, size), constant part (2 m,).
+    """Slips of the m nodes `tan` along both tangents as affine functions of the unknowns: (2 m, size) and constants (2
+    m,).
 
-    tangential: (k, 2) about which layers are linearised.
+    tangential: (k, 2) tangential tractions at which layers are linearised.
     """
     a, m = len(on), len(tan)
     size = a + 2 * m + 3
@@ -106,7 +113,7 @@ def slip_rows(
 
 @inlined
 def _moved_along(matrix: Array, frames: Array, node: int, axis: int, moved: Array) -> None:
-    """Write the displacement of a node along an axis of its frame by unit tractions on all nodes that have columns."""
+    """Write the displacement of a node along an axis of its frame by unit tractions on all known nodes to `moved`."""
     x, y, z = frames[node, axis, 0], frames[node, axis, 1], frames[node, axis, 2]
     row = 3 * node
     for c in range(len(moved)):
@@ -117,7 +124,7 @@ def _moved_along(matrix: Array, frames: Array, node: int, axis: int, moved: Arra
 def _fill_row(
     row: Array, moved: Array, place: IntArray, frames: Array, per_normal: Array, on: IntArray, tan: IntArray
 ) -> None:
-    """Write that displacement by each unknown traction."""
+    """Write the displacement `moved` by unit tractions as a function of the unknown tractions to `row`."""
     a, m = len(on), len(tan)
     for j in range(a):
         node = on[j]
@@ -137,7 +144,7 @@ def _fill_row(
 def _add_layer(
     row: Array, layer: float, frames: Array, per_normal: Array, node: int, axis: int, on: IntArray, tan: IntArray
 ) -> None:
-    """Add what an elastic layer between the bodies gives way along an axis by the node's own tractions."""
+    """Add the deformation of an elastic layer along an axis by the node's own tractions to `row`."""
     if layer == 0.0:
         return
     a, m = len(on), len(tan)
@@ -156,7 +163,9 @@ def _add_layer(
 def _by_constant(
     loaded: Loaded, follow: IntArray, frames: Array, constant: Array, moved: Array, node: int, axis: int
 ) -> float:
-    """Displacement of a node by the constant tractions (k, 3) of those whose friction follows a known direction."""
+    """Displacement of a node by the constant part of the tractions (k, 3) of nodes whose friction follows a known
+    direction.
+    """
     total = 0.0
     for other in follow:
         p = 3 * loaded.place[other]
@@ -178,10 +187,10 @@ def fill_friction_rows(
     on: IntArray,
     tan: IntArray,
 ) -> None:
-    """Write the rows of the nodes near stick: zero slip, or the linearised projection onto the friction cone.
+    """Write the rows of the nodes `tan`: zero slip, or the linearised projection onto the friction cone.
 
-    slips, offsets: of these nodes, see `slip_rows`.  In absolute unknowns the projection reads
-    q - tau(p) d - weight (1 - d d^T)(q - augmentation s) = 0, here times the slip per traction.
+    slips, offsets: as from `slip_rows`.  With the unknowns q the projection reads q - tau(p) d - weight (1 - d d^T)(q -
+    augmentation s) = 0; the rows are multiplied by the slip per traction.
     """
     a, m = len(on), len(tan)
     column = np.full(len(state.limit), -1)
@@ -213,9 +222,9 @@ def fill_friction_rows(
 
 
 def newton_step(conditions: ContactConditions, state: Iterate, about: Array) -> Solution | None:
-    """The next tractions and holder position, of nodes that stand as they do; None where the equations are singular.
+    """Tractions and holder position that meet the linearised conditions with each node's present status.
 
-    about: pressures (k,) about which friction and layers are linearised.
+    None where the equations are singular.  about: pressures (k,) at which friction and layers are linearised.
     """
     system, scales, nodes = conditions.system, conditions.scales, conditions.nodes
     compliance, stop = system.compliance, stop_in_play(conditions, state)
@@ -235,7 +244,7 @@ def newton_step(conditions: ContactConditions, state: Iterate, about: Array) -> 
 
 @inlined
 def _scaled(transposed: Array, rhs: Array, scales: Scales, holder: HolderTerms) -> None:
-    """Scale equations in place to be of order one, and with them the unknowns, which `_tractions` scales back."""
+    """Scale equations and unknowns in place to the order of one; `_tractions` scales the unknowns back."""
     size, length = len(rhs), scales.pressure * scales.collective
     row, column = np.full(size, 1.0 / length), np.full(size, scales.pressure)
     column[size - 3] = column[size - 2] = length
@@ -250,7 +259,7 @@ def _scaled(transposed: Array, rhs: Array, scales: Scales, holder: HolderTerms) 
 
 @inlined
 def _numbers(flags: BoolArray) -> IntArray:
-    """Where flags (k,) are raised."""
+    """Indices of the True entries of (k,)."""
     found, used = np.empty(len(flags), np.int64), 0
     for k in range(len(flags)):
         if flags[k]:
@@ -265,7 +274,7 @@ def _equations(
 ) -> tuple[Array, Array]:
     """The transposed matrix (size, size) and right-hand side (size,), scaled.
 
-    In one piece, for handing small arrays over between Python and compiled functions costs as much as filling them.
+    One compiled function, since passing small arrays from Python to compiled functions costs as much as filling them.
     """
     on, tan, carried = _numbers(state.active), _numbers(state.near_stick), carried_by(nodes, state, laws)
     follow = _numbers(state.follows)
@@ -282,7 +291,7 @@ def _equations(
 def _tractions(
     solution: Array, loaded: Loaded, nodes: Nodes, state: Iterate, laws: LinearLaws, scales: Scales
 ) -> tuple[bool, Solution]:
-    """Whether a scaled solution is finite, and what it says."""
+    """True if a scaled solution (size,) is finite, and the tractions and holder position that it stands for."""
     count, on, tan = len(nodes.areas), _numbers(state.active), _numbers(state.near_stick)
     a, m, length = len(on), len(tan), scales.pressure * scales.collective
     normal, tangential = np.zeros(count), np.zeros((count, 2))

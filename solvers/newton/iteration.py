@@ -1,6 +1,5 @@
-"""The iteration: nodes change their status until none does, and gaps and directions of slip are as they should be.
-
-Its outcome is tractions, the holder's position, and how well the conditions are met.
+"""Newton iterations in which nodes change their status (open, stick, slip) until none changes and the tolerances are
+met.
 """
 
 from typing import NamedTuple
@@ -18,7 +17,7 @@ _ROUND_OFF = 1e-9  #: Slips shorter than this share of the bodies' elastic closu
 
 _MOST_ITERATIONS = 60
 _PATIENCE = 15  # Iterations without progress after which the increment is given up.
-_ROUND = 8  # The same after which it seems to go round: see `ContactConditions`.
+_ROUND = 8  # Iterations without progress after which directions of slip are no longer iterated.
 
 
 #: Allowed turn of friction in a step, rad, and the angle between friction and slip beyond which one more is taken.
@@ -36,7 +35,9 @@ _MESH_TOO_COARSE = "most likely the mesh is too coarse for this contact: take a 
 def converged_outcome(
     conditions: ContactConditions, before: Iterate, state: Iterate, iterations: int
 ) -> ContactOutcome:
-    """The answer of a converged state, in which nodes stand as they did before, with its residuals."""
+    """The outcome of a converged state, with its residuals; `before` is the state before, in which nodes had the same
+    status.
+    """
     system, layer = conditions.system, conditions.system.compliance.layer
     scale = max(state.elastic, 1e-300)
     # Without friction slip has no direction to differ from.
@@ -62,8 +63,10 @@ def converged_outcome(
 
 
 class _Largest(NamedTuple):
-    """How well the conditions are met: nodes that stick, the deepest penetration and the largest gap under pressure in
-    mm, the largest angle between friction and slip in rad, the largest tangential traction in MPa.
+    """Residuals of a state.
+
+    sticking: number of nodes. penetration, gap: deepest penetration, and largest gap of nodes under pressure, mm.
+    turned: largest angle between friction and slip, rad. tangential: largest tangential traction, MPa.
     """
 
     sticking: int
@@ -77,9 +80,9 @@ class _Largest(NamedTuple):
 def _residuals(
     before: Iterate, state: Iterate, frames: Array, layer: float, least: float
 ) -> tuple[Array, BoolArray, Array, _Largest]:
-    """Tractions (k, 3) in world axes of nodes in contact, which of them slide, how far, and the worst of all.
+    """Tractions (k, 3) in world axes, nodes that slide (k,), their slip lengths (k,) in mm, and the residuals.
 
-    least: slip of a direction, mm.
+    least: slip in mm below which its direction is round-off.
     """
     count, slip, direction, friction = len(frames), state.slip, before.direction, state.tangential
     traction, sliding, length = np.zeros((count, 3)), np.zeros(count, np.bool_), np.zeros(count)
@@ -107,7 +110,7 @@ def _residuals(
 
 
 def failed_outcome(conditions: ContactConditions, state: Iterate, iterations: int, message: str) -> ContactOutcome:
-    """The answer where no state was found, with a sentence that says why."""
+    """The outcome where no state meets the conditions; `message` is a sentence that says why."""
     return ContactOutcome(
         converged=False,
         message=message,
@@ -128,8 +131,8 @@ def failed_outcome(conditions: ContactConditions, state: Iterate, iterations: in
 
 
 def _bend(conditions: ContactConditions, before: Iterate, state: Iterate, about: Array) -> float:
-    """Largest difference of friction at slipping nodes from the law's tangent at pressures (k,), over the largest
-    friction.
+    """Largest difference, at slipping nodes, of friction from the law's tangent at pressures `about` (k,), over the
+    largest friction.
     """
     friction = conditions.system.friction
     if friction.law.proportional:
@@ -142,10 +145,10 @@ def _bend(conditions: ContactConditions, before: Iterate, state: Iterate, about:
 
 
 class _Change(NamedTuple):
-    """How far a state is from that before."""
+    """How far a state is from the one before."""
 
-    nodes: Changes  #: How many change.
-    gap_error: float  #: Relative.
+    nodes: Changes  #: Numbers of nodes that change their status, and more.
+    gap_error: float  #: Largest gap of nodes in contact over the largest elastic displacement.
     #: Largest difference of the friction law from its tangent at slipping nodes, over the largest friction.
     bend: float
     settled: bool  #: No node and no stop changes.
@@ -165,7 +168,9 @@ class _Change(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Distance from the solution: nodes that change, below 1 what is left once none does."""
+        """Distance from the solution: 1 + the number of nodes that change, or below 1, once none does, the largest
+        residual.
+        """
         if self.settled:
             return max(self.gap_error, self.nodes.turned, self.bend)
         return 1.0 + float(self.nodes.changing)
@@ -178,7 +183,7 @@ class _Change(NamedTuple):
         )
 
     def likeliest_cause(self, conditions: ContactConditions, state: Iterate) -> str:
-        """What most probably keeps an increment from converging, as part of a sentence."""
+        """The most probable reason why an increment does not converge, as part of a sentence."""
         system = conditions.system
         if state.touching < _FEW_NODES:
             return _MESH_TOO_COARSE
@@ -203,7 +208,7 @@ class _Change(NamedTuple):
 
 
 class SemismoothNewton:
-    """Newton's method for conditions that change with the status of nodes; see `solvers.contact_conditions`."""
+    """Newton's method for contact conditions that change with the status of nodes; see `solvers.contact_conditions`."""
 
     def solve_contact(self, system: Linearisation, guess: ContactGuess, /) -> ContactOutcome:
         """Tractions and holder position of a pairing: nodes change their status until none does."""

@@ -1,4 +1,4 @@
-"""What the compiled equations of one pairing are made of: arrays over its k nodes, and plain numbers."""
+"""The terms of the compiled equations of one pairing: named tuples of arrays over its k nodes and plain numbers."""
 
 from math import nan
 from typing import NamedTuple
@@ -11,16 +11,20 @@ from solvers.jit_cache import inlined
 
 
 class Carried(NamedTuple):
-    """World tractions of k nodes: `per_normal` (k, 3) times the normal one, plus `constant` (k, 3)."""
+    """Tractions of k nodes in world axes as functions of the normal one p: `per_normal` (k, 3) times p plus `constant`
+    (k, 3).
+    """
 
     per_normal: Array
     constant: Array
-    shifted: bool  #: Whether any constant is not zero.
+    shifted: bool  #: True if any entry of `constant` is not zero.
 
 
 @inlined
 def carried_by(nodes: "Nodes", state: "Iterate", laws: "LinearLaws") -> Carried:
-    """What nodes carry whose friction follows its direction, by the law's tangent; others their normal traction."""
+    """World tractions of k nodes per normal traction, with the linearised friction of those that follow a known
+    direction.
+    """
     frames, direction = nodes.frames, state.direction
     per_normal, constant = np.empty((len(frames), 3)), np.zeros((len(frames), 3))
     shifted = False
@@ -36,7 +40,9 @@ def carried_by(nodes: "Nodes", state: "Iterate", laws: "LinearLaws") -> Carried:
 
 
 class Nodes(NamedTuple):
-    """The k nodes of a pairing and where the holder stood before the increment, all as in `Linearisation`."""
+    """The k nodes of a pairing, and the holder's position before the increment; fields as in `Linearisation` and
+    `Pairing`.
+    """
 
     frames: Array
     areas: Array
@@ -53,12 +59,15 @@ class Nodes(NamedTuple):
 
 
 class Iterate(NamedTuple):
-    """Tractions (k,) and (k, 2) in local frames, the holder's position, what follows from them, and how nodes stand.
+    """A state of the iteration: tractions, the holder's position, gaps and slips, and the status of the k nodes.
 
-    gap, slip: (k,) and (k, 2).  elastic: largest elastic displacement.  Lengths in mm, tractions in MPa.
-    active: (k,) nodes in contact; touching: their number, fresh: that of those whose responses are not known.
-    stick, near_stick, follows: (k,) which of them stick, keep tangential unknowns as they are near enough to it, and
-    are far from it.  verge: (k,) nodes at their limit but for round-off, which may stick or slip as well.
+    normal, tangential: (k,) and (k, 2) in local frames, MPa.  gap, slip: (k,) and (k, 2), mm.
+    elastic: largest elastic displacement, mm.
+    active: (k,) nodes in contact.  touching, fresh: their number, and how many of them are not yet known to the
+    compliance.
+    stick: (k,) nodes that stick.  near_stick: nodes that keep tangential unknowns since their slip is short.  follows:
+    nodes that slip far, with a known direction of friction.
+    verge: (k,) nodes at their limit within round-off, which may count as sticking or slipping.
     direction: (k, 2) of friction.  augmentation: (k,) MPa per mm of slip.  limit: (k,) of friction, MPa.
     """
 
@@ -83,34 +92,36 @@ class Iterate(NamedTuple):
 
 
 class LinearLaws(NamedTuple):
-    """Friction and layers at k nodes, linearised about pressures (k,). Those of layers are zero where there is none."""
+    """Friction and layers at k nodes, linearised at pressures (k,); terms of layers are zero without layers."""
 
     pressure: Array
-    slope: Array  #: Of friction's limit.
-    offset: Array  #: The limit's value at no pressure.
-    closure: Array  #: Of layers, mm at no pressure.
-    softness: Array  #: Its slope, mm per MPa.
-    shear: Array  #: Tangential displacement of layers per traction.
-    change: Array  #: Its derivative by the pressure.
+    slope: Array  #: Derivative of friction's limit by pressure.
+    offset: Array  #: The tangent of the limit extrapolated to zero pressure, MPa.
+    closure: Array  #: The tangent of the layers' closure extrapolated to zero pressure, mm.
+    softness: Array  #: Derivative of the closure by pressure, mm per MPa.
+    shear: Array  #: Tangential displacement of layers per traction, mm per MPa.
+    change: Array  #: Derivative of `shear` by pressure.
 
 
 class HolderTerms(NamedTuple):
-    """The holder's springs and where it is held, as in `Holder`; NaN stands for what is not held."""
+    """The holder's springs and where it is held, as in `Holder`; NaN for `held_mm`, `height_mm`, `rigid_x_mm` if not
+    held so.
+    """
 
     pivot_mm: float
     normal_load_N: float
-    load_N: float  #: At height 0.
+    load_N: float  #: Load at the holder's height 0.
     normal_N_per_mm: float
     tangential_mm_per_N: float
     rotational_rad_per_N_mm: float
     series_mm_per_N: float  #: Compliance of contact and rig, which scales the row of a holder that floats.
-    held_mm: float  #: Place in its free play.
-    height_mm: float  #: Prescribed.
-    rigid_x_mm: float  #: Of a rigid rig.
+    held_mm: float  #: Position in its free play at which the holder is held.
+    height_mm: float  #: Prescribed height.
+    rigid_x_mm: float  #: Constant of the equation that a rigid rig sets for the holder's position and tilt.
 
 
 def nodes_of(system: Linearisation) -> Nodes:
-    """The nodes of a linearisation."""
+    """The nodes of a linearisation, and the holder's position before the increment."""
     pairing, layers = system.pairing, system.layers
     return Nodes(
         frames=pairing.frames,
@@ -129,7 +140,7 @@ def nodes_of(system: Linearisation) -> Nodes:
 
 
 def linear_laws(system: Linearisation, pressure: Array) -> LinearLaws:
-    """Friction and layers of a linearisation about pressures (k,)."""
+    """Friction and layers of a linearised system at pressures (k,) in MPa."""
     tangent = system.friction.tangent(pressure)
     if system.layers is None:
         none = np.zeros_like(pressure)
@@ -140,7 +151,10 @@ def linear_laws(system: Linearisation, pressure: Array) -> LinearLaws:
 
 
 def holder_terms(system: Linearisation, series_mm_per_N: float, held_mm: float | None) -> HolderTerms:
-    """The holder of a linearisation, held in its free play or floating."""
+    """The holder's terms, held at `held_mm` in its free play or, with None, floating.
+
+    series_mm_per_N: compliance of contact and rig, which scales the equation of a holder that floats.
+    """
     holder, height = system.holder, system.prescribed_height
     rigid = holder.tangential_compliance_mm_per_N == 0.0 and holder.play_mm == 0.0
     return HolderTerms(
