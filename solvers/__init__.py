@@ -1,6 +1,7 @@
 """Elasticity, frictional contact with finite sliding, wear and cycle jumps.
 
-What it offers is loaded when it is first asked for: a diagnosis needs laws and states, and solves nothing.
+A module of this package is imported when one of its names is first used: a diagnosis needs laws and states, but no
+solver.
 """
 
 from typing import TYPE_CHECKING

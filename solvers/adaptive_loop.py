@@ -1,9 +1,10 @@
-"""Closed loops with as many increments as straight lines between them need to follow the force.
+"""Closed loops with increments just short enough for straight lines between them to follow the tangential force.
 
-A stroke starts with short steps, for the force turns most just after a reversal. From there on the slopes of two
-neighbouring chords show how far the force departs from them: steps grow and shrink with that, and one that proves too
-long is taken again. The way back of a symmetric contact is the mirror image of the way out; any other takes the same
-steps, refined where its own force asks for it.
+A stroke starts with short steps, since the force changes its slope most just after a reversal. From there on the slopes
+of two neighbouring chords (straight lines between the ends of steps) show how far the force departs from them: steps
+grow and shrink with that, and one that proves too long is taken again. The way back of a symmetric contact is the
+mirror image of the way out; any other takes the same steps, refined where its own force requires it. Places are
+distances in mm from the start of a stroke.
 """
 
 from collections.abc import Sequence
@@ -48,16 +49,18 @@ def closed_adaptive_cycle(
     tolerance: float = LOOP_TOLERANCE,
     moved: CycleTrace | None = None,
 ) -> tuple[ContactState, CycleTrace]:
-    """A closed loop with the wear frozen, as `closed_cycle` gives it, but with increments where the force bends.
+    """A closed loop without wear, as from `closed_cycle`, but with increments short where the force bends.
 
-    The load stays as it is.  increments: of a cosine than whose steps none is longer.  tolerance: allowed distance of
-    the force from the straight lines between increments, over the friction force or, in partial slip, over the largest
-    force or the half height of a rectangular loop of as much friction work, whichever is least; nearly without
-    friction, over a share of the load.  moved: a cycle, or half of one, with the wear frozen that ends where the loop
-    is to start; else half a cycle is moved first.
+    increments: no step is longer than those of a cosine with so many increments per cycle.
+    settling_increments: those of the half cycle that precedes the loop; default: `increments`.
+    tolerance: allowed distance of the force from straight lines between increments, over the friction force; in partial
+    slip over the largest force or the half height of a rectangular loop of the same work, whichever is less; with
+    hardly any friction over a share of the load.
+    moved: a cycle or half of one, without wear, that ends where the loop starts; without it half a cycle is moved
+    first.
 
-    Bodies of which a part has stuck ever since they were pressed together take as many increments as given: their force
-    bends evenly, see `forced_path`.
+    Returns the state at the loop's end and the loop. The normal load does not change. With a core (a part that has
+    stuck ever since the bodies were pressed together) the number of increments is `increments`, see `forced_path`.
     """
     trace = moved or settled(problem, state, drive, settling_increments or increments, watch, guide)[1]
     state = trace.states[-1]
@@ -70,8 +73,8 @@ def closed_adaptive_cycle(
     largest, way = float(np.abs(trace.tangential_force).max()), np.abs(np.diff(trace.drive, prepend=trace.start.drive))
     # Of a rectangular loop that is its half height.
     opening = max(trace.friction_work / float(way.sum()), _LEAST_OPENING * largest)
-    # Of the normal load: loops of less force than this are followed no better than loops of so much, be it for want of
-    # friction or in free play. What is left of the force is how pressures tilt on the elements, which has no end.
+    # Of the normal load: loops of less force than this are followed no better than loops of so much, whether they lack
+    # friction or move in free play. The remaining force is how pressures tilt on the elements, which no step resolves.
     height, least = min(friction, largest, opening), 3e-3 * float(trace.normal_force.max())
     walk = _Walk(
         problem,
@@ -100,8 +103,8 @@ def closed_adaptive_cycle(
 def _closed_by_mirror(
     problem: ContactProblem, drive: Drive, increments: int, watch: Watch | None, moved: CycleTrace, mirror: Mirror
 ) -> tuple[ContactState, CycleTrace]:
-    """A closed loop of bodies of which a part sticks for good, after a cycle or a part of one; its way back is the
-    mirror image of its way out.
+    """A closed loop of bodies with a core, after `moved`, a cycle or a part of one; its way back mirrors its
+    way out.
     """
     for _ in range(_MOST_REPEATS):
         start = moved.states[-1]
@@ -121,7 +124,7 @@ def _closed_by_mirror(
 
 
 def _show(steps: "Sequence[_Step]", watch: Watch | None) -> None:
-    """Report all increments of steps."""
+    """Report all increments of the steps to `watch`."""
     if watch is not None:
         for step in steps:
             for report in step.reports:
@@ -129,14 +132,14 @@ def _show(steps: "Sequence[_Step]", watch: Watch | None) -> None:
 
 
 def _closes(trace: CycleTrace) -> bool:
-    """Whether a loop ends with the force with which it starts."""
+    """True if a loop ends with the force with which it starts, within `_CLOSURE`."""
     change = abs(_force(trace.states[-1]) - _force(trace.start))
     return change <= _CLOSURE * float(np.abs(trace.tangential_force).max())
 
 
 @dataclass(frozen=True)
 class _Step:
-    """An increment from one place along a stroke to another, both in mm from the stroke's start."""
+    """An increment from one place along a stroke to another, in mm from the stroke's start."""
 
     before: ContactState
     after: ContactState
@@ -155,7 +158,9 @@ class _Step:
 
 @dataclass(frozen=True)
 class _Walk:
-    """How strokes are walked: allowed error of straight lines in N, increments of a cosine with the longest steps."""
+    """How strokes are divided into steps: drive amplitude in mm, allowed error of chords in N, and the cosine's
+    `increments`.
+    """
 
     problem: ContactProblem
     amplitude: float
@@ -167,14 +172,16 @@ class _Walk:
         return _SMALLEST_STEP * 2.0 * self.amplitude
 
     def _longest_at(self, place: float) -> float:
-        """The cosine's step from there: near the ends of a scar the force bends one way and back, which chords miss."""
+        """Longest step in mm from a place: the cosine's. Near a scar's end the force bends to and fro, which chords
+        would miss.
+        """
         turned = acos(max(1.0 - place / self.amplitude, -1.0)) + 2.0 * pi / self.increments
         return self.amplitude * (1.0 - cos(min(turned, pi))) - place
 
     def stroke(self, state: ContactState, proposed: Array | None) -> list[_Step]:
-        """The increments of a stroke from the end where the state is to the other.
+        """The steps of a stroke from the end where the state is to the other end.
 
-        proposed: (m,) places along the stroke to step to, refined where that is too far.
+        proposed: (m,) places in mm to step to, refined where the force requires it.
         """
         whole, start = 2.0 * self.amplitude, state
         sign = 1.0 if start.drive > 0.0 else -1.0
@@ -219,7 +226,7 @@ class _Walk:
 
 
 def _mirrored(out: Sequence[_Step], mirror: Mirror) -> list[_Step]:
-    """The way back of a symmetric contact, from the end of the way out."""
+    """The steps of the way back of a symmetric contact, from those of the way out."""
     start, turned, home = out[0].before, out[-1].after, list[_Step]()
     for step in out:
         primary, secondary = (
@@ -237,26 +244,29 @@ def _mirrored(out: Sequence[_Step], mirror: Mirror) -> list[_Step]:
 
 
 def _change(error: float, allowed: float) -> float:
-    """By how much the step after one of this error is to be longer or shorter; errors grow with its square."""
+    """Factor on the length of the next step, after one with this error; errors grow with the square of the length."""
     wanted = _SAFETY * sqrt(allowed / max(error, 1e-12 * allowed))
     return min(max(wanted, _LARGEST_CUT), _LARGEST_GROWTH)
 
 
 def _target(place: float, size: float, stop: float) -> float:
-    """Where a step of about that size ends: the next stop is met, without a tiny rest before it."""
+    """Place where a step of about `size` from `place` ends: the next stop is met, without a tiny step before it."""
     ahead = stop - place
     return stop if size >= 0.8 * ahead else place + min(size, 0.5 * ahead)
 
 
 def _bend(behind: _Step, ahead: _Step) -> float:
-    """Distance of the force from the chord of either step over its length squared, N/mm²: twice that of a parabola, for
-    the bend may be sharp.
+    """Largest distance of the force from the chord of either step over its length squared, N/mm².
+
+    Twice that of a parabola, since the bend may be sharp.
     """
     return abs(ahead.slope - behind.slope) / (2.0 * (behind.length + ahead.length))
 
 
 def _trend(bends: Sequence[float], bend: float) -> float:
-    """By how much the force will bend more than now, if that goes on as it did."""
+    """Factor by which the force is expected to bend more in the next step than in this one, from 1 to
+    `_LARGEST_TREND`.
+    """
     return float(np.clip(bend / bends[-1], 1.0, _LARGEST_TREND)) if bends and bends[-1] > 0.0 else 1.0
 
 

@@ -1,16 +1,15 @@
-"""What an increment poses to a contact algorithm, and what the algorithm gives back.
+"""The interface between an increment and the algorithm that solves its contact conditions.
 
-An algorithm is one object, `ContactProblem.algorithm`. Given is the affine system of one pairing of k nodes, sought
-are tractions and the holder's place at which every node is open, sticks or slips as it should, and the forces balance.
-`solvers.newton` has the one in use.
+An algorithm is one object, `ContactProblem.algorithm`. It is given the linear system of one pairing of k nodes, and
+finds the tractions and the holder's position at which every node is open, sticks or slips as it should, and the forces
+balance. `solvers.newton` is the one in use.
 
-A jump over cycles solves conditions of the same kind, but another problem, and keeps a method of its own
-(`solvers.wear_step.active_set`). An increment seeks three tractions a node on one pairing: which nodes stick and where
-the others slide is unknown, couples all three, and takes a semismooth Newton method. A jump knows from the traced
-cycle where nodes slide and how far: what is left are normal pressures, of all positions of the cycle at once because
-each wears the surface that the others meet. That is close to a convex quadratic programme of thousands of unknowns,
-whose matrix is one block a position and what wear couples: an active set finds it in a few solutions, where three
-tractions a node would make each block 27 times the work, for directions that are known.
+A jump over cycles solves conditions of the same kind by a method of its own (`solvers.wear_step.active_set`). An
+increment seeks three tractions per node on one pairing: which nodes stick and where the others slide is unknown, which
+couples all three and needs a semismooth Newton method. A jump knows from the traced cycle where nodes slide and how
+far: unknown are normal pressures only, but at all positions of the cycle at once, because each wears the surface that
+the others meet. This is close to a convex quadratic programme of thousands of unknowns with one block per position,
+which an active set solves in a few steps; with three tractions per node each block would take 27 times the work.
 """
 
 from dataclasses import dataclass
@@ -25,19 +24,23 @@ from solvers.elasticity.pairing import Pairing
 from solvers.laws.friction_law import Friction
 from solvers.laws.layers import LayersAtNodes
 
-#: What an algorithm says of bodies that no longer touch.
+#: The message of an outcome in which the bodies no longer touch.
 LOST_CONTACT = "all nodes opened: the bodies have lost contact"
 
 
 @dataclass(frozen=True)
 class Linearisation:
-    """Affine map from tractions and holder position to gaps and slips for one pairing of k nodes."""
+    """Affine map from tractions and holder position to gaps and slips of the k nodes of one pairing; mm, N, MPa.
+
+    paired_holder_x: the holder's position for which the pairing was made. old_...: before the increment. drive_step:
+    motion of the lower body. pressed_height: the holder's height at which it had the normal load.
+    """
 
     pairing: Pairing
     before: Pairing  #: Pairing of the nodes that were loaded before the increment, as the bodies stood then.
     #: Mean displacement of the upper against the lower body at the nodes by tractions on them.
     compliance: PairedCompliance
-    old_displacement: Array  #: (k, 3), the same for the tractions before the increment.
+    old_displacement: Array  #: (k, 3) displacement by the tractions before the increment.
     friction: Friction
     paired_holder_x: float
     old_holder_x: float
@@ -49,22 +52,25 @@ class Linearisation:
     holder: Holder
     pressed_height: float
     prescribed_height: float | None
-    old_place_in_play: float = 0.0  #: Where it stood between the stops of its free play.
-    layers: LayersAtNodes | None = None  #: What gives way between the surfaces.  Lengths in mm, forces in N.
+    old_place_in_play: float = 0.0  #: The holder's position between the stops of its free play, before.
+    layers: LayersAtNodes | None = None  #: Layers between the surfaces.
 
 
 class ContactGuess(NamedTuple):
-    """Where an algorithm may start."""
+    """Tractions, status of nodes and holder position from which an algorithm may start."""
 
     traction: Array  #: (k, 3) in world axes, MPa.
     active: BoolArray  #: (k,) nodes in contact.
-    height: float  #: Of the holder, mm, as the next.
+    height: float  #: Height of the holder, mm; the next is its position along x.
     holder_x: float
 
 
 @dataclass(frozen=True)
 class ContactOutcome:
-    """Tractions (k, 3) in world axes, holder position, quality, and a sentence."""
+    """The solution of an increment: tractions (k, 3) in MPa in world axes, holder position, residuals, and a sentence.
+
+    For the residuals, from `sticking` on, see `IncrementReport`.
+    """
 
     converged: bool
     message: str
@@ -74,7 +80,7 @@ class ContactOutcome:
     height: float
     tilt: float
     sliding: BoolArray  #: (k,) nodes that slide under pressure.
-    slip_length: Array  #: (k,), mm, of these.
+    slip_length: Array  #: (k,) lengths by which nodes slide, mm.
     sticking: int
     force_error: float
     penetration: float
@@ -84,7 +90,9 @@ class ContactOutcome:
 
     @classmethod
     def nothing_pressed(cls, count: int, holder_x: float, height: float, tilt: float) -> "ContactOutcome":
-        """The outcome of `count` open nodes without traction, with the holder at a place (mm, mm, rad)."""
+        """The outcome of `count` open nodes without traction, with the holder at a position (mm), height (mm) and tilt
+        (rad).
+        """
         return cls(
             converged=True,
             message="nothing is pressed",
@@ -105,11 +113,12 @@ class ContactOutcome:
 
 
 class ContactAlgorithm(Protocol):
-    """How the conditions of an increment are met."""
+    """A method that solves the contact conditions of an increment."""
 
     def solve_contact(self, system: Linearisation, guess: ContactGuess, /) -> ContactOutcome:
-        """Tractions and holder position of one pairing.
+        """Find tractions and holder position for one pairing.
 
-        Where none is found, the outcome has not converged and its message says why, LOST_CONTACT if nothing touches.
+        If there is no solution, the outcome is not `converged` and its message says why: LOST_CONTACT if nothing
+        touches.
         """
         ...

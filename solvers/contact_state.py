@@ -1,4 +1,4 @@
-"""What a contact simulation remembers between increments, and the rig."""
+"""The state of a contact between increments, reports of increments, and the holder (the rig)."""
 
 from dataclasses import dataclass, field, replace
 
@@ -11,10 +11,10 @@ from solvers.errors import SolverError
 
 @dataclass(frozen=True)
 class WearState:
-    """Worn depth (mm, vertical) and accumulated friction energy per plane area (mJ/mm²) of both patches.
+    """Worn depth (mm, vertical) and accumulated friction energy per plane area (mJ/mm²) on both patches.
 
-    Each array has the shape (n_a, n_t) of its body's patch; `energy_mJ` is the accumulated total, and the
-    volumes are what the wear law has taken from each body.
+    Each array has the shape (n_a, n_t) of its body's patch. `energy_mJ` is the total friction energy; the volumes are
+    those that the wear law has removed from each body.
     """
 
     primary_depth: Array
@@ -24,7 +24,7 @@ class WearState:
     energy_mJ: float = 0.0
     primary_volume_mm3: float = 0.0
     secondary_volume_mm3: float = 0.0
-    #: Depth (n_a, n_t) of the print that forces have left on a body that yields, mm; None of an elastic one. It is no
+    #: Depth (n_a, n_t) of the print that forces have left on a body that yields, mm; None for an elastic one. It is not
     #: wear: depths, energies and volumes above are without it.
     primary_print: Array | None = None
     secondary_print: Array | None = None
@@ -32,18 +32,18 @@ class WearState:
 
     @property
     def depths(self) -> tuple[Array, Array]:
-        """Worn depths of the primary and the secondary."""
+        """Worn depths (n_a, n_t) in mm of the primary and the secondary."""
         return self.primary_depth, self.secondary_depth
 
     @property
     def prints(self) -> tuple[Array | None, Array | None]:
-        """Prints on the primary and the secondary, None on an elastic body."""
+        """Prints (n_a, n_t) in mm on the primary and the secondary, None for an elastic body."""
         return self.primary_print, self.secondary_print
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """Where the holder stood along a stroke from about +amplitude to -amplitude, (m,) each, mm."""
+    """Positions of the holder along a stroke from about +amplitude to -amplitude of the drive, (m,) each, mm."""
 
     drive: Array
     holder_x: Array
@@ -55,7 +55,7 @@ class ContactState:
 
     wear: WearState
     drive: float  #: Displacement of the lower body along x.
-    holder_x: float  #: Position of the upper body's holder, as the next.
+    holder_x: float  #: Position of the upper body's holder along x; the next is along z.
     holder_z: float
     holder_tilt: float  #: Of the holder about its pivot, rad, positive when it moves the contact towards +x.
     holder_rate: float  #: Holder's motion per drive's over the increment: distinguishes sticking (1) from sliding.
@@ -69,44 +69,44 @@ class ContactState:
     secondary_slid: Array
     #: (n,) nodes of the primary under pressure that have stuck ever since the bodies were pressed together.
     core: BoolArray
-    pressed_ahead: float  #: drive less holder_x when they were.
+    pressed_ahead: float  #: drive less holder_x when the bodies were pressed together.
     slip_share: Array  #: (n,) slip of the primary's nodes over the last increment over the drive's signed motion.
     load_share: float = 1.0  #: What presses the holder down, but for its loading spring, over the test's normal load.
     #: (2, 2, 2) displacement gradients of the lower and the upper body's surface by their bulk stress, each in its
     #: body's axes, see `BulkStress.gradient`.
     bulk: Array = field(default_factory=lambda: np.zeros((2, 2, 2)))
-    #: By how much they changed over the last increment.
+    #: Change of `bulk` over the last increment.
     bulk_step: Array = field(default_factory=lambda: np.zeros((2, 2, 2)))
 
 
 @dataclass(frozen=True)
 class IncrementReport:
-    """What one increment did and how well it was solved; all but the drive is nothing where the bodies do not touch."""
+    """Results and residuals of one increment; all but the drive are 0 where the bodies do not touch."""
 
     drive: float  #: At its end, mm.
     tangential_force: float = 0.0  #: On the upper body along x, N.
-    normal_force: float = 0.0  #: On it along z, N.
+    normal_force: float = 0.0  #: On the upper body along z, N.
     friction_work: float = 0.0  #: In mJ.
     iterations: int = 0  #: Newton steps.
     pairings: int = 0  #: Times that the surfaces were paired.
     active: int = 0  #: Nodes in contact.
-    sticking: int = 0  #: Of these.
+    sticking: int = 0  #: Nodes in contact that stick.
     contact_area: float = 0.0  #: In the plane, mm².
     max_pressure: float = 0.0  #: At any node, MPa.
     inner_pressure: float = 0.0  #: The largest away from the contact's rim, MPa, see `solvers.contact.acceptance`.
-    half_width_x: float = 0.0  #: Half extent of the contact, mm, as the next.
+    half_width_x: float = 0.0  #: Half extent of the contact along x, mm; the next is along y.
     half_width_y: float = 0.0
     force_error: float = 0.0  #: |unbalanced force| / normal force.
     penetration: float = 0.0  #: Largest overlap over the largest elastic displacement.
-    complementarity: float = 0.0  #: Largest |gap| of nodes that carry pressure, likewise scaled.
+    complementarity: float = 0.0  #: Largest |gap| of nodes under pressure over the largest elastic displacement.
     slip_direction_error: float = 0.0  #: Largest angle between friction and slip of nodes that slide, rad.
-    #: Largest slip that a penalty formulation allows to sticking nodes, likewise scaled; else 0.
+    #: Largest slip that a penalty formulation allows to sticking nodes over the largest elastic displacement, or 0.
     elastic_slip: float = 0.0
 
 
 @dataclass(frozen=True)
 class FirstGuess:
-    """Where an increment is expected to end; units as in `ContactState`."""
+    """The expected end of an increment; units and shapes as in `ContactState`."""
 
     holder_x: float
     overlap_area: float
@@ -115,17 +115,20 @@ class FirstGuess:
 
 @dataclass(frozen=True)
 class Guide:
-    """What m increments of a cycle ended with."""
+    """Holder positions and tractions at the ends of m increments of a cycle, as first guesses for a similar cycle."""
 
     phase: Array  #: (m,) increasing share of the cycle passed since its +amplitude, in (0, 1].
-    drive: Array  #: (m,), mm, as the next.
+    drive: Array  #: (m,) in mm, as is `holder_x`.
     holder_x: Array
     overlap_area: Array  #: (m,), mm².
     traction: Array  #: (m, n, 3), MPa.
 
     def at(self, phase: float, drive: float) -> FirstGuess | None:
-        """The guess for an increment that ends at a drive, on the stroke to which a phase of the cycle belongs: where
-        the holder stood at that drive, and the contact recorded nearest to it. None on a stroke not recorded.
+        """The guess for an increment that ends at `drive`, on the stroke that a phase (share of the cycle passed)
+        belongs to.
+
+        The holder's position is interpolated at that drive; the contact is the nearest recorded one. None on a stroke
+        that was not recorded.
         """
         falling = self.phase <= 0.5
         own = np.flatnonzero(falling if phase <= 0.5 else ~falling)
@@ -143,9 +146,10 @@ class Guide:
         )
 
     def stroke(self, side: float) -> Stroke:
-        """Where the holder stood from side x amplitude on to the other end, mirrored if side is -1, as in `wear_path`.
+        """The holder's positions along the stroke from `side` times the amplitude, mirrored if `side` is -1, as
+        `wear_path` needs.
 
-        A stroke that was not recorded is taken to be the mirror image of the other one.
+        A stroke that was not recorded is taken as the mirror image of the other one.
         """
         falling = self.phase <= 0.5
         own = falling if side > 0.0 else ~falling
@@ -155,7 +159,7 @@ class Guide:
 
 
 def guide_from(phases: Array, states: list[ContactState]) -> Guide:
-    """The guide that the states at the given phases of a cycle make."""
+    """The guide from the states at the given phases (m,) of a cycle."""
     order = np.argsort(phases, kind="stable")
     return Guide(
         phase=phases[order],
@@ -170,18 +174,19 @@ def guide_from(phases: Array, states: list[ContactState]) -> Guide:
 class Holder:
     """A holder that moves along the motion (x) and the normal (z) and may rotate about a pivot above the contact.
 
-    The load acts through the pivot: when rotation carries the contact aside, it pushes it further, which takes
-    normal_load_N times the pivot's height off the rotational stiffness.
-    Raises SolverError for a load, compliance, stiffness or play that cannot be, as effects may leave it.
+    The load acts through the pivot: when rotation moves the contact aside, the load pushes it further, which reduces
+    the rotational stiffness by normal_load_N times the pivot's height.
+
+    Raises SolverError for a load that is not positive, or a negative compliance, stiffness or play.
     """
 
-    normal_load_N: float  #: When the bodies have just been pressed together.
-    tangential_compliance_mm_per_N: float = 0.0  #: Of the spring to ground on the motion axis; 0 is a rigid rig.
-    #: Of the loading spring; the load falls by this much per mm that the holder descends afterwards; 0 is a dead
-    #: weight.
+    normal_load_N: float  #: Load when the bodies have just been pressed together.
+    tangential_compliance_mm_per_N: float = 0.0  #: Compliance of the spring to ground along x; 0: a rigid rig.
+
+    #: Stiffness of the loading spring: the load falls by it per mm that the holder descends afterwards; 0: dead weight.
     normal_stiffness_N_per_mm: float = 0.0
-    rotational_compliance_rad_per_N_mm: float = 0.0  #: Of the spring that resists rotation about y; 0: upright.
-    pivot_height_mm: float = 0.0  #: Of the pivot above the contact plane.
+    rotational_compliance_rad_per_N_mm: float = 0.0  #: Compliance against rotation about y; 0: it cannot rotate.
+    pivot_height_mm: float = 0.0  #: Height of the pivot above the plane of contact.
     #: If given, the holder is lowered by this much after first touch and held there, whatever force that takes;
     #: normal_load_N is then only the force to be expected, which sets scales.
     approach_mm: float | None = None
@@ -197,39 +202,39 @@ class Holder:
 
     @property
     def compliance_at_contact_mm_per_N(self) -> float:
-        """Motion of the contact point along x per tangential force, translation and rotation together."""
+        """Motion of the contact point along x per tangential force, by translation and rotation together."""
         return self.tangential_compliance_mm_per_N + self.rotational_compliance_rad_per_N_mm * self.pivot_height_mm**2
 
     def place_in_play_mm(self, holder_x_mm: float, tilt_rad: float, tangential_force_N: float) -> float:
-        """Where the holder stands between the stops: what the springs leave of its motion at the contact."""
+        """Position of the holder between the stops of its free play: its translation less that of the spring."""
         spring = self.tangential_compliance_mm_per_N * tangential_force_N
         return holder_x_mm - self.pivot_height_mm * tilt_rad - spring
 
     @property
     def tilt_per_motion_rad_per_mm(self) -> float:
-        """Rotation of the holder per motion of the contact point along x by tangential force."""
+        """Rotation of the holder per motion of the contact point along x, under a tangential force."""
         if self.rotational_compliance_rad_per_N_mm == 0.0 or self.pivot_height_mm == 0.0:
             return 0.0
         return self.rotational_compliance_rad_per_N_mm * self.pivot_height_mm / self.compliance_at_contact_mm_per_N
 
     def under(self, load_share: float) -> "Holder":
-        """The holder under that share of its normal load."""
+        """The holder with its normal load multiplied by `load_share`."""
         return self if load_share == 1.0 else replace(self, normal_load_N=load_share * self.normal_load_N)
 
     def load_N(self, height_mm: float, pressed_height_mm: float) -> float:
-        """Load at the holder's height, given its height when the bodies had just been pressed together."""
+        """Load at a height of the holder, given its height when the bodies had just been pressed together."""
         return self.normal_load_N + self.normal_stiffness_N_per_mm * (height_mm - pressed_height_mm)
 
 
 @dataclass(frozen=True)
 class DriveTiming:
-    """How fast the drive moves along its stroke; one of amplitude 0 is so slow that its speed counts for nothing."""
+    """The drive and its frequency, for sliding speeds; a drive of amplitude 0 stands for a negligible speed."""
 
     drive: Drive = field(default_factory=lambda: Drive(0.0))
     frequency_Hz: float = 1.0
 
     def speed_mm_per_s(self, drive_mm: float, *, falling: bool) -> float:
-        """Its speed where it is displaced by so much, on its way back or out."""
+        """Speed of the drive at the displacement `drive_mm`, on the stroke towards -amplitude (`falling`) or back."""
         amplitude = self.drive.amplitude_mm
         if amplitude == 0.0:
             return 0.0

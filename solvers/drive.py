@@ -1,11 +1,12 @@
-"""How a fretting cycle is driven: displacement, normal load and bulk stress over the share of the cycle that is past.
+"""How a fretting cycle is driven: displacement, normal load and bulk stress over time as shares of the cycle passed.
 
-A quasi-static contact does not feel how fast it is moved: the places of a stroke, and the load at each of them, are all
-that matters to it. Time says which load meets which place, and how fast the bodies slide.
-
-The bar lies along the body's own x axis and is touched at z = 0. Axial stress is even over its section; bending stress
-is linear and torsion of a round bar radial (Timoshenko, Strength of Materials), both named by their value at the
-contact. Stresses have six components in VTK's order (xx, yy, zz, xy, yz, xz), in MPa, tension positive.
+A quasi-static contact does not depend on how fast it is moved, only on the displacements of a stroke and the load at
+each of them. Time determines which load meets which displacement, and how fast the bodies slide. A cycle begins at
++amplitude; the stroke to -amplitude is called falling. A place is a displacement of the drive, in mm or over the
+amplitude as stated. Bulk stress is that of a bar along the body's own x axis, touched at z = 0: axial stress is uniform
+over its section, bending stress linear and torsion of a round bar radial (Timoshenko, Strength of Materials); each is
+given by its value at the contact. Stresses have six components in VTK's order (xx, yy, zz, xy, yz, xz), in MPa, tension
+positive.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,8 +22,8 @@ from geometry import Elastic
 from geometry.arrays import Array
 from solvers.errors import SolverError
 
-_SAME = 1e-9  # Shares that differ by less are the same.
-_LEAST_STEP = 1e-3  # Of the amplitude: places nearer than that to one where the load bends give way to it.
+_SAME = 1e-9  # Shares that differ by less count as equal.
+_LEAST_STEP = 1e-3  # Of the amplitude: places nearer than that to a kink of the load are replaced by it.
 _SAMPLES = 720  # Places of a stroke at which loads are compared.
 _NO_STROKES = (
     "a displacement over time must go from 1 to -1 and back once in a cycle, without turning or resting on its way: it "
@@ -33,29 +34,31 @@ _FINER = 4  # Increments of a cycle whose load changes, over those of one whose 
 
 @dataclass(frozen=True)
 class BulkStress:
-    """Axial, bending and torsion stress at the contact, in MPa: mean + amplitude cos(2π t − phase), with t the share of
-    the cycle passed since the drive's rest at +amplitude.
+    """Axial, bending and torsion stress in MPa at the contact: mean + amplitude cos(2π t − phase), with t the share of
+    the cycle passed since the drive was at +amplitude.
     """
 
     material: Elastic
     mean: tuple[float, float, float] = (0.0, 0.0, 0.0)
     amplitude: tuple[float, float, float] = (0.0, 0.0, 0.0)
     phase_rad: float = 0.0
-    plane_strain: bool = False  #: The body is a section of one that does not stretch across.
+    plane_strain: bool = False  #: True for a planar body, which does not stretch along y.
 
     @property
     def none(self) -> bool:
-        """Whether there is no such stress."""
+        """True if all stresses are 0."""
         return not any((*self.mean, *self.amplitude))
 
     def nominal(self, times: Array) -> Array:
-        """Axial, bending and torsion stress at the contact (m, 3) at shares (m,) of the cycle."""
+        """Axial, bending and torsion stress (m, 3) in MPa at the contact, at shares (m,) of the cycle."""
         swing = np.cos(2.0 * np.pi * np.asarray(times) - self.phase_rad)
         return np.asarray(np.array(self.mean) + swing[..., None] * np.array(self.amplitude))
 
     def gradient(self, nominal: Array) -> Array:
-        """Displacement gradient (m, 2, 2) of the surface at the contact, along x and y, under stresses (m, 3) as
-        `nominal` gives them; the line along y does not turn by torsion.
+        """Displacement gradient (m, 2, 2) of the surface at the contact, d u_i / d x_j for x and y, under stresses (m,
+        3) in MPa.
+
+        Torsion shears along y only: a line along y does not turn.
         """
         nu, modulus = self.material.poissons_ratio, self.material.youngs_modulus_MPa
         strain = (nominal[..., 0] + nominal[..., 1]) / modulus
@@ -67,9 +70,11 @@ class BulkStress:
 
 
 def section_stress(nominal: Array, points_mm: Array, axis_depth_mm: float, across: float = 0.0) -> Array:
-    """Stresses (m, n, 6) of a bar at points (n, 3) by axial, bending and torsion stress (m, 3) at its contact.
+    """Stresses (m, n, 6) in MPa of a bar at points (n, 3), from axial, bending and torsion stress (m, 3) at its
+    contact.
 
-    across: share of the stress along x that there is along y, Poisson's ratio in plane strain.
+    axis_depth_mm: depth of the bar's axis below the contact.  across: stress along y over that along x, Poisson's ratio
+    in plane strain.
     """
     y, share = points_mm[:, 1] / axis_depth_mm, 1.0 + points_mm[:, 2] / axis_depth_mm
     axial, bending, torsion = (nominal[..., k, None] for k in range(3))
@@ -85,8 +90,9 @@ Points = tuple[tuple[float, float], ...]
 
 
 def _curve(points: Sequence[tuple[float, float]], what: str) -> tuple[Array, Array]:
-    """Times and values of a closed cycle's points.
-    Raises SolverError, in one sentence, unless times grow from 0 to 1 and the last value is the first.
+    """Times and values of the points of a closed cycle; `what` names it in messages.
+
+    Raises SolverError, in one sentence, unless times grow from 0 to 1 and the last value equals the first.
     """
     times, values = np.array(points, dtype=float).T
     if times[0] != 0.0 or times[-1] != 1.0 or not (np.diff(times) > 0.0).all() or abs(values[-1] - values[0]) > _SAME:
@@ -95,18 +101,19 @@ def _curve(points: Sequence[tuple[float, float]], what: str) -> tuple[Array, Arr
 
 
 def _along(points: Points, times: Array) -> Array:
-    """Values (m,) on the lines between a cycle's points at times (m,), of any cycle."""
+    """Values (m,) on straight lines between a cycle's points at times (m,), in any cycle."""
     known, values = np.array(points).T
     return np.asarray(np.interp(times % 1.0, known, values))
 
 
 @dataclass(frozen=True)
 class Waveform:
-    """Displacement over its amplitude in the course of a cycle: a cosine, or straight lines between points.
+    """Displacement over its amplitude during a cycle: a cosine, or straight lines between points.
 
-    points: (share of the cycle passed, displacement over amplitude), none for a cosine.
-    Raises SolverError unless the displacement goes from 1 to -1 and back once, and rests at these ends only: bodies are
-    pressed together in the middle of their stroke.
+    points: (share of the cycle passed, displacement over amplitude); empty for a cosine.
+
+    Raises SolverError unless the displacement goes from 1 to -1 and back once, and rests at these ends only; bodies are
+    pressed together in the middle of the stroke.
     """
 
     points: Points = ()
@@ -119,7 +126,7 @@ class Waveform:
 
     @cached_property
     def _strokes(self) -> "tuple[_Stroke, _Stroke]":
-        """That from 1 to -1 and that back."""
+        """The stroke from 1 to -1, and the stroke back."""
         times, places = _curve(self.points, "a displacement over time")
         times, places = times[:-1], places[:-1]
         top, count = places >= 1.0 - _SAME, len(places)
@@ -135,7 +142,7 @@ class Waveform:
         return falls, _Stroke(times[leaves : back + 1], places[leaves : back + 1], float(times[-1]))
 
     def times(self, places: Array, phases: Array) -> Array:
-        """Share of the cycle (m,) when it passes places (m,), at which a cosine has these phases (m,)."""
+        """Shares of the cycle (m,) at which it passes places (m,), at which a cosine would have the phases (m,)."""
         if not self.points:
             return phases
         falls, rises = self._strokes
@@ -148,7 +155,7 @@ class Waveform:
         return _along(self.points, times) if self.points else np.cos(2.0 * np.pi * times)
 
     def speed(self, place: float, *, falling: bool) -> float:
-        """How fast it goes there, amplitudes per cycle; at rest at the ends of a cosine alone."""
+        """Speed at a place, in amplitudes per cycle; 0 at the ends of a cosine."""
         if not self.points:
             return 2.0 * pi * sqrt(max(1.0 - place**2, 0.0))
         own = self._strokes[0 if falling else 1]
@@ -156,7 +163,9 @@ class Waveform:
         return float(abs(np.diff(own.places)[segment] / np.diff(own.times)[segment]))
 
     def stroke(self, *, falling: bool) -> tuple[float, float, float]:
-        """When a stroke begins, when it reaches its other end, and when the next one begins."""
+        """Shares of the cycle at which a stroke begins, at which it reaches its other end, and at which the next one
+        begins.
+        """
         if not self.points:
             return (0.0, 0.5, 0.5) if falling else (0.5, 1.0, 1.0)
         own = self._strokes[0 if falling else 1]
@@ -164,7 +173,9 @@ class Waveform:
 
 
 class _Stroke(NamedTuple):
-    """Times (m,) and places (m,) of a displacement from one end to the other, and when it leaves that."""
+    """Times (m,) and places (m,) of a displacement from one end to the other, and the time at which it leaves
+    that end.
+    """
 
     times: Array
     places: Array
@@ -172,13 +183,14 @@ class _Stroke(NamedTuple):
 
 
 def triangular() -> Waveform:
-    """Straight from end to end, from 1 on."""
+    """The waveform at constant speed from end to end, beginning at 1."""
     return Waveform(((0.0, 1.0), (0.5, -1.0), (1.0, 1.0)))
 
 
 def trapezoidal(dwell: float) -> Waveform:
-    """Straight from end to end, with a rest of that share of the cycle at either, the first of which is half over.
-    Raises SolverError if no time is left to move.
+    """The waveform at constant speed from end to end, with a rest of `dwell` of the cycle at either end.
+
+    It begins in the middle of the rest at 1. Raises SolverError unless `dwell` is between 0 and 0.5.
     """
     if not 0.0 < dwell < 0.5:
         raise SolverError(f"a drive rests at each end for a share of the cycle between 0 and 0.5, not for {dwell:g}")
@@ -188,9 +200,12 @@ def trapezoidal(dwell: float) -> Waveform:
 
 @dataclass(frozen=True)
 class LoadCycle:
-    """Normal load over that of the test in the course of a cycle: 1 + amplitude cos(2 pi ratio t - lag), or straight
-    lines between points (share of the cycle passed, share of the load). Nothing presses where that is below 0.
-    Raises SolverError for a ratio below 1, points that are none of a cycle, or a load that presses at no time.
+    """Normal load over the test's load during a cycle: 1 + amplitude cos(2 pi ratio t - lag), or straight lines between
+    points.
+
+    points: (share of the cycle passed, share of the load). Negative values count as 0.
+
+    Raises SolverError for a ratio below 1, points that do not form a cycle, or a load that is never positive.
     """
 
     amplitude: float = 0.0
@@ -206,17 +221,17 @@ class LoadCycle:
 
     @property
     def steady(self) -> bool:
-        """Whether the load stays as it is."""
+        """True if the load is constant."""
         return self.amplitude == 0.0 and not self.points
 
     def shares(self, times: Array) -> Array:
-        """The load (m,) at shares of the cycle (m,), never below 0."""
+        """Load over the test's load (m,), never below 0, at shares of the cycle (m,)."""
         if self.points:
             return np.maximum(_along(self.points, times), 0.0)
         return np.maximum(1.0 + self.amplitude * np.cos(2.0 * np.pi * self.ratio * times - self.lag_rad), 0.0)
 
     def bends(self, start: float, end: float) -> Array:
-        """Shares of the cycle between two such at which straight lines of the load meet, or it comes to nothing."""
+        """Shares of the cycle between `start` and `end` at which the load has a kink or becomes 0, increasing."""
         if self.points:
             (times, loads), within = np.array(self.points).T, list[float]()
             for (t0, p0), (t1, p1) in pairwise(zip(times, loads, strict=True)):
@@ -237,12 +252,12 @@ class LoadCycle:
 
 @dataclass(frozen=True)
 class Path:
-    """Where m increments of a cycle end, (m,) each."""
+    """Displacement, load and bulk strain at the ends of m increments of a cycle, (m,) each."""
 
     drive: Array  #: In mm.
     phase: Array  #: Share of its cycle that a cosine from +amplitude has passed there, in (0, 1].
     time: Array  #: Share of the cycle passed by the drive's own waveform.
-    load: Array  #: Over the test's.
+    load: Array  #: Normal load over the test's.
     #: (m, 2, 2, 2) displacement gradients of the lower and the upper body's surface by their bulk stress, see
     #: `BulkStress.gradient`.
     bulk: Array
@@ -255,7 +270,7 @@ class Path:
 
     @property
     def from_middle(self) -> "Path":
-        """What of a stroke comes after mid-stroke."""
+        """The part of a stroke after its middle."""
         middle = int(np.flatnonzero(self.drive == 0.0)[0])
         return Path(*(values[middle + 1 :] for values in self._arrays))
 
@@ -266,8 +281,9 @@ class Path:
 
 @dataclass(frozen=True)
 class Drive:
-    """A cycle's displacement, of an amplitude and a waveform, its normal load, and the bulk stresses of the lower and
-    the upper body, if they carry any.
+    """A cycle's displacement, of an amplitude and a waveform, its normal load, and bulk stresses.
+
+    bulk: those of the lower and the upper body, or empty.
     """
 
     amplitude_mm: float
@@ -277,39 +293,41 @@ class Drive:
 
     @property
     def steady(self) -> bool:
-        """Whether load and bulk stresses stay as they are."""
+        """True if load and bulk stresses are constant."""
         return self.load.steady and not any(any(own.amplitude) for own in self.bulk)
 
     def followed_by(self, increments: int) -> int:
-        """Increments of a cycle that follow what loads and bulk stresses do, of so many where these stay as they are:
-        they make a contact slide and stick at any place of a stroke, and a yielding rig even against the drive.
+        """Number of increments per cycle, from that which suffices under constant load and bulk stress.
+
+        Changing ones need more, since they make the contact slide and stick anywhere in a stroke, on a soft rig even
+        against the drive.
         """
         return increments if self.steady else _FINER * increments
 
     @property
     def shears(self) -> bool:
-        """Whether a bulk stress shears a surface, which no mirror does that acts within a position."""
+        """True if a bulk stress shears a surface, which breaks the mirror symmetry within a position."""
         return any(own.mean[2] or own.amplitude[2] for own in self.bulk)
 
     @property
     def mean_bulk(self) -> Array:
-        """Displacement gradients (2, 2, 2) of both bodies by their mean bulk stress, as in `Path`."""
+        """Displacement gradients (2, 2, 2) of the lower and the upper body's surface by their mean bulk stress."""
         found = np.zeros((2, 2, 2))
         for body, own in enumerate(self.bulk):
             found[body] = own.gradient(np.array(own.mean))
         return found
 
     def bulk_at(self, times: Array) -> Array:
-        """Those (m, 2, 2, 2) at shares (m,) of the cycle."""
+        """Displacement gradients (m, 2, 2, 2) of the lower and the upper body's surface at shares (m,) of the cycle."""
         found = np.zeros((len(times), 2, 2, 2))
         for body, own in enumerate(self.bulk):
             found[:, body] = own.gradient(own.nominal(times))
         return found
 
     def stroke(self, side: float, places: Array) -> Path:
-        """The path from side x amplitude through places (m,) in mm to the other end.
+        """The path from `side` times the amplitude through places (m,) in mm to the other end.
 
-        It stops wherever the load bends as well, and goes on at its end while the load changes there.
+        It also stops at every kink of the load, and goes on at the end while the drive rests and the load changes.
         """
         falling = side > 0.0
         start, reached, leaves = self.waveform.stroke(falling=falling)
@@ -331,11 +349,17 @@ class Drive:
         return Path(drive, phase, time, load, self.bulk_at(time))
 
     def end(self, side: float) -> Path:
-        """The path from mid-stroke to side x amplitude in one increment, and what the load does there."""
+        """The path from mid-stroke to `side` times the amplitude in one increment, and the load's changes while the
+        drive rests.
+        """
         return self.stroke(-side, np.array([0.0, side * self.amplitude_mm])).from_middle
 
     def _waits(self, reached: float, leaves: float, per_time: float) -> Array:
-        """Times at which increments end while the drive rests from one time to another and load or bulk change."""
+        """Times at which increments end while the drive rests and load or bulk stress changes; empty if nothing
+        changes.
+
+        per_time: number of increments in a whole cycle.
+        """
         count = ceil(per_time * (leaves - reached) - _SAME * per_time)
         times = np.union1d(np.linspace(reached, leaves, count + 1)[1:], self.load.bends(reached, leaves))
         rest = np.append(times, reached)
@@ -344,8 +368,9 @@ class Drive:
 
     @cached_property
     def symmetric(self) -> bool:
-        """Whether both strokes, with what load and bulk stresses do, are mirror images of each other: what stretches a
-        surface at one end of the stroke shortens it at the other, and its mirror image does not.
+        """True if both strokes, load included, are mirror images of each other and bulk stresses are constant.
+
+        A bulk stress that varies stretches a surface at one end of the stroke and shortens it at the other.
         """
         there, back = (path.load for path in self._sampled)
         return (
@@ -356,7 +381,7 @@ class Drive:
 
     @property
     def mean_load(self) -> float:
-        """The load over the test's as a mean over the way: what bodies that slide all the way feel of it."""
+        """Normal load over the test's, averaged over the drive's displacement."""
         if self.load.steady:
             return 1.0
         paths = (np.column_stack([path.drive, path.load]) for path in self._sampled)
@@ -365,8 +390,9 @@ class Drive:
 
     @cached_property
     def least_load_per_place(self) -> float:
-        """The least of the load over the test's, over the displacement over its amplitude: a tangential force that goes
-        with the displacement is nearest to sliding there.
+        """Smallest ratio in a cycle of (load over the test's) and (displacement over amplitude).
+
+        A tangential force in proportion to the displacement is nearest to sliding there.
         """
         if self.load.steady:
             return 1.0
@@ -381,6 +407,6 @@ class Drive:
 
 
 def phases(places: Array, *, falling: bool) -> Array:
-    """Share of its cycle that a cosine has passed at places (m,) of a stroke, each over the amplitude."""
+    """Shares of its cycle that a cosine has passed at places (m,) over the amplitude, on the falling stroke or back."""
     angle = np.array([acos(max(-1.0, min(1.0, place))) for place in places]) / (2.0 * np.pi)
     return angle if falling else 1.0 - angle

@@ -4,12 +4,12 @@ from geometry.errors import WirewearError
 
 
 class SolverError(WirewearError):
-    """A computation cannot be done or did not converge."""
+    """A computation cannot be done as asked, or did not converge."""
 
 
 class PatchLeftError(SolverError):
-    """The contact has left a body's finely meshed patch."""
+    """The contact has reached the edge of a body's finely meshed patch."""
 
 
 class NotConvergedError(SolverError):
-    """An increment did not converge, however short it was made."""
+    """An increment did not converge, even when cut as short as allowed."""

@@ -1,8 +1,8 @@
-"""Fretting cycles: the drive's path, simulated cycles along it, and what their loops show of the holder.
+"""Fretting cycles: simulated cycles along the drive's path, and the holder's elements measured from their loops.
 
-Cycles start and end at either end of the stroke; increments are those of a cosine, short near the
-reversals, where the contact changes from slip to stick and back. Cycles by which surfaces wear have theirs where the
-surfaces meet, see `solvers.wear_path`.
+Cycles start and end at either end of the stroke. Their increments are those of a cosine, short near the reversals,
+where the contact changes from slip to stick and back; cycles by which surfaces wear have theirs where
+`solvers.wear_path` puts them. A cycle is traced or settled without wear (frozen wear).
 """
 
 from collections.abc import Callable, Sequence
@@ -33,28 +33,29 @@ _LEAST_SHARE_OF_LOAD = 1e-6
 
 @dataclass(frozen=True)
 class CycleTrace:
-    """A simulated cycle, or part of one, of n increments; arrays (n,) hold the ends of increments."""
+    """A simulated cycle, or part of one, of n increments; arrays (n,) hold values at the ends of increments."""
 
     phase: Array  #: Share of its cycle that a cosine from +amplitude has passed at that place, in (0, 1].
     time: Array  #: Share of the cycle passed, by the drive's waveform.
-    drive: Array  #: In mm, as the next; forces in N.
+    drive: Array  #: Displacement in mm; holder_x likewise, forces in N.
     holder_x: Array
     tangential_force: Array
     normal_force: Array
-    work: Array  #: Of the increment, for one cycle, in mJ.
+    work: Array  #: Friction work of the increment, for one cycle, in mJ.
     reports: tuple[IncrementReport, ...]
     guide: Guide  #: First guesses for a similar cycle.
     #: Distance that each node of the primary and the secondary patch slid under pressure, mm.
     slid: tuple[Array, Array]
-    start: ContactState  #: The state before.
-    middle: ContactState  #: That when the drive passes zero moving towards +x.
+    start: ContactState  #: The state before the first increment.
+    middle: ContactState  #: The state when the drive passes zero moving towards +x.
     states: tuple[ContactState, ...]  #: n, at the same ends.
-    worn: WornPlaces | None = None  #: Where surfaces wear by it; None where at all of them.
+    worn: WornPlaces | None = None  #: The increments at whose ends surfaces wear; None: all.
 
     @property
     def slips(self) -> Array:
-        """By how much (n,) the bodies slide over each increment, mm: a mean over the load, 0 where they are apart, and
-        positive where the drive's side goes ahead.
+        """Slip (n,) in mm of the bodies over each increment, averaged with the load as weight.
+
+        0 where they do not touch, positive where the driven body moves towards +x relative to the other.
         """
         every = (self.start, *self.states)
         forces, moved = np.array([of.primary_force for of in every]), np.diff([of.drive - of.holder_x for of in every])
@@ -68,14 +69,14 @@ class CycleTrace:
 
     @property
     def friction_work(self) -> float:
-        """Friction work of the cycle, mJ."""
+        """Friction work of the cycle in mJ."""
         return float(self.work.sum())
 
 
 def bulk_work(problem: ContactProblem, trace: CycleTrace) -> float:
-    """Work in mJ that what stretches the bodies does on their contact over a cycle, by the trapezoidal rule.
+    """Work in mJ that bulk strain does on the contact over a cycle, by the trapezoidal rule.
 
-    A loop's area is friction work and this one: it is negative where bulk strain makes the surfaces slide.
+    A loop's area is friction work plus this work, which is negative where bulk strain makes the surfaces slide.
     """
     every, total = np.arange(problem.primary.patch.size), 0.0
     for old, new in pairwise((trace.start, *trace.states)):
@@ -88,14 +89,14 @@ def bulk_work(problem: ContactProblem, trace: CycleTrace) -> float:
 def first_quarter(
     problem: ContactProblem, state: ContactState, drive: Drive, increments: int, watch: Watch | None = None
 ) -> ContactState:
-    """Move from mid-stroke to +amplitude without wear."""
+    """Move from mid-stroke to +amplitude without wear; returns the state there."""
     return traced_quarter(problem, state, drive, increments, watch)[0]
 
 
 def traced_quarter(
     problem: ContactProblem, state: ContactState, drive: Drive, increments: int, watch: Watch | None = None
 ) -> tuple[ContactState, CycleTrace]:
-    """The state after that move, and the move."""
+    """Move from mid-stroke to +amplitude without wear; returns the state there and the trace of the move."""
     path = _cosine_stroke(drive, -1.0, increments).from_middle
     return _follow(problem, state, path, 0.0, watch, None)
 
@@ -109,9 +110,9 @@ def run_cycle(
     watch: Watch | None = None,
     guide: Guide | None = None,
 ) -> tuple[ContactState, CycleTrace]:
-    """Simulate one cycle, from the end of the stroke where the state is, that wears as `cycles` cycles (0: frozen).
+    """Simulate one cycle, from the end of the stroke where the state is; its wear counts `cycles` times (0: no wear).
 
-    guide: of a cycle with the same stroke and little wear since.
+    guide: from a cycle with the same stroke and little wear since. Returns the state at the end and the trace.
     """
     there, back = (_cosine_stroke(drive, side * _side(state), increments) for side in (1.0, -1.0))
     return _follow(problem, state, there + back, cycles, watch, guide)
@@ -127,9 +128,10 @@ def traced_cycle(
     watch: Watch | None = None,
     guide: Guide | None = None,
 ) -> tuple[ContactState, CycleTrace]:
-    """A cycle with the wear frozen, or its first half, from the end of the stroke where the state is.
+    """Simulate a cycle without wear, or its first half, whose increments are those by which surfaces wear.
 
-    Its increments are those by which surfaces wear: spread evenly over the slip of the guide, see `solvers.wear_path`.
+    They are spread evenly over the slip that the guide shows, see `solvers.wear_path`. Returns the state at the end and
+    the trace.
     """
     path = traced_path(drive, _side(state), state.holder_x, increments, guide, half=half)
     return _follow(problem, state, path, 0.0, watch, guide)
@@ -146,13 +148,13 @@ def closed_cycle(
     *,
     moved: CycleTrace | None = None,
 ) -> tuple[ContactState, CycleTrace]:
-    """A closed loop with the wear frozen; it starts and ends at the other end of the stroke.
+    """Simulate a closed loop without wear; returns the state at its end and its trace.
 
-    A cycle jump leaves tractions that belong to a slightly different surface; half a cycle of sliding, in steps of
-    1/settling_increments of a cycle (default: 1/increments), removes their memory. Where the contact sticks almost
-    throughout, cycles are repeated until the loop closes.
+    After a cycle jump the tractions belong to a slightly different surface; half a cycle of sliding, in
+    settling_increments / 2 steps (default: increments / 2), removes their memory, so the loop starts at the other end
+    of the stroke. Where the contact hardly slides, cycles are repeated until the loop closes.
 
-    moved: a cycle, or half of one, that ends where the loop is to start; else half a cycle is moved first.
+    moved: a cycle, or half of one, that ends where the loop is to start; without it half a cycle is moved first.
     """
     if moved is None:
         moved = settled(problem, state, drive, settling_increments or increments, watch, guide)[1]
@@ -172,7 +174,7 @@ def closed_cycle(
 
 
 def last_stroke(trace: CycleTrace) -> tuple[Array, Array]:
-    """Drive in mm and force in N along the last stroke of a trace, its start included."""
+    """Drive in mm and tangential force in N, (m,) each, along the last stroke of a trace, its start included."""
     every = (trace.start, *trace.states)
     drives = np.array([state.drive for state in every])
     first = len(every) - 1 - int(np.argmax(np.abs(drives - drives[-1])[::-1]))
@@ -187,9 +189,10 @@ def settled(
     watch: Watch | None = None,
     guide: Guide | None = None,
 ) -> tuple[ContactState, CycleTrace]:
-    """Half a cycle of frozen wear to the other end of the stroke, which removes the memory of other tractions.
+    """Move half a cycle without wear to the other end of the stroke, which removes the memory of earlier tractions.
 
-    Where the contact sticks in its middle all the way, it cannot: the contact is then moved again from mid-stroke.
+    Where a part of the contact sticks all the way, it would remain: the contact is then pressed and moved again from
+    mid-stroke. Returns the state and the trace.
     """
     half = _cosine_stroke(drive, _side(state), increments)
     end, trace = _follow(problem, state, half, 0.0, watch, guide)
@@ -199,7 +202,7 @@ def settled(
 
 
 def sticks_throughout(start: ContactState, end: ContactState) -> bool:
-    """Whether a part of the contact has stuck all the way from one end of the stroke to the other."""
+    """True if a node has stuck from `start` to `end`, from one end of the stroke to the other."""
     loaded = (start.traction[:, 2] > 0.0) & (end.traction[:, 2] > 0.0)
     return bool((loaded & (start.primary_slid == end.primary_slid)).any())
 
@@ -209,9 +212,9 @@ def restarted(
 ) -> ContactState:
     """The worn bodies pressed together at mid-stroke and moved to the end of the stroke where the state is.
 
-    What has stuck ever since has not moved, whatever wore around it; tractions carried over from surfaces before a jump
-    would let it move by what they have lost. Slopes of what has worn beside it must not turn its normals while the
-    bodies are pressed either: radial tractions would be left at its edge, which slips the sooner.
+    The core, which has stuck ever since, has not moved, however much has worn around it; tractions carried over from
+    the surfaces before a jump would let it move by what they have lost. Slopes of the worn surface beside it must not
+    turn its normals during pressing either: radial tractions would be left at its edge, which would slip sooner.
     """
     blank = replace(unloaded_state(problem), wear=state.wear, core=state.core, bulk=drive.mean_bulk)
     pressed, _ = press(problem, blank)
@@ -272,9 +275,9 @@ def _follow(
 
 @dataclass(frozen=True)
 class HolderElements:
-    """The elements in series between the contact and the ground; rigid ones have an infinite stiffness.
+    """The elements in series between the contact and the ground; infinite stiffness for rigid ones.
 
-    contact_stiffness_N_per_mm: of spring and rotation together as the contact feels them; play apart.
+    contact_stiffness_N_per_mm: of spring and rotation together, at the contact, without the free play.
     """
 
     tangential_stiffness_N_per_mm: float
@@ -284,9 +287,11 @@ class HolderElements:
 
 
 def measured_holder(problem: ContactProblem, states: Sequence[ContactState]) -> HolderElements:
-    """Least squares of each element's motion over the force or moment that it carries, from the states of a loop.
+    """Fit the holder's elements to the states of a loop by least squares of each element's motion.
 
-    The translation is fitted by C Q + (g/2) sign(Q), the tilt by the moment about the pivot over K_theta.
+    The translation is fitted by C Q + (g/2) sign(Q) with the tangential force Q, compliance C and free play g; the tilt
+    by the moment about the pivot over the rotational stiffness.
+
     Raises SolverError if the states carry no tangential force in both directions.
     """
     holder = problem.holder
@@ -306,7 +311,7 @@ def measured_holder(problem: ContactProblem, states: Sequence[ContactState]) -> 
 
 
 def _moment(problem: ContactProblem, state: ContactState) -> float:
-    """Moment about the holder's pivot of the contact's forces and of the load that leans on them, N mm."""
+    """Moment in N mm about the holder's pivot of the contact's forces and of the load on the tilted holder."""
     force = state.primary_force
     ahead = 0.0 if problem.primary_is_upper else problem.offset(state.drive, state.holder_x)[0]
     lever = problem.primary.node_positions[:, 0] - ahead

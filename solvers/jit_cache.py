@@ -1,8 +1,8 @@
-"""Machine code kept on disk for later processes: found again where it is damaged, done without where there is no place.
+"""Machine code of compiled functions, kept on disk for later processes, and the folder for whatever is kept there.
 
-It stands beside the source where its owner runs the program, and is read there by others too, who could as well have
-been given another source; else in the user's own cache folder, apart for each copy of the program. numba's own cache
-fails for good on a damaged file, and where it finds no place.
+Code lies beside the source where its owner runs the program; others read it there, since they trust the source, too.
+Otherwise it lies in the user's own cache folder, apart for each copy of the program. A damaged file is replaced, and
+without a folder nothing is kept; numba's own cache fails in both cases.
 """
 
 import hashlib
@@ -38,11 +38,11 @@ _CHECK_BYTES = hashlib.sha256().digest_size
 
 
 def compiled(function: F) -> F:
-    """The function compiled by numba when it is first called; the code is kept on disk for later processes.
+    """The function, compiled by numba when it is first called; the code is kept on disk for later processes.
 
-    Kept beside the source, in the user's cache where that cannot be written, or in NUMBA_CACHE_DIR; never used once
-    one of the files has changed from which it was compiled. Sorting, `max` of an array and assigning one to another
-    cost seconds of compiling each (numba compiles its unicode functions for their messages): loops do not.
+    It is kept beside the source, in the user's cache folder if that cannot be written, or in NUMBA_CACHE_DIR, and not
+    used once a file from which it was compiled has changed. In such functions write loops in place of sorting, `max` of
+    an array and assigning arrays to arrays, which cost seconds of compilation each.
     """
     made: Any = njit(error_model="numpy")(function)
     source = Path(inspect.getfile(function))
@@ -52,13 +52,13 @@ def compiled(function: F) -> F:
 
 
 def inlined(function: F) -> F:
-    """A part of compiled functions, which becomes a part of their code: compiled with each of them, never by itself."""
+    """The function as part of compiled functions: its code is compiled into each of them, never by itself."""
     return cast(F, njit(error_model="numpy", inline="always")(function))
 
 
 @cache
 def _stamp(module: str) -> str:
-    """SHA-256 of a module's file and of those in its package from which it takes what is compiled in."""
+    """SHA-256 of a module's file and of those files in its package from which it imports what is compiled in."""
     source = Path(str(sys.modules[module].__file__)).read_bytes()
     hashed = hashlib.sha256(source)
     for origin, names in _IMPORT.findall(source.decode()):
@@ -70,26 +70,26 @@ def _stamp(module: str) -> str:
 
 
 def _is_compiled_in(item: object) -> bool:
-    """Whether a global of this kind becomes part of the functions that use it."""
+    """True if a global object of this kind becomes part of the functions that use it."""
     if isinstance(item, type):
         return issubclass(item, tuple)
     return isinstance(item, (Dispatcher, tuple, bool, int, float, np.generic, np.ndarray))
 
 
 class _CompilingClock(Listener):
-    """Adds up the CPU time within compilations, of which one calls for another."""
+    """Sums the CPU time of compilations; one compilation may call for another."""
 
     def __init__(self) -> None:
         self.spent_s, self._since_s, self._within = 0.0, 0.0, 0
 
     def on_start(self, event: Event) -> None:  # noqa: ARG002
-        """A compilation begins."""
+        """Start the clock, unless a compilation is already running."""
         if not self._within:
             self._since_s = time.process_time()
         self._within += 1
 
     def on_end(self, event: Event) -> None:  # noqa: ARG002
-        """Add the time that a compilation took as it ends."""
+        """Add the time of the compilation if it is the outermost one."""
         self._within -= 1
         if not self._within:
             self.spent_s += time.process_time() - self._since_s
@@ -100,18 +100,21 @@ register("numba:compile", _CLOCK)
 
 
 def working_cpu_s() -> float:
-    """CPU time of this process so far without what it has spent on compiling: later processes load what is compiled."""
+    """CPU time of this process so far, without compiling, which later processes need not repeat."""
     return time.process_time() - _CLOCK.spent_s
 
 
 def chosen_cache() -> Path:
-    """The folder for what is kept: WIREWEAR_CACHE, else one in the user's cache folder; RuntimeError without a home."""
+    """The folder for kept files: WIREWEAR_CACHE, or one in the user's cache folder; RuntimeError without a home
+    folder.
+    """
     chosen = os.environ.get("WIREWEAR_CACHE")
     return Path(chosen) if chosen else _users_cache() / "wirewear"
 
 
 def private_folder(chosen: Path) -> Path:
-    """The folder, made if need be; one of the user's own in it, where it is another's or others can write to it.
+    """The folder `chosen`, created if missing; a subfolder of the user's own if others own it or can write to it.
+
     Raises OSError if neither can be written to.
     """
     chosen.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -125,7 +128,9 @@ def private_folder(chosen: Path) -> Path:
 
 
 def is_own(folder: Path, owner: int | None = None) -> bool:
-    """Whether a folder belongs to this user, or to `owner`, and nobody else can write to it; OSError without one."""
+    """True if a folder belongs to this user or to `owner`, and nobody else can write to it; OSError if there is no
+    folder.
+    """
     status = folder.lstat()
     belongs = status.st_uid in (os.geteuid(), owner)
     return stat.S_ISDIR(status.st_mode) and belongs and not status.st_mode & 0o022
@@ -138,19 +143,21 @@ def _users_cache() -> Path:
 
 
 class KeptCode(NullCache):
-    """What numba asks for a function's machine code, and gives it to once compiled."""
+    """numba's interface to the machine code of one function on disk."""
 
     def __init__(self, source: Path, function: str, stamp: str) -> None:
-        """Code of a function of that name in that file; `stamp` changes with whatever is compiled in."""
+        """source: the function's file.  function: its qualified name.  stamp: hash of everything that is
+        compiled in.
+        """
         self._source, self._function, self._stamp = source, function, stamp
 
     @property
     def cache_path(self) -> str:
-        """The folder where code would be kept, if there is one."""
+        """The folder where code would be kept, or an empty string."""
         return str(next((folder for folder, writable in self._folders() if writable), ""))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The code for these types; None where none is kept that is whole and of these sources."""
+        """The code for these argument types; None if none is kept that is undamaged and of these sources."""
         # All else that numba loads for a compilation, it loads when one is due.
         rtsys.initialize(target_context)
         name = self._name(sig, target_context.codegen())
@@ -164,7 +171,7 @@ class KeptCode(NullCache):
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep code in the first folder that takes it, if one does, and if it holds no addresses of this process."""
+        """Keep code in the first folder that can be written to, unless it holds addresses of this process."""
         if data.library.has_dynamic_globals or any(not one.can_cache for one in data.lifted):
             return
         code = dumps(data._reduce())  # noqa: SLF001
@@ -182,7 +189,7 @@ class KeptCode(NullCache):
         return hashlib.sha256(self._stamp.encode() + code).digest()
 
     def _folders(self) -> Iterator[tuple[Path, bool]]:
-        """Folders whose code can be trusted, and whether this user may write there."""
+        """Folders whose code can be trusted, each with True if this user may write to it."""
         stated = os.environ.get("NUMBA_CACHE_DIR")
         if not stated:
             with suppress(OSError):
@@ -202,7 +209,7 @@ def _private(stated: str | None) -> Path | None:
 
 
 def _written(path: Path, kept: bytes) -> bool:
-    """Whether the file could be written, in one step: processes that compile the same at once do not meet."""
+    """Write a file in one step, so that processes that compile the same do not disturb each other; True on success."""
     partial = path.with_suffix(f".{os.getpid()}.partial")
     try:
         partial.write_bytes(kept)

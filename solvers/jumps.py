@@ -1,8 +1,9 @@
 """Cycle jumps: how many cycles one step of wear stands for.
 
-A step knows by how much the pressures of its two stages differ; its error is of second order in that, which sets the
-next step. So does the friction work that it predicts at its end, where a cycle traced there has another.
-Milestones, the cycles to be logged, are hit exactly.
+A step has two stages; the difference of their pressures is its change, a relative measure, and its error is of second
+order in it. The change thus sets the size of the next step. So does the error of the friction work that the step
+predicts at its end, against a cycle traced there. Milestones, the cycles to be recorded, are met exactly. Sizes are
+numbers of cycles; done is the number of cycles before the step.
 """
 
 from collections.abc import Callable
@@ -15,35 +16,37 @@ State = TypeVar("State")
 
 _SAFETY = 0.9
 _MOST_REJECTIONS = 12
-# Of a step that did not converge, what is tried next.
+# Share of the size of a step that did not converge that is tried next.
 _CUT_BACK = 0.35
 _GROWTH_AFTER_FAILURE = 1.5
 
 
 @dataclass(frozen=True)
 class JumpController:
-    """Chooses the size of cycle jumps."""
+    """Chooses the size of cycle jumps from their errors."""
 
     tolerance: float  #: Allowed change of the pressures within a step, squared; the pressures' error is of that order.
     first_jump: float = 9.0  #: Cycles of the first step.
-    largest_growth: float = 3.0  #: Of one step over the one before.
-    largest_share: float = 1.0  #: Of a step over the cycles already done.
+    largest_growth: float = 3.0  #: Largest ratio of the sizes of a step and the one before.
+    largest_share: float = 1.0  #: Largest size of a step over the cycles already done.
     #: A step is never cut below this share of the cycles already done, so that a noisy estimate cannot stall the run.
     least_share: float = 0.02
 
     def accepted(self, change: float, jump: float, done: float) -> bool:
-        """Whether a step over which the pressures changed by so much may stand."""
+        """True if a step of size `jump` with this change of pressures is accurate enough, or too short to be cut."""
         # A step that was taken is kept unless its error is beyond the tolerance by this factor.
         return change**2 <= 2.0 * self.tolerance or jump <= max(1.0, self.least_share * done)
 
     def following(self, change: float, jump: float, done: float) -> float:
-        """The step to try after one of this size and change of the pressures, which ended after `done` cycles."""
+        """Size of the next step after one of size `jump` with this change of pressures; `done` cycles at its end."""
         wanted = _SAFETY * self.tolerance**0.5 / max(change, 1e-300)
         grown = float(jump * min(max(wanted, 0.2), self.largest_growth))
         return min(grown, max(self.largest_share * done, self.first_jump))
 
     def limited(self, jump: float, done: float, milestones: tuple[float, ...], end: float) -> float:
-        """The step adapted to meet the next milestone, stretched by at most a quarter, without leaving a tiny rest."""
+        """The size adapted to meet the next milestone or the end, stretched by at most a quarter, without a tiny step
+        before it.
+        """
         ahead = min((m for m in (*milestones, end) if m > done + 1e-9 * max(done, 1.0)), default=end) - done
         if jump >= 0.8 * ahead:
             return ahead
@@ -51,11 +54,12 @@ class JumpController:
 
 
 def change_by_work(predicted_mJ: float, traced_mJ: float, cycles: float, energy_mJ: float) -> float:
-    """The change of the pressures, as `JumpController` takes it, that the error of a step's friction work amounts to.
+    """The change of pressures that is equivalent to the error of a step's friction work, for `JumpController`.
 
-    predicted_mJ, traced_mJ: friction work of a cycle after a step of so many cycles, as the step has it and as a cycle
-    traced on the worn surfaces has it.  energy_mJ: friction energy of the whole run so far.
-    The difference grows along the step, so the energy misses half of it for every cycle: that is of second order.
+    predicted_mJ, traced_mJ: friction work of the cycle after a step of `cycles` cycles, by the step and by a cycle
+    traced on the worn surfaces.  energy_mJ: friction energy of the whole run so far.
+
+    The difference grows linearly along the step, so the step's energy misses half of it per cycle.
     """
     missed = 0.5 * cycles * abs(traced_mJ - predicted_mJ)
     # The share of all friction energy that a step may miss, over the tolerance.
@@ -64,7 +68,7 @@ def change_by_work(predicted_mJ: float, traced_mJ: float, cycles: float, energy_
 
 @dataclass(frozen=True)
 class JumpStep(Generic[State]):
-    """An accepted step: the state after it, its size, the change of its pressures, the size to try next."""
+    """An accepted step: the state after it, its size, its change of pressures, and the size to try next."""
 
     state: State
     jump: float
@@ -81,11 +85,10 @@ def take_step(
     end: float,
     attempt: Callable[[State, float, float], tuple[State, float]],
 ) -> JumpStep[State]:
-    """One accepted step from `state` after `done` cycles.
+    """Take one accepted step from `state` after `done` cycles.
 
-    attempt(state, done, n): the state n cycles after `done`, and the change of the pressures.
-
-    A step that does not converge is cut. SolverError when steps are rejected without end.
+    attempt(state, done, size): tries a step, returns the state after it and the change of pressures. A step that does
+    not converge is cut. SolverError after too many rejections, NotConvergedError if a single cycle does not converge.
     """
     wanted, growth = jump, controller.largest_growth
     for _ in range(_MOST_REJECTIONS):

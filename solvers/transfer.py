@@ -1,16 +1,16 @@
-"""Surfaces carried over to another patch grid, with worn depth and energies kept, or flattened before any wear.
+"""Worn surfaces transferred to another patch grid, with worn volume and energy conserved, or flattened before any wear.
 
 The bilinear field of depth or energy is projected in L2 onto the new grid's bilinear fields. Both grids are
 rectilinear, so the projection is that along one axis followed by that along the other, and all integrals of products of
-hat functions are exact. The projection conserves the integral (the worn volume, the energy) and is second-order
-accurate, but may undershoot next to kinks, where depth must not become negative. There the difference between it and
-the projection with lumped mass, which is a mean of the old field and never negative, is limited as in flux-corrected
-transport (Zalesak, J. Comput. Phys. 31 (1979) 335; for projections: Farrell et al., Comput. Methods Appl. Mech. Eng.
-198 (2009) 2632): what one node does not give, its neighbour does not receive, so the integral stays. A projection that
-is nowhere negative is left as it is; that onto the same grid returns the field itself.
+hat functions are exact. The projection conserves the integral and is second-order accurate, but may undershoot next to
+kinks, where depth must not become negative. There its difference from the projection with lumped mass, which is a mean
+of the old field and never negative, is limited as in flux-corrected transport (Zalesak, J. Comput. Phys. 31 (1979) 335;
+for projections: Farrell et al., Comput. Methods Appl. Mech. Eng. 198 (2009) 2632): what one node does not give, its
+neighbour does not receive, so the integral stays. A projection that is nowhere negative is not changed; that onto the
+same grid returns the field itself.
 
-A body is flattened wherever the other one presses on it during the stroke. The rest of the shapes then conform
-within the overlap, as after plastic contact without pile-up (Johnson, Contact Mechanics (1985), ch. 6).
+A body is flattened wherever the other one presses on it during the stroke. The remaining shapes then conform within the
+overlap, as after plastic contact without pile-up (Johnson, Contact Mechanics (1985), ch. 6).
 """
 
 from dataclasses import replace
@@ -29,11 +29,11 @@ from solvers.errors import SolverError
 def remeshed(
     problem: ContactProblem, state: ContactState, onto: ContactProblem
 ) -> tuple[ContactState, IncrementReport]:
-    """The state on the patches of another problem's bodies, pressed together without friction where the drive is.
+    """The state transferred to the bodies of the problem `onto`, pressed together without friction at the same drive.
 
-    The worn volume is conserved (see `transfer`), the height to which the loading spring refers is kept. What friction
-    had built up is lost: half a cycle of sliding with the wear frozen builds it up again.
-    Raises SolverError if a worn place lies beside its new patch, or the contact was not found.
+    Worn volume and the height to which the loading spring refers are kept; tangential tractions are lost, and half a
+    cycle without wear restores them. Returns the state and the report of pressing. Raises SolverError if a worn place
+    lies outside its new patch, or no contact was found.
     """
     old, new = ((of.primary.patch, of.secondary.patch) for of in (problem, onto))
     blank = unloaded_state(onto)
@@ -45,9 +45,9 @@ def remeshed(
 def transferred_wear(
     wear: WearState, old: tuple[ContactPatch, ContactPatch], new: tuple[ContactPatch, ContactPatch]
 ) -> WearState:
-    """Worn depth and energy on the patches of new meshes; patches are given as (primary, secondary).
+    """Worn depths, energies and prints on new patches; `old` and `new` are the patches of (primary, secondary).
 
-    SolverError when a worn place lies beside its new patch.
+    SolverError when a worn place lies outside its new patch.
     """
     (old_primary, old_secondary), (new_primary, new_secondary) = old, new
     return replace(
@@ -69,9 +69,10 @@ def _transferred_print(depth: Array | None, old: ContactPatch, new: ContactPatch
 
 
 def transferred(field: Array, old: ContactPatch, new: ContactPatch) -> Array:
-    """A non-negative field (n_a, n_t) at the old patch's nodes, shape of the new patch; its integral is conserved.
+    """A non-negative field at the old patch's nodes (n_a, n_t), transferred to the new patch's; its integral is
+    conserved.
 
-    The field is zero beside the old patch. SolverError when it is not zero beside the new patch.
+    The field is zero outside the old patch. SolverError when it is not zero outside the new patch.
     """
     along = _transferred_along(field, old.axial_mm, new.axial_mm)
     moved = _transferred_along(along.T, old.transverse_mm, new.transverse_mm).T
@@ -87,7 +88,7 @@ def transferred(field: Array, old: ContactPatch, new: ContactPatch) -> Array:
 
 
 def _transferred_along(field: Array, old: Array, new: Array) -> Array:
-    """Transfer along the first axis: (len(old), m) to (len(new), m); across a planar body there is but one line."""
+    """Transfer a field along its first axis, from (len(old), m) to (len(new), m); a planar body has one line across."""
     if len(old) == len(new) == 1:
         return field
     moments = hat_products(new, old) @ field
@@ -110,7 +111,7 @@ def _transferred_along(field: Array, old: Array, new: Array) -> Array:
 
 
 def spread_once(field: Array, patch: ContactPatch) -> Array:
-    """A field (n_a, n_t) as means over its nodes' supports; its integral stays."""
+    """A field (n_a, n_t) averaged over its nodes' supports; its integral stays."""
     for lines in (patch.axial_mm, patch.transverse_mm):
         if len(lines) > 1:
             products = hat_products(lines, lines)
@@ -120,7 +121,7 @@ def spread_once(field: Array, patch: ContactPatch) -> Array:
 
 
 def hat_products(first: Array, second: Array) -> Array:
-    """Integrals of the products of two grids' hat functions on the interval both cover, shape (n_first, n_second)."""
+    """Integrals of products of two grids' hat functions over their common interval, (n_first, n_second)."""
     low, high = max(first[0], second[0]), min(first[-1], second[-1])
     lines = np.unique(np.concatenate([first, second]).clip(low, high))
     # Between neighbouring lines the product is a quadratic, for which two Gauss points are exact.
@@ -132,7 +133,7 @@ def hat_products(first: Array, second: Array) -> Array:
 
 
 def hats(lines: Array, points: Array) -> Array:
-    """Hat functions of a grid's lines at points inside it, shape (len(points), len(lines))."""
+    """Hat functions of a grid's lines at points inside it, (len(points), len(lines))."""
     cell = np.clip(np.searchsorted(lines, points, side="right") - 1, 0, len(lines) - 2)
     along = (points - lines[cell]) / (lines[cell + 1] - lines[cell])
     values = np.zeros((len(points), len(lines)))
@@ -144,9 +145,9 @@ def hats(lines: Array, points: Array) -> Array:
 def flattened(
     problem: ContactProblem, state: ContactState, approach_mm: float, slip_amplitude_mm: float
 ) -> ContactState:
-    """The state of unloaded bodies with both surfaces flattened by a common approach, at all places of the stroke.
+    """The state of unloaded bodies with both surfaces flattened by a common approach, over the whole stroke.
 
-    The depths count as worn, and their volumes as taken by wear, so that volumes close.
+    Depths and volumes of the flats count as worn, so that volumes add up.
     """
     if approach_mm == 0.0:
         return state
@@ -163,7 +164,7 @@ def flattened(
 
 
 def _depth(surface: PrimarySurface, problem: ContactProblem, approach: float, amplitude: float) -> Array:
-    """Half the largest overlap (n_a, n_t) at each node of that body over the stroke."""
+    """Half of the largest overlap (n_a, n_t) in mm at each node of the body of `surface` over the stroke."""
     is_primary = surface.body is problem.primary
     other = problem.secondary if is_primary else problem.primary
     unworn = np.zeros(surface.body.patch.shape), np.zeros(other.patch.shape)

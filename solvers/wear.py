@@ -1,13 +1,12 @@
-"""Local wear on both surfaces, by the law of `solvers.laws.wear_law` and each body's coefficient.
+"""Local wear on both surfaces, by the law of `solvers.laws.wear_law`, each body's coefficient, its layers and oxygen.
 
-The primary's nodes take their share of the wear work directly; the secondary's by the transposed transfer operator, so
+The primary's nodes take their share of the wear work directly, the secondary's by the transposed transfer operator, so
 worn volume equals coefficient times work to round-off on both bodies.
 
-Oxygen in the contact: it diffuses in from the edges and friction uses it up; where none is left, wear is another.
-
-Consumption per area in proportion to the friction power density q, whatever oxygen is left (zero order), and diffusion
-in the gap give D h c'' = κ q in a wide contact, with c = 1 at its edge: c = (1 − s/d)² at the distance s from the edge,
-and none beyond d = √(2 D h/(κ q)). So q d² is a constant of the pair of materials, its supply. Contact oxygenation:
+Oxygen diffuses into the contact from its edge and friction consumes it; where none is left, wear is different. With a
+consumption per area in proportion to the friction power density q at any concentration (zero order), diffusion in the
+gap gives D h c'' = κ q in a wide contact, with c = 1 at its edge: c = (1 − s/d)² at the distance s from the edge, and 0
+beyond d = √(2 D h/(κ q)). So q d² is a constant of the pair of materials, called its supply. Contact oxygenation:
 Baydoun, Arnaud and Fouvry, Wear 458-459 (2020) 203397, and Arnaud, Baydoun and Fouvry, Tribol. Int. 161 (2021) 107077.
 """
 
@@ -31,21 +30,23 @@ if TYPE_CHECKING:
     from solvers.elasticity.placement import PlacedBody
 
 
-_FADING = 0.3  #: That part, of the whole way.
+_FADING = 0.3  #: Last share of the distance d over which the wear coefficient changes.
 
 
-# Wear work over which a rate is taken: beside what is done, and of it.
+# Wear work over which a further rate is taken: a constant, and a share of the work done.
 _LITTLE_mJ_per_mm2, _LITTLE = 1e-3, 1e-6
 
 
 @dataclass(frozen=True)
 class OxygenSupply:
-    """How far oxygen gets, and what its lack does: little is left of it over the last part of the way, where the wear
-    coefficient passes linearly from one value to the other.
+    """The distance that oxygen reaches, and the wear coefficient without it.
 
-    supply_W: friction power density (W/mm²) times the square of the distance (mm²) that oxygen gets from the edge.
+    Over the last 30 % of the distance the wear coefficient changes linearly from its value with oxygen to that without.
+
+    supply_W: friction power density (W/mm²) times the square of the distance (mm²) that oxygen reaches from the edge.
     starved_factor: wear coefficient without oxygen over that with it.
-    Raises SolverError for a number that cannot be.
+
+    Raises SolverError if the supply is not positive or the factor negative.
     """
 
     supply_W: float
@@ -56,11 +57,11 @@ class OxygenSupply:
             raise SolverError("oxygen needs a positive supply, and a factor that is not negative")
 
     def reach_mm(self, power_density_W_per_mm2: float) -> float:
-        """Distance from the contact's edge that oxygen gets at a friction power density."""
+        """Distance from the contact's edge that oxygen reaches at a friction power density."""
         return float(np.sqrt(self.supply_W / max(power_density_W_per_mm2, 1e-300)))
 
     def factors(self, distance_mm: Array, power_density_W_per_mm2: float) -> Array:
-        """Factors on wear at distances from the contact's edge."""
+        """Factors on wear at distances from the contact's edge, of the distances' shape."""
         reach = self.reach_mm(power_density_W_per_mm2)
         breathes = np.clip((1.0 - distance_mm / reach) / _FADING, 0.0, 1.0)
         return np.asarray(self.starved_factor + (1.0 - self.starved_factor) * breathes)
@@ -70,8 +71,11 @@ Rate = float | Array  #: A wear coefficient, one for all nodes of a patch or one
 
 
 class Recession(NamedTuple):
-    """How the primary and the secondary recede by wear work: per work in all, exact however much it is; per further
-    work; and the depth (n_a, n_t) in mm by which they are beyond the latter times the work, if they are.
+    """Wear rates of the primary and the secondary, as depth per wear work.
+
+    secant: depth over all of the work done in a step, exact for layers and thresholds.  tangent: depth per further
+    work. beyond: depth (n_a, n_t) in mm by which secant times work exceeds tangent times work; None where both rates
+    are equal.
     """
 
     secant: tuple[Rate, Rate]
@@ -88,20 +92,20 @@ class WearRates:
     upper_mm3_per_mJ: float = 0.0
     lower_mm3_per_mJ: float = 0.0
     law: WearLaw = field(default_factory=EnergyLaw)
-    #: Where it lacks, coefficients are smaller; single increments do not know of it.
+    #: Reduces coefficients far from the contact's edge, in cycle jumps only.
     oxygen: OxygenSupply | None = None
-    upper_layers: tuple[SurfaceLayer, ...] = ()  #: The outermost first, as the next.
+    upper_layers: tuple[SurfaceLayer, ...] = ()  #: Coatings, the outermost first; likewise of the lower body.
     lower_layers: tuple[SurfaceLayer, ...] = ()
 
     def factor(self, cycle: WornCycle) -> float | Array:
-        """Factor on the wear work of a cycle, one for all places or one for each, (N,)."""
+        """Factor on the wear work of a cycle by law and oxygen, one for all places or (N,)."""
         factor = self.law.factor(cycle)
         if self.oxygen is None:
             return factor
         return factor * self.oxygen.factors(cycle.edge_distance_mm, cycle.power_density_W_per_mm2)
 
     def scaled(self, factor: float) -> WearRates:
-        """This law with both coefficients multiplied by a factor."""
+        """This wear law with both coefficients multiplied by `factor`."""
         return replace(
             self, upper_mm3_per_mJ=factor * self.upper_mm3_per_mJ, lower_mm3_per_mJ=factor * self.lower_mm3_per_mJ
         )
@@ -111,7 +115,9 @@ class WearRates:
         return self.upper_mm3_per_mJ == 0.0 and self.lower_mm3_per_mJ == 0.0
 
     def recession(self, wear: WearState, work: tuple[Array, Array], primary_is_upper: bool) -> Recession:
-        """How the primary and the secondary recede from a state of wear over wear work per area, each (n_a, n_t)."""
+        """Wear rates of the primary and the secondary from a state of wear, for wear work (n_a, n_t) in mJ/mm²
+        on each.
+        """
         pair = (self.upper_mm3_per_mJ, self.lower_mm3_per_mJ)
         both, layers = pair if primary_is_upper else pair[::-1], (self.upper_layers, self.lower_layers)
         if not (self.law.remembers or any(layers)):
@@ -131,33 +137,34 @@ class WearRates:
         return Recession((secants[0], secants[1]), (tangents[0], tangents[1]), (offsets[0], offsets[1]))
 
     def friction_factor(self, local: LocalState) -> float | Array:
-        """Factor on friction by the layers that lie on the surfaces at k nodes, one for all or (k,)."""
+        """Factor on friction at k nodes from the coatings at the surfaces, one for all or (k,)."""
         return friction_factor(self.upper_layers, self.lower_layers, local)
 
 
 @dataclass(frozen=True)
 class Sliding:
-    """What sliding at k paired nodes did: friction energy and wear work per plane area, mJ/mm², and length, mm."""
+    """Results of sliding at k paired nodes: friction energy and wear work per plane area in mJ/mm², and slip length in
+    mm.
+    """
 
     pairing: Pairing
     energy: Array
     wear_work: Array
     length: Array
-    #: The pressure's work on what moves along the normals, mJ/mm²; positive where it presses the bodies apart.
+    #: Work of the pressure on motion along the normals, mJ/mm²; positive where it presses the bodies apart.
     lifting: Array
 
     @property
     def friction_work(self) -> float:
-        """What all nodes took from the drive, mJ: their friction energy, less what lifting gave back."""
+        """Work in mJ taken from the drive by all nodes: their friction energy less the lifting work."""
         return float(self.pairing.areas @ (self.energy - self.lifting))
 
 
 def deposited(
     wear: WearState, parts: Sequence[Sliding], cycles: float, rates: WearRates, bodies: tuple[PlacedBody, PlacedBody]
 ) -> WearState:
-    """The wear state after sliding in one or more pairings, repeated `cycles` times.
-
-    bodies: the primary and the secondary.
+    """The wear state after sliding in one or more pairings, repeated `cycles` times; bodies: the primary and the
+    secondary.
     """
     for part in parts if cycles > 0.0 else ():
         wear = _after(wear, part, cycles, rates, bodies)
@@ -191,8 +198,10 @@ def after_work(
     totals_mJ: tuple[float, float],
     bodies: tuple[PlacedBody, PlacedBody],
 ) -> WearState:
-    """The wear state after friction energy and wear work per area, each (n_a, n_t) on the primary and the secondary
-    body, and of both in total.
+    """The wear state after friction energy and wear work per area, (n_a, n_t) in mJ/mm², on the primary and the
+    secondary.
+
+    rates: depth per wear work of each.  totals_mJ: friction energy and wear work of the whole contact.
     """
     volumes = (
         rate * totals_mJ[1] if isinstance(rate, float) else float(body.node_areas @ (rate * done).ravel())

@@ -1,14 +1,13 @@
-"""Where the increments of a cycle end by which surfaces wear.
+"""The ends of the increments of a cycle by which surfaces wear.
 
-Between two places nothing wears, so they must lie closer together than the surfaces' elements. Both strokes share the
-surface: where the places of one are moved a quarter of their distance, those of the other, its mirror image, lie half
-way between them, and together they are twice as dense.
-
-The bodies slide by what the drive moves and the holder does not. Where the holder stands along a stroke is known from
-one before; else it is taken to spring back as far to the other side as it was carried along, and to stand still.
-
-Where load or bulk stress change within the cycle, the contact slides and sticks by them as well, on a rig that yields
-even against the drive. Such cycles are followed in shorter increments, and surfaces wear at the ends of some of them.
+Wear is computed at these ends only, so they must lie closer together than the surfaces' elements. Both strokes wear the
+same surface: if the places of one stroke are shifted by a quarter of their distance, those of the other, its mirror
+image, lie halfway between them, and together they are twice as dense. The slip is the motion of the drive less that of
+the holder. The holder's position along a stroke is taken from an earlier one; without one it is assumed to spring back
+as far to the other side as it had been carried along, and then to stand still. Where load or bulk stress change within
+the cycle, the contact slides and sticks by them as well, on a soft rig even against the drive. Such cycles have shorter
+increments, and surfaces wear at the ends of some of them. Places are displacements of the drive in mm; side is +1 or -1
+for the end of the stroke where a cycle starts.
 """
 
 from dataclasses import dataclass
@@ -30,9 +29,9 @@ _LEAST_SLIP = 1e-4  # Of all slip: increments with less stick.
 
 
 def cosine_places(amplitude_mm: float, increments: int) -> Array:
-    """Places at the ends of the increments of half a cycle from +amplitude to -amplitude, shape (increments,).
+    """Places in mm at the ends of the increments of half a cycle from +amplitude to -amplitude, (increments,).
 
-    Mirrored in the middle, so that both quarters are the same to the last bit.
+    Both quarters are mirror images to the last bit.
     """
     quarter = amplitude_mm * np.cos(0.5 * np.pi * np.arange(1, increments // 2 + 1) / (increments // 2))
     quarter[-1] = 0.0
@@ -42,10 +41,10 @@ def cosine_places(amplitude_mm: float, increments: int) -> Array:
 def traced_path(
     drive: Drive, side: float, holder_x_mm: float, increments: int, guide: Guide | None, *, half: bool
 ) -> Path:
-    """The path of a cycle by which surfaces wear, or of its first half, from side x amplitude on.
+    """The path of a cycle by which surfaces wear, or of its first half, starting at `side` times the amplitude.
 
-    holder_x_mm: where the holder stands there.  increments: of a cycle, at whose ends surfaces wear.  guide: of a
-    similar cycle.
+    holder_x_mm: position of the holder at the start.  increments: of a cycle, at whose ends surfaces wear.  guide: of a
+    similar cycle, for the holder's positions.
     """
     count, strokes = increments // 2, list[Path]()
     worn = None if drive.steady or guide is None else _evenly_slid(drive, increments, guide)
@@ -63,18 +62,19 @@ def traced_path(
 
 @dataclass(frozen=True)
 class WornPlaces:
-    """Those k of a traced cycle's increments at whose ends surfaces wear, for the others as well."""
+    """The k increments of a traced cycle at whose ends surfaces wear; each stands for its neighbours as well."""
 
     increments: IntArray  #: (k,) increasing.
-    load_slip: Array  #: (k,) integral of the load over the slip of which each stands for, N mm.
-    driven: Array  #: (k,) what the drive moves while the bodies slide of which each stands for, mm.
+    load_slip: Array  #: (k,) integral of the load over the slip that each stands for, N mm.
+    driven: Array  #: (k,) motion of the drive during the sliding that each stands for, mm.
 
 
 def spread_over_slip(slip: Array, weight: Array, count: int) -> Array:
-    """Where in m increments surfaces are to wear, each place a number of increments from the start.
+    """Positions in a cycle where surfaces wear, evenly spaced over the slip, and one where each slip in a direction
+    ends.
 
-    About so many, evenly over the slip in either direction as in `wear_path`, and one where it ends.
-    slip: (m,) of each increment, signed, mm.  weight: (m,) by which lengths count.
+    slip: (m,) of each increment, signed, mm.  weight: (m,) factors on these lengths.  count: about how many positions.
+    Returns positions as numbers of increments, with fractions, from the start.
     """
     length, places = np.abs(slip) * weight * slides(slip), list[float]()
     sliding = np.flatnonzero(length)
@@ -88,7 +88,7 @@ def spread_over_slip(slip: Array, weight: Array, count: int) -> Array:
 
 
 def _onsets(slip: Array, durations: Array) -> Array:
-    """Where in a cycle's increments bodies that stuck begin to slide at once, numbers of increments from the start.
+    """Positions in a cycle where sticking bodies suddenly begin to slide, as numbers of increments, with fractions.
 
     slip, durations: (m,) of each increment.
     """
@@ -102,19 +102,20 @@ def _onsets(slip: Array, durations: Array) -> Array:
 
 
 def slides(slip: Array) -> BoolArray:
-    """Which of a cycle's increments (m,) slide by more than next to nothing."""
+    """True (m,) for a cycle's increments that slide by more than `_LEAST_SLIP` of all slip."""
     return np.asarray(np.abs(slip) > _LEAST_SLIP * float(np.abs(slip).sum()))
 
 
 def sliding_increments(increments: int) -> int:
-    """By how many of a cycle's increments surfaces wear."""
+    """Number of a cycle's increments by which surfaces wear."""
     return increments - 2 * _STICK_INCREMENTS
 
 
 def _evenly_slid(drive: Drive, increments: int, guide: Guide) -> dict[float, Array]:
-    """Places of the strokes from either side on, in mm, evenly over the slip of a guide of the whole cycle, and where
-    bodies that stuck begin to slide: an increment that does both takes friction under the load before the slip for
-    that of the slip.
+    """Places in mm on the strokes from either side (+1, -1), evenly spaced over a guide's slip, and where sliding
+    begins.
+
+    The latter are needed, since an increment that first sticks would take its friction for all of its slip.
     """
     time, slip = _slid(drive, guide)
     even = spread_over_slip(slip, drive.mean_load + drive.load.shares(time), sliding_increments(increments))
@@ -122,7 +123,7 @@ def _evenly_slid(drive: Drive, increments: int, guide: Guide) -> dict[float, Arr
 
 
 def _slid(drive: Drive, guide: Guide) -> tuple[Array, Array]:
-    """Times (m,) at which a guide's increments end, and by how much (m,) the bodies move over each of them, mm."""
+    """Times (m,) at which a guide's increments end, and slip (m,) in mm of the bodies over each of them."""
     stroke = _stroke(guide)
     along = drive.amplitude_mm * stroke
     slip = np.diff(along - guide.holder_x, prepend=along[-1] - guide.holder_x[-1])
@@ -130,12 +131,12 @@ def _slid(drive: Drive, guide: Guide) -> tuple[Array, Array]:
 
 
 def _stroke(guide: Guide) -> Array:
-    """The drive of a guide (m,) as a share of its amplitude."""
+    """Displacements (m,) of a guide over its amplitude."""
     return np.asarray(guide.drive / float(np.abs(guide.drive).max()))
 
 
 def _of_strokes(drive: Drive, guide: Guide, found: Array) -> dict[float, Array]:
-    """Places in mm of the strokes from either side on, of numbers of a guide's increments."""
+    """Places in mm on the strokes from either side (+1, -1), from positions as numbers of a guide's increments."""
     along = drive.amplitude_mm * _stroke(guide)
     places = np.interp(found, np.arange(len(along) + 1), np.append(along[-1], along))
     falling = found <= np.count_nonzero(guide.phase <= 0.5)
@@ -143,8 +144,10 @@ def _of_strokes(drive: Drive, guide: Guide, found: Array) -> dict[float, Array]:
 
 
 def loop_path(drive: Drive, side: float, increments: int, guide: Guide | None) -> Path:
-    """The path of a cycle by which a loop is measured, from side x amplitude on: a cosine's places, and where load or
-    bulk stress change those at which bodies that stuck begin to slide by a guide of the whole cycle.
+    """The path of a cycle by which a loop is measured, starting at `side` times the amplitude: the places of a cosine.
+
+    Where load or bulk stress change, also those where sticking bodies begin to slide according to a guide of a whole
+    cycle.
     """
     places = cosine_places(drive.amplitude_mm, increments // 2)
     along = {own: own * places for own in (side, -side)}
@@ -156,10 +159,11 @@ def loop_path(drive: Drive, side: float, increments: int, guide: Guide | None) -
 
 
 def forced_path(drive: Drive, side: float, increments: int, drives_mm: Array, forces_N: Array) -> Path:
-    """The path of a cycle whose contact sticks in its middle, from side x amplitude on: over each increment the force
-    changes by as much, which follows a curve that bends all along it best.
+    """The path of a cycle whose contact has a core, starting at `side` times the amplitude, with equal changes of the
+    force.
 
-    drives_mm, forces_N: (m,) of a similar stroke, its start included.
+    Equal changes follow best a force whose curve bends all along the stroke. drives_mm, forces_N: (m,) along a similar
+    stroke, its start included.
     """
     moved, forced = np.abs(drives_mm - drives_mm[0]), np.abs(forces_N - forces_N[0])
     order = np.maximum.accumulate(forced)
@@ -171,7 +175,9 @@ def forced_path(drive: Drive, side: float, increments: int, drives_mm: Array, fo
 
 
 def _with_places(places: Array, others: Array) -> Array:
-    """Places along a stroke (m,) and others (k,) between them, without those that lie next to one of these."""
+    """Places along a stroke (m,) joined with others (k,); a place of the first that nearly coincides with one of these
+    is left out.
+    """
     # Of the distance of places that follow a cosine: none of them lies nearer to a place where surfaces wear.
     step, direction = 0.3 * np.abs(np.gradient(places)), float(np.sign(places[-1]))
     fixed = (places == 0.0) | (np.arange(len(places)) == len(places) - 1)
@@ -182,9 +188,9 @@ def _with_places(places: Array, others: Array) -> Array:
 
 
 def wear_path(amplitude_mm: float, holder_x_mm: float, increments: int, before: Stroke | None = None) -> Array:
-    """Drive at the ends of the increments of half a cycle from +amplitude to -amplitude, shape (increments,).
+    """Displacements (increments,) in mm at the ends of the increments of half a cycle from +amplitude to -amplitude.
 
-    holder_x_mm: by how much the contact has carried the holder along at +amplitude.  before: a similar stroke.
+    holder_x_mm: position of the holder at +amplitude, to which the contact has carried it.  before: a similar stroke.
     """
     carried = min(max(holder_x_mm, 0.0), amplitude_mm)
     slides = amplitude_mm - carried
@@ -201,7 +207,7 @@ def wear_path(amplitude_mm: float, holder_x_mm: float, increments: int, before: 
 
 
 def _places(amplitude: float, carried: float, count: int, before: Stroke | None) -> tuple[Array, float]:
-    """Places (count,) along the slip, and where the contact still sticks."""
+    """Places (count,) in mm along the slip, and the place where the increment in which the contact sticks ends."""
     shares = (np.arange(count) + _SHIFT) / count
     if before is None:
         places = amplitude - 2.0 * carried - 2.0 * (amplitude - carried) * shares
@@ -216,8 +222,9 @@ def _places(amplitude: float, carried: float, count: int, before: Stroke | None)
 
 
 def _along(amplitude: float, carried: float, before: Stroke) -> tuple[Array, Array]:
-    """A stroke from +amplitude to -amplitude on which the holder moves as on one before, which may be of another
-    amplitude: as far after as much of the way, and no more behind its end.
+    """Drive and holder positions of an earlier stroke fitted to one from +amplitude to -amplitude.
+
+    A stroke of another amplitude is shifted to begin alike; a shorter one is extended with the holder at rest.
     """
     drive, holder = np.append(amplitude, before.drive), np.append(carried, before.holder_x)
     longer = amplitude + float(before.drive[-1])
@@ -231,8 +238,9 @@ def _along(amplitude: float, carried: float, before: Stroke) -> tuple[Array, Arr
 
 
 def _with_knee(drive: Array, holder: Array) -> tuple[Array, Array]:
-    """The stroke with the place at which sliding begins, where the holder that follows the drive meets the line on
-    which it stands while the bodies slide; increments of the stroke may be long.
+    """The stroke with the place added at which sliding begins, since its increments may be long.
+
+    There the line of a holder that follows the drive meets the line of one that stands while the bodies slide.
     """
     ahead = np.append(True, np.diff(drive) < 0.0)
     drive, holder = drive[ahead], holder[ahead]
