@@ -142,9 +142,9 @@ class DelimitedText:
         """Columns of numbers by name, from the column index (from 0) of each name.
 
         as_logged: rows may differ in length, a word such as "No Data" stands for a missing value, and the columns cycle
-        and repeat hold their numbers in words such as "Cycle 5000". clock: name of the column that may hold times of
-        day, which are converted to seconds. Raises RecordError, naming line and column, if a field is missing or not a
-        number.
+        and repeat hold their numbers in words such as "Cycle 5000".
+        clock: name of the column that may hold times of day, which are converted to seconds.
+        Raises RecordError, naming line and column, if a field is missing or not a number.
         """
         found = self._fast(places) or self._slow(places, as_logged, clock)
         for values in found.columns.values() if as_logged else ():

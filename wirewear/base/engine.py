@@ -70,8 +70,8 @@ class Engine(ABC):
     def done(self, tasks: Sequence[Callable[[], Result]], until: float = inf) -> Iterator[Done[Result]]:
         """Yield every task when it has ended; no task starts after the time `until` (of time.monotonic).
 
-        If the caller stops iterating, running tasks end and no other starts. Raises EngineError if the cluster cannot
-        be reached, or runs another program.
+        If the caller stops iterating, running tasks end and no other starts.
+        Raises EngineError if the cluster cannot be reached, or runs another program.
         """
 
 

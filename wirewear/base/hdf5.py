@@ -84,8 +84,8 @@ def opened_hdf5(
 
     Raises an error of class `kind` if there is no such file, it is damaged or truncated, or it refers to other files.
 
-    what: kind of file in messages, such as "result file". unsealed: values of the attribute `format` of older files,
-    which have no checksum.
+    what: kind of file in messages, such as "result file".
+    unsealed: values of the attribute `format` of older files, which have no checksum.
     """
     data = read_bytes(path, kind, what)
     if not data.startswith(_SIGNATURE):

@@ -25,8 +25,8 @@ def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, obj
     """Lock a folder, which is created if missing, for the enclosed work; `what` names the work for messages.
 
     Yields what the last holder noted, if it did not finish; else an empty mapping. `noted` is written to the lock file,
-    and the file remains only if something was noted and the work ends in an error. Raises RunError if another process
-    holds the folder, or it cannot be written to.
+    and the file remains only if something was noted and the work ends in an error.
+    Raises RunError if another process holds the folder, or it cannot be written to.
     """
     path = prepared_folder(folder) / LOCK_FILE_NAME
     with writing(RunError, f"the output folder {folder} cannot be used"):

@@ -42,7 +42,8 @@ def json_text(value: object, indent: int | None = 2) -> str:
 def write_csv(path: Path, table: pl.DataFrame | Sequence[Mapping[str, object]]) -> Path:
     """Write a table (or its rows) as CSV in one step and return its path.
 
-    Text that begins like a formula gets an apostrophe before it. Raises OSError if the file cannot be written.
+    Text that begins like a formula gets an apostrophe before it.
+    Raises OSError if the file cannot be written.
     """
     import polars as pl
 
@@ -104,7 +105,8 @@ def usable_file(path: Path) -> Path:
     """Check that a file could be written or replaced, its folder being created if missing; nothing is left behind or
     changed.
 
-    Returns the path. Raises RunError if it could not.
+    Returns the path.
+    Raises RunError if it could not.
     """
     with writing(RunError, f"{path} cannot be written"):
         if is_special(path):
@@ -148,8 +150,8 @@ def write_bytes(path: Path, data: bytes) -> Path:
 def write_grid(path: Path, grid: vtkDataObject) -> Path:
     """Write or replace a VTU or VTP file (by the ending) of a VTK grid or points in one step and return its path.
 
-    The contents are built in memory, as VTK's writers end the process if a disk is full. Raises OSError if it cannot be
-    written.
+    The contents are built in memory, as VTK's writers end the process if a disk is full.
+    Raises OSError if it cannot be written.
     """
     from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
@@ -198,7 +200,8 @@ def folder_in_one_step(path: Path, *, in_place_of: Sequence[str] = ()) -> Iterat
     """Yield a new folder beside `path`, to be filled, that becomes `path` if the enclosed work succeeds.
 
     in_place_of: names in `path` that are replaced; all else in it is kept. If empty, `path` must not exist, or be an
-    empty folder. Raises OSError if the folder cannot be written, or `path` holds files that cannot stay.
+    empty folder.
+    Raises OSError if the folder cannot be written, or `path` holds files that cannot stay.
     """
     # The name of "." is that of the folder.
     path = link_followed(path).resolve()
@@ -260,7 +263,8 @@ def _link(source: Path, target: Path) -> None:
 def _exchange(new: Path, old: Path) -> None:
     """Exchange two folders, in one step if the system can; else in two, restoring the old folder if the second fails.
 
-    If the process is killed in between, `put_back` restores it. Raises OSError if they cannot be exchanged.
+    If the process is killed in between, `put_back` restores it.
+    Raises OSError if they cannot be exchanged.
     """
     rename = getattr(ctypes.CDLL(None), "renameat2", None)
     names = (_AT_WORKING_FOLDER, os.fsencode(new), _AT_WORKING_FOLDER, os.fsencode(old), _SWAP)

@@ -63,8 +63,9 @@ class RecordComparison:
 def compare(result: RunResult, record: AnyRecord) -> RecordComparison:
     """Compare a simulation with a record: loops at matching cycles, evolution, and scars after registration.
 
-    A line contact is compared over its whole length. Raises RecordError if there is no common cycle with a loop (nor,
-    for records that may lack loops, a common scar), or if a problem of the record forbids conclusions.
+    A line contact is compared over its whole length.
+    Raises RecordError if there is no common cycle with a loop (nor, for records that may lack loops, a common scar), or
+    if a problem of the record forbids conclusions.
     """
     problems = problems_of(record)
     if result.status != "complete":

@@ -45,9 +45,9 @@ EVOLUTION_FIGURES = (
 
 @dataclass(frozen=True, eq=False)
 class LoopPair:
-    """One measured cycle and the simulated one that stands for it.
+    """One measured cycle and the simulated cycle compared with it.
 
-    `simulated` (2, PHASES) and `measured` (repeats, 2, PHASES) hold displacement [µm] and tangential force [N] over
+    `simulated` (2, PHASES) and `measured` (repeats, 2, PHASES) hold displacement in µm and tangential force in N over
     the phase; the figures are those of `analyse_loop`.
     """
 

@@ -115,8 +115,9 @@ def _figures(loops: Sequence[MeasuredLoop], load_N: float) -> list[tuple[int, Lo
 def fretting_tests(path: Path) -> list[MappedTest]:
     """The test of a record, or the tests of a result, one for each variant.
 
-    Line contacts are given for one millimetre of their length. Raises RecordError if the record cannot be read, or none
-    of its loops can be analysed; ResultError if the result cannot be read.
+    Line contacts are given for one millimetre of their length.
+    Raises RecordError if the record cannot be read, or none of its loops can be analysed; ResultError if the result
+    cannot be read.
     """
     if path.name != TABLE_FILE_NAME and not (path / TABLE_FILE_NAME).is_file():
         require_no_other(path, RecordError, Held.RECORD, Held.RUN)

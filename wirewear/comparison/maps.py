@@ -1,13 +1,14 @@
-"""Where a test stands among running conditions, and how its material answers: maps over displacement and load.
+"""Maps of fretting tests over displacement and load: running conditions, and response of the material.
 
-After O. Vingsbo and S. Söderberg, Wear 126 (1988) 131: partial slip, mixed and gross slip over displacement and
-load. The fresh contact slides as a whole from 3µP/(2K) on (Mindlin); a rig in series takes µP/K_rig more.
+Running conditions (O. Vingsbo and S. Söderberg, Wear 126 (1988) 131) are partial slip, mixed and gross slip. The fresh
+contact slides as a whole from 3µP/(2K) on (Mindlin); a rig in series takes µP/K_rig more.
 
-Maps of the material's response stand beside those of running conditions since L. Vincent, Y. Berthier, M. C. Dubourg
-and M. Godet, Wear 153 (1992) 135: a contact that sticks in its middle cracks where it is overstressed, one that slides
-as a whole wears. The stress here is the tension at the trailing edge of the fresh contact, the largest on the surface,
-of the half-space in Cattaneo–Mindlin slip. Wear flattens a sliding contact and takes tension off it.
-Worn volume follows friction energy as a straight line, by least squares, with Student's t for its intervals.
+The material's response (L. Vincent, Y. Berthier, M. C. Dubourg and M. Godet, Wear 153 (1992) 135) is cracking of a
+contact that sticks in its middle and is overstressed, or wear of one that slides as a whole. The stress here is the
+largest one on the surface: the tension at the trailing edge of the fresh contact of half-spaces in Cattaneo–Mindlin
+slip. Wear flattens a sliding contact and reduces that tension.
+
+Worn volume over friction energy is fitted by a straight line with intervals by Student's t.
 """
 
 from collections.abc import Mapping, Sequence

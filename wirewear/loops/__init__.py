@@ -1,4 +1,8 @@
-"""Analysis of fretting loops, simulated and measured alike, and what a rig's instruments make of the true signals."""
+"""Analysis of fretting loops, simulated and measured alike, and models of a rig's sensors.
+
+A loop is tangential force Q over displacement δ for one cycle. Its figures are quantities read from it, such as slip
+amplitude, dissipated energy and friction. A plateau is the part of a branch on which the contact slides.
+"""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""Figures of one force–displacement loop, measured or simulated."""
+"""Analysis of one force–displacement loop, measured or simulated: its figures, such as slip amplitude and friction."""
 
 from dataclasses import replace
 from typing import Any

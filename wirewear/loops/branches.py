@@ -217,7 +217,7 @@ def remaining_force(travel: Array, share: float) -> Array:
 
 @cache
 def _remaining_force_table() -> tuple[Array, Array]:
-    """`remaining_force` for all SHARES: travels (6, 200), rising to 1, and forces (200,)."""
+    """Values of `remaining_force` for all SHARES: travels (6, 200), rising to 1, and remaining forces (200,)."""
     s, shares = _PARAMETER, SHARES[:, None]
     return (1.0 - shares) * (1.0 - s**3) + shares * (1.0 - s**2), s**3
 
@@ -281,7 +281,8 @@ def settled(branch: Branch, slip: MicroSlip, crossing_um: float) -> MicroSlip:
     """Micro-slip of a branch, replaced by an early onset where the force only oscillates about its plateau.
 
     The fit may take such an oscillation for micro-slip up to the branch's end; the medians over thirds of the branch
-    show the plateau. crossing_um: travel at which the force changes sign.
+    show the plateau.
+    crossing_um: travel at which the force changes sign.
     """
     if crossing_um > EARLY * branch.length_um or slip.travel_um < LATE * branch.length_um:
         return slip

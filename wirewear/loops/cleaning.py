@@ -51,7 +51,9 @@ BACKWARDS = (
 
 @dataclass(frozen=True)
 class CleanLoop:
-    """One cycle in order of time, without outliers, turning so that it dissipates."""
+    """One cycle of samples in order of time, without outliers, turning clockwise, as a loop that dissipates energy
+    does.
+    """
 
     displacement_um: Array  #: Displacement, freed from noise where a smooth drive explains it (n,).
     raw_displacement_um: Array  #: The same samples as given (n,).
@@ -115,7 +117,7 @@ def clean_loop(
     *,
     time_s: ArrayLike | None = None,
 ) -> CleanLoop:
-    """Check and clean one cycle; see `wirewear.loops.analyse_loop` for the arguments and errors."""
+    """Check one cycle and return it cleaned; arguments and errors are those of `wirewear.loops.analyse_loop`."""
     displacement = _channel(displacement_um, "displacement_um")
     count = len(displacement)
     if count < FEWEST_SAMPLES:

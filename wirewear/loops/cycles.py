@@ -83,7 +83,7 @@ def _without_ripples(x: Array, turns: Places) -> Places:
     ripple = 0.0
 
     def parted(sweeps: Places, least: float) -> list[int]:
-        """The turns behind the first one."""
+        """Indices of the turns behind the first one, without those of ripples."""
         nonlocal ripple
         found = list[int]()
         for part in (sweeps[a : b + 1] for a, b in pairwise(_turns_by(x[sweeps], least))):

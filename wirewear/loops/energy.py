@@ -1,6 +1,6 @@
-"""How far a loop opens, by area and width.
+"""Energy and width of a loop, and the ratios A and B of its energy to the boxes of its stroke and of its slip.
 
-Of sliding, the ratios are criteria (Fouvry, Kapsa & Vincent, Wear 185 (1995) 35). For a sphere on a flat, or crossed
+The ratios are criteria of sliding (Fouvry, Kapsa & Vincent, Wear 185 (1995) 35). For a sphere on a flat, or crossed
 wires, the transition from partial to gross slip lies at A = 0.2 and B = 0.77.
 """
 
@@ -24,7 +24,7 @@ MOST_IN_PARTIAL_SLIP = 1.0 / 3.0
 
 
 def mean_force(loop: CleanLoop) -> Measured:
-    """∮Q|dδ| / ∮|dδ| in N: every displacement counts once on each branch, whatever the sampling."""
+    """Mean tangential force in N over the path, ∮Q|dδ| / ∮|dδ|, which does not depend on how samples are spread."""
     step = np.abs(np.roll(loop.displacement_um, -1) - loop.displacement_um)
     weight = 0.5 * (step + np.roll(step, 1))
     weight /= weight.sum()
@@ -33,7 +33,7 @@ def mean_force(loop: CleanLoop) -> Measured:
 
 
 def dissipated_energy(loop: CleanLoop) -> Measured:
-    """∮Q dδ in mJ, by the polygon of the samples plus what coarse sampling cuts off its corners."""
+    """Dissipated energy ∮Q dδ in mJ: area of the samples' polygon, plus what coarse sampling cuts off its corners."""
     x, y = loop.displacement_um, loop.force_N
     corners = _cut_corners(x, y, loop.force_noise_N, loop.displacement_noise_um)
     area = enclosed_area(x, y) + corners
@@ -46,11 +46,11 @@ def dissipated_energy(loop: CleanLoop) -> Measured:
 
 
 def _cut_corners(x: Array, y: Array, force_noise: float, displacement_noise: float) -> float:
-    """Area between the polygon and the curve it samples, in N·µm.
+    """Area between the samples' polygon and the curve through them, in N·µm.
 
     Extending the chords on either side of a chord makes a triangle on it. A sharp corner of the curve fills the whole
-    triangle, a smooth arc a third of it; two thirds are taken. Triangles no higher than the noise are left out, and
-    those that reach beyond the stroke, as they would beside a sharp tip.
+    triangle, a smooth arc a third of it; two thirds are taken. Triangles no higher than the noise are left out, as are
+    those that reach beyond the stroke beside a sharp tip.
     """
     width, height = float(np.ptp(x)), float(np.ptp(y))
     points = np.column_stack([x / width, y / height])

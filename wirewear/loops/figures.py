@@ -35,7 +35,7 @@ class Measured:
 
     @classmethod
     def from_deviation(cls, value: float, deviation: float) -> "Measured":
-        """Return the value ± 1.96 standard deviations."""
+        """Value with the interval ± 1.96 standard deviations."""
         return cls(float(value), (float(value - 1.96 * deviation), float(value + 1.96 * deviation)))
 
     @property
@@ -184,7 +184,9 @@ class Sticking:
 
 @dataclass(frozen=True)
 class LoopFigures:
-    """Figures of one force–displacement loop; None where a figure has no meaning, which a note then explains."""
+    """Figures of one force–displacement loop; None for a figure that this loop does not have, as a note then
+    explains.
+    """
 
     displacement_amplitude_um: Measured  #: δa, half the stroke.
     slip_amplitude_um: Measured  #: δ0, half the loop's width at its mid force.

@@ -35,7 +35,9 @@ SHIFTINGS = 3
 
 @dataclass(frozen=True)
 class Plateau:
-    """Sliding samples of one branch: slip position x = δ − Q/K, travel, |Q|, and |Q|/P (|Q| again without P), (n,)."""
+    """Sliding samples (n,) of one branch: slip position x = δ − Q/K, travel, |Q|, and |Q|/P (or |Q| if P is
+    unknown).
+    """
 
     slip_position_um: Array
     travel_um: Array
@@ -86,7 +88,7 @@ def advancing(branch: Branch) -> Branch:
 
 
 def force_ratio(branch: Branch) -> Array:
-    """|Q|/P (n,), or |Q| where no normal force is known."""
+    """Ratio |Q|/P (n,) of a branch's samples, or |Q| if the normal force is unknown."""
     return branch.force_N if branch.normal_force_N is None else branch.force_N / branch.normal_force_N
 
 
@@ -267,7 +269,11 @@ def _geometry_independent(
 
 
 def _friction_angle(angle: Array, x: Array, sign: Array, likely_shift: float) -> LinearFit:
-    """Fit φ0 + φ1 x ± θ(x ∓ ε) to angles (n,); φ0 is the first coefficient. ε is expected to be 0 ± likely_shift."""
+    """Fit φ0 + φ1 x ± θ(x ∓ ε) to friction angles (n,) of both directions; φ0 is the first coefficient.
+
+    x: positions (n,) from mid-slip over the half range. sign: +1 or −1 by direction (n,). likely_shift: standard
+    deviation of the shift ε.
+    """
     powers = min(7, len(x) // 6) + 1
     even = np.vander(x, 2, increasing=True)
     odd = np.vander(x, powers, increasing=True) * sign[:, None]

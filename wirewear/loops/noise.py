@@ -86,7 +86,10 @@ def _rounded(parts: Sequence[tuple[Array, Array]], correlation: float, share: fl
 
 
 def _restricted(parts: Sequence[tuple[Array, Array]], correlation: float) -> tuple[float, int, float]:
-    """Mean square of the noise, degrees of freedom, and the term of determinants in the restricted log-likelihood."""
+    """Mean square of the noise, degrees of freedom, and the term of determinants in the restricted log-likelihood.
+
+    parts: as for `correlated_noise`. correlation: between neighbouring samples.
+    """
     squares, free, determinants = 0.0, 0, 0.0
     for design, values in parts:
         columns = np.column_stack([design, values])
@@ -119,7 +122,7 @@ def _likeliest(variance: float, free: int, determinants: float, stated: float | 
 def noise_factor(weights: Array, order: NDArray[np.intp], correlation: float) -> float:
     """Standard deviation of a weighted sum of samples of one branch, over that of one sample.
 
-    weights: (m,). order: numbers of the samples along their branch (m,). correlation: between neighbours (AR(1)).
+    weights: (m,).  order: numbers of the samples along their branch (m,).  correlation: between neighbours (AR(1)).
     """
     if correlation <= 0.0:
         return float(np.linalg.norm(weights))

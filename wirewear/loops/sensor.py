@@ -26,8 +26,8 @@ class LoopSignals:
     """Signals of one cycle of a periodic loop, each (n,); `normal_force_N` is None where unknown.
 
     `time_s` counts within the cycle; the last sample does not repeat the first. `period_s` may be left out where the
-    samples are evenly spread over the cycle. Raises SensorError for channels that differ in length or hold fewer than
-    two samples.
+    samples are evenly spread over the cycle.
+    Raises SensorError for channels that differ in length or hold fewer than two samples.
     """
 
     time_s: Array
@@ -71,7 +71,7 @@ class LoopSignals:
 
     @property
     def evenly_spread(self) -> bool:
-        """Whether all spacings are equal."""
+        """True if all spacings are equal, within a share of 10⁻⁶."""
         spacing = self.spacing_s
         return bool(np.ptp(spacing) <= _EVEN * spacing.mean())
 
@@ -99,8 +99,8 @@ class SensorNoise:
     """Standard deviation of one sample of each channel, and the correlation ρ of neighbouring samples.
 
     The noise is a stationary autoregression of first order, e' = ρ e + √(1−ρ²) σ w with white w (Box & Jenkins, Time
-    Series Analysis, section 3.2); ρ = 0 is white noise. Each loop gets independent noise. Raises SensorError for a
-    negative deviation, or a correlation outside [0, 1).
+    Series Analysis, section 3.2); ρ = 0 is white noise. Each loop gets independent noise.
+    Raises SensorError for a negative deviation, or a correlation outside [0, 1).
     """
 
     displacement_um: float = 0.0
@@ -135,8 +135,8 @@ def lagged(signals: LoopSignals, values: Array, time_s: float, kind: LagKind) ->
     """Channel `values` (n,) of a periodic loop, delayed by a lag of `time_s` seconds.
 
     A delay gives x(t − τ), a first-order lag the periodic solution of τ y' + y = x, both as products of the Fourier
-    series with exp(−iωτ) and 1/(1 + iωτ) (e.g. Bendat & Piersol, Random Data, 4th ed., section 2.3). Raises SensorError
-    for values that are not finite, or times without a period.
+    series with exp(−iωτ) and 1/(1 + iωτ) (e.g. Bendat & Piersol, Random Data, 4th ed., section 2.3).
+    Raises SensorError for values that are not finite, or times without a period.
     """
     return _filtered(signals, values, lambda frequency: _transfer(frequency, time_s, kind))
 
@@ -350,9 +350,9 @@ def sensor_held_stroke(
     Iterates a ← a + (asked − read(a)), from the second step on divided by the secant's slope (Steffensen's device).
     Raises SensorError if the asked amplitude is not positive, or no true amplitude is found.
 
-    sensor: the sensor that controls the drive. loop_at: gives the true loop for a true amplitude in µm. first_guess_um:
-    true amplitude to begin with; the asked one by default. tolerance: largest |read − asked| / asked. most_evaluations:
-    largest number of calls of `loop_at`.
+    sensor: the sensor that controls the drive.  loop_at: gives the true loop for a true amplitude in µm.
+    first_guess_um: true amplitude to begin with; the asked one by default.  tolerance: largest |read − asked| / asked.
+    most_evaluations: largest number of calls of `loop_at`.
     """
     if not asked_um > 0.0:
         raise SensorError(f"the amplitude to be held on the sensor's reading is {asked_um} um, but must be positive")

@@ -54,7 +54,11 @@ def stick_slip(loop: CleanLoop, courses: tuple[Course, Course]) -> StickSlip | N
 
 
 def _expected(courses: tuple[Course, Course], drop_share: float) -> float:
-    """Number of slips in a cycle if each stick stretch loads the spring by just one fall of the force."""
+    """Number of slips that would fill the sliding of a cycle, if the contact sticks after each until the force is
+    regained.
+
+    drop_share: fall of the force in a slip over the sliding force.
+    """
     count = 0.0
     for branch, slip in courses:
         stretched = drop_share * abs(slip.onset_force_N) * slip.travel_um / max(slip.height_N, 1e-300)

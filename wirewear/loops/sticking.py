@@ -1,10 +1,10 @@
-"""Friction of a contact that sticks in its middle: what energy, stiffness and shape of one loop leave of it.
+"""Friction of a contact in partial slip, bounded by the energy, stiffness and shape of one loop.
 
-After a reversal a contact gives way by twice its first course at half the force (Masing). Under a constant load that
-course is the one of its pressing, scaled (J. Jäger, Arch. Appl. Mech. 65 (1995) 478; M. Ciavarella, J. Mech. Phys.
-Solids 46 (1998) 2349): where P grows with the power 1/n of the approach, it has given way by 1 − (1 − Q/µP)^n of what
-it gives way until it slides. n is ⅔ of bodies as Hertz (Mindlin and Deresiewicz 1953), ½ of cones and of evenly spread
-limits (Iwan 1966), and near 1 of cylinders side by side. Bodies and rig, a spring in series, take the rest.
+After a reversal a contact yields by twice its first loading at half the force (Masing). Under a constant load that
+first loading is the curve of its pressing, scaled (J. Jäger, Arch. Appl. Mech. 65 (1995) 478; M. Ciavarella, J. Mech.
+Phys. Solids 46 (1998) 2349): if P grows with the power 1/n of the approach, the contact has yielded by 1 − (1 − Q/µP)^n
+of its displacement at the onset of gross slip. n is ⅔ for Hertz contacts (Mindlin and Deresiewicz 1953), ½ for cones
+and for evenly spread limits (Iwan 1966), and near 1 for parallel cylinders. Bodies and rig act as a spring in series.
 """
 
 from dataclasses import dataclass
@@ -98,8 +98,8 @@ def slip_of(
 ) -> tuple[Regime, tuple[Regime, ...], Sticking | None]:
     """Regime of a loop, all regimes that its uncertainty allows, and the possible contacts in partial slip (or None).
 
-    seen: regime that the branches show. hides: walls of a scar may hide a plateau. viscous: the force follows the
-    velocity.
+    seen: regime that the branches show.  hides: walls of a scar may hide a plateau.
+    viscous: the force follows the velocity.
     """
     sticking = sticking_of(loop, courses) if seen == "partial slip" and not (hides or viscous) else None
     if sticking is None:

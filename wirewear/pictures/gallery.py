@@ -307,8 +307,8 @@ def show(
     They go to `output_dir`, by default a folder `pictures` beside the result file or in the folder of variants. What an
     unfinished run has not logged yet is left out. `ending` is png, svg or pdf; with `moving`, the loop and scar of each
     run are also drawn as an animated GIF. `drawn` lists the pictures of results, by default those of contacts at a
-    point. Raises ResultError if there is no readable result, none has logged anything to draw, or a picture cannot be
-    written.
+    point.
+    Raises ResultError if there is no readable result, none has logged anything to draw, or a picture cannot be written.
     """
     results = read_results(result_path)
     if drawn is None or moving:

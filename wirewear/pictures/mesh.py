@@ -82,8 +82,8 @@ def body_meshes(
 ) -> Figure:
     """Both meshes in contact, and a close view of the driven body's patch; grips are dark, contact patches red.
 
-    names: of the driven and the held body. first_moving: mesh of the driven body for the fresh contact, shown beside
-    the one for the grown scar.
+    names: of the driven and the held body.
+    first_moving: mesh of the driven body for the fresh contact, shown beside the one for the grown scar.
     """
     patches = {f"contact patch of the {names[0]}": moving}
     if first_moving is not None:

@@ -31,8 +31,8 @@ LEAST_TICK_DISTANCE = 0.1  #: Least distance of ticks on a root-of-depth colour 
 def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure:
     """Unworn and worn profile on y = 0 of all runs: one row for each cycle, one column for each body.
 
-    All panels have the same scale; heights are exaggerated by a round factor, stated in the picture. Raises ResultError
-    if a run has logged no scar near one of the cycles.
+    All panels have the same scale; heights are exaggerated by a round factor, stated in the picture.
+    Raises ResultError if a run has logged no scar near one of the cycles.
     """
     bodies = results[0].bodies
     shown = {(c, w): [smooth_scar(result.scar(c, w)) for result in results] for c in cycles for w in bodies}

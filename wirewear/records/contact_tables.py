@@ -104,7 +104,7 @@ class LineTest(OfRecord):
 
     @property
     def shares(self) -> dict[str, float]:
-        """The parts by the stated coefficients; halves where none is stated."""
+        """Share of the worn volume that each body loses, by the stated wear coefficients; halves if none is stated."""
         stated = {body: getattr(self.stated, f"{body}_energy_wear_coefficient_mm3_per_J") or 0.0 for body in BODIES}
         total = sum(stated.values())
         return {body: own / total if total > 0.0 else 0.5 for body, own in stated.items()}

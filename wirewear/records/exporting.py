@@ -126,9 +126,9 @@ def record_of_result(
     Each repeat is the same test read again with new noise. `samples` resamples each loop evenly; by default the
     simulation's increments are kept. Figures of the evolution are the true ones times the ratio of read to true figures
     of the logged loops, interpolated over log cycle. For a line contact, forces and their noise are for `length_mm`, by
-    default the study's length. Raises RecordError if the result began with a measured surface or has logged no loops,
-    its study says too little or has unequal wires, or the length of a line contact is missing, or is given for another
-    contact.
+    default the study's length.
+    Raises RecordError if the result began with a measured surface or has logged no loops, its study says too little or
+    has unequal wires, or the length of a line contact is missing, or is given for another contact.
     """
     length_mm = RECORDS[result.contact_kind].length_of(result.study, length_mm, result.label)
     if any(surfaces_in(result.study)):

@@ -115,7 +115,8 @@ def _cell(places: Array) -> float:
 def unworn_surface(surface: Surface, places: Array, height: Array, start: Array, *, form: bool = True) -> Unworn:
     """Unworn surface under heights (n_x, n_y) at places (2, n_x, n_y), all in µm; NaN is an unknown height.
 
-    start: parameters at which the search begins. form: allow a form, which is then subtracted; else it counts as depth.
+    start: parameters at which the search begins.
+    form: allow a form, which is then subtracted; else it counts as depth.
     """
     found, scale = _sought(surface, places, height, start)
     found, unworn = _settled(surface, places, height, found, scale)

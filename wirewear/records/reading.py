@@ -254,8 +254,9 @@ def require_unchanged(table_path: Path) -> tuple[str, ...]:
 def read_tables(path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]:
     """Checked tables of a TOML file, and one sentence for each unknown key that was ignored.
 
-    An unknown key that looks like a misspelt one is refused. Raises RecordError, in one sentence with line and column,
-    if the file cannot be read, or is not valid for this model.
+    An unknown key that looks like a misspelt one is refused.
+    Raises RecordError, in one sentence with line and column, if the file cannot be read, or is not valid for this
+    model.
     """
     text = read_text(path, RecordError, "TOML file")
     data = parsed_toml(text, str(path), RecordError)

@@ -227,7 +227,7 @@ def unlike_conditions(
 ) -> str | None:
     """Sentence on the conditions in which a run and a record differ; None if they are of the same test.
 
-    pairs: values of run and record by key, None where unstated. cycles: of run and record; the run may be longer.
+    pairs: values of run and record by key, None where unstated.  cycles: of run and record; the run may be longer.
     """
     differ = [
         f"{key} is {own:.4g} in the run and {other:.4g} in the record"

@@ -202,7 +202,8 @@ def grid_of(repeat: int, x_um: Array, y_um: Array, level_um: Array) -> tuple[Arr
     """Lines x (n_x,), y (n_y,) and levels (n_x, n_y) of points (n,) on a grid, in any order; NaN where there is no
     point.
 
-    Raises RecordError if they lie on no grid. repeat: for the message.
+    Raises RecordError if they lie on no grid.
+    repeat: for the message.
     """
     lines = np.unique(x_um).size, np.unique(y_um).size
     # Before a grid is made of them: points at random would need a huge one.

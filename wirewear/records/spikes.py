@@ -65,7 +65,7 @@ def without_spikes(levels: Array) -> tuple[Array, BoolArray]:
 
 
 def as_measured(depth_um: Array, spikes_um: Array | None) -> Array:
-    """Depths with spikes put back as they were measured."""
+    """Depths with the measured values of spikes put back; `spikes_um` is NaN where there is no spike."""
     return depth_um if spikes_um is None else np.where(np.isfinite(spikes_um), spikes_um, depth_um)
 
 

@@ -36,8 +36,9 @@ _IN_TABLE = {"conditions": "conditions", "contact": "stated", "wear": "stated"}
 def stated_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
     """Study of the record's test as its owner states it.
 
-    more: further tables of the study, such as log and mesh. Raises RecordError if friction or wear is not stated, or
-    friction is stated twice and differently; StudyError if the statements do not fit together.
+    more: further tables of the study, such as log and mesh.
+    Raises RecordError if friction or wear is not stated, or friction is stated twice and differently; StudyError if the
+    statements do not fit together.
     """
     friction = stated_friction(tables)
     for lacking in tables.missing:
@@ -260,7 +261,8 @@ class ExperimentRecord(Generic[Tables, Surface]):
         stroke of another block shaped them.
 
         number: from 1; by default the block with the longest stroke and most loops. A record without a programme is
-        returned unchanged. Raises RecordError if there is no such block, or no loop of it.
+        returned unchanged.
+        Raises RecordError if there is no such block, or no loop of it.
         """
         tables: Any = self.tables
         if not tables.programme or self.block is not None:

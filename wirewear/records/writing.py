@@ -49,7 +49,8 @@ _MADE_OF = "# made of "  #: Before the path, from the record's folder, of the fi
 def require_place(folder: Path, *, made_of: Sequence[Path] = (), overwrite: bool = False) -> None:
     """Check that a record can be written to a folder; nothing is changed.
 
-    made_of: sources of the record; the mapping, run or record comes first. overwrite: any record there may be replaced.
+    made_of: sources of the record; the mapping, run or record comes first.
+    overwrite: any record there may be replaced.
     Raises RecordError if the folder is or holds a source of the record, or holds another record or a file that would be
     lost; RunError if it cannot be written.
     """
@@ -104,9 +105,9 @@ def write_record(
     """Write a record to `folder`, which is created if missing, and return it; numbers keep all their digits.
 
     Files of an earlier record there are replaced, other files stay. At any moment others see the old or the new record.
-    `made_of` and `overwrite` are as in `require_place`. Raises RecordError if the record lacks the loops that it must
-    have, or holds nothing, has no place there, or a file cannot be written; RunError if the folder cannot be created,
-    or another command is writing to it.
+    `made_of` and `overwrite` are as in `require_place`.
+    Raises RecordError if the record lacks the loops that it must have, or holds nothing, has no place there, or a file
+    cannot be written; RunError if the folder cannot be created, or another command is writing to it.
     """
     folder, tables = Path(folder), record.tables
     frames = {"loops": loops_frame(record.loops)} if record.loops else {}

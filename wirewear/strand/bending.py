@@ -78,10 +78,10 @@ def slip_courses(
 ) -> list[SlipCourse]:
     """Slip of each layer, from the innermost to the outermost.
 
-    outside_N_per_mm: radial load on the outermost layer per mm of the strand's axis. presses: share of each layer's
-    radial load that it passes to the layer below, 0 for one that arches. A member is held below by its own radial
-    pressure and that of the layers above, and above by the latter. Layers above are taken to have slipped already
-    (Papailiou); an arching layer is held by its neighbours as by a core.
+    outside_N_per_mm: radial load on the outermost layer per mm of the strand's axis.
+    presses: share of each layer's radial load that it passes to the layer below, 0 for one that arches. A member is
+    held below by its own radial pressure and that of the layers above, and above by the latter. Layers above are taken
+    to have slipped already (Papailiou); an arching layer is held by its neighbours as by a core.
     """
     found: list[SlipCourse] = []
     above = np.full(_PLACES, outside_N_per_mm)

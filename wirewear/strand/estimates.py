@@ -100,7 +100,9 @@ def estimated(
 
 
 def _worn_depth_mm(contact: WireContact, volume_mm3: float) -> float:
-    """Depth of a flat scar with this volume: V = πh²/(2√(AB)) for a cap, or the segment of a line contact (Archard)."""
+    """Depth of a flat scar with this volume: V = πh²/(2√(AB)) for a cap on the gap Ax² + By², or the segment of a line
+    contact.
+    """
     small, large = contact.gap_per_mm
     if not volume_mm3 > 0.0:
         return volume_mm3

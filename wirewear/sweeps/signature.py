@@ -88,7 +88,8 @@ def signature_of(
     """Run a study without and with an effect, in OUTPUT/nominal and OUTPUT/<effect>; finished runs are reused.
 
     An interrupted run is continued; one of another study, fidelity or version is replaced. An effect of the sensor
-    needs no run of its own, as it does not change the test. Raises SolverError or StudyError as `run_study` does.
+    needs no run of its own, as it does not change the test.
+    Raises SolverError or StudyError as `run_study` does.
     """
     base = study or signature_study()
     nominal = _run(base.with_effects(), "nominal", output, fidelity, observer_of)

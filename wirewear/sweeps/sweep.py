@@ -326,8 +326,8 @@ def _require_possible(sweep: Sweep, where: str) -> None:
 def varied(study: Of, values: Mapping[str, float]) -> Of:
     """Copy of the study with these values by key; parameters of effects have keys effects.<effect>.<parameter>.
 
-    An effect that the study lacks is added; of one that it has, only the named parameters change. Raises StudyError if
-    a key does not exist, or a value is not allowed.
+    An effect that the study lacks is added; of one that it has, only the named parameters change.
+    Raises StudyError if a key does not exist, or a value is not allowed.
     """
     plain = {key: _whole(value) for key, value in values.items() if not key.startswith(f"{EFFECTS}.")}
     changed: defaultdict[str, dict[str, float]] = defaultdict(dict)

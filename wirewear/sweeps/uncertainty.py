@@ -48,8 +48,8 @@ class Surrogate:
 def fitted(points: Array, values: Array) -> Surrogate:
     """Least-squares polynomial of first or second degree, whichever predicts left-out points better.
 
-    points: (n, d), in standard deviations from the mean of each input. values: (n,). Raises ValueError if there are too
-    few points for a first-degree polynomial.
+    points: (n, d), in standard deviations from the mean of each input.  values: (n,).
+    Raises ValueError if there are too few points for a first-degree polynomial.
 
     Leave-one-out residuals follow from the hat matrix (Allen's PRESS, Technometrics 16 (1974) 125).
     """

@@ -49,8 +49,8 @@ def verify(
 ) -> tuple[Row, ...]:
     """Compute the rows of the given families, by default of all.
 
-    started: called before each family with its title, the number of families done and their total number. Raises
-    SolverError if a problem cannot be solved.
+    started: called before each family with its title, the number of families done and their total number.
+    Raises SolverError if a problem cannot be solved.
     """
     chosen = FAMILIES if families is None else families
     rows: list[Row] = []

@@ -136,7 +136,7 @@ def _peak_rows(
 ) -> tuple[Row, Row]:
     """Rows on the largest von Mises stress and its depth; `true` gives the exact stresses (n, 6) at depths (n,).
 
-    found: computed depth and stress. element_mm: size of the elements at that depth.
+    found: computed depth and stress.  element_mm: size of the elements at that depth.
     """
     depths = np.linspace(0.0, _DEEPEST * radius_mm, 2001)
     exact = von_mises(true(depths))

@@ -155,7 +155,7 @@ def sliding_rows(
 ) -> tuple[Row, ...]:
     """Rows that compare two bodies in partial slip with the closed form; `bulk` is their bulk compliance in mm/N.
 
-    shares: tangential force amplitudes over µP. of: name of the problem in the rows.
+    shares: tangential force amplitudes over µP.  of: name of the problem in the rows.
     """
     pressed, _ = solvers.press(problem, solvers.unloaded_state(problem))
     rows = [_initial_compliance(problem, pressed, exact, bulk, of)]

@@ -160,8 +160,8 @@ def residuals(
     Each is a table of arrays (n,): `displacement_um`, `force_N` (mean over the repeats less the computed force), and
     `band_N`, the half-width of the band in which 95 % of tests lie.
 
-    loops: measured loops of this cycle. course: computed loops, of which `row` is the index of the cycle. scatter:
-    standard deviations between tests by name.
+    loops: measured loops of this cycle.  course: computed loops, of which `row` is the index of the cycle.
+    scatter: standard deviations between tests by name.
     """
     found = []
     for place, sign in enumerate(DIRECTIONS):

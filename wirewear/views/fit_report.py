@@ -103,7 +103,9 @@ def check_table(checked: CheckedRun) -> Table:
 
 
 def fit_json(fitted: FittedTest, checked: CheckedRun | None) -> dict[str, object]:
-    """``{"record", "parameters": {name: {"value", "interval95", "unit", "repeats"}}, "found", "check", "notes"}``."""
+    """Fit as plain values: record, parameters and further figures (value, 95 % interval, unit, repeats),
+    check, notes.
+    """
     check = None
     if checked is not None:
         check = {"relative_differences": checked.differences, "in_scatters": checked.scatters}

@@ -112,8 +112,8 @@ def write_lives(lives: Sequence[BodyLife], name: str, folder: Path, cycle: float
     """Write life.json, life.csv (largest sum over the cycles), a picture of each body and life.html; return their
     paths.
 
-    cycle: of the damage maps; by default when the crack begins, or when the sum is largest. Raises ResultError if the
-    folder cannot be written to.
+    cycle: of the damage maps; by default when the crack begins, or when the sum is largest.
+    Raises ResultError if the folder cannot be written to.
     """
     rows = [
         {"body": life.body, "cycle": float(at), "largest_sum": float(largest)}

@@ -94,7 +94,10 @@ def _analysed(loop: SampledLoop) -> AnalysedLoop:
 
 
 def loops_json(source: str, analysed: Sequence[AnalysedLoop]) -> dict[str, object]:
-    """``{"source", "regime", "loops": [{"repeat", "cycle", figure: {"value", "interval95"} or null, "notes", …}]}``."""
+    """Figures of loops for JSON: ``{"source", "regime", "loops": [{"repeat", "cycle", figures, "notes", …}]}``.
+
+    A figure is ``{"value", "interval95"}``, or None.
+    """
     regime = regime_of(item.figures for item in analysed if item.figures is not None)
     return {"source": source, "regime": regime, "loops": [_json(item) for item in analysed]}
 

@@ -98,7 +98,7 @@ def lines_through(points: Array, column: int, y: Array) -> list[tuple[Array, Arr
     """Lines (x, y) through runs that differ in one key alone, as on a grid; else one line through medians of
     neighbours.
 
-    points: (n, d) values of the keys. column: index of the key. y: results (n,).
+    points: (n, d) values of the keys.  column: index of the key.  y: results (n,).
     """
     others = np.delete(points, column, axis=1)
     alike = [np.flatnonzero((others == one).all(axis=1)) for one in np.unique(others, axis=0)] if others.size else []

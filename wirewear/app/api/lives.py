@@ -22,9 +22,10 @@ def lives(
 ) -> tuple[BodyLife, ...]:
     """Fatigue lives of the bodies of a run, both by default, by [life] of its study with `values` replacing its keys.
 
-    bodies: their names, or lower and upper. wear_states: most wear states looked at in each block of cycles. tell:
-    called with each body and cycle before it is computed. Raises StudyError if a value is not allowed, or data are
-    lacking; ResultError if the run has recorded no contact forces; GeometryError if wear distorts a mesh too much.
+    bodies: their names, or lower and upper.  wear_states: most wear states looked at in each block of cycles.
+    tell: called with each body and cycle before it is computed.
+    Raises StudyError if a value is not allowed, or data are lacking; ResultError if the run has recorded no contact
+    forces; GeometryError if wear distorts a mesh too much.
     """
     from wirewear.kinds import contacts_of
     from wirewear.results.scar import body_named

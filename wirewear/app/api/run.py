@@ -67,8 +67,8 @@ class Run(RunResult):
     def surface(self, wire: str | None = None, cycle: float | None = None) -> pyvista.StructuredGrid:
         """Worn surface of a body as a mesh in µm, with depth, pressure, slip and energy at its points.
 
-        wire: name of the body, by default the held one. cycle: by default the last one with scars. Raises ResultError
-        if no scar is recorded near that cycle, there is no such body, or it is a line contact.
+        wire: name of the body, by default the held one.  cycle: by default the last one with scars.
+        Raises ResultError if no scar is recorded near that cycle, there is no such body, or it is a line contact.
         """
         self.with_maps()
         body = wire or self.bodies[1]
@@ -79,11 +79,12 @@ class Run(RunResult):
     ) -> pyvista.UnstructuredGrid:
         """Hexahedral mesh of a body in µm, with displacements and stresses at one position of a cycle.
 
-        wire: name of the body, by default the held one. cycle: by default the last one. at: "mid-forward",
-        "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back", or the number of a recorded
-        position. worn: the mesh follows the worn surface. Raises ResultError if no contact forces are recorded near
-        that cycle, there is no such body or position, or it is a line contact; GeometryError if wear distorts the mesh
-        too much.
+        wire: name of the body, by default the held one.  cycle: by default the last one.
+        at: "mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back", or the number
+        of a recorded position.
+        worn: the mesh follows the worn surface.
+        Raises ResultError if no contact forces are recorded near that cycle, there is no such body or position, or it
+        is a line contact; GeometryError if wear distorts the mesh too much.
         """
         from wirewear.stress import body_grid, body_states
 

@@ -71,9 +71,9 @@ class Record(ExperimentRecord[Any, Any]):
         """Fit friction, rig stiffness, play and wear, each with its interval, and a study with these values.
 
         Loops do not determine the worn volume: if no scars were measured, give the wear coefficient of both bodies
-        together, or the volume that both lost in a test. Raises RecordError if the record is unsound, none of its loops
-        slides as a whole, or none gives its energy; StudyError or SolverError if the nominal run of the fast model
-        fails.
+        together, or the volume that both lost in a test.
+        Raises RecordError if the record is unsound, none of its loops slides as a whole, or none gives its energy;
+        StudyError or SolverError if the nominal run of the fast model fails.
         """
         from wirewear.diagnosis.fit import GivenWear, fit_record
 
@@ -94,7 +94,7 @@ class Record(ExperimentRecord[Any, Any]):
     ) -> Diagnosed:
         """Diagnose why record and model disagree; by default the model is the study that the record states.
 
-        further: other records of the same rig that update the answer. without: names of effects not to be considered.
+        further: other records of the same rig that update the answer.  without: names of effects not to be considered.
         Raises RecordError if the record states too little, has nothing to be diagnosed, or the model is of another
         test; StudyError or SolverError if the model cannot be run, or an effect in `without` does not exist.
         """
@@ -140,9 +140,10 @@ def run(
     """Simulate a study without variants, or one variant of it.
 
     Without `output` no file is written. With it, the folder is filled as by `wirewear run`, and `resume` continues an
-    interrupted run there. Raises StudyError if the study has variants, of which one must be chosen, or cannot be
-    discretised or afforded; RunError or ResultError if the folder holds another run, or cannot be written; SolverError
-    if the contact did not converge, or left the fine patch.
+    interrupted run there.
+    Raises StudyError if the study has variants, of which one must be chosen, or cannot be discretised or afforded;
+    RunError or ResultError if the folder holds another run, or cannot be written; SolverError if the contact did not
+    converge, or left the fine patch.
     """
     study = alone(study, 'run one, as in run(study.variant("{first}")), or all with run_variants(study)')
     label = study.variant_name or study.name

@@ -47,7 +47,7 @@ _PLAIN = {
 
 
 def main() -> None:
-    """Entry point of the console script."""
+    """Run the command line: load the commands and execute the one asked for."""
     prepare_streams()
     if not os.environ.get(_QUIET):
         speak_up(next((word for word in sys.argv[1:] if not word.startswith("-")), "wirewear"))

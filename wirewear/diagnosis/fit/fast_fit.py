@@ -73,8 +73,9 @@ class LoopsOfTests:
 def loops_of_tests(record: AnyRecord, *, sliding: bool = True) -> LoopsOfTests:
     """Figures of at most MOST_CYCLES cycles, spread evenly over their logarithm.
 
-    sliding: use only loops that slide as a whole; else also those in partial slip. Raises RecordError if `sliding` is
-    True and no loop shows friction: none can be analysed, slides as a whole, or is sampled densely enough.
+    sliding: use only loops that slide as a whole; else also those in partial slip.
+    Raises RecordError if `sliding` is True and no loop shows friction: none can be analysed, slides as a whole, or is
+    sampled densely enough.
     """
     cycles = _chosen(record.cycles)
     repeats = tuple(sorted({loop.repeat for loop in record.loops}))
@@ -156,8 +157,10 @@ def _figures(record: AnyRecord, repeat: int, cycle: int) -> LoopFigures | None:
 
 
 def _usable(found: LoopFigures, *, sliding: bool) -> dict[int, Measured]:
-    """Usable figures of a loop by their index in FITTED; empty if it fails to resist the motion both ways or
-    to slide.
+    """Usable figures of a loop by their index in FITTED.
+
+    Empty if the force does not resist the motion in both directions, or if `sliding` is True and the loop does not
+    slide.
     """
     keeps_sign = found.asymmetry is not None and abs(found.asymmetry.value) >= 1.0
     if (sliding and found.regime != "gross slip") or keeps_sign:

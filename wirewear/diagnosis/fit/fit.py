@@ -105,9 +105,9 @@ def fit_record(
     First estimates come from the loops themselves; the fast model, on the wear states of one finite element run with
     these, then fits friction and rig to the loops of all cycles. Wear coefficients are worn volumes over the friction
     energy of the whole test, or are given in place of scars. If no loop slides as a whole, friction and rig are bounded
-    by energy, stiffness and shape of single loops. Raises RecordError if the record is unsound, none of its loops
-    bounds friction above, or a worn volume is given and neither loops nor evolution show the energy; StudyError or
-    SolverError if a nominal run of the fast model fails.
+    by energy, stiffness and shape of single loops.
+    Raises RecordError if the record is unsound, none of its loops bounds friction above, or a worn volume is given and
+    neither loops nor evolution show the energy; StudyError or SolverError if a nominal run of the fast model fails.
     """
     record = record.of_block()
     rigid, tables = kind_of(record).rigid_N_per_mm, record.tables
@@ -183,8 +183,8 @@ def completed(record: AnyRecord) -> tuple[AnyRecord, dict[str, float]]:
     are.
 
     The second part holds relative standard deviations of what was filled in, by the fast model's names. If nothing
-    shows the wear, bodies are taken to wear like steel on steel. Raises RecordError if friction is neither stated nor
-    shown by the loops.
+    shows the wear, bodies are taken to wear like steel on steel.
+    Raises RecordError if friction is neither stated nor shown by the loops.
     """
     tables, stated, unknown = record.tables, dict[str, float](), dict[str, float]()
     if stated_friction(tables) is None:

@@ -27,8 +27,8 @@ class StickingFit:
 def fitted_sticking(record: AnyRecord, rigid_N_per_mm: float) -> StickingFit | None:
     """Friction and rig from loops without a plateau; None if a loop has a plateau, or none can be analysed.
 
-    The compliance of the unworn contact, if it has a closed form, is taken as known in the first logged cycle. Raises
-    RecordError if no loop bounds friction above.
+    The compliance of the unworn contact, if it has a closed form, is taken as known in the first logged cycle.
+    Raises RecordError if no loop bounds friction above.
     """
     loops = _loops(record)
     if not loops:

@@ -170,11 +170,12 @@ def calibrate(
     `remote_compliance_um_per_N` between the sensor's point and that holder. As nothing slips, the result is the
     compliance between the points.
 
-    normal_loads_N: positive; by default 0.5, 1 and 1.5 times the study's. near: where the near displacement is taken.
-    remote_compliance_um_per_N: as the rig's owner states it. fidelity: of the mesh, which covers only the contact
-    itself. progress: called with the share done and what is being done. Raises StudyError if the study has variants to
-    choose from, a load is not positive, the contact has no friction, or its mesh takes more memory than there is;
-    SolverError if the contact does not converge.
+    normal_loads_N: positive; by default 0.5, 1 and 1.5 times the study's.  near: where the near displacement is taken.
+    remote_compliance_um_per_N: as the rig's owner states it.
+    fidelity: of the mesh, which covers only the contact itself.
+    progress: called with the share done and what is being done.
+    Raises StudyError if the study has variants to choose from, a load is not positive, the contact has no friction, or
+    its mesh takes more memory than there is; SolverError if the contact does not converge.
     """
     study = alone(study)
     loads = sorted(normal_loads_N or [share * study.conditions.normal_load_N for share in USUAL_LOADS])

@@ -92,8 +92,8 @@ class Stick(observable.ByLocalLines):
         return sites.branch * read_along(np.maximum.accumulate(q, axis=1), x, row, sites.level)
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """Differences as the branch shifts if the loop turns at another force, and as the force's zero moves readings
-        on a shelf.
+        """Solver differences: shift of the branch if the loop turns at another force, and of readings on a shelf with
+        the zero.
         """
         turned = observable.SLOPE_SHARE * loops.rise_N(sites) * loops.stick_compliance_um_per_N(sites)
         crossing = loops.travel_um(sites, observable.FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
@@ -150,7 +150,7 @@ class ShelfTravel(observable.OfLoops):
         ]
 
     def read(self, loop: ReducedLoop, site: observable.Site) -> tuple[float, float]:
-        """Travel in µm and its noise; half of the variance that the samples leave open counts as each reading's own."""
+        """Travel in µm and its noise, which includes half of the variance by the distance between samples."""
         travel, unsure = travel_between(loop.branches[int(site.branch < 0)], site.level)
         return travel, float(np.hypot(np.sqrt(0.5) * unsure, loop.displacement_noise_um))
 
@@ -158,8 +158,9 @@ class ShelfTravel(observable.OfLoops):
         return observable.travel_um(course, sites, -sites.level, sites.level)
 
     def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
-        """Error common to all repeats: the other half of that variance, as a repeatable drive samples every branch
-        alike.
+        """Error (n,) in µm common to all repeats: half of the variance by the distance between samples.
+
+        A repeatable drive takes its samples at the same places of every branch.
         """
         unsure = [
             travel_between(loop.branches[int(site.branch < 0)], site.level)[1]
@@ -271,7 +272,7 @@ class PlateauForce(observable.ByLocalLines):
         return sites.branch * read_along(still_to_come(x), q, row, self.along(sites))
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """Differences by ripples of the worn surface: a share of the force that slopes add."""
+        """Solver differences: a share of the force that slopes add, as the worn surface has ripples."""
         return observable.SolverSize(observable.SLOPE_SHARE * loops.rise_N(sites))
 
     def zone(self, sites: observable.Sites, amplitude_um: float) -> NDArray[np.str_]:
@@ -281,7 +282,7 @@ class PlateauForce(observable.ByLocalLines):
         return sites.level * sites.branch
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:
-        """Differences alike along the stroke, over shorter distances at the scar's walls."""
+        """Correlation of solver differences along the stroke, over shorter distances at the scar's walls."""
         along = self.along(sites) / scale.amplitude_um
         beyond = np.maximum(np.abs(along) - WALL_PLACE, 0.0)
         lengths = np.sign(along) * ((np.abs(along) - beyond) / observable.REACH + beyond / REACH_WALL)
@@ -309,8 +310,8 @@ class KneePeak(observable.OfLoops):
         return np.asarray(sites.branch * peaks[observable.rows_of(course, sites), (sites.branch < 0).astype(int)])
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """Differences where a wall begins, which depend on element size once there is a wall, but not on how high it
-        is.
+        """Solver differences at the beginning of a wall, which depend on element size, but hardly on the
+        wall's height.
         """
         rise = loops.rise_N(sites)
         high = rise / (1.0 + rise / (WALL_HEIGHT * loops.scale.force_N))
@@ -318,7 +319,7 @@ class KneePeak(observable.OfLoops):
         return observable.SolverSize(np.hypot(size, PEAK_SHARE * high))
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
-        """Smoothness over the cycles; both branches of a loop are independent, as each begins at its own wall."""
+        """Correlation of solver differences over the cycles; the branches of a loop are independent."""
         return replace(observable.Smoothness.of_whole_loops(len(sites)), turned=0.0)
 
 

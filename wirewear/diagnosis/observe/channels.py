@@ -227,9 +227,7 @@ class EvolutionFigure(Observable):
         return np.asarray(np.hypot(defined, np.sqrt(0.5) * self.missed(reading)))
 
     def missed(self, reading: Reading) -> float:  # noqa: ARG002
-        """Error in the column's unit of straight lines between few samples; half its variance counts as each reading's
-        own.
-        """
+        """Error in the column's unit by straight lines between few samples."""
         return 0.0
 
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:
@@ -267,7 +265,7 @@ class SlipAmplitude(EvolutionFigure):
         return _chord_error_um(reading)
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """Differences of the crossings of Q = 0, which lie anywhere on a shelf, and alike on every shelf."""
+        """Solver differences: crossings of Q = 0, which lie anywhere on a shelf, and alike on every shelf."""
         crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
         return SolverSize(np.zeros(len(sites)), own=crossing / np.sqrt(2.0), common=crossing)
 
@@ -284,7 +282,7 @@ class LargestForce(EvolutionFigure):
         return np.asarray(np.abs(force_N).max(axis=(1, 2)))
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """Differences as a share of the force that slopes add at the end of the stroke."""
+        """Solver differences: a share of the force that slopes add at the end of the stroke."""
         return SolverSize(SLOPE_SHARE * loops.rise_N(sites))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:

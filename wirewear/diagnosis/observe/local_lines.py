@@ -120,8 +120,8 @@ def force_at(
 ) -> LocalLine | None:
     """Force while sliding at a displacement, by a local line or parabola; None if no samples are near.
 
-    at_um: displacement in the branch's direction. window_um: samples within this distance are used. correlation: of the
-    noise of neighbouring samples.
+    at_um: displacement in the branch's direction.  window_um: samples within this distance are used.
+    correlation: of the noise of neighbouring samples.
     """
     x, q, first = branch.displacement_um[branch.sliding], branch.force_N[branch.sliding], branch.knee
     near = np.abs(x - at_um) < window_um

@@ -232,7 +232,9 @@ def _branch(
 
 
 def _sticking(branch: ObservedBranch) -> ObservedBranch:
-    """Copy of a branch in partial slip with its knee at the largest force."""
+    """Copy of a branch in partial slip with its knee at the largest force, so that all samples before it count as
+    sticking.
+    """
     return replace(branch, knee=int(np.argmax(branch.force_N)))
 
 
@@ -257,9 +259,9 @@ def _noise_of_samples(
 ) -> tuple[float, float, float | None]:
     """Noise of one force sample in N, its stretch by correlation in means, and the normal force's noise in N (or None).
 
-    sliding: displacements and forces of the branches past their knees. normal_N: normal forces there. rounding_N: noise
-    that the force's steps add. If samples are too few to separate noise from shape, the correlation is taken from the
-    normal force, or from the displacement about a smooth drive, or from the stated noise.
+    sliding: displacements and forces of the branches past their knees.  normal_N: normal forces there.
+    rounding_N: noise that the force's steps add. If samples are too few to separate noise from shape, the correlation
+    is taken from the normal force, or from the displacement about a smooth drive, or from the stated noise.
     """
     if (known := _force_noise(sliding, stated, rounding_N)) is not None:
         return *known, None

@@ -65,7 +65,7 @@ class _OfScars(observable.Observable):
         return observable.SolverSize(np.zeros(len(sites)), hooked=False)
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
-        """Independent differences for all numbers."""
+        """Solver differences are independent for all numbers."""
         return replace(observable.Smoothness.of_whole_loops(len(sites)), family=np.arange(len(sites)))
 
 
@@ -235,7 +235,7 @@ class ProfileDepths(observable.Observable):
         return values
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """Differences as a share of the depth, and by walls that stand elsewhere."""
+        """Solver differences: a share of the depth, and walls that stand elsewhere."""
         size = np.zeros(len(sites))
         for body, (x, depth) in loops.course.profiles.items():
             own = sites.wire == body
@@ -254,7 +254,7 @@ class ProfileDepths(observable.Observable):
         return np.where(place < MIDDLE, "profile_middle", np.where(place < FLANK, "profile_flanks", "profile_edges"))
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
-        """Differences alike along each body's scar, and independent between bodies."""
+        """Correlation of solver differences along each body's scar; bodies are independent."""
         family = np.array([BODIES.index(body) for body in sites.wire], dtype=np.intp)
         along = places_of(sites) / observable.REACH
         return replace(observable.Smoothness.of_whole_loops(len(sites)), along=along, family=family)

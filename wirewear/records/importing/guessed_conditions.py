@@ -55,8 +55,9 @@ def conditions_of(
 ) -> tuple[dict[str, Any], dict[str, float], list[str]]:
     """Conditions that the first file shows (others are open), signs of forces by key, and sentences on assumptions.
 
-    source: table `[loops]` of the mapping, whose columns may be changed in place. known: conditions that the user
-    states. Raises RecordError if the file holds too few samples, or its loops cannot be distinguished.
+    source: table `[loops]` of the mapping, whose columns may be changed in place.
+    known: conditions that the user states.
+    Raises RecordError if the file holds too few samples, or its loops cannot be distinguished.
     """
     closed = {key: own for key, own in source["columns"].items() if own["column"] != OPEN}
     columns = text.read(closed, length_mm) if closed else {}

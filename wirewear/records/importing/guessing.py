@@ -93,9 +93,9 @@ class GuessedMapping:
 def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touching) -> GuessedMapping:
     """Guess a mapping from files of one folder.
 
-    files: of loops, and possibly of an evolution and scars. known: keys of `[conditions]` and `name` as the user states
-    them. touching: bodies as the user states them. Raises RecordError, in one sentence, if no file holds loops, or one
-    of them cannot be read.
+    files: of loops, and possibly of an evolution and scars.
+    known: keys of `[conditions]` and `name` as the user states them.  touching: bodies as the user states them.
+    Raises RecordError, in one sentence, if no file holds loops, or one of them cannot be read.
     """
     found, stated = recognised_files(files), touching.stated
     extent = extent_of(stated.length_mm)
@@ -177,8 +177,8 @@ def loop_source(
 ) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
     """Table `[loops]` of a mapping, the conditions that the loops show, and sentences on assumptions.
 
-    length_mm: of a line contact, whose forces may be given per millimetre. Raises RecordError, in one sentence, if
-    something is missing that no file states.
+    length_mm: of a line contact, whose forces may be given per millimetre.
+    Raises RecordError, in one sentence, if something is missing that no file states.
     """
     first = loops[0]
     columns, remarks = mapped_columns(first, per_length=bool(extent_of(length_mm).units({"N": 1.0})))

@@ -106,8 +106,8 @@ def mapped_loops(
 ) -> tuple[tuple[MeasuredLoop, ...], tuple[str, ...]]:
     """Loops of a source, sorted, with forces that resist the motion, and notes on changes.
 
-    length_mm: of a line contact, whose forces may be given per millimetre. Raises RecordError if a file cannot be read
-    or lacks something, or a loop occurs twice.
+    length_mm: of a line contact, whose forces may be given per millimetre.
+    Raises RecordError if a file cannot be read or lacks something, or a loop occurs twice.
     """
     home = mapping_path.parent
     loops, loop_notes = list[MeasuredLoop](), list[str]()

@@ -112,9 +112,10 @@ def logged_loops(
 ) -> tuple[SampledLoop, ...]:
     """Loops of a logger's file, split by its columns of repeat and cycle, or else at the drive's reversals.
 
-    path: a text, or MATLAB's or LabVIEW's file. displacement, force: "COLUMN" or "COLUMN:UNIT", the column by its name
-    or number; None to recognise it. normal_load: a column as above, or a number in N; None to recognise a column, if
-    there is one. spelling: known encoding, delimiter, decimal sign and header of a text; None to guess all of it.
+    path: a text, or MATLAB's or LabVIEW's file.
+    displacement, force: "COLUMN" or "COLUMN:UNIT", the column by its name or number; None to recognise it.
+    normal_load: a column as above, or a number in N; None to recognise a column, if there is one.
+    spelling: known encoding, delimiter, decimal sign and header of a text; None to guess all of it.
     Raises RecordError if the file cannot be read, or a column or its unit cannot be identified.
     """
     file = table_of(path, spelling.layout(path) if spelling else None)
@@ -235,9 +236,10 @@ def read_loops(
 ) -> tuple[SampledLoop, ...]:
     """Loops of a logger's file (see `logged_loops`), a record's folder, a result file or a run's folder.
 
-    cycle: the only cycle wanted; None for all. variant: which run, if a folder holds several. displacement, force,
-    normal_load, spelling: for a logger's file, as in `logged_loops`. Raises RecordError if the source cannot be read,
-    has no loop of that cycle, or an option does not apply to it; ResultError if the result cannot be read.
+    cycle: the only cycle wanted; None for all.  variant: which run, if a folder holds several.
+    displacement, force, normal_load, spelling: for a logger's file, as in `logged_loops`.
+    Raises RecordError if the source cannot be read, has no loop of that cycle, or an option does not apply to it;
+    ResultError if the result cannot be read.
     """
     if not path.exists():
         raise RecordError(f"there is no file or folder {path}.")

@@ -248,8 +248,8 @@ class BodiesMapping(PointMapping, BodiesTest[Bodies], Generic[Bodies]):
 def unit_factor(name: str, mapping: ColumnMapping, length_mm: float | None = None) -> float:
     """Factor from the file's unit and calibration to the unit of the record's column `name`.
 
-    length_mm: of a line contact; units per length then stand for the whole contact's values. Raises ValueError, naming
-    the known units, if the unit is unknown for this column.
+    length_mm: of a line contact; units per length then stand for the whole contact's values.
+    Raises ValueError, naming the known units, if the unit is unknown for this column.
     """
     suffix = name.rpartition("_")[2]
     if mapping.unit is None:

@@ -103,8 +103,8 @@ def _gridded(x: Array, y: Array, height: Array) -> tuple[Array, Array, Array]:
 def scar_of(of: MapOfBody, x: Array, y: Array, height: Array, *, form: bool = True) -> MeasuredScar:
     """Scar from a map of heights (n_x, n_y) over lines x (n_x,), y (n_y,) in µm, with its origin in the scar's middle.
 
-    form: subtract the body's form as well. Raises RecordError if the points are too few, or lie beyond the body or at
-    another angle than the mapping says.
+    form: subtract the body's form as well.
+    Raises RecordError if the points are too few, or lie beyond the body or at another angle than the mapping says.
     """
     x, y = x - 0.5 * (x[0] + x[-1]), y - 0.5 * (y[0] + y[-1])
     crown, axis_deg, notes = None if of.crown_unknown else 0.0, of.axis_deg, tuple[str, ...]()
@@ -230,8 +230,8 @@ def levelled(
 ) -> MeasuredProfile:
     """Profile of worn depths from positions and heights, both (n,) in µm, with its origin in the scar's middle.
 
-    subtract: fit and subtract the unworn face. form: subtract the body's form as well. Raises RecordError if there are
-    too few points.
+    subtract: fit and subtract the unworn face.  form: subtract the body's form as well.
+    Raises RecordError if there are too few points.
     """
     x, height = heights
     if x.size < FEWEST_ON_LINE or np.ptp(x) <= 0.0:

@@ -83,8 +83,8 @@ def numbers_in_name(path: Path, source: Source) -> dict[str, int]:
 def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | None = None) -> dict[str, Array]:
     """Wanted columns of one file in the record's units: (n,), or (samples, cycles) from MATLAB.
 
-    length_mm: of a line contact, whose forces and energies may be given per millimetre. Raises RecordError if the file
-    cannot be read, lacks a column or holds text for a number.
+    length_mm: of a line contact, whose forces and energies may be given per millimetre.
+    Raises RecordError if the file cannot be read, lacks a column or holds text for a number.
     """
     factors = {}
     for name, mapping in wanted.items():
@@ -119,7 +119,7 @@ def layout_of(source: Source) -> DelimitedLayout:
 
 
 def wanted_columns(columns: Table) -> dict[str, ColumnMapping]:
-    """Columns that a table of columns names, by key."""
+    """Columns that a mapping gives in a table such as `LoopColumns`, by the record's column name."""
     return {name: getattr(columns, name) for name in type(columns).model_fields if getattr(columns, name) is not None}
 
 
@@ -137,9 +137,9 @@ def columns_of_levels(
 ) -> tuple[str, dict[str, Array]]:
     """The key that a file of worn surfaces gives, depth_um or height_um, and its columns (n,) including "repeat".
 
-    columns: as in the mapping's `table`. repeat: for files without a column of repeats. step_um: spacing of rows, if
-    there is no column of positions. Raises RecordError if the mapping gives no columns, or not exactly one of both
-    keys, or columns do not fit together.
+    columns: as in the mapping's `table`.  repeat: for files without a column of repeats.
+    step_um: spacing of rows, if there is no column of positions.
+    Raises RecordError if the mapping gives no columns, or not exactly one of both keys, or columns do not fit together.
     """
     if columns is None:
         raise RecordError(f'{file}: [{table}] must give columns, or kind = "{PROFILOMETER}".')

@@ -93,9 +93,9 @@ class Reader(ABC):
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
         """Wanted columns as they stand in the file: (n,), or (samples, cycles) for matrices.
 
-        layout: layout of delimited text by the mapping, for readers that need it. wanted: name or number (from 1) of
-        the file's column, by the record's column. Raises RecordError, in one sentence, if the file cannot be read,
-        lacks a column or holds text for a number.
+        layout: layout of delimited text by the mapping, for readers that need it.
+        wanted: name or number (from 1) of the file's column, by the record's column.
+        Raises RecordError, in one sentence, if the file cannot be read, lacks a column or holds text for a number.
         """
 
     def reads(self, head: bytes) -> bool:  # noqa: ARG002
