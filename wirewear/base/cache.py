@@ -153,8 +153,9 @@ class Identity:
 
 
 def identity_of(asked: Mapping[str, object], code: Iterable[str], plan: Mapping[str, object]) -> Identity:
-    """Identity of what is asked, answered by this code (files and folders of the program) with a plan that follows from
-    both.
+    """Identity of a result: `asked` is the question, `code` the program's files and folders that answer it.
+
+    plan: further settings that follow from both, and whose change makes another result.
     """
     beneath = {name: installed(name) for name in _BENEATH}
     return Identity(digest(asked), digest({"code": code_hash(tuple(code)), "beneath": beneath, "plan": plan}))

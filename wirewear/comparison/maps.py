@@ -80,7 +80,7 @@ class RunningConditions:
 
 
 def fresh_contact(study: Mapping[str, object]) -> FreshContact | None:
-    """Fresh contact of a resolved study; None if the study states too little, or has no friction, or a flat face."""
+    """Fresh contact of a resolved study; None if the study states too little, has no friction, or is of a pad."""
     try:
         stated = point_study(study, "the study")
     except StudyError:

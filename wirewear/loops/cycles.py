@@ -195,7 +195,7 @@ def _without_spikes(values: Array) -> Array:
 def signal_among(flagged: BoolArray, force: Array, time: Array, noise: float) -> BoolArray:
     """Mark the forces (n,) that were flagged as outliers but belong to the signal: slips, jumps or points on a line.
 
-    middle, noise and forces are in the same unit; `flagged` is not changed.
+    force, time: samples (n,) of a closed loop.  noise: standard deviation of one force.  flagged: not changed.
     """
     middle = 0.5 * float(np.percentile(force, 5) + np.percentile(force, 95))
     kept = _alike_dips(force, flagged, middle) | _usual_jumps(force, flagged, middle)

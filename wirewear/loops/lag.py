@@ -104,14 +104,14 @@ def _passed(rise: Array, begin: int, level: float) -> float:
 
 
 def earlier(loop: CleanLoop, samples: float) -> CleanLoop:
-    """Copy of the loop with its force read so many samples earlier, on the closed cycle."""
+    """Copy of the loop with its force read `samples` samples earlier (interpolated), on the closed cycle."""
     places = np.arange(loop.force_N.size, dtype=float)
     force = np.interp(places + samples, places, loop.force_N, period=loop.force_N.size)
     return replace(loop, force_N=force)
 
 
 def branch_earlier(branch: Branch, samples: float) -> Branch:
-    """Copy of the branch with its force read so many samples earlier."""
+    """Copy of the branch with its force read `samples` samples earlier (interpolated)."""
     places = np.arange(branch.force_N.size, dtype=float)
     return replace(branch, force_N=np.interp(places + samples, places, branch.force_N))
 

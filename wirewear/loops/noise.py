@@ -88,7 +88,7 @@ def _rounded(parts: Sequence[tuple[Array, Array]], correlation: float, share: fl
 def _restricted(parts: Sequence[tuple[Array, Array]], correlation: float) -> tuple[float, int, float]:
     """Mean square of the noise, degrees of freedom, and the term of determinants in the restricted log-likelihood.
 
-    parts: as for `correlated_noise`. correlation: between neighbouring samples.
+    parts: as for `correlated_noise`.  correlation: between neighbouring samples.
     """
     squares, free, determinants = 0.0, 0, 0.0
     for design, values in parts:

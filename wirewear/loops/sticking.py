@@ -109,7 +109,7 @@ def slip_of(
 
 
 def notes_on(regime: Regime, sticking: Sticking | None) -> list[str]:
-    """Sentences on what a loop without a plateau tells of friction."""
+    """Sentences on the friction that a loop without a plateau shows, and on its limits."""
     if regime != "partial slip":
         return [] if sticking is None else [SHORT]
     if sticking is None:
@@ -165,7 +165,10 @@ def _slope(branch: Branch, slip: MicroSlip) -> Array:
 
 
 def _about(readings: _Readings, tried: Array, left: Array) -> Array:
-    """A finer search over the ranges that the contacts `left` span, widened by one step; array as of `_searched`."""
+    """Contacts of a finer search over the ranges that the contacts in `left` span, widened by one step on either side.
+
+    All arrays are (7, n) with the rows of `_searched`.
+    """
     parts, travels = np.unique(tried[4]), np.unique(tried[5])
     low, high = left[4].min(), left[4].max()
     shares = np.linspace(max(parts[parts < low], default=low), min(parts[parts > high], default=high), SHARES.size)

@@ -50,9 +50,9 @@ class Corner:
 
     @property
     def sliding_over_measured_stiffness(self) -> float:
-        """Secant stiffness of the whole micro-slip over K_t,m, which is the slope of its first half; at most 1.
+        """Secant stiffness of the whole micro-slip over K_t,m, the slope of its first half; at most 1.
 
-        The secant stiffness is what bodies, rig and contact have yielded by when sliding begins.
+        Force over secant stiffness is the elastic yielding of bodies, rig and contact when sliding begins.
         """
         travel = np.linspace(0.0, 0.5, 101)
         slope = np.polyfit(travel, remaining_force(travel, min(self.share, 1.0)), 1)[0]

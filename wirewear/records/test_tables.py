@@ -47,7 +47,9 @@ class OfTest(Table):
 
     @property
     def extent(self) -> Extent:
-        """Extent of the contact across its motion: per millimetre of a line contact, or the whole contact."""
+        """Extent of the contact across its motion: one millimetre of a line contact is computed, a contact at a point
+        whole.
+        """
         return extent_of(self.length_mm)
 
     @property

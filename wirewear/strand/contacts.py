@@ -33,10 +33,10 @@ class Bend:
 
 @dataclass(frozen=True)
 class LoadedWire:
-    """Wire of a layer with its stresses along its axis in a cycle; all are those at the extrados.
+    """Wire of a layer with its stresses along its axis in a cycle, all at the extrados.
 
-    Bending stress is E d/D (Reuleaux). `axial_amplitude_MPa` is that of the tension and of what friction adds in
-    bending.
+    Bending stress is E d/D (Reuleaux). `axial_amplitude_MPa` includes the amplitude of the tension and the tension that
+    friction adds in bending.
     """
 
     name: str
@@ -196,7 +196,7 @@ class _Bent:
         return slip_courses(layers, self.bend.friction, self.outside_N_per_mm, presses)
 
     def loads_N_per_mm(self) -> list[float]:
-        """Radial load of each layer on what lies below, of all its members per mm of the axis."""
+        """Radial load of each layer on the layer or core below, of all its members per mm of the axis."""
         found: list[float] = []
         above = self.outside_N_per_mm
         for own in reversed(self.strand.layers):
@@ -227,7 +227,9 @@ class _Bent:
         return self._loaded("core", core, share * self.tension_N, share * self.gained_N)
 
     def _tensions(self, place: int) -> tuple[float, float]:
-        """Tension of one member of the layer with this index, and what friction adds to it at the extrados, in N."""
+        """Mean tension of one member of the layer with this index, and the tension that friction adds at the extrados,
+        in N.
+        """
         share = self.strand.member_tension_N(self.strand.layers[place], 1.0)
         own = self.courses()[place].gained_N(self.bend.curvature_per_mm)
         return share * self.tension_N, share * self.gained_N + own

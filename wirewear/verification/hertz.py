@@ -56,7 +56,7 @@ def wire_geometry(resolution: float, *, radius_mm: float = RADIUS_mm, long_patch
 
 @cache
 def condensed(geometry: BodyGeometry) -> CondensedBody:
-    """Steel body of this geometry, condensed anew because a verification must not use the cache on disk."""
+    """Steel body of this geometry, always condensed here, as a verification must not use the cache on disk."""
     meshed = build_body(geometry)
     return replace(condense(meshed.mesh, meshed.patch, STEEL), bricks=Bricks(STEEL, geometry.layers))
 
@@ -127,7 +127,7 @@ def crossed_bulk_compliance(body: CondensedBody, *, normal: bool, contact_radius
 
 
 def ellipse_rows(level: Level) -> tuple[Row, ...]:
-    """Peak pressure, approach, both semi-axes and direction of the major one, for wires crossed at 60°."""
+    """Rows on peak pressure, approach, both semi-axes and direction of the major one, for wires crossed at 60°."""
     resolution = level.hertz_resolutions[-1]
     load = LOAD_N * level.enlarged**3
     large = condensed(wire_geometry(resolution))
@@ -202,8 +202,8 @@ class _Solution:
 
 
 def hertz_rows(level: Level) -> tuple[Row, ...]:
-    """Peak pressure, approach and radius on each mesh, rows on whether their errors fall, and further rows on the
-    finest.
+    """Rows on peak pressure, approach and radius on each mesh, on whether their errors fall, and on further finest
+    results.
 
     The radius is that of the Hertz pressure with the same second moment, a² = 5/2 <r²>; the radius of the nodes in
     contact, which comes in steps, is checked to within an element. The layers under the patch are refined as well; with

@@ -50,7 +50,9 @@ _PARTIAL, _SLIDING = 0.5, 3.0
 
 
 def interior_rows(level: Level) -> tuple[Row, ...]:
-    """Largest von Mises stress and its depth under wires and under a line contact, and equilibrium of the held wire."""
+    """Rows on the largest von Mises stress and its depth under wires and a line contact, and on equilibrium of the held
+    wire.
+    """
     return (*wire_rows(level), *line_rows(level))
 
 
@@ -161,7 +163,7 @@ def _peak(points: IntegrationPoints, stress: Array, radius_mm: float) -> tuple[f
 
 
 def surface_rows(level: Level) -> tuple[Row, ...]:
-    """Tension at the trailing edge in partial slip and in sliding: along and across wires, on a flat and on a ball."""
+    """Rows on the tension at the trailing edge in partial slip and in sliding: on wires, on a flat and on a ball."""
     wire, flat, ball = (build_body(geometry) for geometry in _geometries(level.surface_resolution))
     return (
         *_pair_rows({"along the wire": (wire, 0), "across the wire": (wire, 1)}, 90.0, level),

@@ -41,7 +41,7 @@ _BULK_SHARE = 0.8
 
 
 def stuck_line_rows(level: Level) -> tuple[Row, ...]:
-    """Tangential stiffness per length between points 1 mm deep under a stuck contact 0.2 mm wide."""
+    """Row on the tangential stiffness per length between points 1 mm deep under a stuck contact 0.2 mm wide."""
     a = 0.1
     along = GradedAxis(a / level.line_resolution, 1.2 * a, a, 3.0 * a)
     block = build_planar(PlanarGeometry(Flat(), _BLOCK_mm, _BLOCK_mm, along, 3.0, 1.2))
@@ -52,7 +52,7 @@ def stuck_line_rows(level: Level) -> tuple[Row, ...]:
 
 
 def line_contact_rows(level: Level) -> tuple[Row, ...]:
-    """Half-width, pressures, stick zone at Q* = 0.5 µP, and inner edge of the reverse slip back at Q = 0."""
+    """Rows on half-width, pressures, stick zone at Q* = 0.5 µP, and inner edge of the reverse slip back at Q = 0."""
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     problem = cylinder_on_flat(exact.half_width_mm / level.line_resolution)
     pressed, report = solvers.press(problem, solvers.unloaded_state(problem))
@@ -149,7 +149,7 @@ def _shear(state: solvers.ContactState) -> Array:
 
 
 def line_surface_rows(level: Level) -> tuple[Row, ...]:
-    """Tension at the trailing edge of cylinder and flat, in partial slip and in sliding."""
+    """Rows on the tension at the trailing edge of cylinder and flat, in partial slip and in sliding."""
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     element = exact.half_width_mm / level.line_surface_resolution
     problem = cylinder_on_flat(element)
@@ -179,7 +179,7 @@ def line_surface_rows(level: Level) -> tuple[Row, ...]:
 
 
 def bulk_rows(level: Level) -> tuple[Row, ...]:
-    """Shift and half-width of the stick zone under a flat loaded by a bulk tension in step with the motion, and edge
+    """Rows on shift and half-width of the stick zone on a flat under bulk tension in step with the motion, and edge
     tension.
     """
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))

@@ -59,7 +59,9 @@ _COMPLIANCE_TOLERANCE = 0.04
 
 
 def worn_pressure_rows(level: Level) -> tuple[Row, ...]:
-    """Mirror error of a worn line contact's pressures, and its pressures beside those of three finer runs."""
+    """Rows on the mirror error of a worn line contact's pressures, and on its pressures beside those of three finer
+    runs.
+    """
     cycles = level.worn_line_cycles
     name, own = f"Worn line contact, {cycles} cycles", _worn(cycles, {})
     mirror = compared(
@@ -98,7 +100,7 @@ def _study(cycles: int, mesh: dict[str, float]) -> LineStudy:
 
 
 def partial_slip_wear_rows(level: Level) -> tuple[Row, ...]:
-    """Radius of the stuck core, worn volume and largest depth of both wires after wear has ended."""
+    """Rows on the radius of the stuck core, worn volume and largest depth of both wires after wear has ended."""
     body = condensed(wire_geometry(level.partial_slip_wear_resolution))
     bulk = [crossed_bulk_compliance(body, normal=n, contact_radius_mm=CONTACT_RADIUS_mm) for n in (True, False)]
     shear = reference.tangential_contact_modulus(STEEL, STEEL)
@@ -134,7 +136,9 @@ def _worn_out(problem: solvers.ContactProblem) -> solvers.ContactState:
 
 
 def partial_slip_rows(level: Level) -> tuple[Row, ...]:
-    """Initial compliance, and stick radius, displacement and energy of a closed cycle at two tangential forces."""
+    """Rows on initial compliance, and on stick radius, displacement and energy of a closed cycle at two tangential
+    forces.
+    """
     load, radius = LOAD_N * level.enlarged**3, CONTACT_RADIUS_mm * level.enlarged
     modulus = reference.tangential_contact_modulus(STEEL, STEEL)
     exact = reference.partial_slip_point(load, FRICTION, radius, modulus)

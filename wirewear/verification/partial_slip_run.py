@@ -40,7 +40,7 @@ _BALL: Mapping[str, object] = {"shape": "ball", "diameter_mm": 12.7}
 
 
 def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
-    """Radius of the stuck core, worn volume and largest depth of both wires at the end of a run."""
+    """Rows on the radius of the stuck core, worn volume and largest depth of both wires at the end of a run."""
     resolution = level.partial_slip_run_resolution
     study, exact = worn_out_study(resolution), limiting_shape(resolution)
     result = simulate(study, fidelity="quick")
@@ -159,7 +159,7 @@ def _meshed(study: Study, level: Level) -> tuple[CondensedBody, CondensedBody]:
 
 
 def block_rows(level: Level) -> tuple[Row, ...]:
-    """Peak pressure, approach and semi-axes of all pairs; compliance, stick radius and energy of the ball on a flat."""
+    """Rows on peak pressure, approach and semi-axes of all pairs, and on partial slip of the ball on a flat."""
     rows: list[Row] = []
     for name, lower, upper in _PAIRS:
         study = study_of(lower, upper)

@@ -33,7 +33,9 @@ _WEAR = WearRates(upper_mm3_per_mJ=5e-8, lower_mm3_per_mJ=5e-8)
 
 
 def rig_loop_rows(level: Level) -> tuple[Row, ...]:
-    """Friction work, loop area, half-width at zero force and largest force of a loop behind the rig's spring."""
+    """Rows on friction work, loop area, half-width at zero force and largest force of a loop behind the rig's
+    spring.
+    """
     body = hertz.condensed(hertz.wire_geometry(level.loop_resolution, long_patch=True))
     bulk = hertz.crossed_bulk_compliance(body, normal=False, contact_radius_mm=hertz.CONTACT_RADIUS_mm)
     contact = reference.partial_slip_point(
@@ -58,9 +60,7 @@ def rig_loop_rows(level: Level) -> tuple[Row, ...]:
 
 
 def book_keeping_rows(level: Level) -> tuple[Row, ...]:
-    """Energy and worn volumes after a cycle jump, and loop area and friction work of a closed loop on the worn
-    wires.
-    """
+    """Rows on energy and worn volumes after a cycle jump, and on area and work of a closed loop on the worn wires."""
     problem = sliding_wires(level.loop_resolution, wear=_RATES)
     fresh = at_end_of_stroke(problem)
     _, first = solvers.closed_adaptive_cycle(problem, fresh, solvers.Drive(AMPLITUDE_mm), INCREMENTS)

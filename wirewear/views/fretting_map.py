@@ -40,7 +40,7 @@ def is_map(result: SweepResult) -> bool:
 
 
 def regime_of_run(figures: Mapping[str, float | None], amplitude_um: float) -> str | None:
-    """Regime of a run: stick, partial or gross slip, or mixed if its first and last cycle differ; None if a figure is
+    """Regime of a run by its first and last cycle: "mixed" if only one of them is in gross slip; None if a figure is
     missing.
     """
     found = []

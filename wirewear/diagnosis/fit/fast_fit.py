@@ -282,7 +282,7 @@ def figures_of_model(
     """Figures (n, FITTED) of the fast model's loops at n cycles, with this number of samples, analysed as measured
     loops are.
 
-    coordinates: as of `FastFit`.
+    coordinates: logarithm of friction and compliance, or of friction that runs in, as in `FastFit`.
     """
     course = _friction(coordinates)
     asked = replace(setup, friction=course.final, compliance_um_per_N=float(coordinates[-1]))

@@ -339,7 +339,7 @@ def peak_N(past_um: Array, force_N: Array, amplitude_um: float, correlation: flo
 
 
 def computed_peaks_N(displacement_um: Array, force_N: Array) -> Array:
-    """Peaks as of `peak_N` (n, 2) for computed branches (n, 2, m), both in order of travel."""
+    """Excess force past the knee (n, 2), as `peak_N` gives it, of computed branches (n, 2, m) in order of travel."""
     sign = np.array([1.0, -1.0])[:, None]
     x, q = sign * displacement_um, sign * force_N
     travel = x - x[..., :1]
