@@ -20,13 +20,13 @@ class Course:
     initial: float
     final: float
     cycles: float = 1.0  #: n_c, after which 63 % of the change has happened.
-    #: m, 1 for a plain exponential; below it the change begins earlier and ends later, as where many processes run in
-    #: side by side (Kohlrausch).
+    #: m: 1 for a plain exponential; below 1 the change begins earlier and ends later, as for many processes at
+    #: different rates (Kohlrausch).
     steepness: float = 1.0
-    #: k, 0 for what goes at a rate proportional to what is left r, else dr ∝ r^(1 + k): with 1 it goes hyperbolically,
-    #: with −1 evenly until it is over, (1 + (e^k − 1)(n/n_c)^m)^(−1/k).
+    #: k: the remaining change r falls as dr ∝ r^(1 + k): 0 exponential, 1 hyperbolic, −1 linear until it ends;
+    #: r = (1 + (e^k − 1)(n/n_c)^m)^(−1/k).
     order: float = 0.0
-    lasting: float = 0.0  #: Share of the change that never comes.
+    lasting: float = 0.0  #: Share of the change that never happens.
 
     @classmethod
     def constant(cls, value: float) -> "Course":

@@ -72,15 +72,15 @@ def in_doubt(field: str) -> bool:
 class DelimitedLayout:
     """Layout of a delimited text."""
 
-    delimiter: str | None = ","  #: Between fields, None for any white space.
-    decimal: str = "."  #: Sign, "." or ",".
+    delimiter: str | None = ","  #: Delimiter of fields; None for any white space.
+    decimal: str = "."  #: Decimal sign, "." or ",".
     encoding: str = _UTF8
-    header_lines: int = 0  #: Before the line of names.
-    names_line: bool = True  #: Whether there is one.
-    lines_after_names: int = 0  #: Such as one of units.
+    header_lines: int = 0  #: Number of lines before the line of names.
+    names_line: bool = True  #: True if a line names the columns.
+    lines_after_names: int = 0  #: Number of lines between names and numbers, such as one of units.
     ragged: bool = False  #: Whether rows may be shorter than the line of names.
-    most_rows: int | None = None  #: Lines of numbers that are read, None for all that follow.
-    blocks: bool = False  #: Whether words above each of several tables, or sheets' titles, number these (see `blocks`).
+    most_rows: int | None = None  #: Number of lines of numbers that are read; None for all.
+    blocks: bool = False  #: True if several tables are read, numbered by words above each (see `blocks`).
 
     @property
     def line_of_names(self) -> int:

@@ -53,7 +53,7 @@ class Engine(ABC):
     once more; its result is yielded once.
     """
 
-    #: In a message: what the engine works with.
+    #: Words for messages on where tasks are computed.
     words: str
 
     @property

@@ -53,14 +53,13 @@ class GuessedLayout:
     layout: delimited.DelimitedLayout
     names: tuple[str, ...]
     units: tuple[str, ...]
-    width: int = 0  #: Fields of a row, as a text without names has them, too.
-    sample_rate_Hz: float | None = None  #: As the header states it.
-    clocks: bool = False  #: Whether a column holds times of day.
-    #: Layouts of each, where several stand below the same names, or the one whose rows end before the text does; else
-    #: empty.
+    width: int = 0  #: Number of fields in a row.
+    sample_rate_Hz: float | None = None  #: Sample rate that the header states.
+    clocks: bool = False  #: True if a column holds times of day.
+    #: Layouts of several tables with the same names, or of a table followed by other text; else empty.
     tables: tuple[delimited.DelimitedLayout, ...] = ()
-    step_um: float | None = None  #: From point to point of a line of heights, as the header states it.
-    words: frozenset[int] = frozenset()  #: Places of the columns of words.
+    step_um: float | None = None  #: Spacing of points of a line of heights, as the header states it.
+    words: frozenset[int] = frozenset()  #: Indices of the columns of words.
     remarks: tuple[str, ...] = ()  #: Sentences on blocks and sheets.
 
     @property

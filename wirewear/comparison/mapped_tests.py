@@ -56,19 +56,19 @@ class WornTest:
 class MappedTest:
     """One test with one or several repeats."""
 
-    name: str  #: Its title.
-    source: Source | Literal["record"]  #: "measured" or "simulated", or "record" where a record does not say which.
-    path: str  #: What it was read from.
-    normal_load_N: float  #: Mean of the loops' median load, or what was asked for.
+    name: str  #: Title of the test.
+    source: Source | Literal["record"]  #: Origin of the data; "record" if a record does not state it.
+    path: str  #: Path that it was read from.
+    normal_load_N: float  #: Mean of the loops' median load, or the asked load.
     displacement_amplitude_um: float  #: δa, mean of all loops.
     worn: tuple[WornTest, ...]  #: Energy and volume of each repeat that states both.
     slip_amplitude_um: tuple[float, float] = (float("nan"), float("nan"))  #: δ0 at the first and at the last cycle.
-    regime: RegimeOfTest = "partial slip"  #: "mixed" where some of its loops slide as a whole and others do not.
+    regime: RegimeOfTest = "partial slip"  #: "mixed" if only some loops slide as a whole.
     sliding: tuple[SlidingMap, ...] = ()  #: Criteria of sliding by cycle.
     cracks: str | None = None  #: "found" or "none", where the test's owner looked for them.
     contact: FreshContact | None = None  #: The fresh contact behind its rig; None where too little is known of it.
     friction: float = float("nan")  #: Coefficient by geometry, mean of all loops; NaN where none slides.
-    extent: Extent = WHOLE  #: Of the contact; load, energies and volumes are of a millimetre of a line contact.
+    extent: Extent = WHOLE  #: Extent of the contact; load, energies and volumes are per mm of a line contact.
 
     @property
     def repeats(self) -> int:

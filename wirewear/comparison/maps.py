@@ -228,11 +228,11 @@ class RegressionLine:
     """
 
     slope_mm3_per_J: float  #: Worn volume per friction energy.
-    #: Of the slope; infinite where there is one test more than nothing to estimate it by.
+    #: Interval of the slope; infinite if one test alone leaves it unknown.
     slope_interval95: tuple[float, float]
     threshold_J: float  #: Energy below which nothing wears; 0 for a line through the origin.
-    threshold_interval95: tuple[float, float]  #: By the scatter of slope and intercept.
-    #: Share of the volumes' scatter about their mean that the line explains (R²); NaN where they agree.
+    threshold_interval95: tuple[float, float]  #: Interval of the threshold.
+    #: Share of the volumes' variance that the line explains (R²); NaN if all volumes are equal.
     explained: float
     tests: int
 

@@ -149,14 +149,14 @@ class Branch:
 class MicroSlip:
     """Fit of one branch: a spring in series with a Mindlin contact up to the onset of gross slip, then a plateau."""
 
-    travel_um: float  #: From the reversal to the onset of gross slip; beyond the branch in partial slip.
+    travel_um: float  #: Travel from reversal to onset of gross slip; beyond the branch in partial slip.
     height_N: float  #: Rise of the force from the reversal to the onset (extrapolated in partial slip).
-    plateau_slope_N_per_um: float  #: Mean slope.
+    plateau_slope_N_per_um: float  #: Mean slope of the plateau.
     misfit: float  #: Sum of squared residuals.
     slides: bool  #: Whether a plateau was found.
-    length_um: float  #: From reversal to reversal.
+    length_um: float  #: Travel from reversal to reversal.
     plateau: tuple[float, ...]  #: Coefficients of the plateau's polynomial in travel/length − ½.
-    shape: int  #: Row of the table of micro-slip shapes.
+    shape: int  #: Index of the fitted shape in SHARES.
 
     @property
     def share(self) -> float:

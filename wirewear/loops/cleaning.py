@@ -60,19 +60,19 @@ class CleanLoop:
     force_N: Array  #: Tangential force (n,).
     normal_force_N: Array | None  #: Smooth normal force (n,), or None.
     time: Array  #: Times of the samples, in any unit (n,).
-    times_known: bool  #: Whether these were given; else the samples count as evenly spread.
+    times_known: bool  #: True if times were given; else samples count as evenly spread.
     index: NDArray[np.intp]  #: Position of each sample in the input (n,).
     displacement_noise_um: float  #: Standard deviation of one entry of displacement_um.
     raw_noise_um: float  #: Standard deviation of one entry of raw_displacement_um.
-    smoothed: bool  #: Whether a smooth drive stands in for the displacement's samples.
+    smoothed: bool  #: True if `displacement_um` is smoothed.
     force_noise_N: float  #: Standard deviation of one tangential force.
     normal_noise_N: float  #: Standard deviation of the mean normal force.
     outliers: tuple[int, ...]  #: Positions in the input of the samples left out.
-    notes: tuple[str, ...]  #: What was assumed or corrected.
-    past: int = 0  #: How many of these were left out as they run on past one cycle.
+    notes: tuple[str, ...]  #: Sentences on assumptions and corrections.
+    past: int = 0  #: Number of samples left out because they lie behind one cycle.
     #: Displacement per force that was added to both displacements (see `wirewear.loops.branches`).
     lean_um_per_N: float = 0.0
-    may_drift_by: float = 0.0  #: Displacement per time by which the drive may move off, as well as have another period.
+    may_drift_by: float = 0.0  #: Possible drift, displacement per time; another period is as likely.
 
     @property
     def amplitude_noise_um(self) -> float:

@@ -34,10 +34,10 @@ STILL = "the clock stands still, and tells no time of a sample"
 class Clock:
     """Repaired times of samples, in the order in which they were recorded."""
 
-    time_s: Array | None  #: (n,); None where the clock does not tell them.
-    note: str = ""  #: What was found or done, "" of a clock that is fine enough.
-    doubt_s: float = 0.0  #: By how much times on either side of a gap may be off each other.
-    gaps: bool = False  #: Of a clock that is too coarse, whether the log has gaps.
+    time_s: Array | None  #: Repaired times (n,); None if unknown.
+    note: str = ""  #: Sentence on the repair; "" if none was needed.
+    doubt_s: float = 0.0  #: Uncertainty of times across a gap in the log.
+    gaps: bool = False  #: True if times are unknown and the log has gaps.
 
 
 def read_clock(time_s: Array, displacement_um: Array, force_N: Array, parts: Sequence[Array] = ()) -> Clock:

@@ -29,11 +29,11 @@ WINDOWS, MOST_WINDOWS = 8, 2000  #: Beginnings in each cycle, and in all, of win
 class SmoothSignal:
     """Smooth course of a sampled signal, with the noise of its samples and the samples that stand out."""
 
-    values: Array  #: The smooth signal, or the samples themselves where no smooth signal explains them (n,).
+    values: Array  #: Smooth signal (n,), or the samples where no smooth signal explains them.
     noise: float  #: Standard deviation of one sample.
     deviation: float  #: Standard deviation of one entry of values.
-    outliers: BoolArray  #: Samples further than 5 noise from the smooth signal (n,).
-    smoothed: bool  #: Whether values are smooth.
+    outliers: BoolArray  #: Marks (n,) of samples farther than 5 noise from the smooth signal.
+    smoothed: bool  #: False if `values` are the samples.
 
 
 def smooth_periodic(time: Array, values: Array, *, lowest_harmonic: int = 1) -> SmoothSignal:

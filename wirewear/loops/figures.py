@@ -81,7 +81,7 @@ class StickSlip:
     slips_per_cycle: int  #: How often the force falls in one cycle.
     frequency_Hz: float | None  #: Slips per second of sliding; None where no times are known.
     force_drop_share: Measured  #: Median fall of the force over the sliding force.
-    resolved: bool  #: Whether a slip has samples enough to be counted; else there may be more of them.
+    resolved: bool  #: True if samples are dense enough to count all slips.
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,13 +92,13 @@ class Sticking:
     """
 
     chi_squared: Array
-    limit_N: Array  #: µP.
-    deviation_N: Array  #: Its standard deviation were all else known.
+    limit_N: Array  #: Friction limit µP.
+    deviation_N: Array  #: Standard deviation of µP if all other parameters were known.
     share: Array  #: Q*/µP; 1 where the contact slides.
-    contact_um_per_N: Array  #: Compliance of the contact while all of it sticks; 0 for cylinders, whose is none.
-    rig_um_per_N: Array  #: That of the spring in series.
-    unseen: BoolArray  #: Whether the loop is too thin to tell the contact from one that does not slip at all.
-    load_N: Measured | None  #: The steady load; None where none is known.
+    contact_um_per_N: Array  #: Compliance of the fully sticking contact; 0 for parallel cylinders.
+    rig_um_per_N: Array  #: Compliance of bodies and rig, in series.
+    unseen: BoolArray  #: True if the loop does not show that the contact slips at all.
+    load_N: Measured | None  #: Constant normal load; None if unknown.
 
     def given(self, contact_um_per_N: float, doubt: float) -> "Sticking":
         """Candidates that remain if the sticking contact's compliance is known, with the relative deviation `doubt`."""
@@ -192,7 +192,7 @@ class LoopFigures:
     slip_amplitude_um: Measured  #: δ0, half the loop's width at its mid force.
     dissipated_energy_mJ: Measured  #: E_d, the loop's area.
     measured_stiffness_N_per_um: Measured | None  #: K_t,m, mean slope of the two micro-slip branches.
-    branches: tuple[MicroSlipBranch, MicroSlipBranch]  #: Those two branches, forward then backward.
+    branches: tuple[MicroSlipBranch, MicroSlipBranch]  #: Micro-slip branches: forward, backward.
     friction_max: Measured | None  #: max|Q|/P over the cycle.
     friction_energy: Measured | None  #: E_d/(4Pδ0).
     friction_geometry_independent: Measured | None  #: Tan of the mean friction angle of both directions at mid-slip.
@@ -205,24 +205,24 @@ class LoopFigures:
     corner_curvature: Measured | None
     #: A = E_d/(4 δa Q*), 0.2 at the transition to gross slip; the rig's compliance lowers it.
     energy_ratio: Measured | None
-    system_free_ratio: Measured | None  #: B = E_d/(4 δ0 Q*), 0.77 there, whatever the rig.
+    system_free_ratio: Measured | None  #: B = E_d/(4 δ0 Q*), 0.77 at that transition for any rig.
     mean_force_N: Measured  #: Path average of Q over both directions of the same stroke.
     asymmetry: Measured | None  #: (Q₊ − |Q₋|)/(Q₊ + |Q₋|) at mid-slip.
-    #: Width of the shelf about zero force, mean of both branches; None where there is none.
+    #: Free play of the holder: width of the shelf about zero force, mean of both branches; None without a shelf.
     free_play_um: Measured | None
-    force_zero_N: Measured | None  #: Force at which the shelf lies: where the sensor has its zero.
+    force_zero_N: Measured | None  #: Zero error of the force sensor: force of the shelf.
     friction_forward: Measured | None  #: Q₊/P at mid-slip, from the shelf's force if there is one.
-    friction_backward: Measured | None  #: |Q₋|/P, likewise.
-    #: By which share the force first passes the later peaks of the plateau; None if it does not.
+    friction_backward: Measured | None  #: |Q₋|/P at mid-slip, from the shelf's force if any.
+    #: Share by which a static peak exceeds the plateau's later peaks; None without a static peak.
     static_overshoot: Measured | None
-    stick_slip: StickSlip | None  #: Chatter of the plateaus; None where there is none.
-    #: "gross slip" when a plateau follows the micro-slip branches, or nothing else makes such a loop; else "contact
-    #: opened" where the normal force falls to zero within the cycle, and else "partial slip".
+    stick_slip: StickSlip | None  #: Stick-slip on the plateaus; None if there is none.
+    #: "gross slip" if a plateau follows the micro-slip branches, or only sliding explains the loop; else "contact
+    #: opened" if the normal force falls to zero within the cycle; else "partial slip".
     regime: Regime
-    regimes: tuple[Regime, ...]  #: What doubt leaves of it, in the order of growing slip; "stick" is one of them.
+    regimes: tuple[Regime, ...]  #: Regimes that the loop allows, in the order of growing slip.
     outlier_samples: tuple[int, ...]  #: Indices of input samples left out as outliers.
     notes: tuple[str, ...]  #: Sentences about what was left out, assumed or corrected.
-    #: All contacts that a loop in partial slip allows for; None where it slides.
+    #: Contacts that a loop in partial slip allows; None if it slides as a whole.
     sticking: Sticking | None = field(default=None, compare=False, repr=False)
 
     @property

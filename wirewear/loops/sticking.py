@@ -122,11 +122,11 @@ class _Readings:
     """Both branches one after the other (n,): forces over noise, with reading errors (k columns) projected out."""
 
     travel_um: Array
-    length_um: float  #: Mean of both.
+    length_um: float  #: Travel from reversal to reversal, mean of both branches.
     per_noise: Array  #: Inverse of the forces' noise (n,), in 1/N.
-    basis: Array  #: Orthonormal columns of what readings may hide, with the rows that say how likely they do.
-    freed: Array  #: (n + k,)
-    likely: float  #: Squares of what contacts depart from such courses by, over those of the noise.
+    basis: Array  #: Orthonormal columns (n + k, k) of possible reading errors, with rows for their likelihood.
+    freed: Array  #: Forces over their noise (n + k,), with reading errors projected out.
+    likely: float  #: Variance by which contacts depart from the model, over that of the noise.
 
     def clear(self, columns: Array) -> Array:
         """Columns (…, n + k) with the possible reading errors projected out."""

@@ -24,7 +24,7 @@ class HeldBody:
 
     edge: Array
     grip: Array
-    elastic: bool = False  #: Whether the grip gives way.
+    elastic: bool = False  #: True if the grip is elastic.
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Supports:
     tangential: str = ""
     normal: str = ""
     rotational: str = ""
-    #: Of the point about which the holder rotates, in mm above the contact; None where it does not.
+    #: Height of the holder's pivot above the contact in mm; None if it does not rotate.
     pivot_height: float | None = None
 
 

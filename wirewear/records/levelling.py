@@ -219,8 +219,8 @@ class _Candidates:
     rest: Array
     slopes: Array
     border: BoolArray
-    sharp: float  #: Standard deviation of a height at least.
-    range: float  #: Of heights.
+    sharp: float  #: Smallest standard deviation of a height.
+    range: float  #: Range of the heights.
 
     @cached_property
     def scales(self) -> Array:

@@ -246,7 +246,7 @@ class Remark:
     level: Literal["problem", "note"]
     topic: str
     text: str
-    refuses: bool = False  #: Nothing should be concluded from the record before this is cleared up.
+    refuses: bool = False  #: True if the record allows no conclusion because of this.
 
 
 @dataclass(frozen=True)

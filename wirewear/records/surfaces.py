@@ -13,13 +13,13 @@ _REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
 class WornSurfaces:
     """Names and columns of the worn surfaces of a kind of contact, and words on them for sentences."""
 
-    name: str  #: Files are named by it and the body, such as scar_moving.
-    noun: str  #: What one is called among what an import holds.
-    columns: tuple[Column, ...]  #: Of such a file.
-    surface: type[MeasuredScar] | type[MeasuredProfile]  #: What each is.
-    support: str  #: What surfaces support.
-    fewest: int  #: Of so many bodies.
-    lacking: str  #: What is not known without those of some, and how they are had.
+    name: str  #: Begins the names of files, which end with the body: scar_moving.
+    noun: str  #: Noun for one surface in the summary of an import.
+    columns: tuple[Column, ...]  #: Columns of such a file.
+    surface: type[MeasuredScar] | type[MeasuredProfile]  #: Class of one surface.
+    support: str  #: Conclusions that surfaces support.
+    fewest: int  #: Number of bodies whose surfaces are needed for that.
+    lacking: str  #: Sentence on what is unknown without them, and how to measure them.
 
 
 SCARS = WornSurfaces(

@@ -20,11 +20,11 @@ from wirewear.test.programme import CycleBlock
 class OfTest(Table):
     """File that describes a test of any kind of contact."""
 
-    of: ClassVar[type[StatedBodies]]  #: How it states the bodies.
-    contact_kind: ClassVar[str]  #: The name of its kind.
+    of: ClassVar[type[StatedBodies]]  #: Class of the tables of its bodies.
+    contact_kind: ClassVar[str]  #: Name of its kind of contact.
     body_names: ClassVar[tuple[str, ...]]
-    worn: ClassVar[WornSurfaces]  #: How the worn surfaces stand in the record.
-    needs_loops: ClassVar[bool]  #: Whether there is no record without loops.
+    worn: ClassVar[WornSurfaces]  #: Kind of worn surfaces in its records.
+    needs_loops: ClassVar[bool]  #: True if a record must have loops.
 
     format: Annotated[int, PlainValidator(checked_format)] = Field(
         description="version of the file's format", examples=[FORMAT]
@@ -100,8 +100,8 @@ def of_kinds(*models: type[Model]) -> dict[str, type[Model]]:
 class OfRecord(OfTest, ABC):
     """Tables of an experiment.toml, with their conversion from and to a study of the same kind."""
 
-    fitted_by_loops: ClassVar[bool] = False  #: Whether loops alone give friction and rig, without a run of its study.
-    contact_slips: ClassVar[bool] = True  #: Whether the contact slips within the stick branch as Mindlin's does.
+    fitted_by_loops: ClassVar[bool] = False  #: True if loops alone give friction and rig.
+    contact_slips: ClassVar[bool] = True  #: True if it has micro-slip as Mindlin's contact.
 
     programme: tuple[CycleBlock, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
 

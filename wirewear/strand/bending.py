@@ -24,7 +24,7 @@ class SlipCourse:
     """Slip of one member of a layer; `gain_N` holds its tension over the mean at ANGLES if it slips everywhere."""
 
     helix: Helix
-    stiffness_N: float  #: EA.
+    stiffness_N: float  #: Axial stiffness EA.
     gain_N: Array
 
     @property

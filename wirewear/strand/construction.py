@@ -72,7 +72,7 @@ class Layer:
     helix: Helix
     gap_mm: float
     presses: float
-    in_valleys: bool = False  #: Of the layer below, whose lay and number it has.
+    in_valleys: bool = False  #: True if its members lie in the valleys of the layer below, whose lay and number it has.
 
     @property
     def touches(self) -> bool:

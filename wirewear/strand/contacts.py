@@ -90,8 +90,8 @@ class WireContact:
     load_N: float
     lower_rad: float
     upper_rad: float
-    spacing_mm: float  #: Between two of them along the upper wire's axis.
-    per_axial_mm: float  #: How many of them, or how many millimetres, all members have in a millimetre of the axis.
+    spacing_mm: float  #: Distance between two contacts along the upper wire's axis.
+    per_axial_mm: float  #: Number of contacts, or mm of line contact, of all members per mm of the strand's axis.
     slip: ContactSlip
     is_line: bool = True
     upper_curvature_per_mm: float = 0.0

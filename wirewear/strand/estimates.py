@@ -33,14 +33,14 @@ class ContactEstimate:
 
     contact: WireContact
     peak_pressure_MPa: float
-    major_mm: float  #: Semi-axis of the ellipse along it, infinite of a line.
+    major_mm: float  #: Major semi-axis of the contact ellipse; infinite for a line contact.
     minor_mm: float
-    elastic_mm: float  #: Motion that the contact takes up before it slides, or all of it while it sticks.
+    elastic_mm: float  #: Elastic displacement before sliding, or in all if it sticks.
     energy_mJ: float
     worn_mm3: float
-    worn_depth_mm: float  #: Of both wires together, after all cycles.
-    yield_ratio: float  #: Peak pressure over that of first yield of the softer wire; NaN where none is stated.
-    plastic_area_mm2: float  #: By the load over 2.8 times the yield stress; NaN where the contact does not yield.
+    worn_depth_mm: float  #: Sum of both wires' depths after all cycles.
+    yield_ratio: float  #: Peak pressure over that at first yield of the softer wire; NaN if unstated.
+    plastic_area_mm2: float  #: Load over 2.8 times the yield stress; NaN if the contact does not yield.
     lives: tuple[float, float]  #: Cycles until a crack begins in the lower and the upper wire; NaN where not known.
 
     @property

@@ -253,10 +253,10 @@ def figures_of(result: RunResult, life: float | None = None) -> dict[str, float 
 class Sweep:
     """A study without variants and the runs that are made of it."""
 
-    name: str  #: Its title.
+    name: str  #: Title of the sweep.
     study: Study | LineStudy
     design: Design
-    fidelity: str = "quick"  #: Of every run.
+    fidelity: str = "quick"  #: Level of fidelity of every run.
     keep_results: bool = False  #: Whether each run's result file is kept.
 
     def __len__(self) -> int:

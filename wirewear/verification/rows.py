@@ -47,28 +47,28 @@ class Level:
     """Meshes and relative tolerances of a level of verification."""
 
     name: str
-    fidelity: str  #: Of bodies that are meshed as runs have them.
+    fidelity: str  #: Level of fidelity of bodies that are meshed as in runs.
     #: Elements per contact radius of the three meshes, from coarse to fine; the last is used for the ellipse and
     #: partial slip as well, under loads that enlarge the contact by `enlarged`.
     hertz_resolutions: tuple[float, float, float]
     enlarged: float
     loop_resolution: float  #: Elements per contact radius where the contact slides.
     line_resolution: float  #: Elements per half-width of the line contact, which is planar and cheap.
-    slip_increments: int  #: Per loading branch in partial slip.
+    slip_increments: int  #: Increments of a loading branch in partial slip.
     partial_slip_wear_resolution: float  #: Elements per contact radius where partial slip wears a contact out.
-    partial_slip_wear_tolerance: float  #: Of the worn volume.
-    partial_slip_run_resolution: float  #: The same of a whole run, as the next.
+    partial_slip_wear_tolerance: float  #: Tolerance of the worn volume.
+    partial_slip_run_resolution: float  #: Elements per contact radius of a whole run that wears.
     partial_slip_run_tolerance: float
-    worn_line_cycles: int  #: For how long a line contact is worn whose pressures are looked at.
+    worn_line_cycles: int  #: Cycles of the worn line contact.
     hertz_tolerances: tuple[float, float, float]
     ellipse_tolerance: float
     slip_energy_tolerance: float
-    stress_tolerance: float  #: Of the largest stress beneath a contact.
+    stress_tolerance: float  #: Tolerance of the largest stress beneath a contact.
     surface_resolution: float  #: Elements per contact radius for stresses at a contact's edge.
     surface_tolerance: float
-    line_surface_resolution: float  #: The same of a line contact, per half-width.
+    line_surface_resolution: float  #: Elements per half-width for stresses at a line contact's edge.
     line_surface_tolerance: float
-    yielding_fidelity: str  #: Of bodies that yield, as the next two.
+    yielding_fidelity: str  #: Level of fidelity of bodies that yield.
     yielding_radius_tolerance: float
     yielding_print_tolerance: float
 
@@ -132,7 +132,7 @@ class Row:
     exact: float
     error: float  #: (computed - exact) / scale, the scale being |exact| unless the problem names another.
     tolerance: float
-    #: The same without the correction for the wires' bulk, None where nothing is corrected.
+    #: Error without the correction for bulk compliance; None if nothing is corrected.
     raw_error: float | None = None
     #: Observed order of convergence from the next coarser mesh, None on the coarsest and where there is but one.
     order: float | None = None

@@ -104,9 +104,9 @@ class LoadPolynomial:
 
     linear_um_per_N: Measured
     quadratic_um_per_N2: Measured
-    largest_force_N: float  #: Up to which |Q| it was fitted.
-    residual_rms_um: float  #: Of the motions about it.
-    residual_largest_um: float  #: Without its sign.
+    largest_force_N: float  #: Largest |Q| of the fit.
+    residual_rms_um: float  #: Root mean square of the fit's residuals.
+    residual_largest_um: float  #: Largest absolute residual.
 
     @property
     def sensor(self) -> Sensor:
@@ -217,13 +217,13 @@ def slope(motion: LoadedMotion) -> float:
 class Correction:
     """Corrected record, and the size and error of the correction."""
 
-    record: ExperimentRecord  #: With displacements at the near point.
-    largest_um: float  #: The largest change of a sample.
+    record: ExperimentRecord  #: Record with displacements at the near point.
+    largest_um: float  #: Largest change of a sample.
     largest_force_N: float  #: The largest |Q| of its loops.
     error_um: float  #: The polynomial's own error at that force, half of a 95 % interval.
     #: Standard deviation that the force's noise adds to each displacement, or None where it is not stated.
     noise_um: float | None
-    notes: tuple[str, ...]  #: Sentences to be read with it.
+    notes: tuple[str, ...]  #: Sentences on the limits of the correction.
 
 
 def corrected_record(record: ExperimentRecord, polynomial: LoadPolynomial) -> Correction:

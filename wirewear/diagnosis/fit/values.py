@@ -25,7 +25,7 @@ class FittedParameter:
     value: float
     interval95: tuple[float, float]
     unit: str  #: A key of `wirewear.base.errors.UNIT_SYMBOLS`.
-    repeats: int  #: Tests that it rests on.
+    repeats: int  #: Number of tests that it is based on.
 
     @classmethod
     def of_repeats(cls, values: ArrayLike, unit: str, deviation: float = 0.0) -> FittedParameter:
@@ -56,11 +56,11 @@ class FittedTest:
 
     record: AnyRecord
     study: AnyStudy[Any]
-    #: What the study takes over, by name; those that the record does not show are absent.
+    #: Fitted parameters of the study by name; absent if the record does not show them.
     parameters: dict[str, FittedParameter]
     found: dict[str, FittedParameter]  #: Further figures by name: energies, volumes, stiffnesses of loop and contact.
-    notes: tuple[str, ...] = field(default=())  #: What is missing or assumed, and where to get it.
-    rigid_N_per_mm: float = 1e6  #: A rig as stiff as this is one whose stiffness the loops do not show.
+    notes: tuple[str, ...] = field(default=())  #: Sentences on what is missing or assumed.
+    rigid_N_per_mm: float = 1e6  #: Stiffness from which the loops cannot resolve the rig's.
 
     def __repr__(self) -> str:
         found = ", ".join(f"{name} = {one.value:.4g}" for name, one in self.parameters.items())

@@ -112,7 +112,7 @@ class ReducedLoop:
     normal_N: tuple[float, float] | None
     normal_error_N: float
     harmonics: ComplexArray
-    sticks: bool = False  #: Whether the contact sticks in its middle throughout.
+    sticks: bool = False  #: True if the loop is in partial slip.
 
     @property
     def correlation(self) -> float:

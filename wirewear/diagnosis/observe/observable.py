@@ -113,10 +113,10 @@ class Scale:
 class Smoothness:
     """Correlation of solver differences between sites (n,)."""
 
-    along: Array  #: (n,) place along a branch, in lengths over which differences are alike.
-    turned: float  #: By how much differences at both branches are alike where they would be, 0 to 1.
-    rough: Array  #: (n,) share of a difference's standard deviation that is each number's own.
-    family: NDArray[np.intp]  #: (n,) numbers of different families have nothing in common.
+    along: Array  #: (n,) place along a branch over the length of correlation.
+    turned: float  #: Correlation between both branches of a loop, 0 to 1.
+    rough: Array  #: (n,) share of the standard deviation that is uncorrelated.
+    family: NDArray[np.intp]  #: (n,) index of a family; different families are uncorrelated.
 
     @classmethod
     def of_whole_loops(cls, count: int) -> Smoothness:

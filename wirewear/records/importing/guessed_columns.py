@@ -50,17 +50,17 @@ class GuessedFile:
 
     path: Path
     holds: str
-    spelling: dict[str, Any]  #: Keys of a mapping.
+    spelling: dict[str, Any]  #: Keys of a mapping on the text's layout.
     references: tuple[str | int, ...]  #: Names or numbers by which a mapping names its columns.
-    titles: tuple[str, ...]  #: Of them, as the file has them, as the next.
+    titles: tuple[str, ...]  #: Titles of the columns in the file.
     units: tuple[str, ...]
     #: Reference and unit ("" where none is stated) by key of the record.
     columns: dict[str, tuple[str | int, str]] = field(default_factory=dict)
     sample_rate_Hz: float | None = None
     remarks: tuple[str, ...] = ()
-    elsewhere: dict[str, str] = field(default_factory=dict)  #: The file that holds a column, where it is another one.
-    step_um: float | None = None  #: From point to point, as the header states it.
-    words: frozenset[int] = frozenset()  #: Places of the columns of words.
+    elsewhere: dict[str, str] = field(default_factory=dict)  #: Other file that holds a column, by key.
+    step_um: float | None = None  #: Spacing of points, as the header states it.
+    words: frozenset[int] = frozenset()  #: Indices of the columns of words.
 
     @property
     def named(self) -> bool:

@@ -124,7 +124,7 @@ class RecognisedFiles:
     loops: tuple[GuessedFile, ...]
     evolution: tuple[GuessedFile, ...]
     surfaces: tuple[GuessedFile, ...]
-    unknown: tuple[GuessedFile, ...]  #: Tables of numbers whose names are none of the usual ones.
+    unknown: tuple[GuessedFile, ...]  #: Tables of numbers with unknown column names.
     maps: tuple[Path, ...]
     unread: tuple[str, ...]  #: A sentence on each file that is left out.
 

@@ -60,9 +60,9 @@ class StatedMap:
     """Map as its file states it: heights (n_x, n_y) in the file's unit, not finite where nothing was measured."""
 
     heights: Array
-    step_um: tuple[float, float] | None  #: From point to point along x and y.
-    unit_um: float | None  #: One unit of the heights.  None where the file does not say.
-    remark: str = ""  #: What else it states of its scale.
+    step_um: tuple[float, float] | None  #: Spacing of points along x and y; None if unstated.
+    unit_um: float | None  #: Unit of the heights in µm; None if unstated.
+    remark: str = ""  #: Further words on its scale.
 
     @property
     def left_open(self) -> list[str]:
