@@ -1,6 +1,7 @@
 """Where a drive reverses and where cycles begin, in one row of displacement samples.
 
-A turn is a sample at which the drive reverses, and a sweep is the way between two turns.
+A turn is a sample at which the drive reverses, and a sweep is the way between two turns. A ripple is an oscillation of
+the drive much smaller than the stroke; a block is a run of cycles with another stroke.
 """
 
 from itertools import pairwise

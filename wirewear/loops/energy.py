@@ -140,8 +140,8 @@ def slip_amplitude(
 def by_energy(energy: Measured, height_N: Measured) -> Measured:
     """δ0 in µm from the loop's energy and the mean |Q| of both directions at mid-slip, E_d/(4Q).
 
-    It is exact for a parallelogram, whatever curve its middle follows: a scar's walls raise the force in one direction
-    as much as they lower it in the other.
+    It is exact for a parallelogram, whatever curve its middle follows: the slopes of a scar raise the force in one
+    direction as much as they lower it in the other.
     """
     return energy.over(height_N, times=0.25 / MICROJOULE_IN_MILLIJOULE)
 

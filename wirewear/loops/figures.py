@@ -1,7 +1,7 @@
-"""Result types of a loop analysis: quantities with 95 % intervals.
+"""Result types of a loop analysis: figures, which are quantities read from a loop, with 95 % intervals.
 
 Symbols: Q tangential force, Q* its amplitude, P normal force, µ friction, δa displacement amplitude, δ0 slip amplitude,
-E_d dissipated energy.
+E_d dissipated energy. An interval is open above if it ends at infinity.
 """
 
 from collections.abc import Iterable

@@ -1,7 +1,8 @@
 """Friction of one loop: its largest ratio of forces, and the value at mid-slip that the scar's shape does not change.
 
 The slip position x = δ − Q/K is the displacement less the elastic yielding of bodies and rig; mid-slip is the middle of
-its range. A plateau is the part of a branch that slides.
+its range. A plateau is the part of a branch that slides; a hook is the rise of its force towards the end of the stroke,
+where the contact runs up the wall (slope) of its scar.
 """
 
 from collections.abc import Sequence

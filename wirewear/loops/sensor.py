@@ -1,5 +1,6 @@
-"""Model of a rig's displacement and force sensors, from true signals to readings and back, and of a drive they
-control.
+"""Model of a rig's displacement and force sensors, from true signals to readings and back, and of a drive they control.
+
+A channel is one recorded signal, such as displacement or tangential force.
 """
 
 from collections.abc import Callable

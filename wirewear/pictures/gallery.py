@@ -1,4 +1,7 @@
-"""All pictures of one result or of a folder of variants: loops, evolution over the cycles, scars."""
+"""All pictures of one result or of a folder of variants: loops, evolution over the cycles, scars.
+
+In a test by blocks, blocks of cycles under different conditions follow one another.
+"""
 
 import re
 from collections.abc import Callable, Mapping, Sequence

@@ -1,4 +1,7 @@
-"""3D pictures of both scars: the worn surfaces in true proportions, coloured by depth."""
+"""3D pictures of both scars: the worn surfaces in true proportions, coloured by depth.
+
+The crown is the highest line or point of the unworn body, at which it was first touched.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,7 @@
-"""Unworn surfaces of bodies, as they may lie under a map or profile of heights."""
+"""Unworn surfaces of bodies, as they may lie under a map or profile of heights.
+
+A form is a deviation of the body's shape from the stated one; the crown is the highest line or point of a round body.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,4 +1,7 @@
-"""Experiment record as a value: loops of each repeat and cycle, evolution, worn surfaces."""
+"""Experiment record as a value: loops of each repeat and cycle, evolution, worn surfaces.
+
+A programme is a sequence of blocks of cycles, each under its own conditions.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,6 +1,7 @@
 """All kinds of contact in a bent strand or rope: angle, load and slip, and the stresses in its wires over a cycle.
 
-A crown is where a wire of an outer strand comes nearest to, or farthest from, the rope's axis.
+A member is a wire or strand of a layer. A crown is where a wire of an outer strand comes nearest to, or farthest from,
+the rope's axis.
 """
 
 from collections.abc import Iterator, Sequence

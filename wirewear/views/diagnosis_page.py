@@ -1,7 +1,8 @@
 """A diagnosis as a self-contained HTML page with its drawings, and as ten lines of text.
 
 A zone is a part of the measurements, such as a stretch of the loop or a scar's depth; a scatter is the standard
-deviation of one test; explained values include the effects of the best explanation.
+deviation of one test; explained values include the effects of the best explanation. A bowl is a paraboloid with a
+scar's depth and length.
 """
 
 from __future__ import annotations

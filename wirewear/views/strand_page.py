@@ -1,4 +1,4 @@
-"""Contacts of a strand or rope as a cross-section, a table and a page."""
+"""Contacts of a strand or rope as a cross-section, a table and a page. Members are the wires or strands of a layer."""
 
 from __future__ import annotations
 

@@ -2,7 +2,8 @@
 
 While the contact sticks after a reversal (stick branch), displacements are read at equal force; while it slides, forces
 at equal displacement. The knee is where sliding begins; just past it, the excess over the force farther on is read,
-which shows adhesion after a reversal and not the scar's slope. A shelf is a stretch at zero force, by free play.
+which shows adhesion after a reversal and not the scar's slope. A shelf is a stretch at zero force, by free play; a wall
+is the slope of a scar towards the end of the stroke.
 """
 
 from dataclasses import replace

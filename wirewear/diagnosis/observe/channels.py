@@ -1,7 +1,8 @@
 """Observables of whole channels: amplitude, normal force along the stroke, and figures of the evolution.
 
 The normal force shows whatever guides the load; wear hardly changes it. The evolution holds dissipated energy, slip
-amplitude and largest force of loops as another program has read them.
+amplitude and largest force of loops as another program has read them. A site is where an observable is read; a shelf is
+a stretch of a loop at zero force, by free play.
 """
 
 from abc import abstractmethod

@@ -1,4 +1,8 @@
-"""Preparation of a measured loop for reading: cleaned, split into branches, with its noise and drive harmonics."""
+"""Preparation of a measured loop for reading: cleaned, split into branches, with its noise and drive harmonics.
+
+The knee of a branch is where sliding begins. The stretch of correlated noise is the factor by which correlation raises
+the error of a mean of many samples.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,8 @@
 """Observables: kinds of numbers that a record gives and a model predicts, and how far solvers differ in them.
 
-Each is read at sites: a cycle, a branch and a level on it, or a scar. A new observable is a subclass of `Observable`
-and an entry in `reduction.py`, or an installed package's entry point.
+Each is read at sites: a cycle, a branch and a level on it, or a scar. Zones are parts of a loop, or channels, by which
+gaps are located. Loops computed under a setup (inputs of the fast model) form a course over the cycles. A new
+observable is a subclass of `Observable` and an entry in `reduction.py`, or an installed package's entry point.
 """
 
 from __future__ import annotations

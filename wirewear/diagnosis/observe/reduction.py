@@ -1,6 +1,7 @@
 """List of all observables, of this program and of installed packages, and the numbers that a record gives for them.
 
-A layout lists the numbers (n,) of a record, grouped by observable; a part is the group of one observable.
+A layout lists the numbers (n,) of a record, grouped by observable; a part is the group of one observable at its sites
+(cycle, branch, level). A feature is a mean or slope of several numbers; a setup holds inputs of the fast model.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Readers of MATLAB's and LabVIEW's files, and the list of all readers, including those of installed packages."""
+"""Readers of MATLAB's and LabVIEW's files, and the list of all readers, including those of installed packages.
+
+A channel is one recorded signal; `layout` describes delimited text and has no effect in binary files.
+"""
 
 import re
 import struct

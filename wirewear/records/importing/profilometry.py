@@ -1,6 +1,7 @@
 """Worn depths from measured heights, by fitting and subtracting the unworn surface of a map, or face of a profile.
 
-Levelling is that fit. A form is a deviation of the body's unworn shape from the stated one.
+Levelling is that fit. A form is a deviation of the body's unworn shape from the stated one; the crown is the highest
+line or point of a round body.
 """
 
 from collections.abc import Callable, Iterator
