@@ -160,8 +160,8 @@ def recognised(names: Sequence[str], channel: str, units: Sequence[str] = ()) ->
     """Indices of the columns that hold a channel: first those with its exact usual names, then those with words beside
     them.
 
-    Within each group the most usual names come first. Of columns with equal names, one in a unit of the channel is
-    preferred to its raw signal, and one that was zeroed to the other.
+    Within each group the most usual names come first. Of columns with equal names, a column in a unit of the channel is
+    preferred to a raw signal, and a zeroed column to one that was not zeroed.
 
     units: stated unit of each column ("" if unstated); by default the units in the names.
     """

@@ -56,8 +56,9 @@ class FreshContact:
 
     @property
     def ball_diameter_mm(self) -> float:
-        """Diameter of the ball on a flat that has the same mean gap; for equal wires crossed at right angles, the wire
-        diameter.
+        """Diameter of the ball on a flat whose gap has the same geometric mean curvature.
+
+        For equal wires crossed at right angles it is the wire diameter.
         """
         small, large = self.gap_per_mm
         return float(1.0 / (small * large) ** 0.5)
@@ -72,7 +73,11 @@ class FreshContact:
 
 @dataclass(frozen=True)
 class RunningConditions:
-    """Loads (n,) in N, and amplitudes (n,) in µm from which a contact slides as a whole, without and with its rig."""
+    """Transition to gross slip over load.
+
+    Loads (n,) in N, and displacement amplitudes (n,) in µm from which the contact alone (`contact_um`), and the contact
+    with its rig (`test_um`), slide as a whole.
+    """
 
     normal_load_N: Array
     contact_um: Array

@@ -283,8 +283,9 @@ def _followed(loop: CleanLoop) -> tuple[CleanLoop, BranchFits]:
 
 
 def _from_zero(loop: CleanLoop, friction: Measured | None, zero: Measured | None, sign: float) -> Measured | None:
-    """Friction of one direction, counted from the force sensor's zero where free play shows it; `sign` is that of the
-    shift.
+    """Friction of one direction, corrected for the zero error of the force sensor where free play shows it.
+
+    sign: +1 or −1, by which the zero error over the load is added.
     """
     if friction is None or zero is None or loop.normal_force_N is None:
         return friction

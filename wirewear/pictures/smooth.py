@@ -185,7 +185,7 @@ def worn_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
 
 
 def _finer(line: Array) -> Array:
-    """The line's points and further ones spread evenly between them."""
+    """Grid line (n,) with further points spread evenly between its own, at least 400 in all."""
     # Points that a picture needs along each axis of a scar's grid, at least.
     parts = int(np.ceil(400 / (line.size - 1)))
     between = line[:-1, None] + np.diff(line)[:, None] * (np.arange(parts) / parts)

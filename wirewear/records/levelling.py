@@ -193,7 +193,7 @@ def direction_deg(x: Array, y: Array, height: Array, curvatures_per_mm: tuple[fl
     """Direction in degrees from x, in (−90°, 90°], of the axis of a body with these curvatures along and across its
     axis.
 
-    It is the one for which most of the map (n_x, n_y) lies on a parabolic surface with a plane.
+    It is the direction for which most of the heights (n_x, n_y) lie on the sum of a paraboloid and a plane.
     """
     places = np.stack(np.meshgrid(x - x.mean(), y - y.mean(), indexing="ij"))
     (u, v), z, count, border = _blocks(places, height, parts=24)

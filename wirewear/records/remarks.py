@@ -251,7 +251,7 @@ class Remark:
 
 @dataclass(frozen=True)
 class RecordReport:
-    """Result of a check: remarks, and which conclusions the record supports and which not."""
+    """Result of a check: remarks on a record, and sentences on the conclusions that it supports and cannot support."""
 
     name: str
     repeats: tuple[int, ...]

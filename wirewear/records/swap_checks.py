@@ -151,7 +151,9 @@ def _medians(values: Array, group: Numbers) -> Array:
 
 
 def _deviation(off: Array) -> float:
-    """Robust standard deviation, so that misplaced loops do not count."""
+    """Robust standard deviation of differences (n,), by their median, so that misplaced loops do not count; at least
+    FINEST.
+    """
     return max(1.4826 * float(np.median(np.abs(off - np.median(off)))), FINEST)
 
 

@@ -116,7 +116,7 @@ class SweepObserver:
 
 @dataclass(frozen=True)
 class SweepResult:
-    """Rows of a sweep by their number, from 1."""
+    """A sweep with the rows of its runs that have ended, by their number from 1."""
 
     sweep: Sweep
     rows: Mapping[int, SweepRow]

@@ -247,7 +247,7 @@ class Energy(EvolutionFigure):
         return loop_area(displacement_um, force_N)
 
     def missed(self, reading: Reading) -> float:
-        """Area of strips along both stick branches, which straight lines between samples cut off."""
+        """Energy in mJ of the strips along both stick branches that straight lines between samples cut off."""
         return 2e-3 * reading.force_N * _chord_error_um(reading)
 
 

@@ -316,7 +316,9 @@ class AlongBranch(OfLoops):
 
 
 class ByLocalLines(AlongBranch):
-    """Observable read by lines through nearby samples; neighbouring places share samples."""
+    """Observable read by lines through samples near each place; lines at neighbouring places share samples and
+    noise.
+    """
 
     @abstractmethod
     def line(self, loop: ReducedLoop, site: Site) -> LocalLine | None:

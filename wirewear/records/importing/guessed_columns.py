@@ -46,7 +46,7 @@ SURFACE_KEYS = {"x_um": "x", "y_um": "y", "depth_um": "depth", "height_um": "hei
 
 @dataclass(frozen=True)
 class GuessedFile:
-    """A laboratory's file with its spelling (encoding, delimiter, …) and the columns recognised in it."""
+    """A laboratory's file with the layout of its text and the columns recognised in it."""
 
     path: Path
     holds: str

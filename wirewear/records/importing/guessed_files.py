@@ -130,7 +130,7 @@ def _in_groups(
 
 
 def joined(channels: Sequence[GuessedFile]) -> tuple[GuessedFile, ...]:
-    """Two files that hold displacement and force as one; empty if they do not belong together."""
+    """A tuple of one file that combines two files with displacement and force; empty if they do not belong together."""
     pairs = [
         (first, second)
         for first, second in permutations(channels, 2)
