@@ -1,4 +1,8 @@
-"""Effects that the nominal model lacks: each a small object that changes exactly one seam of the model."""
+"""Effects that the nominal model lacks, such as a compliant holder: each is a small object that changes one seam of it.
+
+A seam is a place in the model where effects enter, with a description of what it is there: holder, loading, contact
+law, wear law, specimens, drive or sensors.
+"""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Effects between the surfaces: another friction, and layers that give way."""
+"""Effects between the surfaces: a different or changing coefficient of friction, and compliant layers."""
 
 from dataclasses import dataclass, replace
 
@@ -51,7 +51,7 @@ class FrictionOffset(Effect[ContactLaw]):
     friction: float = _friction("true coefficient of friction", easy=0.85, hard=0.96, least=0.75, most=1.3)
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
-        """The law with the true coefficient."""
+        """The contact law with the true coefficient of friction."""
         return replace(described, friction=self.friction)
 
 
@@ -86,7 +86,7 @@ class FrictionEvolution(Effect[ContactLaw]):
     order: float = form(order(0.7))
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
-        """The law with the coefficient of that cycle."""
+        """The contact law with the coefficient of friction after `age.cycles` cycles."""
         course = Course(self.initial, self.final, self.cycles, self.steepness, self.order)
         return replace(described, friction=course.at(age.cycles))
 
@@ -133,7 +133,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
     spreading: float = form(part("of its height that spreads the pressure", -0.5, 1.5), contacts=kinds.AT_A_POINT)
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
-        """The law with the rough layer as it is at that cycle."""
+        """The contact law with the rough layer added, of the height that it has after `age.cycles` cycles."""
         height_um = self._height_um.at(age.cycles)
         # Of a rough layer that has worn in, less than this share is as good as none.
         if height_um <= 1e-6 * self.layer_um:
@@ -141,7 +141,9 @@ class RoughnessCompliance(Effect[ContactLaw]):
         return replace(described, layers=(*described.layers, RoughLayer(1e-3 * height_um)))
 
     def predicted(self, chain: Chain) -> Chain:
-        """A spring: asperities that close by s ln p under a pressure p give way by s/P per newton of the load P."""
+        """The chain with a compliance of 1.21 s/P added, at the load P: asperities that close by s ln p give way by s/P
+        per N.
+        """
         height_um = self._height_um.at(chain.cycles)
         # Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
         added = 1.21 * height_um / chain.load_N
@@ -160,9 +162,9 @@ class RoughnessCompliance(Effect[ContactLaw]):
 class ThirdBodyLayer(Effect[ContactLaw]):
     """Debris that stays in both scars as an elastic bed and carries the load.
 
-    Of each wire's worn depth a share f is filled with debris, so that the gap opens by 1 − f only; the bed of thickness
-    h = f·depth gives way by h p/M and shears by h q/G. Source: Godet, Wear 100 (1984) 437; Berthier, Vincent & Godet,
-    Wear 125 (1988) 25.
+    Debris fills a share f of each wire's worn depth, so that the gap opens by the share 1 − f only; the bed of
+    thickness h = f·depth closes by h p/M and shears by h q/G. Source: Godet, Wear 100 (1984) 437; Berthier, Vincent &
+    Godet, Wear 125 (1988) 25.
     """
 
     name = "third_body"
@@ -207,17 +209,18 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     spreading: float = form(part("of its give that spreads the pressure", -0.5, 1.5), contacts=kinds.AT_A_POINT)
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
-        """The law with the bed."""
+        """The contact law with the bed added."""
         if self.retained_fraction == 0.0:
             return described
         return replace(described, layers=(*described.layers, ThirdBody(self.retained_fraction, self.modulus_MPa)))
 
     def predicted(self, chain: Chain) -> Chain:
-        """Scars that are filled, and a spring: a bed of f·V/A on the area A shears by f V/(A² G) per newton.
+        """The chain with debris in the scars and the bed's compliance: of f V/A thickness on the area A it shears by f
+        V/(A² G) per N.
 
-        A² = πRV of wires once the scar is larger than Hertz's contact. A bed that fills later has a power of it. One
-        that is full at a thickness h_f has h_f (1 − exp(−f V/(A h_f))), and what comes on top is ejected. A bed also
-        spreads the pressure: as a rough layer does that gives way as much, h p/M, under the mean pressure p.
+        A² = πRV for wires once the scar is larger than Hertz's contact. A bed that fills up over time is multiplied by
+        a power of A². One that is full at the thickness h_f has h_f (1 − exp(−f V/(A h_f))); further debris is ejected.
+        A bed also spreads the pressure, like a rough layer that closes as much, h p/M, under the mean pressure p.
         """
         # Shear modulus over the modulus of a laterally confined bed, (1 − 2ν)/(2(1 − ν)) at ν = 0.3.
         shear_N_per_um2 = 1e-6 * 0.286 * self.modulus_MPa
@@ -238,13 +241,15 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         )
 
     def _as_rough_um(self, chain: Chain, thickness_um: Array) -> Array:
-        """Height (n,) of the rough layer that gives way like a bed of thicknesses (n,) under the mean pressure."""
+        """Height (n,) of the rough layer that closes like a bed of thicknesses (n,) under the mean pressure."""
         pressure_MPa = 1e6 * chain.load_N / (np.sqrt(chain.worn_area2_um4) + chain.fresh_area_um2)
         closure, _ = RoughLayer(1.0).closure(pressure_MPa, chain.worn_um3)
         return np.asarray(thickness_um * pressure_MPa / self.modulus_MPa / closure)
 
 
 def _kept(thickness: Array) -> Array:
-    """Share of what would be kept of debris that lies so many times as thick as a full bed, (n,)."""
+    """Share (n,) of debris that stays in a bed of limited thickness; thickness: (n,) without the limit, over
+    the limit.
+    """
     # A bed that is filled by less than this share of what it holds knows no limit.
     return np.divide(-np.expm1(-thickness), thickness, out=np.ones_like(thickness), where=thickness > 1e-9)

@@ -1,7 +1,8 @@
-"""What an effect is, a small immutable object that changes exactly one seam of the model, and how fast models take it.
+"""Effects as immutable objects that change one seam of the model, and the chain in which fast models apply them.
 
-A test is a chain in series to them: drive, play and springs, contact, sensors. An effect enters by what it makes of it.
-Without further words that is what it does to its seam, read moment by moment.
+To a fast model a test is a chain in series: drive, free play and springs, contact, sensors, at n moments of the test. A
+subclass of `Effect` changes the description of its seam (`changed`), and the chain through `predicted`, which by default
+applies `changed` at every moment.
 """
 
 from abc import ABC, abstractmethod
@@ -32,75 +33,81 @@ _OF_SENSORS = (
 
 
 class UnforeseenError(StudyError):
-    """An effect changes something of its seam that a chain does not hold."""
+    """An effect changes a field of its seam's description that a chain does not hold."""
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """A test of crossed wires, or of a cylinder on a flat, at n moments; arrays are (n,)."""
+    """A test of a contact at a point (crossed wires, a ball on a flat) at n moments, for fast models; arrays
+    are (n,).
+    """
 
-    radius_um: float  #: Of a gap alike in all directions or a cylinder.
-    fresh_area_um2: float  #: Of the contact before any wear.
-    cycles: Array  #: How far the test has come, as the next.
+    radius_um: float  #: Radius of the sphere, or of the cylinder, whose gap to a flat the bodies have.
+    fresh_area_um2: float  #: Area of the contact before any wear.
+    cycles: Array  #: Cycles done; the next is friction energy dissipated.
     energy_J: Array
     worn_um3: Array  #: Volume that both wires have lost.
-    amplitude_um: Array  #: That the drive holds, NaN where it holds another figure of the loop.
-    load_N: Array  #: When nothing is worn.
-    misalignment_rad: Array  #: By which the motion rises out of the contact plane.
-    friction: Array  #: Coefficient.
+    amplitude_um: Array  #: Displacement amplitude that the drive holds, NaN where it holds slip or energy.
+    load_N: Array  #: Normal load before any wear.
+    misalignment_rad: Array  #: Angle by which the motion rises out of the contact plane.
+    friction: Array  #: Coefficient of friction.
     wear_um3_per_mJ: Array  #: Worn volume of both wires per friction energy.
     retained_fraction: Array  #: Share of the worn volume that stays in the scars as debris.
-    bed_MPa: Array  #: The debris' modulus, zero of a bed that does not give way.
+    bed_MPa: Array  #: Modulus of the debris; zero for a rigid bed.
     oxygen_W: Array  #: Supply of oxygen, zero for enough everywhere.
-    starved_factor: Array  #: On wear where oxygen lacks.
-    compliance_um_per_N: Array  #: Of all that lies in series with the contact along the motion, as the next.
+    starved_factor: Array  #: Factor on wear where there is no oxygen.
+    compliance_um_per_N: Array  #: Compliance in series with the contact along the motion; likewise free play.
     free_play_um: Array
     flattening_um: Array  #: Approach of the wires by flattening before any wear.
     rough_um: Array  #: Height of a layer of asperities that spreads the contact's pressures.
-    bed_um: Array  #: That of one that gives way like a bed of debris.
-    crossing_error_rad: Array  #: Of the wires' axes from the right angle.
-    gain: Array  #: Of the sensors, as the next six.
+    bed_um: Array  #: Height of a layer of asperities that closes like a bed of debris.
+    crossing_error_rad: Array  #: Deviation of the angle between the wires' axes from 90°.
+    gain: Array  #: Errors of the sensors, as the next six; see `wirewear.loops.sensor.Sensor`.
     linear_um_per_N: Array
     quadratic_um_per_N2: Array
     crosstalk: Array
     lag_s: Array
     force_lag_s: Array
     force_zero_N: Array
-    length_um: float = 0.0  #: Of a line contact; zero for crossed wires.
+    length_um: float = 0.0  #: Length of a line contact; zero for contacts at a point.
 
     @property
     def worn_area2_um4(self) -> Array:
-        """Square of the area (n,) as wear leaves it at a point: π R V."""
+        """Square (n,) of the worn contact's area, π R V."""
         return pi * self.radius_um * self.worn_um3
 
     def with_oxygen(self, supply_W: float, starved_factor: float) -> "Chain":
-        """The chain with a supply of oxygen, which gets everywhere in the scars of a contact at a point."""
+        """The chain with a supply of oxygen: unchanged, since oxygen reaches every place in the scars of contacts at a
+        point.
+        """
         del supply_W, starved_factor
         return self
 
     @property
     def ages(self) -> list[Age]:
-        """How far the test has come at each moment."""
+        """Cycles done and energy dissipated at each moment."""
         return [Age(n, energy) for n, energy in zip(self.cycles.tolist(), self.energy_J.tolist(), strict=True)]
 
     @classmethod
     def joined(cls, chains: Sequence["Chain"]) -> "Chain":
-        """Chains of one test in several circumstances, the moments of one after those of the other."""
+        """One chain with the moments of all chains, one after the other; radius, fresh area and length are those of the
+        first.
+        """
         columns: dict[str, Any] = {name: np.concatenate([getattr(chain, name) for chain in chains]) for name in COLUMNS}
         return replace(chains[0], **columns)
 
     def taken(self, moments: NDArray[np.intp]) -> "Chain":
-        """Some moments only."""
+        """The chain with the chosen moments (indices) only."""
         return replace(self, **{name: getattr(self, name)[moments] for name in COLUMNS})
 
 
 @dataclass(frozen=True, eq=False)
 class LineChain(Chain):
-    """What a model of a line contact has at each moment."""
+    """A test of a line contact at n moments, for fast models."""
 
     @property
     def worn_area2_um4(self) -> Array:
-        """Square of the area (n,) as wear leaves it: (2 L w)², w³ = 3 R V/(2 L)."""
+        """Square (n,) of the worn contact's area, (2 L w)², with w³ = 3 R V/(2 L)."""
         half_width = np.cbrt(1.5 * self.radius_um * self.worn_um3 / self.length_um)
         return np.asarray((2.0 * self.length_um * half_width) ** 2)
 
@@ -109,15 +116,16 @@ class LineChain(Chain):
         return replace(self, oxygen_W=supply, starved_factor=factor)
 
 
-#: What a chain has at each moment.
+#: Names of a chain's arrays.
 COLUMNS = tuple(field.name for field in fields(Chain) if field.name not in ("radius_um", "fresh_area_um2", "length_um"))
 
 
 @dataclass(frozen=True)
 class _SeamView:
-    """How columns of a chain and a seam's description say the same: one row of columns to a description and back.
+    """How columns of a chain correspond to a seam's description.
 
-    `unread` names the description's fields that the columns do not hold.
+    described: makes a description from one row of the columns. row: makes a row from a description. unread: fields of
+    the description that the columns do not hold.
     """
 
     columns: tuple[str, ...]
@@ -127,7 +135,7 @@ class _SeamView:
 
 
 def _other(description: type[Any], *read: str) -> tuple[str, ...]:
-    """Names of a description's fields but for those that are read."""
+    """Names of all fields of a description except `read`."""
     return tuple(field.name for field in fields(description) if field.name not in read)
 
 
@@ -186,13 +194,14 @@ class Effect(ABC, Generic[T]):
     """An effect that the nominal model lacks; its fields are its parameters, each made by `parameter`.
 
     A subclass's docstring gives the physics and its source; the first line is its title.
+
     Raises StudyError if a parameter is out of its range.
     """
 
     #: Name in files; unique.
     name: ClassVar[str]
     seam: ClassVar[Seam]
-    #: What it does to loops, evolution and scars.
+    #: What the effect does to loops, evolution and scars, for reports.
     signature: ClassVar[str]
     #: Names of effects with which one record can confuse it.
     confused_with: ClassVar[tuple[str, ...]]
@@ -200,11 +209,11 @@ class Effect(ABC, Generic[T]):
     answers: ClassVar[tuple[Answer, ...]] = ()
     #: What to check on the rig, or to state in a record, where it is the cause.
     remedy: ClassVar[str] = ""
-    #: Belief before looking beside that in other effects which a record cannot distinguish from it.
+    #: Prior probability relative to other effects that a record cannot distinguish from this one.
     prior_weight: ClassVar[float] = 1.0
-    #: How far the fast model is off the full simulation with it, relative to the change that it makes.
+    #: Error of the fast model against the full simulation with this effect, relative to the change that it makes.
     model_error: ClassVar[float] = 0.0
-    #: What it follows over a test.
+    #: What the effect's strength depends on during a test.
     ages: ClassVar[Ageing] = Ageing.BY_WEAR
     #: Whether it needs a test under load, not one held at a fixed approach.
     needs_load: ClassVar[bool] = False
@@ -228,7 +237,7 @@ class Effect(ABC, Generic[T]):
 
     @abstractmethod
     def changed(self, described: T, age: Age) -> T:
-        """The seam's description with the effect in it, when the test has come that far."""
+        """The seam's description with this effect in it, at an age of the test."""
 
     def predicted(self, chain: Chain) -> Chain:
         """A test as fast models take it, with the effect in it: what it changes of its seam, unless it says otherwise.
@@ -252,7 +261,10 @@ class Effect(ABC, Generic[T]):
         return replace(chain, **dict(zip(view.columns, values.T, strict=True)))
 
     def foreseen(self, chain: Chain) -> Chain:
-        """The name of `predicted` in 1.0.0."""
+        """The chain with this effect in it, for fast models; by default `changed` at every moment.
+
+        Raises UnforeseenError if it changes a field of its seam's description that a chain does not hold.
+        """
         renamed("Effect.foreseen", "Effect.predicted")
         return self.predicted(chain)
 
@@ -264,17 +276,19 @@ class Effect(ABC, Generic[T]):
 
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:
-        """Its parameters by name."""
+        """The effect's parameters by name."""
         return {field.name: field.metadata["parameter"] for field in fields(cls) if "parameter" in field.metadata}
 
     @classmethod
     def choices(cls) -> dict[str, tuple[str, ...]]:
-        """What is one of a few words, by name, each with its words."""
+        """Fields that take one of a few words, by name, each with its words; the first is the default."""
         return {field.name: field.metadata["choice"] for field in fields(cls) if "choice" in field.metadata}
 
     @classmethod
     def expected(cls) -> dict[str, object]:
-        """All that is expected of it before looking, as plain numbers: what it changes of an answer."""
+        """Everything assumed about this effect before a record is seen, as plain numbers: what a diagnosis
+        depends on.
+        """
         return {
             "prior_weight": cls.prior_weight,
             "model_error": cls.model_error,
@@ -284,43 +298,54 @@ class Effect(ABC, Generic[T]):
 
     @classmethod
     def considered_for(cls, contact: str, held: str) -> bool:
-        """Whether a diagnosis of this kind of contact considers it; held: what its drive holds, if no stroke."""
+        """True if a diagnosis considers this effect for a kind of contact.
+
+        held: what the drive holds in place of its displacement, such as the slip; empty if nothing.
+        """
         return _meant(cls.contacts, contact) and (bool(held) or not cls.of_held_drives)
 
     @classmethod
     def forms(cls, contact: str | None = None) -> dict[str, Parameter]:
-        """Numbers in which its law may differ from its source's, of one kind of contact or of all."""
+        """Numbers by which the effect's law may differ from its source's, by name, for one kind of contact or
+        for all.
+        """
         known = [field for field in fields(cls) if "form" in field.metadata]
         return {one.name: one.metadata["form"] for one in known if _meant(one.metadata["contacts"], contact)}
 
     @classmethod
     def answer_to(cls, measurement: Measurement) -> str:
-        """What a measurement would show if this effect were at work; empty if that is not known."""
+        """What a measurement would show if this effect were the cause; empty if not known."""
         return next((answer.text for answer in cls.answers if answer.measurement == measurement), "")
 
     @classmethod
     def title(cls) -> str:
-        """What it is, in one line."""
+        """The effect in one line: the first line of its docstring."""
         return (getdoc(cls) or cls.name).splitlines()[0].rstrip(".")
 
     @property
     def values(self) -> dict[str, float]:
-        """Its parameters' values by name; infinite for rigid."""
+        """The parameters' values by name; infinite for "rigid"."""
         return {name: getattr(self, name) for name in self.parameters()}
 
     @classmethod
     def neutral(cls, stated: Stated) -> Self:
-        """The effect at such values that it changes nothing in a study that states these numbers."""
+        """The effect with values at which it changes nothing.
+
+        stated: numbers of a study by key, of which some values are multiples.
+        """
         known = {name: item.beside(stated) for name, item in cls.parameters().items()}
         return cls(**{name: item.easy if item.neutral is None else item.neutral for name, item in known.items()})
 
     @classmethod
     def sized(cls, size: Size, stated: Stated) -> Self:
-        """The effect at a size that is easy or hard to see in a study that states these numbers."""
+        """The effect at a size that is easy or hard to see in a record.
+
+        stated: numbers of a study by key, of which some values are multiples.
+        """
         return cls(**{name: getattr(item.beside(stated), size) for name, item in cls.parameters().items()})
 
     def table(self) -> dict[str, object]:
-        """The `[[effects]]` table that gives this effect."""
+        """The `[[effects]]` table of a study that gives this effect."""
         numbers = {name: plain(value) for name, value in self.values.items()}
         words = {name: getattr(self, name) for name, known in self.choices().items() if getattr(self, name) != known[0]}
         return {"name": self.name, **numbers, **words}
@@ -331,5 +356,5 @@ AnyEffect = Effect[Any]
 
 
 def _meant(contacts: tuple[str, ...], contact: str | None) -> bool:
-    """Whether one kind of contact is among those named, of which none are all; None stands for any."""
+    """True if `contact` is None or among `contacts`, of which an empty tuple means all."""
     return contact is None or not contacts or contact in contacts

@@ -1,4 +1,6 @@
-"""Effects of what holds, loads and moves the bodies: springs, play, angles, flattened wires, drifting loads, drives."""
+"""Effects of the rig: its springs, free play, angles and load, wires flattened when mounted, and what the drive
+holds.
+"""
 
 from dataclasses import dataclass, replace
 from math import radians
@@ -47,7 +49,7 @@ class TangentialCompliance(Effect[Holder]):
     )
 
     def changed(self, described: Holder, _age: Age) -> Holder:
-        """The holder with the spring in series."""
+        """The holder with the spring added in series."""
         compliance = described.tangential_compliance_mm_per_N + 1.0 / self.stiffness_N_per_mm
         return replace(described, tangential_compliance_mm_per_N=compliance)
 
@@ -56,9 +58,9 @@ class TangentialCompliance(Effect[Holder]):
 class RotationalCompliance(Effect[Holder]):
     """The holder rotates about a pivot above the contact.
 
-    A moment Q·H turns the arm by Q·H/K_θ, which moves the contact by Q·H²/K_θ: for wires the same as a tangential
-    spring of K_θ/H². Flats feel the tilt, too: the pressure skews. Source: rigid-body statics; Infante-García et al.,
-    Sensors 20 (2020) 4152, on the rig's stiffness.
+    A moment Q·H turns the arm by Q·H/K_θ, which moves the contact by Q·H²/K_θ: for wires this equals a tangential
+    spring of stiffness K_θ/H². Flats also tilt, which makes the pressure uneven. Source: rigid-body statics;
+    Infante-García et al., Sensors 20 (2020) 4152, on the rig's stiffness.
     """
 
     name = "rotational_compliance"
@@ -99,7 +101,7 @@ class RotationalCompliance(Effect[Holder]):
     )
 
     def changed(self, described: Holder, _age: Age) -> Holder:
-        """The holder with that pivot; with two, the one that moves and tilts as both do together."""
+        """The holder with this pivot added; two pivots become the one that moves and tilts as both do together."""
         own, arm = 1.0 / self.stiffness_N_mm_per_rad, self.arm_mm
         before, height = described.rotational_compliance_rad_per_N_mm, described.pivot_height_mm
         if own == 0.0:
@@ -115,8 +117,8 @@ class FreePlay(Effect[Holder]):
     """Play in series with the rig's springs: the holder floats without force between two stops.
 
     Worn joints, a loose clamp or a guide's clearance let the holder cross a gap g at each change of the force's sign:
-    the loop has a shelf of that width at Q = 0, twice a cycle, and the energy falls by 2 g Q*. Source: dead band in
-    series with a spring, e.g. Tustin, J. IEE 94 IIA (1947) 143, on backlash.
+    twice a cycle the loop runs level at Q = 0 over that width (a shelf), and the energy falls by 2 g Q*. Source: dead
+    band in series with a spring, e.g. Tustin, J. IEE 94 IIA (1947) 143, on backlash.
     """
 
     name = "free_play"
@@ -180,7 +182,7 @@ class Misalignment(Effect[Loading]):
     )
 
     def changed(self, described: Loading, _age: Age) -> Loading:
-        """The loading with the motion leaning so much more."""
+        """The loading with this angle added to its misalignment."""
         return replace(described, misalignment_rad=described.misalignment_rad + radians(self.angle_deg))
 
 
@@ -215,7 +217,7 @@ class NormalLoadDrift(Effect[Loading]):
     )
 
     def changed(self, described: Loading, age: Age) -> Loading:
-        """The load of that cycle."""
+        """The loading with the normal load after `age.cycles` cycles."""
         factor = max(1.0 + self.fraction_per_100k_cycles * age.cycles / 1e5, 0.01)
         return replace(described, normal_load_N=factor * described.normal_load_N)
 
@@ -248,7 +250,7 @@ class CrossingAngleError(Effect[Specimens]):
     )
 
     def changed(self, described: Specimens, _age: Age) -> Specimens:
-        """Wires at the true angle."""
+        """The wires at the true crossing angle."""
         return replace(described, crossing_angle_deg=described.crossing_angle_deg + self.angle_deg)
 
 
@@ -256,10 +258,10 @@ class CrossingAngleError(Effect[Specimens]):
 class Plasticity(Effect[Specimens]):
     """Wires flattened plastically before any wear.
 
-    Hertz gives the steel wires 4.7 GPa, above what their contact bears elastically (first yield at 1.6 σ_y): within the
-    first strokes they flatten until the load spreads. Both wires give way by half the overlap that their unworn shapes
-    have at an approach of `flattening_um`, on the moving wire all along the stroke; what is pushed aside is neglected.
-    Source: Johnson, Contact Mechanics (1985), ch. 6.
+    Hertz's peak pressure of the steel wires is 4.7 GPa, more than their contact bears elastically (first yield at 1.6
+    σ_y): within the first strokes they flatten until the load spreads. Both wires recede by half the overlap that their
+    unworn shapes have at an approach of `flattening_um`, on the moving wire all along the stroke; displaced metal is
+    neglected. Source: Johnson, Contact Mechanics (1985), ch. 6.
     """
 
     name = "plasticity"
@@ -284,7 +286,7 @@ class Plasticity(Effect[Specimens]):
     )
 
     def changed(self, described: Specimens, _age: Age) -> Specimens:
-        """Wires flattened by so much more."""
+        """The wires with `flattening_um` added to their flattening."""
         return replace(described, flattening_mm=described.flattening_mm + 1e-3 * self.flattening_um)
 
 
@@ -293,8 +295,9 @@ class HeldDisplacement(Effect[Control]):
     """A drive that holds its displacement where it is stated to hold the slip or the energy.
 
     A contact that wears carries more force along its walls, Q = P tan(θ ± φ), and the rig takes Q/K of the stroke. A
-    drive that holds the slip grows by that; one that holds its displacement loses it from the slip. Where blocks follow
-    one another all have this displacement. Source: Infante-García et al., Sensors 20 (2020) 4152, finding 2.
+    drive that holds the slip increases its displacement by that; one that holds its displacement loses it from the
+    slip. Where blocks of cycles follow one another, all have this displacement. Source: Infante-García et al., Sensors
+    20 (2020) 4152, finding 2.
     """
 
     name = "held_displacement"
@@ -321,5 +324,5 @@ class HeldDisplacement(Effect[Control]):
     )
 
     def changed(self, _described: Control, _age: Age) -> Control:
-        """That displacement, whatever the loop shows."""
+        """A drive that holds `displacement_amplitude_um`."""
         return Control(self.displacement_amplitude_um)

@@ -1,19 +1,21 @@
-"""Measurements beyond a record's loops, and what each would show: different answers distinguish effects."""
+"""Further measurements beyond a record's loops; two effects are distinguished by one that would show different
+answers.
+"""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Measurement:
-    """A measurement that laboratories can make, and why it distinguishes effects; its cost in days of a laboratory."""
+    """A measurement that laboratories can make, why it distinguishes effects, and its cost in days of a laboratory."""
 
     what: str
     why: str
     cost_days: float
-    without_gap: str = ""  #: What it shows where nothing but the model is at work; empty if that says nothing.
+    without_gap: str = ""  #: What it shows if the nominal model is right; empty if that distinguishes nothing.
 
     def shows(self, text: str) -> "Answer":
-        """What it would show under an effect; effects of one text are alike to it."""
+        """The answer of this measurement under an effect; effects with equal texts are not distinguished by it."""
         return Answer(self, text)
 
 

@@ -1,4 +1,9 @@
-"""Parameters of effects: unit, range, the value that changes nothing, and which sizes are of interest."""
+"""Parameters of effects: unit, range, the neutral value that changes nothing, and the sizes expected before a record is
+seen.
+
+A form is a number by which a law may differ from the law of its source. A coordinate is a parameter's value expressed
+as a standard normal deviate under what is expected.
+"""
 
 import math
 import sys
@@ -33,19 +38,21 @@ class Parameter:
     #: With it the effect changes nothing; None if another parameter's neutral value switches it off already.
     neutral: float | None
     easy: float  #: Size that the steel-wire test shows plainly.
-    hard: float  #: Size that it shows barely.
-    interest: tuple[float, float]  #: Range that holds 95 % of what one expects before looking.
-    logarithmic: bool = False  #: Whether sizes there are compared by their ratios.
+    hard: float  #: Size that the steel-wire test barely shows.
+    interest: tuple[float, float]  #: Range with 95 % of what is expected before a record is seen.
+    logarithmic: bool = False  #: True if coordinates go with the logarithm of the value.
     #: Key of a study, such as "contact.friction", of whose value neutral, easy, hard and interest are multiples; empty
     #: for plain values.
     share_of: str = ""
-    #: Another parameter and the power of this one that it goes with, where nothing in a record of wires distinguishes
-    #: the two; a diagnosis then leaves this one at its middle.
+
+    #: Another parameter, and the power p if only its ratio to this parameter to the power p shows in a record of wires;
+    #: a diagnosis then leaves this parameter in the middle of its range.
     held_by: tuple[str, float] | None = None
 
     def beside(self, stated: Stated) -> "Parameter":
-        """The parameter with plain values, in a study that states these numbers.
-        Raises StudyError if they lack the one that it is a share of.
+        """The parameter with plain values in a study that states the numbers `stated`, by key.
+
+        Raises StudyError if the number is missing of which its sizes are multiples.
         """
         if not self.share_of:
             return self
@@ -59,7 +66,7 @@ class Parameter:
         )
 
     def value(self, coordinate: float) -> float:
-        """The value at a coordinate that is a standard normal deviate under what one expects before looking."""
+        """The value at a coordinate, within the parameter's range."""
         low, high = self._ends()
         at = 0.5 * (low + high) + coordinate * (high - low) / (2.0 * _ENDS)
         if self.logarithmic:
@@ -67,16 +74,17 @@ class Parameter:
         return min(max(at, self.quantity.low), self.quantity.high)
 
     def coordinate(self, value: float) -> float:
-        """The inverse of `value`."""
+        """The coordinate of a value; inverse of `value`."""
         low, high = self._ends()
         at = math.log(value) if self.logarithmic else value
         return (at - 0.5 * (low + high)) / (high - low) * 2.0 * _ENDS
 
     @property
     def near_neutral(self) -> float:
-        """The neutral value, or where that is at the end of a logarithm's range, what is as good as it.
+        """The neutral value or, where that is 0 or infinite on a logarithmic scale, one that hardly differs from it in
+        effect.
 
-        That is a standard deviation from the middle of what one expects: from there on hardly anything shows it.
+        This is one standard deviation from the middle of what is expected, on the neutral side.
         """
         if not self.logarithmic or self.neutral is None or 0.0 < self.neutral < math.inf:
             return self.neutral or 0.0
@@ -95,7 +103,7 @@ class Parameter:
         return replace(self, easy=within(self.easy), hard=within(self.hard), interest=interest)
 
     def bounds(self) -> tuple[float, float]:
-        """Coordinates of the ends of its range; infinite where the range is open to the coordinate."""
+        """Coordinates of both ends of its range; infinite where the range has no end on its scale."""
         low, high = self.quantity.low, self.quantity.high
         return (-math.inf if self.logarithmic and low <= 0.0 else self.coordinate(low)), self.coordinate(high)
 
@@ -105,7 +113,9 @@ class Parameter:
 
     def checked(self, value: object) -> float:
         """The value as a number; an infinite stiffness may be written as "rigid".
-        Raises ValueError if it is out of range or no number; the message goes on from the parameter's name.
+
+        Raises ValueError if it is out of range or not a number; the message continues a sentence that begins with the
+        name.
         """
         if RIGID in self.quantity.words and value in (RIGID, math.inf):
             return math.inf
@@ -124,29 +134,29 @@ def parameter(
     share_of: str = "",
     held_by: tuple[str, float] | None = None,
 ) -> float:
-    """A field of an effect's data class that is a `Parameter`."""
+    """A dataclass field of an effect that is a parameter; see `Parameter` for the arguments."""
     described = Parameter(meaning, quantity, neutral, easy, hard, interest, logarithmic, share_of, held_by)
     made: float = field(metadata={"parameter": described})
     return made
 
 
 def cycles_of_change(meaning: str, typical: float) -> float:
-    """A parameter: the cycles over which a change comes."""
+    """A parameter: the number of cycles over which a change happens; `typical` is its size for "easy" and "hard"."""
     quantity, ends = Quantity("cycles", 1.0, 1e9), (30.0, 1e5)
     return parameter(meaning, quantity, neutral=None, easy=typical, hard=typical, interest=ends, logarithmic=True)
 
 
 def choice(*words: str) -> str:
-    """A field of an effect's data class that is one of a few words, the first unless given."""
+    """A dataclass field of an effect that takes one of a few words; the first is the default."""
     made: str = field(default=words[0], metadata={"choice": words})
     return made
 
 
 def form(described: Parameter, *, contacts: tuple[str, ...] = ()) -> float:
-    """A field of an effect's data class that says in which form it acts; neutral is that of its source.
+    """A dataclass field of an effect that is a form: by default the law is that of its source.
 
-    Files do not know it; it is uncertain as far as laws of other forms differ, and a fit looks for it. Kinds of contact
-    that `contacts` does not name lack it, if it names any.
+    Studies cannot state it. A fit varies it, within the uncertainty that `described` gives. contacts: the kinds of
+    contact that have it; empty: all.
     """
     neutral = math.nan if described.neutral is None else described.neutral
     made: float = field(default=neutral, metadata={"form": described, "contacts": contacts})
@@ -154,40 +164,44 @@ def form(described: Parameter, *, contacts: tuple[str, ...] = ()) -> float:
 
 
 def exponent(deviation: float) -> Parameter:
-    """An exponent of a law over its source's: its logarithm is a normal deviate times `deviation`."""
+    """A form: the exponent of a law over its source's; its logarithm has the standard deviation `deviation`."""
     ends = math.exp(-_ENDS * deviation), math.exp(_ENDS * deviation)
     meaning = "exponent of its law over that of its source's"
     return Parameter(meaning, _EXPONENT, neutral=1.0, easy=1.0, hard=1.0, interest=ends, logarithmic=True)
 
 
 def added(meaning: str, low: float, high: float) -> Parameter:
-    """What is added to an exponent or an order of a law; 95 % of laws have it between both."""
+    """A form: a number added to an exponent or an order of a law; between `low` and `high` for 95 % of laws."""
     return Parameter(meaning, _ORDER, neutral=0.0, easy=0.0, hard=0.0, interest=(low, high))
 
 
 def order(deviation: float) -> Parameter:
-    """Order of the kinetics of a change beyond the first: a normal deviate times `deviation`."""
+    """A form: the order of a change's kinetics beyond the first; its standard deviation is `deviation`."""
     return added("order of its kinetics beyond the first", -_ENDS * deviation, _ENDS * deviation)
 
 
 def limit_um(low: float, high: float) -> Parameter:
-    """A thickness that is not exceeded, which its source's law does not know; 95 % of laws that do have it between."""
+    """A form: the largest thickness in µm, unlimited by the source's law; between `low` and `high` for 95 % of limited
+    laws.
+    """
     never = math.inf
     meaning = "thickness that is not exceeded"
     return Parameter(meaning, _THICKNESS, neutral=never, easy=never, hard=never, interest=(low, high), logarithmic=True)
 
 
 def share(low: float, high: float) -> Parameter:
-    """A share of a change that its source's law lets come in full, and others leave out; 95 % lie between both."""
+    """A form: the share of a change that does not happen, 0 by the source's law; between `low` and `high` for 95 % of
+    laws.
+    """
     meaning = "share of it that stays for good"
     return Parameter(meaning, _SHARE, neutral=0.0, easy=0.0, hard=0.0, interest=(low, high), logarithmic=True)
 
 
 def part(meaning: str, low: float, high: float) -> Parameter:
-    """A share of something that its source's law has in full, others in part or not; 95 % of laws lie between both."""
+    """A form: the share of something that acts, 1 by the source's law; between `low` and `high` for 95 % of laws."""
     return Parameter(f"share {meaning}", _PART, neutral=1.0, easy=1.0, hard=1.0, interest=(low, high))
 
 
 def plain(value: float) -> float | str:
-    """A parameter's value as files hold it."""
+    """A parameter's value as files hold it: "rigid" if infinite."""
     return RIGID if math.isinf(value) else value

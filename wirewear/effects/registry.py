@@ -1,4 +1,4 @@
-"""All effects there are: those of the library and of installed packages, also as a table and as JSON."""
+"""The effects of the library and of installed packages, by name; also as a table for the terminal and as JSON."""
 
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
@@ -31,9 +31,10 @@ LIBRARY: tuple[EffectType, ...] = (
 
 
 def effects_of_tables(value: object) -> tuple[AnyEffect, ...]:
-    """The effects that a list of tables gives; effects already made are kept.
-    Raises ValueError if it is no such list, an effect is unknown or given twice, or a parameter makes no sense; the
-    message goes on from the word "effects" and the place where it stands.
+    """The effects from a list of `[[effects]]` tables; effect objects in it are kept.
+
+    Raises ValueError if it is not such a list, an effect is unknown or given twice, or a parameter is missing, unknown
+    or out of range; the message continues a sentence that begins with "effects" and their place.
     """
     if not isinstance(value, list | tuple):
         raise ValueError(f"is {shown(value)}, but must be tables {_EXAMPLE}")
@@ -49,7 +50,7 @@ def effects_of_tables(value: object) -> tuple[AnyEffect, ...]:
 
 
 def tables_of_effects(effects: Iterable[AnyEffect]) -> list[dict[str, object]]:
-    """The tables that give these effects."""
+    """The `[[effects]]` tables that give these effects."""
     return [effect.table() for effect in effects]
 
 
@@ -76,6 +77,7 @@ def _effect(table: object) -> AnyEffect:
 
 def all_effects() -> dict[str, EffectType]:
     """Every effect by its name: the library's, then those of installed packages.
+
     Raises StudyError if a package's entry point holds no effect, or one whose name is taken.
     """
     return dict(_all_effects())
@@ -96,7 +98,7 @@ def _all_effects() -> dict[str, EffectType]:
 
 
 def effect_named(name: object) -> EffectType:
-    """The effect of that name. Raises StudyError if there is none."""
+    """The effect of this name. Raises StudyError if there is none."""
     known = all_effects()
     if isinstance(name, str) and name in known:
         return known[name]
@@ -110,19 +112,24 @@ def _problem(sentence: str) -> StudyError:
 
 
 def all_measurements() -> tuple[Measurement, ...]:
-    """Every measurement that distinguishes effects: the library's, then those that effects of packages bring."""
+    """Every measurement that can distinguish effects: the library's, then those that effects of packages name."""
     named = (answer.measurement for effect in all_effects().values() for answer in effect.answers)
     return tuple(dict.fromkeys((*measurements.LIBRARY, *named)))
 
 
 def splits(measurement: Measurement, one: str, other: str) -> bool:
-    """Whether it shows something else under one effect than under the other; "none" is the model without a gap."""
+    """True if a measurement is known to show different answers under two effects; "none" names the model without an
+    effect.
+    """
     a, b = (_shown(measurement, name) for name in (one, other))
     return bool(a and b and a != b)
 
 
 def distinguished_by(effect: EffectType) -> tuple[Measurement, ...]:
-    """Measurements that distinguish an effect from its look-alikes, or from any other without any; cheapest first."""
+    """Measurements that distinguish an effect from those it can be confused with, cheapest first.
+
+    Where it can be confused with none: from any other effect.
+    """
     others = effect.confused_with or tuple(all_effects())
     found = [m for m in all_measurements() if any(splits(m, effect.name, other) for other in others)]
     return tuple(sorted(found, key=lambda measurement: measurement.cost_days))
@@ -169,7 +176,7 @@ def _parameter_json(name: str, item: Parameter) -> dict[str, object]:
 
 
 def effects_table() -> Table:
-    """Every effect with its seam, parameters and sizes."""
+    """A table for the terminal of every effect with its seam, parameters and sizes."""
     table = Table(title="Effects", title_justify="left", show_lines=True)
     for heading in ("effect", "seam", "parameters: neutral, hard and easy to see", "signature"):
         table.add_column(heading, overflow="fold")
@@ -193,7 +200,9 @@ def _multiple(item: Parameter) -> str:
 
 
 def effect_text(effect: EffectType) -> str:
-    """One effect in full: physics, parameters, signature, look-alikes and what distinguishes them."""
+    """One effect in full: physics, parameters, signature, effects it can be confused with, and what
+    distinguishes them.
+    """
     found = distinguished_by(effect)
     splitting = "; ".join(f"{m.what} ({effect.answer_to(m)})" for m in found) or "no further measurement that is known"
     parts = [

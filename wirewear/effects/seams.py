@@ -1,4 +1,4 @@
-"""The seams of the model at which effects enter, and what the model says at each of them."""
+"""The seams of the model, at which effects enter, and the descriptions of the model there that effects change."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 
 class Seam(StrEnum):
-    """Where an effect enters, and the description that it changes there."""
+    """The places in the model where effects enter; each comment names the description that they change there."""
 
     HOLDER = "holder"  #: solvers.Holder
     CONTACT = "contact"  #: ContactLaw
@@ -29,19 +29,19 @@ class Seam(StrEnum):
 
 @dataclass(frozen=True)
 class Age:
-    """How far a test has come: cycles done and friction energy dissipated, J."""
+    """How far a test has come: cycles done, and friction energy dissipated in J."""
 
     cycles: float
     energy_J: float
 
     @classmethod
     def new(cls) -> Age:
-        """Before the first cycle."""
+        """The age before the first cycle."""
         return cls(0.0, 0.0)
 
 
 class Ageing(StrEnum):
-    """What an effect follows over a test."""
+    """What an effect's strength depends on during a test."""
 
     NEVER = "nothing: it is the same throughout"
     BY_CYCLES = "the cycles alone"
@@ -50,7 +50,7 @@ class Ageing(StrEnum):
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """What acts between the surfaces: the coefficient of friction, and layers that give way, in series."""
+    """The coefficient of friction between the surfaces, and compliant layers there, in series."""
 
     friction: float
     layers: tuple[ContactLayer, ...] = ()
@@ -58,7 +58,9 @@ class ContactLaw:
 
 @dataclass(frozen=True)
 class Specimens:
-    """The wires as they were mounted: the angle between their axes, and how far they were flattened together, mm."""
+    """The wires as mounted: the angle between their axes, and the approach in mm by which they were flattened
+    together.
+    """
 
     crossing_angle_deg: float
     flattening_mm: float = 0.0
@@ -66,19 +68,17 @@ class Specimens:
 
 @dataclass(frozen=True)
 class Control:
-    """What the drive holds, as it is before the first cycle: this amplitude of its displacement, µm, or, where that is
-    None, the figure of the loop that is stated.
-    """
+    """What the drive holds: a displacement amplitude in µm or, with None, the slip or energy that the study states."""
 
     displacement_amplitude_um: float | None
 
 
 @dataclass(frozen=True)
 class Loading:
-    """The load on the holder when the wires have just been pressed together, and its lean."""
+    """The load on the holder when the bodies have just been pressed together, and its direction."""
 
     normal_load_N: float  #: Along the loading axis.
-    misalignment_rad: float = 0.0  #: By which the motion rises out of the contact plane.
+    misalignment_rad: float = 0.0  #: Angle by which the motion rises out of the contact plane.
 
 
 class ChangesASeam(Protocol):
@@ -86,16 +86,16 @@ class ChangesASeam(Protocol):
 
     @property
     def seam(self) -> Seam | None:
-        """The seam that it changes; None if none alone."""
+        """The seam that it changes; None if it changes several."""
         ...
 
     def changed(self, described: Any, age: Age) -> Any:
-        """The description with the effect in it."""
+        """The description with the change made, at an age of the test."""
         ...
 
 
 def applied(effects: Iterable[ChangesASeam], seam: Seam, described: T, age: Age) -> T:
-    """What a seam's description becomes by those effects that change it, one after the other."""
+    """A seam's description after all effects of this seam, one after the other."""
     for effect in effects:
         if effect.seam is seam:
             described = effect.changed(described, age)
@@ -103,7 +103,7 @@ def applied(effects: Iterable[ChangesASeam], seam: Seam, described: T, age: Age)
 
 
 def problem_with(problem: ContactProblem, effects: Sequence[ChangesASeam], age: Age) -> ContactProblem:
-    """A nominal problem with effects on holder, loading, contact law and wear law, at an age of the test."""
+    """A nominal contact problem with effects on holder, loading, contact law and wear law, at an age of the test."""
     if problem.friction_law.ages or problem.wear.law.ages:
         problem = replace(problem, cycle=age.cycles)
     if not effects:

@@ -1,4 +1,4 @@
-"""Effects of what reads: gain, coupling, crosstalk and lag of sensors."""
+"""Effects of the sensors: gain, dependence on force, crosstalk and lag."""
 
 from dataclasses import dataclass, replace
 
@@ -42,7 +42,7 @@ class DisplacementGain(Effect[Sensor]):
     )
 
     def changed(self, described: Sensor, _age: Age) -> Sensor:
-        """The sensor with its gain times this one."""
+        """The sensor with its displacement gain multiplied by this one."""
         return replace(described, displacement_gain=self.gain * described.displacement_gain)
 
 
@@ -134,8 +134,8 @@ class SensorLag(Effect[Sensor]):
     """A displacement channel that lags behind the force channel, or a force channel behind the displacement.
 
     A first-order filter of time constant τ, as of an amplifier, delays its channel by about τ: a loop without friction
-    work gets the area of an ellipse, π Q* δ* ω τ, and branches split at their reversals. A force that lags parts them
-    the other way. Source: Bendat & Piersol, Random Data, 4th ed., section 2.3.
+    work gets the area of an ellipse, π Q* δ* ω τ, and its branches separate near the reversals. A force that lags
+    separates them in the other direction. Source: Bendat & Piersol, Random Data, 4th ed., section 2.3.
     """
 
     name = "sensor_lag"

@@ -1,4 +1,6 @@
-"""Effects on the wear coefficient: another one, one that changes, one that lacks oxygen."""
+"""Effects on the wear coefficient: a different one, one that changes over the test, one that is small without
+oxygen.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -42,7 +44,7 @@ class WearRateOffset(Effect[WearRates]):
     factor: float = _factor("of both wires", easy=1.5, hard=1.12, least=0.4, most=2.5)
 
     def changed(self, described: WearRates, _age: Age) -> WearRates:
-        """The rates times the factor."""
+        """The wear rates multiplied by the factor."""
         return described.scaled(self.factor)
 
 
@@ -77,7 +79,7 @@ class WearRateEvolution(Effect[WearRates]):
     order: float = form(order(0.7))
 
     def changed(self, described: WearRates, age: Age) -> WearRates:
-        """The rates times the factor of that cycle."""
+        """The wear rates multiplied by the factor after `age.cycles` cycles."""
         return described.scaled(
             Course(self.initial_factor, self.final_factor, self.cycles, self.steepness, self.order).at(age.cycles)
         )
@@ -87,11 +89,12 @@ class WearRateEvolution(Effect[WearRates]):
 class ContactOxygenation(Effect[WearRates]):
     """Wear that is small where oxygen does not get.
 
-    Oxygen diffuses in from the contact's edges and is used up in proportion to the friction power density q. It gets as
-    far as d = √(S/q); S is the supply. Beyond, debris does not oxidise, wear is adhesive and its coefficient smaller;
-    over the last 0.3 d, where little oxygen is left, it passes linearly from one to the other.
-    Source: Arnaud, Baydoun and Fouvry, Tribol. Int. 161 (2021) 107077; of 39 tests of titanium, those with W-shaped
-    scars have q a² above 0.31 to 0.38 W at Hertz's half-width a (Fouvry et al., Tribol. Int. 113 (2017) 460).
+    Oxygen diffuses in from the contact's edges and is consumed in proportion to the friction power density q. It
+    reaches the distance d = √(S/q) from the edge, with the supply S. Farther inside, debris does not oxidise, wear is
+    adhesive and its coefficient smaller; over the last 0.3 d, where little oxygen is left, the coefficient changes
+    linearly between both. Source: Arnaud, Baydoun and Fouvry, Tribol. Int. 161 (2021) 107077; of 39 tests of titanium,
+    those with W-shaped scars have q a² above 0.31 to 0.38 W at Hertz's half-width a (Fouvry et al., Tribol. Int. 113
+    (2017) 460).
     """
 
     name = "contact_oxygenation"
@@ -131,11 +134,11 @@ class ContactOxygenation(Effect[WearRates]):
     )
 
     def changed(self, described: WearRates, _age: Age) -> WearRates:
-        """The rates with that supply of oxygen."""
+        """The wear rates with this supply of oxygen."""
         if self.starved_factor == 1.0:
             return described
         return replace(described, oxygen=OxygenSupply(self.supply_W, self.starved_factor))
 
     def predicted(self, chain: Chain) -> Chain:
-        """The chain with that supply."""
+        """The chain with this supply of oxygen."""
         return chain if self.starved_factor == 1.0 else chain.with_oxygen(self.supply_W, self.starved_factor)

@@ -1,4 +1,4 @@
-"""What commands ask of a study or a result of any kind of test."""
+"""Studies of any kind of test from files, and the drawings, meshes and fields of any kind of result."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ _CONTACTS: dict[str, Contacts] = dict.fromkeys(kinds.AT_A_POINT, AtAPoint()) | {
 
 
 def contacts_of(one: OfAKind) -> Contacts:
-    """What a study or a result, or the run of a record's test, is drawn and written by.
-    Raises StudyError of a kind that is not simulated.
+    """The drawings, meshes and fields for the kind of contact of a study or a result.
+
+    Raises StudyError for a kind that is not simulated.
     """
     if one.contact_kind not in _CONTACTS:
         raise StudyError(f"a {one.contact_kind} has no bodies, which this command needs.")
@@ -32,9 +33,10 @@ def contacts_of(one: OfAKind) -> Contacts:
 def load_any_study(path: str | Path, *, varied: bool = False) -> Any:
     """Read a study of any kind from a TOML file.
 
-    varied: whether other values will stand in place of its own, beside which any key may act.
-    Raises StudyError, in one sentence, if the file cannot be read, is no valid study of its kind, or states a key that
-    acts in none of its runs.
+    varied: True if its values will be replaced by others, under which keys without effect now may have one.
+
+    Raises StudyError, in one sentence, if the file cannot be read, is not a valid study of its kind, or states a key
+    that has no effect in any of its runs.
     """
     from wirewear.test.study import read_study
 
@@ -42,8 +44,10 @@ def load_any_study(path: str | Path, *, varied: bool = False) -> Any:
 
 
 def any_study(tables: Mapping[str, Any], where: str, *, varied: bool = False) -> Any:
-    """A study of whatever kind its tables say, with its surfaces levelled; `where` names their origin in messages.
-    Raises StudyError, in one sentence, as `load_any_study` does.
+    """A study of the kind that its tables state, with measured surfaces levelled; `where` names their origin in
+    messages.
+
+    Raises StudyError as `load_any_study` does.
     """
     from wirewear.test import study_from_tables
     from wirewear.test.consistency import require_no_idle_key

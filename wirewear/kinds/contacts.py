@@ -1,4 +1,4 @@
-"""What results of contacts at a point and of line contacts differ in above the simulation: pictures, fields, meshes."""
+"""Pictures, fields and meshes of results: those of contacts at a point, and those of line contacts."""
 
 from __future__ import annotations
 
@@ -15,51 +15,51 @@ if TYPE_CHECKING:
     from wirewear.simulation import RefinedSubject
     from wirewear.stress.state import Inside
 
-Drawings = Mapping[str, Callable[[], "Figure"]]  #: What can be drawn, by file name.
+Drawings = Mapping[str, Callable[[], "Figure"]]  #: Functions that draw a picture, by file name.
 
 
 class Contacts(ABC):
-    """Studies and results whose bodies are meshed alike; what it takes is loaded when it is asked for."""
+    """Drawings, meshes and fields for studies and results of some kinds of contact; modules are imported on use."""
 
     inside_options: ClassVar[frozenset[str]]  #: Options of `wirewear fields` and `strength` that not all know.
 
     @property
     @abstractmethod
     def refined(self) -> RefinedSubject:
-        """What a study of convergence refines and watches."""
+        """The subject of a convergence study: what it refines, and which values it compares."""
 
     @property
     @abstractmethod
     def inside(self) -> Inside[Any]:
-        """How bodies are looked into."""
+        """How stresses inside the bodies are computed and drawn."""
 
     @abstractmethod
     def write_meshes(self, study: Any, fidelity: str, folder: Path) -> list[Path]:
-        """Write and draw the meshes of both bodies."""
+        """Write and draw the meshes of both bodies into a folder; return the files."""
 
     @abstractmethod
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
-        """Write what the folder of a study's runs holds beside their results."""
+        """Write the further files that the folder of a study's runs holds besides the result files."""
 
     @abstractmethod
     def write_fields(self, result: RunResult, folder: Path, **asked: Any) -> list[Path]:
-        """Write stresses inside both bodies; `asked` holds what `inside_options` state as well."""
+        """Write stresses inside both bodies into a folder; `asked` are options of the command. Returns the files."""
 
     @abstractmethod
     def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
-        """Worn bodies as a profilometer with such noise sees them, by names of files."""
+        """Worn surfaces as a profilometer of this noise (standard deviation in µm) measures them, by file name."""
 
     @abstractmethod
     def drawings(self, results: Sequence[RunResult]) -> Drawings:
-        """Pictures of results."""
+        """The pictures of results, by file name."""
 
     @abstractmethod
     def overview(self, results: Sequence[RunResult]) -> Callable[[], Figure]:
-        """The picture that shows most of results."""
+        """A function that draws the one picture which shows the most of results."""
 
 
 class AtAPoint(Contacts):
-    """Contacts whose bodies wear a scar that is about as wide as it is long."""
+    """Contacts at a point, whose scar is about as wide as it is long."""
 
     inside_options = frozenset(("--integration-points", "--no-pictures", "--animate"))
 
@@ -81,7 +81,7 @@ class AtAPoint(Contacts):
         return write_meshes(study, fidelity, folder)
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
-        """The scars of each run over the cycles for ParaView."""
+        """Write the scars of each run over the cycles, for ParaView."""
         from wirewear.results.flat import FOLDER_NAME, write_time_series
 
         for result in results:
@@ -131,7 +131,7 @@ class AlongALine(Contacts):
         return write_line_meshes(study, fidelity, folder)
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
-        """Tables and pictures of each run, and a picture of several side by side."""
+        """Write tables and pictures of each run, and a picture of several runs side by side."""
         from wirewear.pictures.lines import line_variants
         from wirewear.pictures.style import save
         from wirewear.results.flat import write_flat_tables
@@ -160,5 +160,5 @@ class AlongALine(Contacts):
         return line_drawings(results)
 
     def overview(self, results: Sequence[RunResult]) -> Callable[[], Figure]:
-        """Their profiles."""
+        """A function that draws the worn profiles."""
         return next(iter(self.drawings(results).values()))

@@ -1,4 +1,4 @@
-"""Surfaces that a study names as heights: levelled against the bodies' unworn shapes, as the importer levels scars."""
+"""Surfaces that a study gives as measured heights: levelled against the bodies' unworn shapes into depths."""
 
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
@@ -27,8 +27,9 @@ _LEVEL = kept(np.arange(2.0), np.arange(2.0), np.zeros((2, 2)))
 
 
 def with_levelled(tables: Mapping[str, Any], where: str) -> Mapping[str, Any]:
-    """A study's tables with depths in place of files of heights.
-    Raises StudyError if a file cannot be read, or its surface is not that of the body.
+    """A study's tables with depths in place of files of heights; `where` names the study in messages.
+
+    Raises StudyError if a file cannot be read, or its surface does not fit the body.
     """
     unworn, whole = deepcopy(dict(tables)), deepcopy(dict(tables))
     files = {place: Path(table["file"]) for place, table in surfaces_in(tables) if isinstance(table.get("file"), str)}
@@ -52,7 +53,7 @@ def with_levelled(tables: Mapping[str, Any], where: str) -> Mapping[str, Any]:
 
 
 def _has_heights(file: Path) -> bool:
-    """Whether a file is a map or a table of heights; False of one that cannot be read."""
+    """True if a file is a map or a table of heights; False if it cannot be read."""
     try:
         return file.is_file() and (is_map(file) or "depth_um" not in known_columns(file, COLUMNS))
     except WirewearError:
@@ -75,7 +76,9 @@ def _of_body(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
 
 
 def _of_line(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
-    """Of the pad or the specimen of a line contact: the mean over the lines of a map."""
+    """Depths of the pad or the specimen of a line contact, as a map with a single line; a measured map is averaged
+    across.
+    """
     columns = {} if is_map(file) else known_columns(file, COLUMNS)
     if "x_um" in columns and "height_um" in columns:
         x, height = columns["x_um"], columns["height_um"]
@@ -89,6 +92,6 @@ def _of_line(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
 
 
 def _require_certain(sentences: Sequence[str]) -> None:
-    """See that nothing is to be said of how heights were levelled. Raises RecordError with the first that is."""
+    """Raise RecordError with the first of `sentences`, doubts about how heights were levelled, if there is any."""
     if sentences:
         raise RecordError(f"{sentences[0]}.")

@@ -1,11 +1,11 @@
 """Cattaneo–Mindlin partial slip of a circular Hertz contact under constant normal load (N, mm, MPa).
 
 Cattaneo 1938, Mindlin 1949, Mindlin & Deresiewicz 1953; Johnson, Contact Mechanics, 1985, sections 7.2 and 7.4.
-Reversals follow Masing's rule: after a reversal at (u*, Q*) the change of displacement is twice the virgin curve at
-half the change of force.
+Reversals follow Masing's rule: after a reversal at (u*, Q*) the change of displacement is twice that of first loading
+at half the change of force. An index 1, as in u₁ or Q₁, denotes first loading.
 
 In the fretting loop behind a rig's tangential spring, under constant friction and without wear, the drive displaces the
-moving wire by δ; the rig takes Q/K_s of it, the contact the rest (N·mm = mJ). rig_stiffness_N_per_mm may be math.inf (a
+moving body by δ; the rig takes Q/K_s of it, the contact the rest (N·mm = mJ). rig_stiffness_N_per_mm may be math.inf (a
 rigid rig). The formulas follow from the curve, the linear spring and Masing's rule, which a series of springs and
 sliders obeys exactly.
 """
@@ -22,9 +22,9 @@ from wirewear.reference.hertz import require_positive
 
 @dataclass(frozen=True)
 class PartialSlipPoint:
-    """A circular contact of radius a that carries P and can transmit at most µP.
+    """A circular contact of radius a that carries the normal load P and a tangential force Q of at most µP.
 
-    stiffness_N_per_mm is Mindlin's initial tangential stiffness 2G*a. Raises ValueError unless all are positive.
+    stiffness_N_per_mm is Mindlin's initial tangential stiffness K = 2G*a. Raises ValueError unless all are positive.
     """
 
     normal_load_N: float
@@ -47,37 +47,39 @@ class PartialSlipPoint:
 
     @property
     def full_slip_displacement_mm(self) -> float:
-        """Displacement at which a first loading starts to slide, 1.5 µP/K."""
+        """Displacement u_slip = 1.5 µP/K at which a first loading starts to slide."""
         return 1.5 * self.limit_N / self.stiffness_N_per_mm
 
 
 def mindlin_stiffness(tangential_modulus_MPa: float, contact_radius_mm: float) -> float:
-    """K = 2G*a in N/mm (Johnson 1985, section 7.2)."""
+    """Mindlin's tangential stiffness K = 2G*a in N/mm (Johnson 1985, section 7.2)."""
     return 2.0 * tangential_modulus_MPa * contact_radius_mm
 
 
 def partial_slip_point(
     normal_load_N: float, friction: float, contact_radius_mm: float, tangential_modulus_MPa: float
 ) -> PartialSlipPoint:
-    """The contact of a Hertz radius and G*, see `PartialSlipPoint`."""
+    """The contact of a Hertz radius and a tangential modulus G*, see `PartialSlipPoint`."""
     stiffness = mindlin_stiffness(tangential_modulus_MPa, contact_radius_mm)
     return PartialSlipPoint(normal_load_N, friction, contact_radius_mm, stiffness)
 
 
 def stick_radius(contact: PartialSlipPoint, force_N: ArrayLike) -> Array:
-    """Stick radius c = a(1 − |Q|/µP)^⅓ on first loading, in mm (zero when sliding)."""
+    """Stick radius c = a(1 − |Q|/µP)^⅓ in mm on first loading; 0 when sliding."""
     return contact.contact_radius_mm * np.cbrt(_unused_capacity(contact, force_N))
 
 
 def loading_displacement(contact: PartialSlipPoint, force_N: ArrayLike) -> Array:
-    """Return u = 3µP/(2K) · [1 − (1 − |Q|/µP)^⅔] of first loading in mm, odd in Q. Raises ValueError beyond µP."""
+    """Displacement u = 3µP/(2K) · [1 − (1 − |Q|/µP)^⅔] in mm on first loading, odd in Q. Raises ValueError
+    beyond µP.
+    """
     remaining = np.cbrt(_unused_capacity(contact, force_N)) ** 2
     direction: Array = np.sign(np.asarray(force_N, float))
     return direction * contact.full_slip_displacement_mm * (1.0 - remaining)
 
 
 def loading_force(contact: PartialSlipPoint, displacement_mm: ArrayLike) -> Array:
-    """Return Q = µP[1 − (1 − |u|/u_slip)^(3/2)] on first loading, µP beyond u_slip, in N, odd in u."""
+    """Force Q = µP[1 − (1 − |u|/u_slip)^(3/2)] in N on first loading, µP beyond u_slip, odd in u."""
     u = np.asarray(displacement_mm, float)
     remaining = np.maximum(1.0 - np.abs(u) / contact.full_slip_displacement_mm, 0.0)
     force: Array = np.sign(u) * contact.limit_N * (1.0 - remaining**1.5)
@@ -85,16 +87,18 @@ def loading_force(contact: PartialSlipPoint, displacement_mm: ArrayLike) -> Arra
 
 
 def displacement_after_reversal(contact: PartialSlipPoint, force_N: ArrayLike, reversal_force_N: float) -> Array:
-    """Displacement u(Q) after first loading to Q* and reversal: u* − 2u₁((Q* − Q)/2), in mm.
+    """Displacement u(Q) = u* − 2u₁((Q* − Q)/2) in mm after first loading to Q* and reversal.
 
-    Q lies between Q* and −Q*; a negative Q* describes reloading of a closed cycle. Raises ValueError outside.
+    Q lies between Q* and −Q*; a negative Q* describes reloading in a closed cycle. Raises ValueError outside.
     """
     change = 0.5 * (reversal_force_N - np.asarray(force_N, float))
     return loading_displacement(contact, reversal_force_N) - 2.0 * loading_displacement(contact, change)
 
 
 def loading_traction(contact: PartialSlipPoint, radius_mm: ArrayLike, force_N: float) -> Array:
-    """Return q(r) = µp0[√(1 − r²/a²) − (c/a)√(1 − r²/c²)] in MPa, odd in Q (second term for r < c only)."""
+    """Traction q(r) = µp0[√(1 − r²/a²) − (c/a)√(1 − r²/c²)] in MPa on first loading, odd in Q (second term for r < c
+    only).
+    """
     r = np.asarray(radius_mm, float)
     a, c = contact.contact_radius_mm, float(stick_radius(contact, force_N))
     sliding = np.sqrt(np.maximum(a**2 - r**2, 0.0)) / a
@@ -106,22 +110,22 @@ def loading_traction(contact: PartialSlipPoint, radius_mm: ArrayLike, force_N: f
 def traction_after_reversal(
     contact: PartialSlipPoint, radius_mm: ArrayLike, force_N: float, reversal_force_N: float
 ) -> Array:
-    """Traction q(r) after loading to Q* and unloading to Q, q₁(Q*) − 2q₁((Q* − Q)/2), in MPa."""
+    """Traction q(r) = q₁(Q*) − 2q₁((Q* − Q)/2) in MPa after first loading to Q* and unloading to Q."""
     change = 0.5 * (reversal_force_N - force_N)
     first = loading_traction(contact, radius_mm, reversal_force_N)
     return first - 2.0 * loading_traction(contact, radius_mm, change)
 
 
 def stick_radius_after_reversal(contact: PartialSlipPoint, force_N: float, reversal_force_N: float) -> float:
-    """Inner radius c' = a[1 − |Q* − Q|/(2µP)]^⅓ of the annulus that slips back, in mm."""
+    """Inner radius c' = a[1 − |Q* − Q|/(2µP)]^⅓ in mm of the annulus that slips back after a reversal at Q*."""
     return float(stick_radius(contact, 0.5 * (reversal_force_N - force_N)))
 
 
 def energy_per_cycle(contact: PartialSlipPoint, force_amplitude_N: float) -> float:
     """Energy dissipated by a closed cycle between ±Q*, in N·mm = mJ.
 
-    7.2(µP)²/K · {1 − (1−T)^(5/3) − (5T/6)[1 + (1−T)^⅔]}, T = Q*/µP (Mindlin & Deresiewicz 1953).
-    Raises ValueError beyond µP.
+    7.2(µP)²/K · {1 − (1−T)^(5/3) − (5T/6)[1 + (1−T)^⅔]}, T = Q*/µP (Mindlin & Deresiewicz 1953). Raises ValueError
+    beyond µP.
     """
     unused = float(_unused_capacity(contact, force_amplitude_N))
     ratio = 1.0 - unused
@@ -134,7 +138,7 @@ def energy_per_cycle(contact: PartialSlipPoint, force_amplitude_N: float) -> flo
 
 
 def _unused_capacity(contact: PartialSlipPoint, force_N: ArrayLike) -> Array:
-    """1 − |Q|/µP, refusing forces that the contact cannot carry (round-off forgiven)."""
+    """1 − |Q|/µP, at least 0; ValueError for forces beyond µP by more than round-off."""
     unused = 1.0 - np.abs(np.asarray(force_N, float)) / contact.limit_N
     if np.any(unused < -1e-9):
         raise ValueError(f"the tangential force must not exceed µP = {contact.limit_N:g} N")
@@ -144,7 +148,7 @@ def _unused_capacity(contact: PartialSlipPoint, force_N: ArrayLike) -> Array:
 
 @dataclass(frozen=True)
 class HysteresisLoop:
-    """A closed loop, starting at mid-stroke moving towards +x; the last sample does not repeat the first; shapes (n,).
+    """A closed loop, starting at mid-stroke moving towards +x; the last sample does not repeat the first; arrays (n,).
 
     time_cycles runs from 0 to (n − 1)/n of a cycle.
     """
@@ -155,13 +159,13 @@ class HysteresisLoop:
 
 
 def sliding_threshold(contact: PartialSlipPoint, rig_stiffness_N_per_mm: float = math.inf) -> float:
-    """Smallest displacement amplitude with gross slip, µP/K_s + 1.5 µP/K_c, in mm."""
+    """Smallest displacement amplitude with gross slip, µP/K_s + 1.5 µP/K, in mm."""
     require_positive(rig_stiffness_N_per_mm=rig_stiffness_N_per_mm)
     return contact.limit_N / rig_stiffness_N_per_mm + contact.full_slip_displacement_mm
 
 
 def unloading_stiffness(contact: PartialSlipPoint, rig_stiffness_N_per_mm: float = math.inf) -> float:
-    """Slope just after a reversal, 1/(1/K_s + 1/K_c), in N/mm."""
+    """Slope of the loop just after a reversal, 1/(1/K_s + 1/K), in N/mm."""
     require_positive(rig_stiffness_N_per_mm=rig_stiffness_N_per_mm)
     return 1.0 / (1.0 / rig_stiffness_N_per_mm + 1.0 / contact.stiffness_N_per_mm)
 
@@ -169,9 +173,10 @@ def unloading_stiffness(contact: PartialSlipPoint, rig_stiffness_N_per_mm: float
 def first_loading_force(
     contact: PartialSlipPoint, displacement_mm: ArrayLike, rig_stiffness_N_per_mm: float = math.inf
 ) -> Array:
-    """Q on first loading through the spring, in N, odd in δ, µP beyond `sliding_threshold`.
+    """Force Q in N on first loading through the rig's spring at displacements δ; odd in δ, µP beyond
+    `sliding_threshold`.
 
-    With s³ = 1 − Q/µP the displacement is the cubic (µP/K_s)(1 − s³) + 1.5(µP/K_c)(1 − s²), solved by bisection.
+    With s³ = 1 − Q/µP the displacement is the cubic (µP/K_s)(1 − s³) + 1.5(µP/K)(1 − s²), solved by bisection.
     """
     displacement = np.asarray(displacement_mm, float)
     spring = contact.limit_N / rig_stiffness_N_per_mm
@@ -189,7 +194,7 @@ def first_loading_force(
 def force_amplitude(
     contact: PartialSlipPoint, displacement_amplitude_mm: float, rig_stiffness_N_per_mm: float = math.inf
 ) -> float:
-    """Q* of the closed loop of amplitude δa, in N."""
+    """Largest force Q* in N of the closed loop of amplitude δa."""
     require_positive(displacement_amplitude_mm=displacement_amplitude_mm)
     return float(first_loading_force(contact, displacement_amplitude_mm, rig_stiffness_N_per_mm))
 
@@ -197,7 +202,7 @@ def force_amplitude(
 def slip_amplitude(
     contact: PartialSlipPoint, displacement_amplitude_mm: float, rig_stiffness_N_per_mm: float = math.inf
 ) -> float:
-    """δ0, half the loop's width at Q = 0, in mm; in gross slip δa − µP/K_s − 1.110 µP/K_c."""
+    """Slip amplitude δ0 in mm, half the loop's width at Q = 0; in gross slip δa − µP/K_s − 1.110 µP/K."""
     amplitude = force_amplitude(contact, displacement_amplitude_mm, rig_stiffness_N_per_mm)
     own = 2.0 * float(loading_displacement(contact, 0.5 * amplitude))
     return displacement_amplitude_mm - amplitude / rig_stiffness_N_per_mm - own
@@ -206,7 +211,7 @@ def slip_amplitude(
 def dissipated_energy(
     contact: PartialSlipPoint, displacement_amplitude_mm: float, rig_stiffness_N_per_mm: float = math.inf
 ) -> float:
-    """E_d of a closed loop in mJ; in gross slip 4µP(δa − µP/K_s) − 4.8(µP)²/K_c."""
+    """Energy of a closed loop in mJ; in gross slip 4µP(δa − µP/K_s) − 4.8(µP)²/K."""
     amplitude = force_amplitude(contact, displacement_amplitude_mm, rig_stiffness_N_per_mm)
     sliding = max(displacement_amplitude_mm - sliding_threshold(contact, rig_stiffness_N_per_mm), 0.0)
     return energy_per_cycle(contact, amplitude) + 4.0 * contact.limit_N * sliding
@@ -220,7 +225,7 @@ def branch_force(
     *,
     forward: bool,
 ) -> Array:
-    """Q at δ on one branch of the closed loop, in N: ∓Q* ± 2Q₁(|δ ± δa|/2), upper signs on the forward branch."""
+    """Force Q in N at δ on one branch of the closed loop: ∓Q* ± 2Q₁(|δ ± δa|/2), upper signs on the forward branch."""
     amplitude = force_amplitude(contact, displacement_amplitude_mm, rig_stiffness_N_per_mm)
     sign = 1.0 if forward else -1.0
     travelled = displacement_amplitude_mm + sign * np.asarray(displacement_mm, float)
@@ -235,6 +240,7 @@ def closed_loop(
     samples: int = 400,
 ) -> HysteresisLoop:
     """The whole steady Q–δ loop under a sinusoidal drive, in partial or in gross slip.
+
     Raises ValueError for fewer than 8 samples or values that are not positive.
     """
     if samples < 8:

@@ -1,4 +1,4 @@
-"""Where bodies in contact begin to yield: the largest pressure at first yield over the yield stress (von Mises)."""
+"""First yield of bodies in contact: the largest contact pressure then, over the yield stress (von Mises)."""
 
 from functools import cache
 
@@ -13,9 +13,10 @@ _DEPTHS = np.linspace(0.02, 3.0, 3000)  #: Over the minor semi-axis.
 
 
 def first_yield_ratio(axis_ratio: float, poissons_ratio: float) -> float:
-    """p0/σ_y at first yield below the middle of an elliptic Hertz contact without friction; a line has axis_ratio 0.
+    """p0/σ_y at first yield on the axis below an elliptic Hertz contact without friction.
 
-    On the axis stresses of circle and line are closed (Johnson, Contact Mechanics (1985), sections 3.4 and 4.2).
+    axis_ratio: minor over major semi-axis, 0 for a line contact. Stresses on the axis of circle and line are in closed
+    form (Johnson, Contact Mechanics (1985), sections 3.4 and 4.2); ellipses are interpolated between.
     """
     circle, line = _circle_and_line(poissons_ratio)
     return circle + float(np.interp(axis_ratio, _RATIOS, _SHARES)) * (line - circle)

@@ -1,16 +1,17 @@
 """Stresses in a half-space under round contacts and in a half-plane under line contacts (N, mm, MPa).
 
-Both are z >= 0, z into the body, the half-plane in plane strain. A pressure acts along +z, a shear traction along +x.
-Stresses (..., 6) are in the order xx, yy, zz, xy, yz, xz, tension positive.
+The body is z >= 0, z pointing into it, the half-plane in plane strain. A pressure acts along +z, a shear traction along
++x. Stresses (..., 6) are in the order xx, yy, zz, xy, yz, xz, tension positive; coordinates broadcast.
 
 The potential of a traction √(a² − r²) is that of sources on a complex line, (π/2) ∫ (a² + (ζ − z)²) / √(r² + ζ²) dζ/i
 from ζ = z − ia to z + ia (its value on the surface, π² (2a² − r²) / 4, is Hertz's). All potentials of Boussinesq and
 Cerruti (Johnson, Contact Mechanics, 1985, section 3.2) follow by integrating and differentiating under the integral. It
 is taken along a half circle in the right half plane, where nothing is singular, by the double exponential rule, which
-endures the root at the contact's edge (Takahasi & Mori, Publ. RIMS 9 (1974) 721).
+handles the root at the contact's edge (Takahasi & Mori, Publ. RIMS 9 (1974) 721).
 
-Cattaneo–Mindlin partial slip after Johnson (1985), 7.2, 7.4, under constant normal load, in forces per unit length.
-Displacements are left out: those of a loaded half-plane depend on the point of reference.
+Line contacts in partial slip follow Cattaneo and Mindlin (Johnson 1985, 7.2, 7.4) under constant normal load P and
+tangential force Q per unit length; a is the half-width, c that of the stick zone. Displacements are left out: those of
+a loaded half-plane depend on the point of reference.
 """
 
 import math
@@ -36,7 +37,8 @@ def hertz_stress(
     peak_pressure_MPa: float,
     poissons_ratio: float,
 ) -> Array:
-    """Stresses (..., 6) under the pressure p0 √(1 − r²/a²).
+    """Stresses (..., 6) in MPa in a half-space under Hertz's pressure p0 √(1 − r²/a²).
+
     Raises ValueError for a radius that is not positive, or a point above the surface.
     """
     sizes = {"contact_radius_mm": contact_radius_mm, "peak_pressure_MPa": peak_pressure_MPa, "peak_shear_MPa": 0.0}
@@ -53,9 +55,10 @@ def sliding_stress(
     peak_shear_MPa: float,
     poissons_ratio: float,
 ) -> Array:
-    """Stresses (..., 6) under p0 √(1 − r²/a²) and a shear q0 √(1 − r²/a²) along +x: a sliding sphere for q0 = µ p0.
+    """Stresses (..., 6) in MPa under p0 √(1 − r²/a²) and a shear q0 √(1 − r²/a²) along +x: a sliding sphere for q0 = µ
+    p0.
 
-    Its largest tension is on the surface at the trailing edge x = −a: p0 (1 − 2ν)/3 + q0 π (4 + ν)/8 (Hamilton, Proc.
+    The largest tension is on the surface at the trailing edge x = −a: p0 (1 − 2ν)/3 + q0 π (4 + ν)/8 (Hamilton, Proc.
     Inst. Mech. Eng. 197C (1983) 53). Raises ValueError for a radius that is not positive, or a point above the surface.
     """
     require_positive(contact_radius_mm=contact_radius_mm)
@@ -86,10 +89,11 @@ def partial_slip_stress(
     friction: float,
     poissons_ratio: float,
 ) -> Array:
-    """Stresses (..., 6) at first loading in partial slip: sliding on the whole less that on the sticking centre.
+    """Stresses (..., 6) in MPa in partial slip on first loading: those of sliding, less those of a shear on the stick
+    zone.
 
     The shear is µ p0 [√(1 − r²/a²) − (c/a) √(1 − r²/c²)] along +x (Cattaneo 1938, Mindlin 1949). Raises ValueError for
-    radii that are not positive or a centre larger than the contact.
+    radii that are not positive or a stick zone larger than the contact.
     """
     require_positive(contact_radius_mm=contact_radius_mm, stick_radius_mm=stick_radius_mm)
     if stick_radius_mm > contact_radius_mm:
@@ -106,7 +110,7 @@ def partial_slip_stress(
 
 @cache
 def _path() -> tuple[ComplexArray, ComplexArray]:
-    """Weights (including dζ / i a) and places (ζ − z) / a on the half circle from −i to i."""
+    """Weights (including dζ / i a) and places (ζ − z) / a on the half circle from −i to i, for the quadrature."""
     t = np.linspace(-_REACH, _REACH, 2 * _STEPS + 1)
     angle = 0.5 * np.pi * np.tanh(0.5 * np.pi * np.sinh(t))
     speed = 0.25 * np.pi**2 * np.cosh(t) / np.cosh(0.5 * np.pi * np.sinh(t)) ** 2
@@ -116,7 +120,7 @@ def _path() -> tuple[ComplexArray, ComplexArray]:
 
 
 class _Radial:
-    """Derivatives by s = r² of Ω = ζ ln(R + ζ) − R, L = ln(R + ζ) and V = 1/R, R = √(s + ζ²): Ω_ζ = L, L_ζ = V."""
+    """Derivatives by s = r² of Ω = ζ ln(R + ζ) − R, L = ln(R + ζ) and V = 1/R, with R = √(s + ζ²); Ω_ζ = L, L_ζ = V."""
 
     def __init__(self, x: Array, y: Array, zeta: ComplexArray) -> None:
         self.x, self.y, self.zeta = x, y, zeta
@@ -133,7 +137,10 @@ class _Radial:
 
 
 def _normal(f: _Radial, z: Array, nu: float) -> list[list[ComplexArray]]:
-    """2G ∂u_i/∂x_j of a pressure's source: 2G u = −(1 − 2ν) ∇H − z ∇V + (…) e_z over 2π, H of L."""
+    """2G ∂u_i/∂x_j, as nested lists over i and j, of a source of pressure.
+
+    2π 2G u = −(1 − 2ν) ∇H − z ∇V + (…) e_z, with H_z = L and V = 1/R.
+    """
     x, y, k = f.x, f.y, 1.0 - 2.0 * nu
 
     def plane(first: float | Array, second: float | Array, same: float) -> ComplexArray:
@@ -158,7 +165,7 @@ def _normal(f: _Radial, z: Array, nu: float) -> list[list[ComplexArray]]:
 
 
 def _tangential(f: _Radial, z: Array, nu: float) -> list[list[ComplexArray]]:
-    """2G ∂u_i/∂x_j of a shear's source, over 2π.
+    """2G ∂u_i/∂x_j times 2π, as nested lists over i and j, of a source of shear along x.
 
     u_x is 2V + 2ν Ω_xx − z L_xx, u_y is 2ν Ω_xy − z L_xy, u_z is (1 − 2ν) L_x − z V_x.
     """
@@ -185,13 +192,13 @@ def _tangential(f: _Radial, z: Array, nu: float) -> list[list[ComplexArray]]:
 
 
 def _summed(terms: list[list[ComplexArray]], strength: ComplexArray) -> Array:
-    """Sources summed along the path: (..., 3, 3)."""
+    """Sum of sources along the path, (..., 3, 3), from terms by row and column and the sources' strength."""
     rows = [[np.real((term * strength).sum(axis=-1)) for term in row] for row in terms]
     return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
 def _stress(gradient: Array, nu: float) -> Array:
-    """Hooke's law from 2G times the displacement gradient (..., 3, 3)."""
+    """Stresses (..., 6) by Hooke's law from 2G times the displacement gradient (..., 3, 3)."""
     trace = nu / (1.0 - 2.0 * nu) * np.trace(gradient, axis1=-2, axis2=-1)
     strain = 0.5 * (gradient + np.swapaxes(gradient, -1, -2))
     normal = [strain[..., i, i] + trace for i in range(3)]
@@ -199,7 +206,7 @@ def _stress(gradient: Array, nu: float) -> Array:
 
 
 def line_stick_ratio(force_N_per_mm: float, limit_N_per_mm: float) -> float:
-    """Stick ratio c/a = √(1 − |Q|/µP) on first loading. Raises ValueError beyond µP."""
+    """Stick ratio c/a = √(1 − |Q|/µP) of a line contact on first loading. Raises ValueError beyond µP."""
     unused = 1.0 - abs(force_N_per_mm) / limit_N_per_mm
     if unused < -1e-9:
         raise ValueError(f"the tangential force must not exceed µP = {limit_N_per_mm:g} N/mm")
@@ -209,12 +216,14 @@ def line_stick_ratio(force_N_per_mm: float, limit_N_per_mm: float) -> float:
 def line_stick_ratio_after_reversal(
     force_N_per_mm: float, reversal_force_N_per_mm: float, limit_N_per_mm: float
 ) -> float:
-    """Inner edge c'/a = √(1 − |Q* − Q|/(2µP)) of the zones that slip back. Raises ValueError outside ±Q*."""
+    """Inner edge c'/a = √(1 − |Q* − Q|/(2µP)) of the zones that slip back after a reversal at Q*. ValueError outside
+    ±Q*.
+    """
     return line_stick_ratio(0.5 * (reversal_force_N_per_mm - force_N_per_mm), limit_N_per_mm)
 
 
 def line_loading_traction(contact: LineContact, friction: float, x_mm: ArrayLike, force_N_per_mm: float) -> Array:
-    """Return q(x) = µp0[√(1 − x²/a²) − (c/a)√(1 − x²/c²)] in MPa of first loading, odd in Q."""
+    """Traction q(x) = µp0[√(1 − x²/a²) − (c/a)√(1 − x²/c²)] in MPa on first loading of a line contact, odd in Q."""
     a = contact.half_width_mm
     c = a * line_stick_ratio(force_N_per_mm, friction * contact.normal_load_N_per_mm)
     x = np.asarray(x_mm, float)
@@ -225,18 +234,21 @@ def line_loading_traction(contact: LineContact, friction: float, x_mm: ArrayLike
 def line_traction_after_reversal(
     contact: LineContact, friction: float, x_mm: ArrayLike, force_N_per_mm: float, reversal_force_N_per_mm: float
 ) -> Array:
-    """Traction q(x) after loading to Q* and unloading to Q, q₁(Q*) − 2q₁((Q* − Q)/2), in MPa."""
+    """Traction q(x) = q₁(Q*) − 2q₁((Q* − Q)/2) in MPa after first loading to Q* and unloading to Q; q₁ is that of first
+    loading.
+    """
     change = 0.5 * (reversal_force_N_per_mm - force_N_per_mm)
     first = line_loading_traction(contact, friction, x_mm, reversal_force_N_per_mm)
     return first - 2.0 * line_loading_traction(contact, friction, x_mm, change)
 
 
 def line_stick_shift(contact: LineContact, friction: float, bulk_stress_MPa: float) -> float:
-    """Shift e = a σ/(4 µ p0) of the stick zone of like bodies by a bulk tension σ of one, in phase with Q, mm.
+    """Shift e = a σ/(4 µ p0) in mm of the stick zone's centre by a bulk tension σ in one of two equal bodies, in phase
+    with Q.
 
-    Friction µp0 √(1 − x²/a²) strains the surfaces against each other by 4 (1 − ν²) µp0 x/(aE). What a middle of
-    half-width c about e lacks of it, µp0 (c/a) √(1 − (x − e)²/c²), leaves 4 (1 − ν²) µp0 e/(aE) there, which makes up
-    for the bulk strain (1 − ν²) σ/E (Nowell & Hills, Int. J. Mech. Sci. 29 (1987) 355; while e + c <= a).
+    Friction µp0 √(1 − x²/a²) strains the surfaces relative to each other by 4 (1 − ν²) µp0 x/(aE). Subtracting µp0
+    (c/a) √(1 − (x − e)²/c²) in a stick zone of half-width c about e leaves 4 (1 − ν²) µp0 e/(aE) there, which equals
+    the bulk strain (1 − ν²) σ/E (Nowell & Hills, Int. J. Mech. Sci. 29 (1987) 355; while e + c <= a).
     """
     return float(contact.half_width_mm * bulk_stress_MPa / (4.0 * friction * contact.peak_pressure_MPa))
 
@@ -244,7 +256,7 @@ def line_stick_shift(contact: LineContact, friction: float, bulk_stress_MPa: flo
 def half_plane_line_stiffness(
     first: Elastic, second: Elastic, half_width_mm: float, contact_length_mm: float, depth_mm: float = 5.0
 ) -> float:
-    """Initial tangential stiffness in N/mm between two points on the contact's axis, at that depth in each body.
+    """Initial tangential stiffness in N/mm between two points on the contact's axis, at `depth_mm` in each body.
 
     Full stick, q = Q/(π√(a² − x²)), in plane strain: from the Flamant solution for a tangential line load (Johnson,
     Contact Mechanics, 1985, section 2.3), u(0) = 2(1 − ν²)/(πE)·ln(2/a) at the surface and, averaged over the load,
@@ -275,7 +287,7 @@ def line_stress(
     peak_shear_MPa: float = 0.0,
     poissons_ratio: float,
 ) -> Array:
-    """Stresses (..., 6) under p0 √(1 − x²/a²) and a shear q0 √(1 − x²/a²) along +x.
+    """Stresses (..., 6) in MPa in a half-plane under p0 √(1 − x²/a²) and a shear q0 √(1 − x²/a²) along +x.
 
     McEwen, Phil. Mag. 40 (1949) 454 (Johnson, Contact Mechanics, 1985, eqs. 4.49, 7.8). Raises ValueError for a
     half-width that is not positive, or a point above the surface.
@@ -312,12 +324,12 @@ def line_partial_slip_stress(
     poissons_ratio: float,
     stick_centre_mm: float = 0.0,
 ) -> Array:
-    """Stresses (..., 6) at first loading in partial slip: sliding on the whole less that on the sticking middle, which
-    a bulk stress shifts, see `line_stick_shift`; that stress itself is not in them.
+    """Stresses (..., 6) in MPa in partial slip of a line contact on first loading.
 
-    On the surface, friction adds −2 µ p0 √(x² − c²)/a where it slips and nothing where it sticks (Hills & Nowell,
-    Mechanics of Fretting Fatigue, 1994, section 4.2). Raises ValueError for widths that are not positive or a middle
-    wider than the contact.
+    They are those of sliding, less those of a shear on the stick zone, whose centre a bulk stress shifts (see
+    `line_stick_shift`); the bulk stress itself is not included. On the surface, friction adds −2 µ p0 √(x² − c²)/a
+    where it slips and nothing where it sticks (Hills & Nowell, Mechanics of Fretting Fatigue, 1994, section 4.2).
+    Raises ValueError for widths that are not positive or a stick zone wider than the contact.
     """
     require_positive(half_width_mm=half_width_mm, stick_half_width_mm=stick_half_width_mm)
     if stick_half_width_mm > half_width_mm:

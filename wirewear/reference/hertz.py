@@ -1,4 +1,4 @@
-"""Hertz contact, circular, elliptic (crossed cylinders) and of lines, and its moduli (N, mm, MPa)."""
+"""Hertz contacts, circular, elliptic (crossed cylinders) and of lines, and their moduli (N, mm, MPa)."""
 
 import math
 from dataclasses import dataclass, replace
@@ -11,12 +11,12 @@ from geometry.arrays import Array
 
 
 def contact_modulus(first: Elastic, second: Elastic) -> float:
-    """E* in MPa, 1/E* = Σ (1 − ν²)/E (Johnson, Contact Mechanics, 1985, section 4.2)."""
+    """Contact modulus E* in MPa, 1/E* = Σ (1 − ν²)/E (Johnson, Contact Mechanics, 1985, section 4.2)."""
     return 1.0 / sum((1.0 - body.poissons_ratio**2) / body.youngs_modulus_MPa for body in (first, second))
 
 
 def tangential_contact_modulus(first: Elastic, second: Elastic) -> float:
-    """G* in MPa, 1/G* = Σ (2 − ν)/(4G) (Mindlin 1949; Johnson 1985, section 7.2)."""
+    """Tangential modulus G* in MPa, 1/G* = Σ (2 − ν)/(4G) (Mindlin 1949; Johnson 1985, section 7.2)."""
     return 1.0 / sum((2.0 - body.poissons_ratio) / (4.0 * body.shear_modulus_MPa) for body in (first, second))
 
 
@@ -31,7 +31,7 @@ def require_positive(**values: float) -> None:
 class PointContact:
     """Elliptic (or circular) Hertz contact.
 
-    major_angle_rad is the direction of the major semi-axis, counter-clockwise from the first cylinder's axis.
+    major_angle_rad is the direction of the major semi-axis, counter-clockwise from the first body's axis.
     """
 
     normal_load_N: float
@@ -52,14 +52,15 @@ class PointContact:
         return 2.0 / 3.0 * self.peak_pressure_MPa
 
     def pressure(self, x_mm: ArrayLike, y_mm: ArrayLike = 0.0) -> Array:
-        """Return p = p0 √(1 − x²/a² − y²/b²) in MPa, zero outside; x along the major axis (broadcast shapes)."""
+        """Pressure p = p0 √(1 − x²/a² − y²/b²) in MPa, 0 outside; x along the major axis (shapes broadcast)."""
         x, y = np.asarray(x_mm, float), np.asarray(y_mm, float)
         inside = 1.0 - (x / self.major_semi_axis_mm) ** 2 - (y / self.minor_semi_axis_mm) ** 2
         return self.peak_pressure_MPa * np.sqrt(np.maximum(inside, 0.0))
 
     def mean_over_disc_MPa(self, diameter_mm: float) -> float:
-        """Mean pressure over a disc about the middle of a circular contact: load on it over its area.
-        Raises ValueError if the contact is no circle.
+        """Mean pressure over a disc about the middle of a circular contact: load on the disc over its area.
+
+        Raises ValueError if the contact is not circular.
         """
         if not math.isclose(self.major_semi_axis_mm, self.minor_semi_axis_mm, rel_tol=1e-9):
             raise ValueError("means over a disc are of a circular contact")
@@ -70,7 +71,7 @@ class PointContact:
 
 @dataclass(frozen=True)
 class LineContact:
-    """Hertz line contact, load per unit length."""
+    """Hertz line contact, loads per unit length."""
 
     normal_load_N_per_mm: float
     half_width_mm: float
@@ -82,7 +83,7 @@ class LineContact:
         return math.pi / 4.0 * self.peak_pressure_MPa
 
     def pressure(self, x_mm: ArrayLike) -> Array:
-        """Return p = p0 √(1 − x²/a²) in MPa, zero outside (shape of x)."""
+        """Pressure p = p0 √(1 − x²/a²) in MPa, 0 outside (shape of x)."""
         x = np.asarray(x_mm, float)
         return self.peak_pressure_MPa * np.sqrt(np.maximum(1.0 - (x / self.half_width_mm) ** 2, 0.0))
 
@@ -94,7 +95,7 @@ class LineContact:
 
 
 def hertz_point(normal_load_N: float, radius_mm: float, modulus_MPa: float) -> PointContact:
-    """Sphere of radius R on a half-space, or equal wires of radius R crossed at 90°.
+    """Hertz contact of a sphere of radius R on a half-space, or of equal wires of radius R crossed at 90°.
 
     a³ = 3PR/(4E*), approach a²/R, p0 = 3P/(2πa²) (Johnson, Contact Mechanics, 1985, section 4.2); modulus_MPa is E*.
     Raises ValueError for an argument that is not positive.
@@ -106,8 +107,9 @@ def hertz_point(normal_load_N: float, radius_mm: float, modulus_MPa: float) -> P
 
 
 def hertz_line(normal_load_N_per_mm: float, radius_mm: float, modulus_MPa: float) -> LineContact:
-    """Cylinder of (relative) radius R on a half-space: a² = 4PR/(πE*), p0 = 2P/(πa) (Johnson 1985, section 4.2).
-    Raises ValueError for an argument that is not positive.
+    """Hertz contact of a cylinder of (relative) radius R on a half-space: a² = 4PR/(πE*), p0 = 2P/(πa).
+
+    Johnson 1985, section 4.2; modulus_MPa is E*. Raises ValueError for an argument that is not positive.
     """
     require_positive(normal_load_N_per_mm=normal_load_N_per_mm, radius_mm=radius_mm, modulus_MPa=modulus_MPa)
     a = math.sqrt(4.0 * normal_load_N_per_mm * radius_mm / (math.pi * modulus_MPa))
@@ -119,8 +121,8 @@ def relative_curvatures(
 ) -> tuple[float, float, float]:
     """Gap Ax² + By² of two crossed cylinders: (A, B, angle) with A ≤ B in 1/mm.
 
-    The angle (rad) is that of the x axis, i.e. of the contact's major axis, from the first cylinder's axis.
-    4AB = sin²ω/(R1 R2) (Johnson 1985, section 4.1).
+    The angle in rad is that of the x axis, the contact's major axis, from the first cylinder's axis. 4AB = sin²ω/(R1
+    R2) (Johnson 1985, section 4.1).
     """
     require_positive(first_radius_mm=first_radius_mm, second_radius_mm=second_radius_mm)
     if not 0.0 < crossing_angle_deg < 180.0:
@@ -132,10 +134,12 @@ def relative_curvatures(
 def gap_curvatures(
     first_per_mm: tuple[float, float], second_per_mm: tuple[float, float], angle_rad: float
 ) -> tuple[float, float, float]:
-    """Gap Ax² + By² of two bodies, each curved along its axis and across: (A, B, angle) with A ≤ B in 1/mm.
+    """Gap Ax² + By² of two bodies: (A, B, angle) with A ≤ B in 1/mm.
 
-    angle_rad: of the second body's axis from the first one's. The angle (rad) is that of the x axis, i.e. of the
-    contact's major axis, from the first body's axis (Johnson 1985, section 4.1).
+    first_per_mm, second_per_mm: curvatures of each body (along its axis, across it).  angle_rad: of the second body's
+    axis from the first one's.
+    The angle returned, in rad, is that of the x axis, the contact's major axis, from the first body's axis (Johnson
+    1985, section 4.1).
     """
     (k1, m1), (k2, m2) = first_per_mm, second_per_mm
     c, s = math.cos(angle_rad), math.sin(angle_rad)
@@ -149,7 +153,7 @@ def gap_curvatures(
 
 
 def semi_axis_ratio(curvature_ratio: float) -> float:
-    """b/a ≤ 1 of the contact ellipse for B/A ≥ 1.
+    """Ratio b/a ≤ 1 of the contact ellipse's semi-axes for the ratio B/A ≥ 1 of the gap's curvatures.
 
     Solves B/A = [(a/b)²E(e) − K(e)]/[K(e) − E(e)] (Johnson 1985, section 4.2), written with Carlson's integrals so that
     nothing cancels near the circle. Raises ValueError for a ratio below 1.
@@ -175,8 +179,8 @@ def semi_axis_ratio(curvature_ratio: float) -> float:
 def hertz_elliptic(normal_load_N: float, smaller: float, larger: float, modulus_MPa: float) -> PointContact:
     """Elliptic Hertz contact over a gap Ax² + By² with A = smaller, B = larger (1/mm); modulus_MPa is E*.
 
-    a³ = 3PD/(2πAE*), approach 3PK/(2πaE*), p0 = 3P/(2πab), with D = (K − E)/e² (Johnson 1985, section 4.2).
-    Raises ValueError for an argument that is not positive or curvatures in the wrong order.
+    a³ = 3PD/(2πAE*), approach 3PK/(2πaE*), p0 = 3P/(2πab), with D = (K − E)/e² (Johnson 1985, section 4.2). Raises
+    ValueError for an argument that is not positive or curvatures in the wrong order.
     """
     from scipy.special import elliprd, elliprf
 
@@ -199,7 +203,8 @@ def hertz_crossed_cylinders(
     first: Elastic,
     second: Elastic,
 ) -> PointContact:
-    """Two cylinders of any radii and materials crossed at any angle between 0 and 180° (exclusive).
+    """Hertz contact of two cylinders of any radii and materials, crossed at any angle between 0 and 180° (exclusive).
+
     Raises ValueError for an argument outside its range. Source: `relative_curvatures`, `hertz_elliptic`.
     """
     relative_curvatures(first_radius_mm, second_radius_mm, crossing_angle_deg)  # raises
@@ -216,7 +221,8 @@ def hertz_bodies(
     first: Elastic,
     second: Elastic,
 ) -> PointContact:
-    """Any two bodies that touch at a point; arguments as of `gap_curvatures`.
+    """Hertz contact of any two bodies that touch at a point; arguments as in `gap_curvatures`.
+
     Raises ValueError where they touch along a line. Source: `gap_curvatures`, `hertz_elliptic`.
     """
     small, large, angle = gap_curvatures(first_per_mm, second_per_mm, angle_rad)

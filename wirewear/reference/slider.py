@@ -1,9 +1,9 @@
-"""A ball that slides behind a spring under a load that changes: what a loop of a yielding rig comes to.
+"""A ball that slides on a flat behind a spring, under a load that changes within the cycle: its loop, slip and energy.
 
-The ball's contact is a row of springs, each with its own load and Coulomb's friction, which has the forces and the
-friction work of Cattaneo and Mindlin's contact under any path (Jäger, Arch. Appl. Mech. 65 (1995) 478; Popov and Hess,
-Method of Dimensionality Reduction, 2015, chapter 5). What it comes to touch carries no friction yet, and what parts
-forgets it. Nothing here is shared with the solver.
+The ball's contact is represented by a row of springs, each with its own load and Coulomb's friction, which has the
+forces and the friction work of Cattaneo and Mindlin's contact under any path (Jäger, Arch. Appl. Mech. 65 (1995) 478;
+Popov and Hess, Method of Dimensionality Reduction, 2015, chapter 5). A spring that comes into contact starts without
+friction force, and loses it when contact ends. The code shares nothing with the solver, which is tested against it.
 """
 
 import math
@@ -19,7 +19,9 @@ _SPRINGS = 40
 
 @dataclass(frozen=True)
 class SlidingBall:
-    """Radius of a ball on a flat, moduli E* and G* of both, friction, and the stiffness of the rig, inf if rigid."""
+    """A ball on a flat: its radius, the moduli E* and G* of the pair, friction, and the stiffness of the rig (inf:
+    rigid).
+    """
 
     radius_mm: float
     modulus_MPa: float
@@ -30,28 +32,28 @@ class SlidingBall:
 
 @dataclass(frozen=True)
 class SliderLoop:
-    """A closed loop, from the drive's rest at +amplitude on; arrays (n,)."""
+    """A closed loop that starts when the drive is at +amplitude; arrays (n,)."""
 
     displacement_mm: Array
-    slid_mm: Array  #: By how much the ball has slid, a mean over its load; where nothing presses, with the drive.
+    slid_mm: Array  #: Distance that the ball has slid, averaged over its load; without contact, that of the drive.
     force_N: Array
 
     @property
     def slip_amplitude_mm(self) -> float:
-        """Half of the way that the ball slides."""
+        """Half of the range over which the ball slides."""
         return 0.5 * float(np.ptp(self.slid_mm))
 
     @property
     def energy_mJ(self) -> float:
-        """The loop's area, by the trapezoidal rule."""
+        """Area of the loop, by the trapezoidal rule."""
         means = 0.5 * (self.force_N + np.roll(self.force_N, 1))
         return float(means @ (self.displacement_mm - np.roll(self.displacement_mm, 1)))
 
 
 def slider_loop(amplitude_mm: float, load_N: Array, ball: SlidingBall) -> SliderLoop:
-    """The loop of a sinusoidal drive.
+    """The closed loop under a sinusoidal drive.
 
-    load_N: (n,) at the ends of n equal parts of the cycle from the drive's rest at +amplitude on; 0 where it parts.
+    load_N: (n,) at the ends of n equal parts of the cycle, which starts at +amplitude; 0 where there is no contact.
     """
     drive = amplitude_mm * np.cos(2.0 * np.pi * np.arange(1, len(load_N) + 1) / len(load_N))
     largest = (3.0 * float(load_N.max()) * ball.radius_mm / (4.0 * ball.modulus_MPa)) ** (1.0 / 3.0)
@@ -73,7 +75,9 @@ def slider_loop(amplitude_mm: float, load_N: Array, ball: SlidingBall) -> Slider
 
 
 def _carried(load_N: float, depth_mm: Array, stiffness: float) -> Array:
-    """What (m,) of a load each spring carries; depth_mm: (m,) growing, the approach at which it comes to carry any."""
+    """Share (m,) in N of a load that each spring carries; depth_mm: (m,) increasing, the approach at which it
+    touches.
+    """
     if load_N <= 0.0:
         return np.zeros_like(depth_mm)
     # The first k springs carry the load at an approach that is the least for those that touch.
@@ -82,7 +86,9 @@ def _carried(load_N: float, depth_mm: Array, stiffness: float) -> Array:
 
 
 def _step(strain: Array, reach: Array, stiffness: float, ahead: float, rig: float) -> float:
-    """By how much the ball moves until the rig's spring, `ahead` of it, carries what the springs do."""
+    """Motion in mm of the ball until the rig's spring, with its drive `ahead` of the ball, balances the contact's
+    springs.
+    """
     if math.isinf(rig):
         return ahead
     bends = np.sort(np.concatenate([-reach - strain, reach - strain]))

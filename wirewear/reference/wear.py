@@ -1,10 +1,11 @@
-"""Wear in closed form: by geometry and book-keeping under gross slip, and of contacts of any even profile.
+"""Wear in closed form: scars in gross slip, for round and for any even profiles, and limiting shapes in partial slip.
 
-Under partial slip a stuck centre carries everything in the end, and a worn annulus around it nothing. A sphere of
-radius R pressed by d into a half-space of modulus E* and moved to and fro by ±u0 sticks within the radius c and wears
-around it until the annulus just touches. By the method of dimensionality reduction the worn shape depends on d and c
-alone (Popov, Scientific Reports 4 (2014) 3749; Dimaki, Dmitriev, Chai & Popov, Int. J. Solids Struct. 51 (2014) 4215).
-Units N, mm, MPa; u0 and d are those of the contact: the drive and the approach less what the bodies' bulk gives way.
+An even profile is alike on both sides of its middle; a turned one is a surface of revolution about the normal there.
+Under partial slip a stick zone in the centre finally carries the whole load, and a worn annulus around it nothing. A
+sphere of radius R pressed by d into a half-space of modulus E* and moved to and fro by ±u0 sticks within the radius c
+and wears around it until the annulus just touches. By the method of dimensionality reduction the worn shape depends on
+d and c alone (Popov, Scientific Reports 4 (2014) 3749; Dimaki, Dmitriev, Chai & Popov, Int. J. Solids Struct. 51 (2014)
+4215). Units N, mm, MPa; u0 and d are those of the contact: drive and approach less the deformation of the bodies' bulk.
 """
 
 import math
@@ -26,7 +27,7 @@ _LEAST = 1e-6
 
 @dataclass(frozen=True)
 class CrossedWireScar:
-    """Round overlap of two equal worn wires; depth and volume are those of both wires together."""
+    """Round scar of two equal wires crossed at 90°; depth and volume are those of both wires together."""
 
     volume_mm3: float
     depth_mm: float
@@ -35,7 +36,7 @@ class CrossedWireScar:
 
 @dataclass(frozen=True)
 class LineScar:
-    """Worn segment of a cylinder on a flat, both bodies together."""
+    """Scar of a cylinder on a flat, a circular segment; depth and area are those of both bodies together."""
 
     area_mm2: float
     depth_mm: float
@@ -43,15 +44,15 @@ class LineScar:
 
 
 def worn_volume(energy_wear_coefficient_mm3_per_J: float, dissipated_energy_mJ: float) -> float:
-    """V = αE in mm³ (Fouvry et al., Wear 255 (2003) 287)."""
+    """Worn volume V = αE in mm³ (Fouvry et al., Wear 255 (2003) 287)."""
     return energy_wear_coefficient_mm3_per_J * 1e-3 * dissipated_energy_mJ
 
 
 def crossed_wire_scar(volume_mm3: float, wire_radius_mm: float) -> CrossedWireScar:
     """Scar of equal wires of radius R crossed at 90°, when it is much longer than the stroke.
 
-    The wires touch like a sphere of radius R on a flat, so the overlap is a cap: V = πRh², a² = 2Rh. With V ~ N the
-    depth grows as N^½. Raises ValueError for an argument that is not positive.
+    The wires touch like a sphere of radius R on a flat, so the overlap is a cap: V = πRh², a² = 2Rh. If V grows with
+    the number of cycles N, the depth grows as N^½. Raises ValueError for an argument that is not positive.
     """
     require_positive(volume_mm3=volume_mm3, wire_radius_mm=wire_radius_mm)
     depth = math.sqrt(volume_mm3 / (math.pi * wire_radius_mm))
@@ -59,7 +60,8 @@ def crossed_wire_scar(volume_mm3: float, wire_radius_mm: float) -> CrossedWireSc
 
 
 def line_contact_scar(area_mm2: float, radius_mm: float) -> LineScar:
-    """Scar of a cylinder on a flat: A = 2b³/(3R), h = b²/(2R). With A ~ N the depth grows as N^⅔.
+    """Scar of a cylinder on a flat: A = 2b³/(3R), h = b²/(2R). If A grows with the number of cycles N, h grows as N^⅔.
+
     Raises ValueError for an argument that is not positive.
     """
     require_positive(area_mm2=area_mm2, radius_mm=radius_mm)
@@ -68,7 +70,7 @@ def line_contact_scar(area_mm2: float, radius_mm: float) -> LineScar:
 
 
 def worn_pressure(normal_load_N: float, scar: CrossedWireScar) -> float:
-    """Uniform pressure P/(πa²) that wear tends to, in MPa."""
+    """Uniform pressure P/(πa²) in MPa that a worn contact tends to."""
     return normal_load_N / (math.pi * scar.radius_mm**2)
 
 
@@ -83,10 +85,10 @@ def explicit_stability_limit(
 ) -> float:
     """Largest stable cycle jump of an explicit wear update, in cycles.
 
-    A ripple of wave number k changes the pressure by E*k/2 times its height, so one update multiplies it by
-    1 − ΔN·αµs·E*k/2, which must stay above −1: ΔN < 4/(αµs·E*k). The shortest ripple of a line of nodes has
-    k = π/h_mesh, giving 4h/(παµE*s) (plane=True); the chequered ripple of a square grid √2 times that (plane=False).
-    Raises ValueError for an argument that is not positive.
+    A ripple of wave number k changes the pressure by E*k/2 times its height, so one update multiplies it by 1 −
+    ΔN·αµs·E*k/2, which must stay above −1: ΔN < 4/(αµs·E*k). The shortest ripple of a line of nodes has k = π/h_mesh,
+    giving 4h/(παµE*s) (plane=True); the chequered ripple of a square grid has √2 times that k (plane=False). Raises
+    ValueError for an argument that is not positive.
     """
     require_positive(
         mesh_size_mm=mesh_size_mm,
@@ -102,8 +104,9 @@ def explicit_stability_limit(
 
 @dataclass(frozen=True)
 class LimitingShape:
-    """Shape at which wear has ended; depths and volume are those of both bodies together.
-    Raises ValueError unless all are positive and the stuck centre lies within the contact, c² < d R.
+    """Shape at which wear has ended in partial slip; depths and volume are those of both bodies together.
+
+    Raises ValueError unless all are positive and the stick zone lies within the contact, c² < d R.
     """
 
     sphere_radius_mm: float
@@ -118,13 +121,13 @@ class LimitingShape:
             raise ValueError("the stick radius must lie within the contact of the approach")
 
     def depth(self, radius_mm: ArrayLike) -> Array:
-        """Worn depth (same shape) in mm at distances from the middle."""
+        """Worn depth in mm at distances from the middle, of their shape."""
         r = np.maximum(np.asarray(radius_mm, float), self.stick_radius_mm)
         return np.maximum(self._opening(r), 0.0)
 
     @cached_property
     def edge_radius_mm(self) -> float:
-        """Where the worn annulus ends."""
+        """Outer radius of the worn annulus."""
         from scipy.optimize import brentq
 
         contact = sqrt(self.approach_mm * self.sphere_radius_mm)
@@ -142,19 +145,21 @@ class LimitingShape:
 
     @cached_property
     def deepest_mm(self) -> tuple[float, float]:
-        """The largest depth and the radius where it lies."""
+        """The largest depth, and the radius where it is."""
         radii = np.linspace(self.stick_radius_mm, self.edge_radius_mm, 4001)
         depths = self.depth(radii)
         place = int(np.argmax(depths))
         return float(depths[place]), float(radii[place])
 
     def load_N(self, modulus_MPa: float) -> float:
-        """P = 2 E* (d c − c³/(3R)), carried by the stuck centre alone."""
+        """Load P = 2 E* (d c − c³/(3R)), which the stick zone alone carries."""
         c = self.stick_radius_mm
         return 2.0 * modulus_MPa * (self.approach_mm * c - c**3 / (3.0 * self.sphere_radius_mm))
 
     def pressure(self, radius_mm: ArrayLike, modulus_MPa: float) -> Array:
-        """Pressure in MPa: Hertz's over the stuck centre and that of a flat punch; infinite at its edge."""
+        """Pressure in MPa at distances from the middle: Hertz's over the stick zone plus a flat punch's, infinite at
+        its edge.
+        """
         r, c, big = np.asarray(radius_mm, float), self.stick_radius_mm, self.sphere_radius_mm
         root = np.sqrt(np.maximum(c**2 - r**2, 0.0))
         with np.errstate(divide="ignore"):
@@ -170,21 +175,24 @@ class LimitingShape:
 
 @dataclass(frozen=True)
 class WearingContact:
-    """A sphere against a half-space, moved by ±drive behind its bodies' bulk, that wears where it slips."""
+    """A sphere on a half-space, moved by ±drive_mm through the compliance of the bodies' bulk, that wears where it
+    slips.
+    """
 
     sphere_radius_mm: float
     modulus_MPa: float  #: E*.
     tangential_modulus_MPa: float  #: G*.
     friction: float
     drive_mm: float  #: Amplitude of the prescribed motion.
-    bulk_normal_mm_per_N: float = 0.0  #: Compliance of the bodies beyond that of half-spaces, as the next.
+    bulk_normal_mm_per_N: float = 0.0  #: Compliance of the bodies beyond that of half-spaces; next: tangential.
     bulk_tangential_mm_per_N: float = 0.0
 
     def under_approach(self, approach_mm: float) -> LimitingShape:
-        """The shape where the bodies are pressed by a constant approach, their bulk included.
+        """The limiting shape where the bodies are pressed by a constant approach, the deformation of their bulk
+        included.
 
-        The edge of the stuck centre is where it is about to slip: G* u0 = µ E* (d − c²/R).
-        Raises ValueError if nothing sticks.
+        The edge of the stick zone is where it is about to slip: G* u0 = µ E* (d − c²/R). Raises ValueError if nothing
+        sticks.
         """
         from scipy.optimize import brentq
 
@@ -211,7 +219,7 @@ class WearingContact:
 
 
 def even_line_load(profile: Profile, half_width_mm: float, modulus_MPa: float) -> float:
-    """Load in N/mm under which an even profile h touches over the half-width a.
+    """Load in N/mm under which an even profile h touches a flat over the half-width a.
 
     P = E* ∫ t h'(t)/√(a² − t²) dt from 0 to a (Johnson, Contact Mechanics, 1985, section 2.7: the profile as a stack of
     flat punches), with t = a sin θ.
@@ -220,7 +228,7 @@ def even_line_load(profile: Profile, half_width_mm: float, modulus_MPa: float) -
 
 
 def turned_load(profile: Profile, radius_mm: float, modulus_MPa: float) -> float:
-    """Load in N under which an even profile that is turned about its middle touches over a circle of radius a.
+    """Load in N under which a turned profile h touches a flat over a circle of radius a.
 
     P = 2 E* ∫ r² h'(r)/√(a² − r²) dr from 0 to a (Sneddon, Int. J. Eng. Sci. 3 (1965) 47).
     """
@@ -236,7 +244,8 @@ def _stacked(profile: Profile, reach_mm: float, power: int) -> float:
 def even_line_contact(
     profile: Profile, normal_load_N_per_mm: float, modulus_MPa: float, widest_mm: float
 ) -> LineContact:
-    """Half-width and largest pressure of an even profile under a load, by bisection up to the widest contact.
+    """Half-width and largest pressure of an even profile on a flat under a load; widest_mm: largest half-width that is
+    tried.
 
     p(x) = 1/π ∫ P'(s)/√(s² − x²) ds from |x| to a. Raises ValueError where the widest contact bears less than the load.
     """
@@ -248,7 +257,8 @@ def even_line_contact(
 
 
 def turned_contact(profile: Profile, normal_load_N: float, modulus_MPa: float, widest_mm: float) -> PointContact:
-    """Radius, approach and largest pressure of an even profile that is turned about its middle, under a load.
+    """Radius, approach and largest pressure of a turned profile on a flat under a load; widest_mm: largest radius
+    tried.
 
     The approach is 1/2E* ∫ P'(s)/s ds from 0 to a, p(r) = 1/2π ∫ P'(s)/(s √(s² − r²)) ds from r to a. Raises ValueError
     where the widest contact bears less than the load.
@@ -260,7 +270,9 @@ def turned_contact(profile: Profile, normal_load_N: float, modulus_MPa: float, w
 
 
 def _grown(load_of: Callable[[float], float], load: float, widest_mm: float, unit: str) -> tuple[float, Array, Array]:
-    """How far a contact reaches under a load, and places (n,) up to there with the load's gain P' at each."""
+    """Half-width of a contact under a load in mm, places s (n,) up to there, and the load's derivative P'(s) at
+    each.
+    """
 
     def missing(reach: float) -> float:
         return load_of(reach) - load
@@ -281,7 +293,8 @@ def _peak(reach: float, s: Array, per_place: Array) -> float:
 
 def even_line_scar(profile: Profile, area_mm2: float, widest_mm: float) -> LineScar:
     """Scar of an even profile on a flat in gross slip, both bodies together: A = 2 ∫ (h(b) − h(t)) dt from 0 to b.
-    Raises ValueError where the area is larger than the widest scar's.
+
+    Raises ValueError where the area is larger than that of the widest scar.
     """
     require_positive(area_mm2=area_mm2, widest_mm=widest_mm)
     half_width = _scar_reach(profile, area_mm2, widest_mm, lambda t: np.full_like(t, 2.0), "mm²")
@@ -289,8 +302,9 @@ def even_line_scar(profile: Profile, area_mm2: float, widest_mm: float) -> LineS
 
 
 def turned_scar(profile: Profile, volume_mm3: float, widest_mm: float) -> float:
-    """Radius in mm of the scar of a profile that is turned about its middle: V = 2π ∫ (h(b) − h(r)) r dr from 0 to b.
-    Raises ValueError where the volume is larger than the widest scar's.
+    """Radius in mm of the scar of a turned profile in gross slip: V = 2π ∫ (h(b) − h(r)) r dr from 0 to b.
+
+    Raises ValueError where the volume is larger than that of the widest scar.
     """
     require_positive(volume_mm3=volume_mm3, widest_mm=widest_mm)
     return _scar_reach(profile, volume_mm3, widest_mm, lambda r: 2.0 * math.pi * r, "mm³")
@@ -312,14 +326,14 @@ def _scar_reach(profile: Profile, worn: float, widest_mm: float, breadth: Callab
 
 
 def _pressure(x: float, half_width: float, s: Array, per_place: Array) -> float:
-    """p(x) from P'(s)/s at places s: with s² = x² + u² the integrand has no pole."""
+    """Pressure p(x) from P'(s)/s at places s (n,): with s² = x² + u² the integrand has no pole."""
     u = np.linspace(0.0, math.sqrt(half_width**2 - x**2), _PLACES)
     return float(np.trapezoid(np.interp(np.hypot(x, u), s, per_place), u)) / math.pi
 
 
 @cache
 def _rule() -> tuple[Array, Array]:
-    """Gauss points on -1 to 1 and their weights, (400,) each, when they are first asked for."""
+    """Gauss points on (-1, 1) and their weights, (400,) each, computed on first use."""
     from scipy.special import roots_legendre
 
     nodes, weights = roots_legendre(_POINTS)

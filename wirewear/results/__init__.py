@@ -1,6 +1,6 @@
-"""What a run leaves: loops, scars, evolution and the record of how they were made, and the file that holds them.
+"""Results of a run: loops, scars, evolution over the cycles, the record of how they were computed, and the result file.
 
-What it offers is loaded when it is first asked for: the command line names positions, and reads no result.
+A module of this package is imported when one of its names is first used.
 """
 
 from typing import TYPE_CHECKING

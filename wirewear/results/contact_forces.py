@@ -1,9 +1,9 @@
-"""Forces on a body's patch at positions of a recorded cycle, and the means of its pressure over a stated length.
+"""Contact forces on a body at positions of a recorded cycle, and largest mean pressures over a stated length.
 
-The stresses inside a body follow from the forces. At a crest as narrow as an element, nodal pressures show the mesh: of
-wires a mean is over a disc of that diameter in the plane of contact, of line contacts over a segment of that length.
-Each node's pressure stands for the cell that belongs to the node, up to halfway to its neighbours: the forces on the
-nodes are kept to round-off, wherever the contact ends between them.
+Stresses inside a body follow from these forces. At a crest as narrow as an element, nodal pressures show the mesh;
+means do not: for contacts at a point over a disc of the stated diameter in the plane of contact, for line contacts over
+a segment of the stated length. Each node's pressure counts in the node's cell, which reaches halfway to its neighbours,
+so the nodal forces are kept to round-off. A position is a moment of a cycle.
 """
 
 from collections.abc import Iterator, Mapping
@@ -26,10 +26,12 @@ POSITION_COLUMNS = ("phase", "drive_um", "holder_x_um", "holder_z_um", "tangenti
 def largest_mean_pressure_MPa(
     pressure_MPa: ArrayLike, axial_um: ArrayLike, transverse_um: ArrayLike | None = None, *, over_um: float
 ) -> float:
-    """The largest mean pressure over a length about any node: over a disc of that diameter, or on a line a segment.
+    """Largest mean pressure over a disc of diameter `over_um` about any node or, on a line, over a segment of that
+    length.
 
-    axial_um: (n_a,) and transverse_um: (n_t,), the lines of the nodes, as a scar has them; of a line contact's profile
-    only the former.  pressure_MPa: (n_a, n_t), or (n_a,), at the nodes.
+    pressure_MPa: (n_a, n_t) at the nodes, or (n_a,) for a line contact.
+    axial_um, transverse_um: (n_a,) and (n_t,) increasing grid lines of a scar; only the first for a line contact.
+
     Raises ResultError if the length is not positive, or pressures and lines do not fit together.
     """
     pressure, axial = np.asarray(pressure_MPa, dtype=float), np.asarray(axial_um, dtype=float)
@@ -46,10 +48,10 @@ def largest_mean_pressure_MPa(
 
 
 def largest_means(pressure: Array, axial: Array, transverse: Array, length: float) -> Array:
-    """The largest mean about any node in each of k states of nodal pressures (k, n_a, n_t), (k,).
+    """Largest mean (k,) about any node in each of k states of nodal pressures (k, n_a, n_t).
 
-    axial, transverse: (n_a,) and (n_t,) increasing lines, of a line contact a single one across.  length: the diameter
-    of the discs, or the length of the segments, in the unit of the lines.
+    axial, transverse: (n_a,) and (n_t,) increasing grid lines; a single one across for a line contact.  length:
+    diameter of the discs, or length of the segments, in the unit of the lines.
     """
     touched: BoolArray = np.asarray(pressure.any(axis=0))
     if not touched.any():
@@ -64,10 +66,10 @@ def largest_means(pressure: Array, axial: Array, transverse: Array, length: floa
 def averaging(
     axial: Array, transverse: Array, length: float, along: slice = slice(None), across: slice = slice(None)
 ) -> Iterator[csr_matrix]:
-    """Means about nodes (rows) of pressures at the same nodes (columns): shares of a disc's area in their cells.
+    """Sparse matrices that average nodal pressures about nodes: shares of a disc's area in the nodes' cells.
 
-    The nodes are those of a patch, or of a rectangle `along` by `across` of it, beside which nothing carries load. Rows
-    come in order, those of some lines of nodes at a time.
+    The nodes are those of a patch, or of its rectangle `along` by `across` if nothing outside carries load. Each matrix
+    has rows for some of the nodes, in order, and columns for all of them.
     """
     a, t = _near(axial, along, length), _near(transverse, across, length)
     # Pairs of a node and a cell weighed at once, some 100 MB: wide discs pair every node with every cell of a scar.
@@ -91,15 +93,17 @@ def _weights(a: "_Near", t: "_Near", *, plane: bool) -> csr_matrix:
 
 
 def _reached(touched: BoolArray, axis: int) -> slice:
-    """Lines from the first to the last that any node along an axis touches on."""
+    """Slice from the first to the last line with a True entry; `axis` is the one along the lines."""
     places = np.flatnonzero(touched.any(axis=axis))
     return slice(int(places[0]), int(places[-1]) + 1)
 
 
 @dataclass(frozen=True)
 class _Near:
-    """Pairs (p,) of one of `rows` lines and one of `count` whose cell is near, and where that cell begins and ends
-    (p, 2), as seen from the former, over the length. The former increase.
+    """Pairs (p,) of a line among `rows` and a line among `count` whose cell is near.
+
+    about, node: (p,) their indices, the former increasing. sides: (p, 2) where the latter's cell begins and ends,
+    relative to the former line, over the length.
     """
 
     rows: int
@@ -109,7 +113,7 @@ class _Near:
     sides: Array
 
     def of_lines(self, first: int, end: int) -> "_Near":
-        """Pairs of some of the lines, which are counted from the first of them."""
+        """The pairs of the lines from `first` to before `end`, which are then numbered from 0."""
         here = slice(*np.searchsorted(self.about, [first, end]))
         return _Near(end - first, self.count, self.about[here] - first, self.node[here], self.sides[here])
 
@@ -124,7 +128,7 @@ def _near(every: Array, chosen: slice, length: float) -> _Near:
 
 
 def _disc_below(x: Array, y: Array) -> Array:
-    """Area of the part of a disc of radius 1 that lies left of x and below y, for coordinates that broadcast."""
+    """Area of the part of a disc of radius 1 with coordinates less than x and less than y; shapes broadcast."""
     x, y = np.broadcast_arrays(np.clip(x, -1.0, 1.0), np.clip(y, -1.0, 1.0))
     left, below = _disc_left(x), _disc_left(y)
     within = x * y + 0.5 * (left + below) - 0.25 * np.pi
@@ -138,15 +142,16 @@ def _disc_left(x: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class ContactForces:
-    """Forces on one body at k positions of a cycle, in the order in which they are passed.
+    """Forces on one body at k positions of a cycle, in their order in time.
 
     `phase` (k,) is the share of the cycle passed since the end of the stroke at +x, in (0, 1]; `drive_um` (k,) the
-    driven body's displacement, `holder_x_um` and `holder_z_um` those of the other's holder, and
-    `tangential_force_N` that on the other along x. `nodes` (m,) are those of the patch, in the order of its
-    flattened grid, that ever carry force; `force_N` (k, m, 3) acts on the body, in its own axes: along it, across it,
-    out of its surface. `geometry` and `material` make a body's mesh again; a line contact's follows from its study.
-    `bulk_stress_MPa` (k, 3): axial, bending and torsion stress that the body carries beside the contact, named by what
-    they are there, see `solvers.BulkStress`; None of a body that carries none.
+    driven body's displacement, `holder_x_um` and `holder_z_um` (k,) those of the other body's holder, and
+    `tangential_force_N` (k,) the force on the other body along x. `nodes` (m,) are the nodes of the patch, in the order
+    of its flattened grid, that carry force at any position; `force_N` (k, m, 3) acts on the body, in its own axes:
+    along it, across it, out of its surface. `geometry` and `material` serve to build the body's mesh again; a line
+    contact's follows from its study. `bulk_stress_MPa` (k, 3): axial, bending and torsion stress at the contact that
+    the body carries besides, see `solvers.BulkStress`; None without any.
+
     Raises ResultError if arrays do not fit together, or are not finite.
     """
 
@@ -181,17 +186,20 @@ class ContactForces:
 
     @property
     def meshed(self) -> tuple[BodyGeometry, Elastic]:
-        """What the body's mesh is made of; ResultError of a line contact."""
+        """Geometry and material of the body's mesh; ResultError for a line contact."""
         if self.geometry is None or self.material is None:
             raise ResultError(f"contact forces of the {self.body} of a line contact say nothing of its mesh")
         return self.geometry, self.material
 
     def named(self) -> dict[str, int]:
-        """The recorded position nearest to each of POSITIONS; just after a reversal is the first one behind it."""
+        """Index of the recorded position nearest to each of POSITIONS; "after" a reversal is the first position behind
+        it.
+        """
         return named_positions(self.phase)
 
     def position(self, at: str | int) -> int:
-        """The place in this record of a named position, or of one by its number.
+        """Index in this record of a named position, or of a position given by its index.
+
         Raises ResultError if there is no such position.
         """
         return position_of(at, self.phase, self.cycle)
@@ -199,7 +207,8 @@ class ContactForces:
 
 def geometry_of(table: Mapping[str, Any]) -> BodyGeometry:
     """A body's geometry from the nested mapping that dataclasses.asdict makes of it.
-    Raises ResultError if it is none of this version.
+
+    Raises ResultError if the mapping was written by another version.
     """
     try:
         axes = {
@@ -213,9 +222,10 @@ def geometry_of(table: Mapping[str, Any]) -> BodyGeometry:
 
 
 def named_positions(phase: Array) -> dict[str, int]:
-    """The place in a cycle's positions, (k,) shares passed since its end at +x, nearest to each of POSITIONS.
+    """Index of the position nearest to each of POSITIONS, from phases (k,): shares of the cycle passed since its end at
+    +x.
 
-    Just after a reversal is the first position behind it.
+    "After" a reversal is the first position behind it.
     """
     passed = phase % 1.0
     mid_forward, mid_back = (int(np.argmin(np.abs(passed - at))) for at in (0.75, 0.25))
@@ -227,7 +237,9 @@ def named_positions(phase: Array) -> dict[str, int]:
 
 
 def position_of(at: str | int, phase: Array, cycle: int) -> int:
-    """The place of a named position, or of one by its number. Raises ResultError if there is no such position."""
+    """Index of a named position, or of a position given by its index. Raises ResultError if there is no such
+    position.
+    """
     if isinstance(at, int) or at.isdecimal():
         if 0 <= int(at) < len(phase):
             return int(at)

@@ -1,6 +1,6 @@
 """Results for other programs: flat tables (CSV, Parquet), labelled arrays with units (netCDF), scars over time (VTK).
 
-Columns of a line contact are per mm of its length, as its tables for users and its earlier files name them.
+Columns of a line contact for users are per mm of its length, with `_per_mm` in their names.
 """
 
 from __future__ import annotations
@@ -36,11 +36,12 @@ _PER_MM = re.compile(r"(pad|specimen)_(worn_area|max_depth|left_edge|right_edge)
 
 
 def write_time_series(result: RunResult, folder: Path) -> list[Path]:
-    """Write the scars of a run as `scar_<body>_<cycle>.vtu` and `scar_<body>.pvd`; returns the PVD files.
+    """Write the scars of a run as `scar_<body>_<cycle>.vtu` and `scar_<body>.pvd`; return the PVD files.
 
-    Points are the worn surface in micrometres, x along the motion and z from the driven to the held body; the fields
-    at points are depth, friction energy per area, pressure and slip distance. The time of a PVD file is the cycle.
-    What an earlier run has left there goes.
+    Points are the worn surface in micrometres, x along the motion and z from the driven to the held body; the fields at
+    points are depth, friction energy per area, pressure and slip distance. The time in a PVD file is the cycle. Files
+    of an earlier run in the folder are removed.
+
     Raises ResultError if the folder cannot be written.
     """
     with writing(ResultError, f"cannot write the time series to {folder}"):
@@ -69,7 +70,7 @@ def _surface_file(scar: Scar) -> str:
 
 
 def worn_points(scar: Scar, *, upper: bool) -> Array:
-    """Points of the worn surface (n_a, n_t, 3) [µm]: x along the motion, z from the driven to the held, upper body."""
+    """Points (n_a, n_t, 3) of the worn surface in µm: x along the motion, z from the driven to the held, upper body."""
     axial, transverse = np.meshgrid(scar.axial_um, scar.transverse_um, indexing="ij")
     x, y = scar.sliding_coordinates(axial, transverse)
     upward = -1.0 if upper else 1.0
@@ -78,7 +79,7 @@ def worn_points(scar: Scar, *, upper: bool) -> Array:
 
 
 def surface_mesh(scar: Scar, *, upper: bool) -> pyvista.StructuredGrid:
-    """The worn surface as a mesh in micrometres, with the scar's fields at its points."""
+    """The worn surface as a pyvista mesh in µm, with the scar's fields at its points."""
     import pyvista
 
     points = worn_points(scar, upper=upper)
@@ -104,10 +105,10 @@ def _write_surface(path: Path, scar: Scar, *, upper: bool) -> None:
 
 
 def labelled(result: RunResult) -> xarray.DataTree:
-    """A run as a tree of data sets: `evolution`, `loops` and `scars/<wire>_<cycle>`; every array states its unit.
+    """A run as a tree of data sets: `evolution`, `loops` and `scars/<body>_<cycle>`; every array states its unit.
 
-    Loops are distinguished by `cycle` and filled up with NaN to the length of the longest.
-    Raises ResultError if xarray is not installed.
+    Loops are distinguished by `cycle`, and padded with NaN to the length of the longest. Raises ResultError if xarray
+    is not installed.
     """
     made = _xarray()
     nodes: dict[str, Any] = {"/": made.Dataset(attrs=_described(result))}
@@ -121,8 +122,10 @@ def labelled(result: RunResult) -> xarray.DataTree:
 
 
 def write_netcdf(result: RunResult, path: Path, *, overwrite: bool = True) -> Path:
-    """Write that tree as one netCDF 4 file.
-    Raises ResultError if xarray or h5netcdf is not installed, or the file cannot be written, or not overwritten.
+    """Write the tree from `labelled` as one netCDF 4 file; return its path.
+
+    Raises ResultError if xarray or h5netcdf is not installed, or the file cannot be written, or exists and `overwrite`
+    is False.
     """
     require_absent(() if overwrite else [path], ResultError)
     tree = labelled(result)
@@ -192,7 +195,9 @@ _um2_PER_mm2 = 1e6
 
 
 def per_mm(columns: Mapping[str, Array], share: float) -> dict[str, Array]:
-    """Columns of a contact of which a millimetre is that share, per mm; in place of worn volumes stand areas."""
+    """Columns of a line contact per mm of its length; worn volumes become areas. share: one millimetre over its
+    length.
+    """
     found = {}
     for name, column in scaled(columns, share).items():
         if own := _OF_A_BODY.match(name):
@@ -205,7 +210,7 @@ def per_mm(columns: Mapping[str, Array], share: float) -> dict[str, Array]:
 
 
 def whole(columns: Mapping[str, Array]) -> dict[str, Array]:
-    """Columns per mm as those of a contact of one millimetre."""
+    """Columns per mm renamed as those of a contact of one millimetre's length; inverse of `per_mm` with share 1."""
     found = {}
     for name, column in columns.items():
         if own := _PER_MM.match(name):
@@ -219,14 +224,14 @@ def whole(columns: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def evolution_table(result: RunResult) -> pl.DataFrame:
-    """One row for each measured cycle."""
+    """A table with one row per measured cycle."""
     import polars as pl
 
     return pl.DataFrame({name: np.array(column) for name, column in named_for_users(result, result.evolution).items()})
 
 
 def loops_table(result: RunResult) -> pl.DataFrame:
-    """One row for each sample of each recorded loop, with its cycle."""
+    """A table with one row per sample of each recorded loop, and the loop's cycle."""
     import polars as pl
 
     cycles = [np.full(loop.time_s.size, loop.cycle) for loop in result.loops]
@@ -235,7 +240,9 @@ def loops_table(result: RunResult) -> pl.DataFrame:
 
 
 def scars_table(result: RunResult) -> pl.DataFrame:
-    """One row for each point of each recorded scar; x lies along the motion, both from the first contact."""
+    """A table with one row per point of each recorded scar; x lies along the motion, x and y from the point of first
+    contact.
+    """
     import polars as pl
 
     places = [scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :]) for scar in result.scars]
@@ -251,7 +258,7 @@ def scars_table(result: RunResult) -> pl.DataFrame:
 
 
 def profiles_table(result: RunResult) -> pl.DataFrame:
-    """One row for each point of each recorded profile of a line contact."""
+    """A table with one row per point of each recorded profile of a line contact."""
     import polars as pl
 
     renamed = scars_table(result).rename({"slip_distance_um": "slip_amplitude_um"})
@@ -273,14 +280,15 @@ _WORN: dict[str, Callable[[RunResult], pl.DataFrame]] = {"scars": scars_table, "
 
 
 def tables_of(result: RunResult) -> dict[str, Callable[[RunResult], pl.DataFrame]]:
-    """The tables of a result by their file's name."""
+    """Functions that make the tables of a result, by file name."""
     worn = result.extent.worn
     return {"evolution": evolution_table, "loops": loops_table, worn: _WORN[worn]}
 
 
 def write_flat_tables(result: RunResult, folder: Path, ending: str, *, overwrite: bool = True) -> list[Path]:
-    """Write the tables of a result as "csv" or "parquet"; return their paths.
-    Raises ResultError if the folder cannot be written, or holds one that is not to be overwritten.
+    """Write the tables of a result as "csv" or "parquet" files; return their paths.
+
+    Raises ResultError if the folder cannot be written, or a file exists and `overwrite` is False.
     """
     tables = {folder / f"{name}.{ending}": table for name, table in tables_of(result).items()}
     require_absent(() if overwrite else tables, ResultError)

@@ -65,10 +65,11 @@ _SELDOM = {"length_mm": None, "diameter_along_mm": float("inf")}
 
 
 def write_result(path: str | Path, result: RunResult, so_far: GrowingImage | None = None) -> RunResult:
-    """Write `result` to `path`, replacing what is there in one step; the folder is made if need be. Returns what
-    `read_result` has from there.
+    """Write `result` to `path`, replacing the file there in one step; return it as `read_result` would.
 
-    so_far: the file of a run that goes on, in which logged cycles stay as they are.
+    The folder is made if missing. so_far: the growing file of a run that goes on; cycles logged in it are not written
+    again.
+
     Raises ResultError if a table holds what JSON cannot, or the file cannot be written.
     """
     path, tables = Path(path), {name: _json(name, getattr(result, name)) for name in TABLES}
@@ -81,8 +82,9 @@ def write_result(path: str | Path, result: RunResult, so_far: GrowingImage | Non
 
 
 def read_result(path: str | Path) -> RunResult:
-    """The run stored at `path`, or in the run's folder there; its `path` attribute is set.
-    Raises ResultError if there is no such file, it is no result file of a known format, or its contents are damaged.
+    """Read the run stored at `path`, a result file or a run's folder; its `path` attribute is set.
+
+    Raises ResultError if there is no such file, it is not a result file of a known format, or its contents are damaged.
     """
     path = Path(path) / RESULT_FILE_NAME if Path(path).is_dir() else Path(path)
     with opened_hdf5(path, ResultError, "result file", unsealed=_UNSEALED) as file:
@@ -98,7 +100,8 @@ def read_result(path: str | Path) -> RunResult:
 
 
 def read_results(path: str | Path) -> tuple[RunResult, ...]:
-    """All runs at `path`: a result file, a run's folder, or a folder of variants' folders; ordered by variant.
+    """Read all runs at `path`: a result file, a run's folder, or a folder of variants' folders; ordered by variant.
+
     Raises ResultError if nothing is found there, or a file found cannot be read.
     """
     path = Path(path)
@@ -139,7 +142,7 @@ def _fill(file: h5py.File, result: RunResult, tables: Mapping[str, str]) -> None
 
 
 def _added(file: h5py.File, name: str, members: Sequence[T]) -> Iterator[tuple[h5py.Group, T]]:
-    """New groups of those members that the file does not hold yet."""
+    """New groups, each with its member, for the members that the file does not hold yet."""
     parent = file.require_group(name)
     for index in range(len(parent), len(members)):
         yield parent.create_group(f"{index:04d}"), members[index]

@@ -1,4 +1,7 @@
-"""How far a run's checks may be off, and what helps where one is."""
+"""Qualities of a run: residuals and closures, their limits, and what helps where one is beyond its limit.
+
+A closure compares two values that should agree, such as a loop's area and the friction work.
+"""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -6,7 +9,7 @@ from typing import Protocol
 
 ENERGIES_AGREE = 5e-3  #: Friction energies that differ by more than this share are not taken to agree.
 
-#: What each quality of a run says, and from where on it should be looked at.
+#: Meaning and limit of each quality of a run.
 QUALITIES: Mapping[str, tuple[str, float]] = {
     "force_balance": ("forces on the holder that do not balance, relative", 1e-6),
     "penetration": ("penetration of one body into the other, relative to the approach", 1e-4),
@@ -42,7 +45,7 @@ _REMEDIES: Mapping[str, str] = {
 
 
 def remedies(beyond: Collection[str]) -> list[str]:
-    """Sentences on what helps against qualities that are beyond their limits."""
+    """Sentences on what helps against the named qualities, which are beyond their limits."""
     others = sorted(set(beyond) - OF_THE_TEST - set(_REMEDIES))
     mesh = (
         [f"{_spoken(others)} mostly fall{'s' * (len(others) == 1)} with a finer --fidelity or [mesh]."]
@@ -58,7 +61,7 @@ def _spoken(names: Sequence[str]) -> str:
 
 @dataclass(frozen=True)
 class Health:
-    """One closure: what it is, the worst value that each run met (None: not defined), from where on to look at it."""
+    """One quality: its meaning, the worst value in each run (None: not defined), and its limit."""
 
     meaning: str
     worst: tuple[float | None, ...]
@@ -66,20 +69,20 @@ class Health:
 
     @property
     def sound(self) -> bool:
-        """Whether all values are below the limit."""
+        """True if no value is beyond the limit."""
         return all(value is None or value <= self.limit for value in self.worst)
 
 
 class Judged(Protocol):
-    """A result that says how well it closes."""
+    """A result with qualities."""
 
     @property
     def quality(self) -> Mapping[str, float]:
-        """The worst residuals met, by name."""
+        """The worst value of each quality in the run, by name."""
 
 
 def health(results: Sequence[Judged]) -> list[Health]:
-    """The closures of runs, in the order of QUALITIES; others follow by their names, without a limit."""
+    """The qualities of runs, in the order of QUALITIES; others follow by name, without a limit."""
     known = [name for name in QUALITIES if any(name in result.quality for result in results)]
     others = sorted({name for result in results for name in result.quality if name not in QUALITIES})
     meanings = {name: meaning for name, (meaning, _) in QUALITIES.items()}
@@ -94,11 +97,11 @@ def health(results: Sequence[Judged]) -> list[Health]:
 
 
 def limit_of(name: str) -> float:
-    """From where on a quality should be looked at; infinite of one without a limit."""
+    """The limit of a quality; infinite if it has none."""
     return QUALITIES[name][1] if name in QUALITIES else float("inf")
 
 
 def flagged(name: str, value: float) -> str:
-    """A quality's value, with its limit where it is beyond that."""
+    """A quality's value as text, with its limit if it is beyond."""
     limit = limit_of(name)
     return f"{value:.1e}, more than {limit:.1e}" if value > limit else f"{value:.1e}"

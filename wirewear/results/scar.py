@@ -1,4 +1,7 @@
-"""The worn surface of one body: a map, or of a line contact a profile."""
+"""The worn surface of one body, its scar: a map or, for a line contact, a profile.
+
+The sliding frame has x along the motion; both frames have their origin at the point of first contact.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,11 +18,11 @@ from wirewear.test.lengths import extent_of
 WIRES = ("moving", "fixed")
 BODIES = ("pad", "specimen")  #: Bodies of a line contact.
 
-#: What bodies are called in sentences whose names say only how they stand.
+#: What bodies are called in sentences.
 _NOUNS = dict.fromkeys(WIRES, "wire")
 _CALLED = {body: f"{body} wire" for body in WIRES} | {body: f"{body} body" for body in ("lower", "upper")}
 
-#: What any driven, lower body and any held, upper one may be called as well.
+#: Other names by which the driven, lower body and the held, upper one can be given.
 _BY_PLACE = (("lower", "driven", "moving"), ("upper", "held", "fixed"))
 GRID_COLUMNS = ("axial_um", "transverse_um")
 FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_distance_um")
@@ -32,8 +35,9 @@ SCAR_FIGURES = ("volume", "depth", "length", "width")
 
 
 def float_array(name: str, values: ArrayLike, dimensions: int) -> Array:
-    """`values` as a read-only float64 array with that many dimensions.
-    Raises ResultError if `values` are no real numbers, or have another number of dimensions.
+    """`values` as a read-only float64 array with `dimensions` dimensions; `name` is for messages.
+
+    Raises ResultError if they are not real numbers, or have another number of dimensions.
     """
     try:
         array = np.array(values, dtype=np.float64)
@@ -68,7 +72,10 @@ def require_equal_lengths(where: str, columns: Mapping[str, Array]) -> None:
 
 
 def crossings(line: Array, section: Array, level: float) -> tuple[float, float]:
-    """Outermost places between which a section (n,) is above a level, linear between points; its ends if none is."""
+    """The outermost places on `line` (n,) between which a section (n,) is above a level, by linear interpolation.
+
+    Both ends of the line if the section is nowhere above it.
+    """
     over = np.flatnonzero(section > level)
     if over.size == 0:
         return float(line[0]), float(line[-1])
@@ -83,20 +90,20 @@ def crossings(line: Array, section: Array, level: float) -> tuple[float, float]:
 
 
 def worn_volume_mm3(x_um: Array, y_um: Array, depth_um: Array) -> float:
-    """Worn volume [mm³] of a map (n_x, n_y), the one that runs, records, comparisons and fits give.
+    """Worn volume of a map (n_x, n_y), as runs, records, comparisons and fits give it.
 
-    The integral of the bilinear depth, that is, the trapezoid rule, over all of the map: noise has the mean 0 and what
-    is piled up counts as lost again.
+    The integral of the bilinear depth over the whole map (trapezoidal rule): noise averages to 0 and piled-up material
+    is subtracted.
     """
     sections_um2 = np.trapezoid(depth_um, y_um, axis=1)
     return 1e-9 * float(np.trapezoid(sections_um2, x_um))
 
 
 def scar_figures(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:
-    """Volume [µm³], depth, length along x and width along y [µm] of a map (n_x, n_y) without holes: the ones that
-    imports, checks, comparisons, diagnoses and fits give.
+    """Volume [µm³], depth, length along x and width along y [µm] of a map (n_x, n_y) without holes.
 
-    All are 0 where nothing is worn.
+    Depth is that of the fifth deepest point; length and width are those of the sections, integrated across, at a
+    quarter of their height. All are 0 where nothing is worn.
     """
     volume, place = 1e9 * worn_volume_mm3(x_um, y_um, depth_um), -min(DEEPEST, depth_um.size)
     deep = float(np.partition(depth_um.ravel(), place)[place])
@@ -107,14 +114,16 @@ def scar_figures(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:
 
 
 def _extent(line: Array, section: Array) -> float:
-    """Width of a section at `SCAR_EDGE` of its height."""
+    """Width of a section at `SCAR_EDGE` of its height, in the unit of the line."""
     first, last = crossings(line, section, SCAR_EDGE * float(section.max()))
     return last - first
 
 
 def body_named(name: str, where: str, bodies: Sequence[str]) -> str:
-    """The body of that name, or that the driven, lower one or the held, upper one is called so.
-    Raises ResultError of `where` if there is none.
+    """The body of that name; "lower", "driven" and "moving" name the first of `bodies`, "upper", "held" and "fixed" the
+    second.
+
+    Raises ResultError that begins with `where` if there is none.
     """
     for body, also in zip(bodies, _BY_PLACE, strict=True):
         if name == body or (name in also and name not in bodies):
@@ -125,12 +134,12 @@ def body_named(name: str, where: str, bodies: Sequence[str]) -> str:
 
 
 def noun_of(body: str) -> str:
-    """What sort of body it is, as columns and messages name it."""
+    """The kind of a body, as columns and messages name it: "wire" or "body"."""
     return _NOUNS.get(body, "body")
 
 
 def called(body: str) -> str:
-    """What a body is called in sentences and headings."""
+    """The name of a body in sentences and headings, such as "moving wire"."""
     return _CALLED.get(body, body)
 
 
@@ -140,13 +149,14 @@ class Scar:
 
     The origin is the point of first contact. The axial direction is turned by `axis_angle_deg` from the sliding
     direction x about the common normal z; the transverse direction is the axial one turned by +90° about the same z,
-    for both wires. `axial_um` has shape (n_a,), `transverse_um` (n_t,), the fields (n_a, n_t): worn depth along z
-    (≥ 0), friction energy received per area, contact pressure at mid-stroke of that cycle, and the distance slid under
+    for both bodies. `axial_um` has shape (n_a,), `transverse_um` (n_t,), the fields (n_a, n_t): worn depth along z (≥
+    0), friction energy received per area, contact pressure at mid-stroke of that cycle, and the distance slid under
     pressure during that cycle.
 
-    A line contact's pad or specimen has a single line across, which stands for all of its `length_mm`; a wire has no
-    such length. The unworn surface is round across with `diameter_mm` and along with `diameter_along_mm`, infinite
-    where it is straight, as a line contact's are said to be.
+    A line contact's pad or specimen has a single line across, which stands for all of its `length_mm`; other bodies
+    have None. The unworn surface has `diameter_mm` across and `diameter_along_mm` along, infinite where it is straight,
+    as for line contacts.
+
     Raises ResultError if shapes do not match, the grid does not increase, values are not finite, or a depth is
     negative.
     """
@@ -163,7 +173,7 @@ class Scar:
     slip_distance_um: Array
     length_mm: float | None = None
     diameter_along_mm: float = float("inf")
-    #: Depth (n_a, n_t) of the print that pressure has left, beside the worn one; None where bodies do not yield.
+    #: Depth (n_a, n_t) of the print that pressure has left, besides the worn depth; None where bodies do not yield.
     print_um: Array | None = None
 
     def __post_init__(self) -> None:
@@ -190,22 +200,22 @@ class Scar:
 
     @property
     def field_columns(self) -> tuple[str, ...]:
-        """Names of its fields."""
+        """Names of the scar's fields."""
         return FIELD_COLUMNS if self.print_um is None else (*FIELD_COLUMNS, PRINT_COLUMN)
 
     @property
     def measured_depth_um(self) -> Array:
-        """How far the surface lies below the unworn one, as an instrument finds it: worn depth and print (n_a, n_t)."""
+        """Depth (n_a, n_t) below the unworn surface, as an instrument measures it: worn depth plus print."""
         return self.depth_um if self.print_um is None else self.depth_um + self.print_um
 
     @property
     def radius_um(self) -> float:
-        """Radius of the unworn surface across [µm]."""
+        """Radius of the unworn surface across."""
         return 500.0 * self.diameter_mm
 
     @property
     def flanks_um(self) -> tuple[float, float]:
-        """How far the unworn surface is shown along and across, short of its flanks [µm]; infinite where straight."""
+        """Distances along and across up to which pictures show the unworn surface; infinite where it is straight."""
         radii = (500.0 * self.diameter_along_mm, self.radius_um)
         share = 0.94 if max(radii) == float("inf") else 0.68
         return share * radii[0], share * radii[1]
@@ -216,48 +226,48 @@ class Scar:
 
     @property
     def volume_mm3(self) -> float:
-        """Worn volume [mm³], of a line contact of all its length."""
+        """Worn volume; of a line contact over its whole length."""
         return _VOLUMES[extent_of(self.length_mm).worn](self)
 
     @property
     def area_um2(self) -> float:
-        """Worn cross-section [µm²] of a line contact, the exact integral of the piecewise linear depth."""
+        """Worn cross-section of a line contact, the exact integral of the piecewise linear depth."""
         return float(np.trapezoid(self.depth_um[:, 0], self.axial_um))
 
     def edges_um(self) -> tuple[float, float]:
-        """Ends along x of a line contact's scar, where it is 1 % as deep as at its deepest; NaN if nothing is worn."""
+        """Ends along x of a line contact's scar, where its depth is 1 % of the largest; NaN if nothing is worn."""
         x, depth = self.axial_um, self.depth_um[:, 0]
         # Depth, relative to the deepest point, that bounds a profile's scar.
         return crossings(x, depth, 0.01 * float(depth.max())) if depth.any() else (float("nan"), float("nan"))
 
     def wire_coordinates(self, x_um: ArrayLike, y_um: ArrayLike) -> tuple[Array, Array]:
-        """(axial, transverse) coordinates [µm] of points (x, y) in the sliding frame; shapes broadcast."""
+        """(axial, transverse) coordinates in µm of points (x, y) in the sliding frame; shapes broadcast."""
         x, y = np.asarray(x_um, dtype=np.float64), np.asarray(y_um, dtype=np.float64)
         cosine, sine = _cosine_sine(self.axis_angle_deg)
         return x * cosine + y * sine, y * cosine - x * sine
 
     def sliding_coordinates(self, axial_um: ArrayLike, transverse_um: ArrayLike) -> tuple[Array, Array]:
-        """(x, y) in the sliding frame [µm] of points in the wire's own frame; shapes broadcast."""
+        """(x, y) in µm in the sliding frame of points in the body's own frame; shapes broadcast."""
         axial, transverse = np.asarray(axial_um, dtype=np.float64), np.asarray(transverse_um, dtype=np.float64)
         cosine, sine = _cosine_sine(self.axis_angle_deg)
         return axial * cosine - transverse * sine, axial * sine + transverse * cosine
 
     def depth_at(self, x_um: ArrayLike, y_um: ArrayLike) -> Array:
-        """Depth [µm], as measured, at points of the sliding frame, bilinear between grid points, zero outside; shapes
+        """Measured depth in µm at points of the sliding frame, bilinear between grid points, 0 outside the grid; shapes
         broadcast.
 
-        A single line across stands for all of them.
+        A line contact has the same depth at all y.
         """
         shape = np.broadcast_shapes(np.shape(x_um), np.shape(y_um))
         nodes, weights, _ = self._located(x_um, y_um)
         return np.asarray(np.einsum("ij,ij->i", weights, self.measured_depth_um.ravel()[nodes])).reshape(shape)
 
     def sampled(self, x_um: ArrayLike, y_um: ArrayLike) -> Array:
-        """Depth [µm], as measured, on the grid of lines `x_um` (n_x,) and `y_um` (n_y,) in the sliding frame."""
+        """Measured depth (n_x, n_y) in µm on the grid of lines `x_um` (n_x,) and `y_um` (n_y,) in the sliding frame."""
         return self.depth_at(np.asarray(x_um)[:, None], np.asarray(y_um)[None, :])
 
     def section_along_motion(self) -> tuple[Array, Array]:
-        """(x_um, depth_um as measured), each (n,), on the line y = 0, at every crossing with a grid line."""
+        """(x_um, measured depth_um), each (n,), on the line y = 0, at every crossing with a grid line."""
         if self.transverse_um.size == 1:
             return self.axial_um, self.measured_depth_um[:, 0]
         cosine, sine = _cosine_sine(self.axis_angle_deg)
@@ -272,19 +282,21 @@ class Scar:
         return x, self.depth_at(x, 0.0)
 
     def unworn_height_um(self, axial_um: ArrayLike, transverse_um: ArrayLike) -> Array:
-        """Height [µm] of the unworn surface above its tangent plane at the origin; shapes broadcast."""
+        """Height of the unworn surface relative to its tangent plane at the origin, <= 0; shapes broadcast."""
         along, across = np.broadcast_arrays(np.asarray(axial_um, float), np.asarray(transverse_um, float))
         barrel = Barrel(2e-3 / self.diameter_along_mm, 2e-3 / self.diameter_mm)
         return barrel.height(np.column_stack([along.ravel(), across.ravel()])).reshape(along.shape)
 
     def _located(self, x_um: ArrayLike, y_um: ArrayLike) -> tuple[IntArray, Array, BoolArray]:
-        """How to interpolate at points of the sliding frame, see `ContactPatch.locate`."""
+        """Nodes, weights and inside flags that interpolate at points of the sliding frame, as from
+        `ContactPatch.locate`.
+        """
         places = [coordinate.ravel() for coordinate in self.wire_coordinates(x_um, y_um)]
         return located(self.axial_um, self.transverse_um, np.column_stack(places))
 
 
 def _cosine_sine(angle_deg: float) -> tuple[float, float]:
-    """Exact at multiples of 90°, so that a wire across the motion has no round-off tilt."""
+    """Cosine and sine, exact at multiples of 90°, so that a wire across the motion has no round-off tilt."""
     quarter, rest = divmod(angle_deg, 90.0)
     cosine, sine = float(np.cos(np.radians(rest))), float(np.sin(np.radians(rest)))
     for _ in range(int(quarter) % 4):

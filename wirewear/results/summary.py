@@ -1,4 +1,4 @@
-"""What came out of a run, on one screen."""
+"""A summary of runs that fits on one screen."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -21,7 +21,8 @@ Row = tuple[str, Callable[[RunResult], str]]  #: One cell for each run; each fun
 
 
 def summary(results: Sequence[RunResult]) -> RenderableType:
-    """A table with one column for each run: state, amplitudes, energy, wear, force, quality and time; then the files.
+    """A table with one column per run (state, amplitudes, energy, wear, force, quality and time), then the files.
+
     Raises ResultError if there are no results.
     """
     if not results:
@@ -66,7 +67,7 @@ def _message(result: RunResult) -> str:
 
 
 def _at(column: str, place: int, unit: float = 1.0) -> Callable[[RunResult], str]:
-    """The value of a column at its first (0) or last (−1) cycle, divided by `unit`."""
+    """A function that gives the text of a column's value at the first (0) or last (−1) measured cycle, over `unit`."""
 
     def cell(result: RunResult) -> str:
         values = result.evolution[column]
@@ -111,7 +112,9 @@ def _worn_through(body: str) -> Callable[[RunResult], str]:
 
 
 def _bulk_rows(results: Sequence[RunResult]) -> list[Row]:
-    """Axial and bending stress at the contact over the first logged cycle, of bodies that carry any."""
+    """Rows with the least and the largest axial plus bending stress over the first logged cycle, for bodies that carry
+    any.
+    """
 
     def cell(body: str) -> Callable[[RunResult], str]:
         def shown(result: RunResult) -> str:

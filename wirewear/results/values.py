@@ -1,4 +1,8 @@
-"""Values of a finished or running simulation: one loop, the evolution over cycles, and the whole run."""
+"""Values of a finished or running simulation: one loop, the evolution over the cycles, and the whole run.
+
+Bodies are the driven, lower one and the held, upper one. A logged cycle is one whose loop or scar is recorded. Values
+that grow with the length of a line contact (extensive ones) are of `length_mm` of it.
+"""
 
 from __future__ import annotations
 
@@ -32,14 +36,14 @@ _IDEAL = Sensor()
 _NEW = Age.new()
 
 
-#: Columns of an evolution of crossed wires; others have those of their own bodies in place of the wires'.
+#: Columns of an evolution of crossed wires; other contacts have their own bodies' names in place of the wires'.
 EVOLUTION_COLUMNS = (
     "cycle", "displacement_amplitude_um", "slip_amplitude_um", "max_tangential_force_N", "dissipated_energy_mJ",
     "normal_force_N", "accumulated_energy_J", "worn_volume_moving_mm3", "worn_volume_fixed_mm3", "max_depth_moving_um",
     "max_depth_fixed_um", "contact_half_width_um", "max_pressure_MPa", "jump_cycles",
 )  # fmt: skip
 
-#: What columns of a body begin with; between this and the unit stands the body.
+#: Beginnings of the columns of one body; the body's name and the unit follow.
 _OF_A_BODY = ("worn_volume_", "max_depth_")
 LAYERS_OF_BODIES = "layers"  #: What a result's settings call layers on bodies: lists of thickness and wear factor.
 PRESSURE_LENGTH = "pressure_length_um"  #: What the length of mean pressures is called in a result's settings.
@@ -57,7 +61,7 @@ PLASTIC_VOLUME, PLASTIC_WORK, OVER_YIELD = "print_volume_mm3", "plastic_work_mJ"
 #: Columns that results of earlier versions lack, which are then NaN: unknown.
 LATER_COLUMNS = ("mid_stroke_pressure_MPa", "mirror_error", "max_mean_pressure_MPa", "mid_stroke_mean_pressure_MPa")
 
-#: What columns are whose names do not say it.
+#: Meanings of the columns whose names do not suffice.
 COLUMN_MEANINGS = {
     "max_pressure_MPa": "largest pressure of the cycle at a single node, which grows as the mesh is refined",
     "mid_stroke_pressure_MPa": "median over mid-stroke of the largest at a single node inside the contact's rim",
@@ -78,8 +82,10 @@ _LATER_OF_LOOPS = ("normal_force_N", "friction_work_mJ", "tilt_deg")
 
 
 def sensor_of(study: Mapping[str, Any], sensor: Sensor = _IDEAL, age: Age = _NEW) -> Sensor:
-    """A sensor with the effects of a resolved study, such as results hold, added to its own errors at an age.
-    Raises StudyError if the study has an effect that is not installed here.
+    """A sensor with the sensor effects of a study added to its own errors, at an age of the test.
+
+    study: resolved tables, as results hold them. Raises StudyError if the study has an effect that is not installed
+    here.
     """
     try:
         effects = effects_of_tables(study.get("effects", []))
@@ -89,7 +95,7 @@ def sensor_of(study: Mapping[str, Any], sensor: Sensor = _IDEAL, age: Age = _NEW
 
 
 def age_at(result: RunResult, cycle: int) -> Age:
-    """How far a test had come when it logged a cycle."""
+    """Cycles and friction energy of a test when it logged `cycle`."""
     cycles, energy_J = result.evolution["cycle"], result.evolution["accumulated_energy_J"]
     return Age(float(cycle), float(np.interp(cycle, cycles, energy_J)) if cycles.size else 0.0)
 
@@ -97,7 +103,8 @@ def age_at(result: RunResult, cycle: int) -> Age:
 def read_loop(loop: Loop, sensor: Sensor, period_s: float) -> Loop:
     """A loop with displacements and forces as a sensor reads them; its friction work stays the true one.
 
-    The displacement relative to the fixed wire's holder is that read, less the holder's true one.
+    The relative displacement becomes the displacement read, less the true one of the held body's holder. period_s:
+    duration of a cycle.
     """
     known = None if np.isnan(loop.normal_force_N).any() else loop.normal_force_N
     truth = LoopSignals(loop.time_s, loop.displacement_um, loop.tangential_force_N, known, period_s)
@@ -114,7 +121,7 @@ def read_loop(loop: Loop, sensor: Sensor, period_s: float) -> Loop:
 
 
 def read_loops(result: RunResult, sensor: Sensor = _IDEAL) -> tuple[Loop, ...]:
-    """The result's loops as a sensor with the effects of its study reads them, without noise."""
+    """The result's loops as a sensor reads them with the effects of the study, without noise."""
     if not result.study.get("effects") and sensor == _IDEAL:
         return result.loops
     sensors = [sensor_of(result.study, sensor, age_at(result, loop.cycle)) for loop in result.loops]
@@ -126,12 +133,12 @@ def read_loops(result: RunResult, sensor: Sensor = _IDEAL) -> tuple[Loop, ...]:
 
 
 def extensive(name: str) -> bool:
-    """Whether what is called so, with its unit, grows with the length of a line contact."""
+    """True if a quantity of this name, unit included, grows with the length of a line contact."""
     return name.endswith(("_N", "_mJ", "_J", "_mm3"))
 
 
 def scaled(columns: Mapping[str, Array], factor: float) -> dict[str, Array]:
-    """Columns of a line contact that is longer by a factor."""
+    """Columns of a line contact whose length is multiplied by a factor."""
     return {name: column * factor if extensive(name) else column for name, column in columns.items()}
 
 
@@ -139,10 +146,11 @@ def scaled(columns: Mapping[str, Array], factor: float) -> dict[str, Array]:
 class Loop:
     """One fretting cycle, from mid-stroke towards +x; the last sample does not repeat the first.
 
-    All arrays have shape (n,). `displacement_um` is the drive of the moving wire against ground,
-    `relative_displacement_um` that of its holder against the fixed wire's holder; `tangential_force_N` is positive
-    when it resists motion in +x; `friction_work_mJ` is cumulated over the loop; `tilt_deg` is that of the holder.
-    What results of earlier versions lack is NaN throughout.
+    All arrays have shape (n,). `displacement_um` is the drive of the moving body relative to the ground,
+    `relative_displacement_um` that of its holder relative to the fixed body's holder; `tangential_force_N` is positive
+    when it resists motion in +x; `friction_work_mJ` is cumulated over the loop; `tilt_deg` is the holder's. Columns
+    that results of earlier versions lack are NaN throughout.
+
     Raises ResultError if arrays differ in length, are empty or are not finite.
     """
 
@@ -176,17 +184,18 @@ Forces = TypeVar("Forces", Loop, ContactForces)
 
 
 def longer(one: Forces, factor: float) -> Forces:
-    """A loop, or contact forces, of a line contact that is longer by a factor."""
+    """A loop, or contact forces, of a line contact whose length is multiplied by a factor."""
     return replace(one, **{f.name: getattr(one, f.name) * factor for f in fields(one) if extensive(f.name)})
 
 
 @dataclass(frozen=True, eq=False)
 class Evolution(Mapping[str, Array]):
-    """Columns in a fixed order over the cycles, each (n,): `evolution["cycle"]`; n may be 0 before the first.
+    """Columns in a fixed order over the measured cycles, each (n,): `evolution["cycle"]`; n may be 0.
 
-    A value that a cycle does not define is NaN, except for `cycle`, which increases strictly.
-    Raises ResultError if a column of EVOLUTION_COLUMNS is missing, or columns differ in length; NoColumnError if there
-    is no such column.
+    A value that is not defined at a cycle is NaN; `cycle` increases strictly.
+
+    Raises ResultError if a column of EVOLUTION_COLUMNS is missing, or columns differ in length; NoColumnError if a
+    column is asked for that does not exist.
     """
 
     columns: Mapping[str, Array]
@@ -206,7 +215,10 @@ class Evolution(Mapping[str, Array]):
 
     @classmethod
     def from_rows(cls, rows: Sequence[Mapping[str, float]]) -> Evolution:
-        """Columns from one mapping per simulated cycle; no rows give empty columns."""
+        """Columns from one mapping per measured cycle; no rows give empty columns.
+
+        ResultError if a row lacks a column of the first one.
+        """
         names = list(rows[0]) if rows else [*EVOLUTION_COLUMNS, *LATER_COLUMNS]
         try:
             return cls({name: [row[name] for row in rows] for name in names})  # type: ignore[misc]
@@ -226,8 +238,8 @@ class Evolution(Mapping[str, Array]):
         return len(self.columns)
 
     def at(self, cycle: float) -> dict[str, float]:
-        """The row simulated nearest to `cycle` (within NEAREST_CYCLE_FACTOR).
-        Raises ResultError if no simulated cycle is near.
+        """The row measured nearest to `cycle`, which must lie within a factor of NEAREST_CYCLE_FACTOR; otherwise
+        ResultError.
         """
         cycles = [int(c) for c in self["cycle"]]
         index = cycles.index(_nearest_cycle(cycle, cycles, "evolution"))
@@ -236,15 +248,17 @@ class Evolution(Mapping[str, Array]):
 
 @dataclass(frozen=True, eq=False)
 class RunResult:
-    """All that one run (one variant of a study) leaves.
+    """All results of one run, that is, of one variant of a study.
 
     `bodies` are the driven one, which lies below, and the one that is held above it. A line contact's result is of
-    `length_mm` of it, of one millimetre where its study states no length; other contacts have no such length. `study`
-    is the resolved study, `settings` what the discretisation came to (mesh sizes, numbers of unknowns), `quality` the
-    worst residuals met, `versions` those of the programs used, `timings_s` wall times. `path` is the file that it was
-    read from; it is not written. `contact_forces` are missing in files of earlier versions. `label` names the run in
-    pictures: its variant, or else its name.
-    Raises ResultError if the status is none of complete, running, failed, or a scar or force is of another body.
+    `length_mm` of it, of one millimetre where its study states no length; other contacts have None. `study` is the
+    resolved study, `settings` are the mesh sizes, numbers of unknowns and the like that followed from it, `quality`
+    holds the worst residuals, `versions` those of the programs used, `timings_s` wall times. `path` is the file that it
+    was read from; it is not written. `contact_forces` are missing in files of earlier versions. `label` names the run
+    in pictures: its variant, or else its name.
+
+    Raises ResultError if the status is not complete, running or failed, or a scar or force is of a body not in
+    `bodies`.
     """
 
     name: str
@@ -284,20 +298,20 @@ class RunResult:
 
     @property
     def extent(self) -> Extent:
-        """How far the contact reaches across its motion."""
+        """The contact's extent across its motion, a length or none."""
         return extent_of(self.length_mm)
 
     @property
     def full_name(self) -> str:
-        """What the result is called beside those of other studies."""
+        """Name and variant of the result, which distinguish it from results of other studies."""
         return f"{self.name}, {self.variant}" if self.variant else self.name
 
     def of_kind(self, contact_kind: str) -> Self:
-        """The result itself; ResultError unless it is of that kind of contact."""
+        """The result itself; ResultError unless it is of this kind of contact."""
         return self if self.contact_kind == contact_kind else self._refused(contact_kind.replace("-", " "))
 
     def with_maps(self) -> Self:
-        """The result itself; ResultError of a line contact, whose scars are no maps but profiles."""
+        """The result itself; ResultError for a line contact, whose scars are profiles instead of maps."""
         if self.extent.worn == "scars":
             return self
         return self._refused("a contact at a point, such as crossed wires,")
@@ -307,15 +321,15 @@ class RunResult:
         raise ResultError(f"{self.path or self.full_name} is a result of a {own}, where one of {needed} is needed.")
 
     def is_upper(self, body: str) -> bool:
-        """Whether it is the body that stands above and is held."""
+        """True if `body` is the upper, held one."""
         return body_named(body, self.label, self.bodies) == self.bodies[1]
 
     def times(self, length_mm: float | None) -> float:
-        """How many times as long a line contact of another length is; 1 of a contact at a point, which has none."""
+        """Ratio of a line contact's length `length_mm` to this result's; 1 for a contact at a point."""
         return self.extent.share / extent_of(length_mm).share
 
     def of_length(self, length_mm: float) -> Self:
-        """The result of so much of a line contact."""
+        """The result of a line contact of this length."""
         factor = self.times(length_mm)
         return replace(
             self,
@@ -328,29 +342,29 @@ class RunResult:
         )
 
     def of_extent(self, extent: Extent) -> RunResult:
-        """The result of a contact of another extent; itself of one at a point."""
+        """The result of a contact of another extent; unchanged for a contact at a point."""
         return extent.of_result(self)
 
     @property
     def computed(self) -> RunResult:
-        """The result as it is computed: of a line contact, one millimetre of it."""
+        """The result as it was computed: for a line contact that of one millimetre."""
         return self if self.extent.share == 1.0 else self.of_length(1.0)
 
     @property
     def worn_volume_mm3(self) -> Array:
-        """What both bodies have lost, over the measured cycles."""
+        """Volume that both bodies together have lost, at the measured cycles."""
         driven, other = (self.evolution[f"worn_volume_{body}_mm3"] for body in self.bodies)
         return np.asarray(driven + other)
 
     def layer_faces_um(self, body: str) -> Array:
-        """Depths of the lower faces of a body's layers, the outermost first."""
+        """Depths of the lower faces of a body's coatings, the outermost first."""
         return 1e3 * work_through(self._layers(body))[0][1:]
 
     def worn_through(self, body: str) -> tuple[float | None, ...]:
-        """The cycle at which each of a body's layers was first worn through, None of one that was not.
+        """The cycle at which each of a body's coatings was first worn through, or None.
 
-        The body without layers would wear by a power of the cycles: that between the last two measured before, up to
-        the first one after.
+        It is interpolated by a power law of the cycles, for the depth to which the body would have worn without
+        coatings, from the last two cycles measured before, up to the first one after.
         """
         layers, cycles = self._layers(body), self.evolution["cycle"]
         bare = bare_depth(layers, 1e-3 * np.maximum.accumulate(self.evolution[f"max_depth_{body}_um"]))
@@ -375,16 +389,18 @@ class RunResult:
         return [SurfaceLayer(1e-3 * thickness_um, factor) for thickness_um, factor in stated]
 
     def loop(self, cycle: float) -> Loop:
-        """The loop logged nearest to `cycle` (within NEAREST_CYCLE_FACTOR), or ResultError naming the logged ones."""
+        """The loop logged nearest to `cycle`, within a factor of NEAREST_CYCLE_FACTOR; otherwise ResultError naming the
+        logged ones.
+        """
         return _nearest(cycle, self.loops, lambda loop: loop.cycle, "loops")
 
     def scar(self, cycle: float, body: str) -> Scar:
-        """A body's scar logged nearest to `cycle`, or ResultError naming the logged ones."""
+        """A body's scar logged nearest to `cycle`, as for `loop`; otherwise ResultError naming the logged ones."""
         body = body_named(body, self.label, self.bodies)
         return _nearest(cycle, self.scars_of(body), lambda scar: scar.cycle, f"scars of the {called(body)}")
 
     def called(self, body: str) -> str:
-        """What a body is called in sentences and headings; one that has no name but its place by its shape too."""
+        """The name of a body in sentences and headings; a "lower" or "upper" body is named by its shape as well."""
         shape = self.study.get("bodies", {}).get(body, {}).get("shape")
         return f"{shape} ({body})" if shape and body in ("lower", "upper") else called(body)
 
@@ -393,7 +409,9 @@ class RunResult:
         return [scar for scar in self.scars if scar.body == body]
 
     def forces(self, cycle: float, body: str) -> ContactForces:
-        """Forces on a body logged nearest to `cycle`, or ResultError naming the logged ones."""
+        """Contact forces on a body logged nearest to `cycle`, as for `loop`; otherwise ResultError naming the logged
+        ones.
+        """
         body = body_named(body, self.label, self.bodies)
         forces = [one for one in self.contact_forces if one.body == body]
         if not forces:
@@ -404,7 +422,7 @@ class RunResult:
         return _nearest(cycle, forces, lambda one: one.cycle, f"contact forces of the {called(body)}")
 
     def scar_cycles(self) -> tuple[int, ...]:
-        """Cycles at which both bodies' scars are logged, increasing."""
+        """Cycles at which the scars of both bodies are logged, increasing."""
         driven, other = ({scar.cycle for scar in self.scars_of(body)} for body in self.bodies)
         return tuple(sorted(driven & other))
 
