@@ -1,8 +1,8 @@
 """Effects as immutable objects that change one seam of the model, and the chain in which fast models apply them.
 
 To a fast model a test is a chain in series: drive, free play and springs, contact, sensors, at n moments of the test. A
-subclass of `Effect` changes the description of its seam (`changed`), and the chain through `predicted`, which by default
-applies `changed` at every moment.
+subclass of `Effect` changes the description of its seam by `changed`, and the chain by `predicted`, by default by
+applying `changed` at every moment.
 """
 
 from abc import ABC, abstractmethod
@@ -240,8 +240,9 @@ class Effect(ABC, Generic[T]):
         """The seam's description with this effect in it, at an age of the test."""
 
     def predicted(self, chain: Chain) -> Chain:
-        """A test as fast models take it, with the effect in it: what it changes of its seam, unless it says otherwise.
-        Raises UnforeseenError if it changes something there that a chain does not hold.
+        """The chain with this effect in it, for fast models; by default `changed` at every moment.
+
+        Raises UnforeseenError if it changes a field of its seam's description that a chain does not hold.
         """
         view = _VIEWS[self.seam]
         columns = np.stack([getattr(chain, name) for name in view.columns], axis=1)
@@ -261,10 +262,7 @@ class Effect(ABC, Generic[T]):
         return replace(chain, **dict(zip(view.columns, values.T, strict=True)))
 
     def foreseen(self, chain: Chain) -> Chain:
-        """The chain with this effect in it, for fast models; by default `changed` at every moment.
-
-        Raises UnforeseenError if it changes a field of its seam's description that a chain does not hold.
-        """
+        """The former name of `predicted`."""
         renamed("Effect.foreseen", "Effect.predicted")
         return self.predicted(chain)
 
