@@ -219,8 +219,9 @@ def grid_of(repeat: int, x_um: Array, y_um: Array, level_um: Array) -> tuple[Arr
 
 
 def _carried(lines: tuple[Array, Array], spikes: Array, angle: float, onto: tuple[Array, Array]) -> Array:
-    """Spikes of a map over `lines`, moved to the nearest points of the lines `onto` of a map turned by an
-    angle in rad.
+    """Spikes of a map over the grid `lines`, on the grid `onto` (n_x, n_y) of the same map turned by an angle in rad.
+
+    Each spike moves to the nearest point of the new grid; all other points are NaN.
     """
     found = np.full((onto[0].size, onto[1].size), np.nan)
     at = np.argwhere(np.isfinite(spikes))

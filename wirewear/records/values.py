@@ -91,7 +91,7 @@ def stated_tables(tables: Any, friction: float) -> dict[str, Any]:
 
 
 def _stated_block(block: CycleBlock) -> dict[str, Any]:
-    """Block of a record's programme as a block of a study's."""
+    """Block of a record's programme as a table of a study's programme."""
     return {"cycles": block.cycles, **block.values, **({"name": block.name} if block.name else {})}
 
 

@@ -395,10 +395,10 @@ def _on_sheave(rope: Strand, tension_N: float, bend: Bend, groove: SheaveGroove)
 
 
 def degrees_of(contact: WireContact) -> tuple[float, float]:
-    """Crossing angle and direction of slip in degrees, as a study of crossed wires states them about the outward
-    normal.
+    """Crossing angle, 0 to 180°, and direction of slip, −90 to 90°, as a study of crossed wires states them.
 
-    The lower wire is the driven one. Axis, direction around it and outward normal form a left-handed system.
+    Both are about the outward normal; the lower wire is the driven one. Axis, direction around it and outward normal
+    form a left-handed system.
     """
     crossing = degrees(contact.lower_rad - contact.upper_rad) % 180.0
     motion = degrees(contact.lower_rad - contact.motion_rad)

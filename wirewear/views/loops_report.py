@@ -269,7 +269,7 @@ def course_of_regimes(analysed: Sequence[AnalysedLoop]) -> str | None:
 
 
 def draw_loops(analysed: Sequence[AnalysedLoop], path: Path) -> Path:
-    """Draw up to six loops of the first repeat to a picture file, whose folder is created if missing; return
+    """Draw up to six loops of the first repeat to a picture file, creating its folder if missing, and return
     its path.
     """
     shown = [item for item in analysed if item.figures is not None]
