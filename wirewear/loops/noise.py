@@ -49,8 +49,10 @@ def correlated_noise(
 
     `parts` are pairs of a design (m, k) of smooth curves and samples (m,) that follow them but for noise, which is
     alike in all parts. `stated` is the deviation that the record states for a sample, if any. `rounding` is the
-    deviation of white noise added by rounding. The restricted likelihood allows for the slow noise that the curves
-    absorb.
+    deviation of white noise added by rounding.
+
+    The curves absorb some of the slow noise. The noise is therefore estimated by restricted likelihood, which corrects
+    for it.
 
     Source: Patterson & Thompson, Biometrika 58 (1971) 545, for a first-order autoregression.
     """

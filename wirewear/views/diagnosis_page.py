@@ -287,8 +287,9 @@ def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
 
 
 def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, PredictedLoops]]) -> list[dict[str, object]]:
-    """Sections of worn bodies along the motion, measured and computed; for scars, bowls of the computed depth and
-    length.
+    """Cross-sections of the worn bodies along the motion, measured and computed, to be drawn.
+
+    Where no profile is computed, each computed curve is a bowl with the computed depth and length of the scar.
     """
     found: list[dict[str, object]] = []
     for place, body in enumerate(diagnosed.record.tables.body_names):
