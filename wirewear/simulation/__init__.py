@@ -1,8 +1,8 @@
-"""A simulated test of any contact: `run_study` does it all; the rest is for those who go beneath a run.
+"""Simulated tests of any contact: `run_study` runs a study; the other names are for scripts that go beneath a run.
 
-A run is a `plan` (meshes, steps, milestones) that `cycling` goes through in jumps; `runs` says what is kept of it,
-`folder` where. `workbench` has the parts for scripts that press and move bodies themselves. What a line contact has of
-its own stands in `line_model` and `line_runs`.
+A run is a `plan` (meshes, steps, milestones) that `cycling` goes through in cycle jumps; `recorded` and `runs` say what
+is kept of it, `store` where. `workbench` offers the parts to scripts that press and move bodies themselves. Files for
+line contacts alone are `line_model` and `line_runs`.
 """
 
 from typing import TYPE_CHECKING

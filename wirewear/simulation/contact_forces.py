@@ -1,4 +1,4 @@
-"""Contact forces of a recorded cycle, at positions spread over it, as a result keeps them."""
+"""Contact forces and pressures of a recorded cycle, at positions (moments) spread over it, as a result keeps them."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -18,7 +18,9 @@ _PARTS = 32  # Of the way between two positions.
 
 
 def pressure_figures(problem: ContactProblem, trace: CycleTrace, length_mm: float) -> dict[str, float]:
-    """Columns of a closed loop's row of the evolution, MPa; means are over the length."""
+    """Columns of the evolution's row in MPa for a closed loop: largest pressures and means over `length_mm`, by column
+    name.
+    """
     reports = [(report.drive, report.max_pressure, report.inner_pressure) for report in trace.reports]
     drives, largest, inner = np.array(reports).T
     means = mean_pressures(problem, trace.states, length_mm)
@@ -31,16 +33,16 @@ def pressure_figures(problem: ContactProblem, trace: CycleTrace, length_mm: floa
 
 
 def mean_pressures(problem: ContactProblem, states: Sequence[ContactState], length_mm: float) -> Array:
-    """The largest mean pressure over a length in each of k states that differ in no wear, (k,), MPa."""
+    """Largest mean pressure (k,) in MPa over a length, in each of k states with the same wear."""
     patch = problem.primary.patch
     pressures = nodal_pressures(problem, states).reshape(len(states), *patch.shape)
     return largest_means(pressures, patch.axial_mm, patch.transverse_mm, length_mm)
 
 
 def nodal_pressures(problem: ContactProblem, states: Sequence[ContactState]) -> Array:
-    """Normal pressures (k, n) at the primary's nodes in k states that differ in no wear, MPa.
+    """Normal pressures (k, n) in MPa at the primary's nodes, in k states with the same wear.
 
-    Normal is what is so to the primary's own surface. Solvers take the mean slope of both.
+    Normal to the primary's own surface; the solver's pressures are normal to the mean of both surfaces.
     """
     tractions = np.array([state.traction for state in states])
     nodes = np.flatnonzero(tractions[:, :, 2].any(axis=0))
@@ -53,9 +55,11 @@ def nodal_pressures(problem: ContactProblem, states: Sequence[ContactState]) -> 
 
 
 def at_mid_stroke(drive: ArrayLike, pressure: ArrayLike) -> float:
-    """Median over the way at mid-stroke of pressures (k,) at drives (k,) of a closed loop, linear between these.
+    """Median of a pressure (k,) over the way near mid-stroke, from its values at the displacements (k,) of a closed
+    loop.
 
-    A median of the k pressures themselves would be that of a single increment, off by half of what they differ by.
+    It is interpolated linearly between increments; the median of the k values would be that of a single increment.
+    Mid-stroke is where the drive is within MID_STROKE of its amplitude.
     """
     ends, values = np.asarray(drive, dtype=float), np.asarray(pressure, dtype=float)
     share = (np.arange(_PARTS) + 0.5)[:, None] / _PARTS
@@ -68,7 +72,7 @@ def at_mid_stroke(drive: ArrayLike, pressure: ArrayLike) -> float:
 
 
 def forces_of(problem: ContactProblem, trace: CycleTrace, cycle: int, plan: RunPlan) -> tuple[ContactForces, ...]:
-    """Forces on the driven and the held body; nothing where the study asks for none."""
+    """Contact forces on the driven and the held body in a traced cycle; empty if the study asks for none."""
     study = plan.study
     stage = next(
         stage
@@ -90,9 +94,9 @@ def forces_on(
     bodies: tuple[str, str],
     made_of: Sequence[Mapping[str, Any]] = ({}, {}),
 ) -> tuple[ContactForces, ...]:
-    """Forces on the driven body and the other at about so many positions, nothing for none.
+    """Contact forces on the driven body and the held one, at about `count` positions of a traced cycle; empty for 0.
 
-    made_of: geometry and material of bodies whose scars are maps.
+    made_of: geometry and material of each body, for contacts at a point.
     """
     if count == 0:
         return ()
@@ -124,10 +128,10 @@ def forces_on(
 
 
 def positions(trace: CycleTrace, count: int) -> IntArray:
-    """Places in a closed loop, at most about so many: both ends, mid-strokes, just after reversals, others between.
+    """Indices of about `count` increments of a closed loop, in the order in time from its end at +x.
 
-    Those between are spread evenly over the strokes, each the increment nearest to its place. They are in the order in
-    which the cycle passes them from its end at +x.
+    They include both ends, mid-strokes and the increments just after reversals; the others are spread evenly over the
+    strokes.
     """
     order = np.argsort(trace.phase)
     phase, drive = trace.phase[order], trace.drive[order]

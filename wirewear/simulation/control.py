@@ -1,4 +1,4 @@
-"""What a drive may hold in place of its own amplitude: slip, force, energy or a reading; each measured on a loop."""
+"""Drives that hold a figure of the loop in place of their amplitude: slip, force, energy or a sensor's reading."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -22,38 +22,39 @@ _PROBED, _GROWS = 1e-3, 1.3  # Of the largest amplitude, by which a contact is m
 _FAR = 0.4  # Of an amplitude: as far the next one goes after a slow correction to the same side, or farther.
 
 
-#: A figure of a cycle, or of half of one whose other half is its mirror image; a probe where increments are long.
+#: The figure of a cycle, or of half of one whose other half is its mirror image; with a probe if increments are long.
 Measure = Callable[[CycleTrace, Probe | None], float]
 
 
 @dataclass(frozen=True)
 class HeldFigure:
-    """A figure of the loop that a drive holds by its amplitude, with which the figure grows."""
+    """A figure of the loop that a drive holds by its amplitude; it grows with the amplitude."""
 
-    key: str  #: Of the study, which states `target`, in `unit`.
+    key: str  #: The study's key that states `target`, in `unit`.
     target: float
     unit: str
     largest_mm: float  #: Amplitude that the drive has at most.
     measure: Measure
-    #: How much it is expected to grow by a longer stroke, per mm, where the bodies slide; None where it grows in
-    #: proportion.
+
+    #: Expected growth of the figure per mm of amplitude where the bodies slide; None if it grows in proportion.
     slope: Callable[[CycleTrace], float] | None
     first_mm: float  #: Amplitude to begin with.
-    #: By a state at the end of the stroke alone, where one shows it: it may then be looked for in the first quarter.
+    #: The figure from a state at the end of a stroke, if that suffices: it can then be met in the first quarter cycle.
     of_state: Callable[[ContactState], float] | None = None
 
     def error(self, trace: CycleTrace) -> float:
-        """Relative difference of a measured loop's figure from what is to be held."""
+        """Relative difference of a measured loop's figure from the target."""
         return self.measure(trace, None) / self.target - 1.0
 
 
 def amplitude_from(
     held: HeldFigure, shown_by: Callable[[ContactState], float], moved_to: Callable[[float], ContactState]
 ) -> float:
-    """The amplitude in mm at which a figure that a state shows is first held, not beyond the drive's largest.
+    """Amplitude in mm at which a figure that a state shows first meets its target, at most the drive's largest.
 
-    moved_to: the state of the contact moved from mid-stroke to a place, in mm. A small step shows how stiff contact and
-    rig are together; friction only softens them, so that the amplitude lies beyond what this stiffness would need.
+    shown_by: the figure of a state. moved_to: the state of the contact moved from mid-stroke to a displacement in mm. A
+    small step shows the stiffness of contact and rig together; friction only softens them, so the amplitude is at least
+    what this stiffness needs.
     """
     from scipy.optimize import brentq
 
@@ -78,7 +79,7 @@ def amplitude_from(
 
 @dataclass
 class AmplitudeSearch:
-    """Looks for the amplitude that holds a figure: one too small, one too large, and the latest with its figure."""
+    """Seeks the amplitude that holds a figure, between one too small and one too large."""
 
     held: HeldFigure
     small_mm: float = 0.0
@@ -88,10 +89,9 @@ class AmplitudeSearch:
     _tries: int = 0
 
     def following(self, amplitude_mm: float, trace: CycleTrace, probe: Probe | None = None) -> float | None:
-        """The amplitude to try after this one, None where it holds the figure.
+        """The amplitude in mm to try after `amplitude_mm`, from its loop; None if this one holds the figure.
 
-        probe: for a trace whose increments are long.
-        Raises SolverError where none that the drive has does.
+        probe: for a trace with long increments. Raises SolverError if no amplitude that the drive has holds it.
         """
         held, found = self.held, self.held.measure(trace, probe)
         lacking, self._tries = held.target - found, self._tries + 1
@@ -136,7 +136,11 @@ class AmplitudeSearch:
         return float(min(np.clip(wanted, low + margin, high - margin), held.largest_mm))
 
     def _wanted(self, amplitude_mm: float, found: float, before: tuple[float, float] | None, growth: float) -> float:
-        """The amplitude that would hold the figure if this grew as it did, or by `growth` per mm."""
+        """The amplitude in mm at which the figure would be met if it grew as since the amplitude before, or by `growth`
+        per mm.
+
+        before: amplitude and figure of the previous try.
+        """
         lacking = self.held.target - found
         if before is not None and (found - before[1]) * (amplitude_mm - before[0]) > 0.0:
             return amplitude_mm + lacking * (amplitude_mm - before[0]) / (found - before[1])
@@ -148,7 +152,7 @@ def _slip_um(trace: CycleTrace, probe: Probe | None) -> float:
 
 
 def _apart_um(trace: CycleTrace, _: Probe | None) -> float:
-    """Amplitude of the bodies' motion against each other where they are held, half of its range."""
+    """Amplitude in µm of the bodies' relative motion between their holders, half of its range."""
     return 500.0 * float(np.ptp([state.drive - state.holder_x for state in (trace.start, *trace.states)]))
 
 
@@ -165,7 +169,7 @@ def _energy_mJ(trace: CycleTrace, _: Probe | None) -> float:
 
 
 def _read_um(sensor: Sensor, trace: CycleTrace, _: Probe | None) -> float:
-    """Amplitude that a sensor at the drive reads, but for its lag."""
+    """Amplitude in µm that a sensor at the drive reads, without its lag."""
     drive, force, normal = 1e3 * trace.drive, trace.tangential_force, trace.normal_force
     if is_half(trace):
         drive, force, normal = np.append(drive, -drive), np.append(force, -force), np.append(normal, normal)
@@ -175,7 +179,7 @@ def _read_um(sensor: Sensor, trace: CycleTrace, _: Probe | None) -> float:
 
 
 def held_of(study: AnyStudy[Any]) -> HeldFigure | None:
-    """What a study's drive holds in place of its amplitude, None where it holds that."""
+    """The figure that a study's drive holds in place of its amplitude; None if it holds the amplitude."""
     stated, largest_um = held_by(study.conditions), study.conditions.displacement_amplitude_um
     if stated is None:
         return None

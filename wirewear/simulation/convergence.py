@@ -1,7 +1,7 @@
-"""How far a study's results depend on its resolution: the study again with mesh, positions and jumps refined.
+"""Convergence of a study's results: the study run again with finer mesh, positions and cycle jumps.
 
-Each resolution is refined by two factors, with the others left as they are, and every figure is extrapolated to its
-limit; what the resolutions leave is added up.
+Each of these resolutions is refined by two factors while the others stay. Every figure, a number at the end of the run,
+is extrapolated to its limit by each resolution; the changes and the errors of all resolutions are added up.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -25,7 +25,7 @@ from wirewear.simulation.runs import ObserverOf, run_study
 from wirewear.test import AnyStudy, LineStudy, Study
 from wirewear.test.any_study import alone
 
-# Orders seen outside these are luck or noise. Nothing in the solver is of a higher order than the second.
+# Orders outside these are accidental. Nothing in the solver is of a higher order than the second.
 _LEAST_ORDER, _LARGEST_ORDER = 0.5, 2.0
 _ROUND_OFF = 1e-9  # Changes below this share of the value are round-off.
 
@@ -36,16 +36,18 @@ CSV_FILE_NAME = "convergence.csv"
 
 @dataclass(frozen=True)
 class Limit:
-    """Where three values tend to."""
+    """The value that three values at falling spacings tend to."""
 
     value: float
-    error: float  #: Of the limit; all that was extrapolated, or all that the values differ where they show no trend.
-    order: float | None  #: With which they tend there, None where they show no trend.
+    error: float  #: Error of the limit: the extrapolated part or, without a trend, the range of the values.
+    order: float | None  #: Order of convergence; None where the values show no trend.
 
 
 def richardson(spacings: Sequence[float], values: Sequence[float]) -> Limit:
-    """The limit of values at three spacings, from coarse to fine, taken to err by a power of the spacing; NaN of NaN.
-    Raises ValueError if there are not three of each, or the spacings do not fall.
+    """Richardson's extrapolation of values at three spacings, from coarse to fine, with errors as a power of the
+    spacing.
+
+    NaN if a value is NaN. Raises ValueError if there are not three of each, or the spacings do not fall.
     """
     if len(spacings) != 3 or len(values) != 3 or not spacings[0] > spacings[1] > spacings[2] > 0.0:
         raise ValueError("an extrapolation needs three falling spacings and their values")
@@ -63,7 +65,9 @@ def richardson(spacings: Sequence[float], values: Sequence[float]) -> Limit:
 
 
 def _order(spacings: Sequence[float], ratio: float) -> float:
-    """The order at which errors fall so that the two changes have this ratio, within what is plausible."""
+    """The order of convergence for which successive changes have this ratio, between _LEAST_ORDER and
+    _LARGEST_ORDER.
+    """
     coarse, middle, fine = spacings
 
     def excess(order: float) -> float:
@@ -78,7 +82,7 @@ def _order(spacings: Sequence[float], ratio: float) -> float:
 
 @dataclass(frozen=True)
 class Resolution:
-    """One that is refined; factors: by how much spacings become smaller, twice."""
+    """A resolution that is refined; factors: by how much spacings become smaller, in two runs."""
 
     name: str
     factors: tuple[float, float]
@@ -96,13 +100,15 @@ JUMPS = Resolution("jumps", (1.4, 2.0))
 
 
 def finer_tolerance(tolerance: float, factor: float) -> float:
-    """The tolerance of jumps that are shorter by a factor: it is that of the square of a jump's change."""
+    """The jump tolerance for jumps shorter by `factor`; tolerances go with the square of a jump's change of
+    pressures.
+    """
     return tolerance / factor**2
 
 
 @dataclass(frozen=True)
 class Figure:
-    """What is watched at the end of a run, in a unit."""
+    """A number at the end of a run that is compared between resolutions; `of` takes it from a result, in `unit`."""
 
     name: str
     unit: str
@@ -110,11 +116,11 @@ class Figure:
 
 
 def last_of(column: str, factor: float = 1.0) -> Callable[[Any], float]:
-    """What stands last in a column of a run's evolution, times a factor."""
+    """A function that gives the last value in a column of a result's evolution, times `factor`."""
     return lambda result: factor * float(result.evolution[column][-1])
 
 
-#: Of any contact; means are over a length that no refinement changes.
+#: Pressures of any contact; means are over a length that no refinement changes.
 PRESSURES = (
     Figure("largest mean pressure", "MPa", last_of("max_mean_pressure_MPa")),
     Figure("mean pressure at mid-stroke", "MPa", last_of("mid_stroke_mean_pressure_MPa")),
@@ -124,12 +130,12 @@ PRESSURES = (
 
 
 def depth_of(body: int) -> Callable[[Any], float]:
-    """The last depth of the driven body (0) or the held one (1) of a run."""
+    """A function that gives the last depth in µm of a result's driven body (0) or held body (1)."""
     return lambda result: float(result.evolution[f"max_depth_{result.bodies[body]}_um"][-1])
 
 
 def figures_of(bodies: tuple[str, ...]) -> tuple[Figure, ...]:
-    """What is watched of a contact at a point between bodies of these names."""
+    """The figures of a contact at a point between bodies of these names."""
     depths = (Figure(f"depth of the {called(name)}", "µm", depth_of(k)) for k, name in enumerate(bodies))
     return (*FORCES, *depths, VOLUME, *PRESSURES)
 
@@ -144,21 +150,21 @@ VOLUME = Figure("worn volume", "10⁻³ mm³", lambda result: 1e3 * float(result
 
 @dataclass(frozen=True)
 class Converged:
-    """A figure at the end of the run and where it tends to."""
+    """A figure at the end of the run, its values in refined runs and its limits."""
 
     figure: Figure
-    value: float  #: Of the run as the study asks for it.
-    refined: Mapping[str, float]  #: Of each refined run, by its name.
-    limits: Mapping[str, Limit]  #: By resolution.
+    value: float  #: The figure in the run as the study asks for it.
+    refined: Mapping[str, float]  #: The figure in each refined run, by its name.
+    limits: Mapping[str, Limit]  #: The limit by each resolution.
 
     @property
     def limit(self) -> float:
-        """What all resolutions together tend to: each adds what it changes."""
+        """The limit by all resolutions: the value plus the change by each."""
         return self.value + sum(limit.value - self.value for limit in self.limits.values())
 
     @property
     def error(self) -> float:
-        """Of the limit, as if all resolutions erred to one side."""
+        """Error of the limit: the sum over all resolutions."""
         return sum(limit.error for limit in self.limits.values())
 
 
@@ -167,15 +173,16 @@ Changes = dict[str, Any]  #: Tables of a study, nested as in its file.
 
 @dataclass(frozen=True)
 class RefinedSubject:
-    """A kind of contact whose studies are refined."""
+    """A kind of contact whose convergence can be studied."""
 
-    figures: Callable[[tuple[str, ...]], Sequence[Figure]]  #: What is watched of bodies of these names.
-    #: Of a study at a level of fidelity, what makes each resolution that it has finer by a factor.
+    figures: Callable[[tuple[str, ...]], Sequence[Figure]]  #: The figures compared, from the bodies' names.
+    #: From a study and a fidelity: for each of its resolutions, the changes of tables that refine it by a factor.
     finer: Callable[[Any, str], Mapping[Resolution, Callable[[float], Changes]]]
 
     def refined(self, study: AnyStudy[Any], fidelity: str) -> Any:
         """The study with itself and its refinements as variants.
-        Raises StudyError if the study has variants of its own; choose one of them.
+
+        Raises StudyError if the study has variants of its own.
         """
         settings: dict[str, Changes] = {BASE: {}} | {
             run: changes(factor)
@@ -187,7 +194,11 @@ class RefinedSubject:
 
 
 def finer_point(study: Study, fidelity: str) -> Mapping[Resolution, Callable[[float], Changes]]:
-    """Without wear the mesh alone, and with jumps of a given size no tolerance of jumps."""
+    """Changes of tables that refine a contact at a point: the mesh; with wear the positions and the jumps' tolerance,
+    too.
+
+    Jumps of a size that the study gives are not refined.
+    """
     plan, chosen = discretise(study, fidelity), study.fidelity(fidelity)
 
     def of(own: Changes) -> Changes:
@@ -205,7 +216,7 @@ def finer_point(study: Study, fidelity: str) -> Mapping[Resolution, Callable[[fl
 
 
 def finer_line(study: LineStudy, fidelity: str) -> Mapping[Resolution, Callable[[float], Changes]]:
-    """Without wear there are no jumps."""
+    """Changes of tables that refine a line contact: mesh and increments; with wear the jumps' tolerance, too."""
     tolerance, mesh = line_plan(study, fidelity).jump_tolerance, study.mesh
     finer: dict[Resolution, Callable[[float], Changes]] = {
         MESH: lambda factor: {"mesh": {"mesh_refinement": factor * mesh.mesh_refinement}},
@@ -242,7 +253,8 @@ def converge(
     jobs: int = 1,
     engine: Engine | None = None,
 ) -> list[Converged]:
-    """Run the study and its refinements, each in a folder of OUTPUT, and extrapolate; runs that are complete stay.
+    """Run the study and its refinements, each in a folder of `output`, and extrapolate; complete runs there are read.
+
     Raises StudyError if the study has variants of its own, and whatever `run_study` raises.
     """
     results = run_study(
@@ -264,7 +276,7 @@ def converge(
 def _extrapolated(
     figures: Sequence[Figure], resolutions: Sequence[Resolution], results: Mapping[str, Any]
 ) -> list[Converged]:
-    """Every figure of the base run, those of its refinements, and where they tend to."""
+    """Every figure of the base run, with its values in the refined runs and its limits."""
     rows = []
     for figure in figures:
         values = {name: figure.of(result) for name, result in results.items()}
@@ -281,7 +293,7 @@ def _extrapolated(
 
 
 def convergence_table(rows: Sequence[Converged]) -> Table:
-    """Each figure with its change by every refinement, and the limit with its error."""
+    """A table for the terminal of each figure, its changes by every refinement, and the limit with its error."""
     shown = Table(box=box.SIMPLE, pad_edge=False, title="The last cycle's figures and where they tend to")
     shown.add_column("figure")
     shown.add_column("value", justify="right", no_wrap=True)
@@ -308,7 +320,9 @@ def _percent(part: float, whole: float, sign: str = "+") -> str:
 
 
 def write_convergence(folder: Path, rows: Sequence[Converged]) -> Path:
-    """Write convergence.csv: values of all runs, the limit, order and error of each resolution and of all together.
+    """Write convergence.csv: values of all runs, limit, order and error by each resolution, and the limit by all
+    together.
+
     Raises ResultError if the file cannot be written.
     """
     path = folder / CSV_FILE_NAME

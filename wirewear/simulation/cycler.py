@@ -1,4 +1,6 @@
-"""Fretting cycles of a contact that ages: pressed, moved, worn, measured."""
+"""Fretting cycles of a contact during a test: pressed, moved, worn and measured, with effects that depend on
+its age.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -16,10 +18,10 @@ from wirewear.test.tables import Stop
 Watch = Callable[[solvers.ContactState, float], None]
 
 _Cycle = tuple[solvers.ContactState, solvers.CycleTrace]
-#: A loop, of which problem and motion, and the states before and after it.
+#: A loop with its problem and motion, and the states before and after it.
 _Loop = tuple[solvers.ContactProblem, "Motion", tuple[solvers.ContactState, ...], solvers.CycleTrace]
 
-Reported = Callable[[solvers.ContactState, solvers.IncrementReport], None]  #: Of an increment.
+Reported = Callable[[solvers.ContactState, solvers.IncrementReport], None]  #: Called after every increment.
 
 #: Tries a jump: from the state after so many cycles over some more, to the state then and the pressures' change.
 Attempt = Callable[[solvers.ContactState, float, float], tuple[solvers.ContactState, float]]
@@ -27,60 +29,63 @@ Attempt = Callable[[solvers.ContactState, float, float], tuple[solvers.ContactSt
 
 @dataclass(frozen=True)
 class Motion:
-    """How a contact is moved, and how it ages."""
+    """The motion of a contact in a block of cycles, and how the contact changes with its age."""
 
     drive: solvers.Drive
-    increments: int  #: Of a measured cycle; the longest where it follows the force.
-    wear_increments: int  #: Of a cycle that only wears.
-    follows_force: bool  #: Whether a measured cycle has more of them where its force bends.
+    increments: int  #: Increments of a measured cycle; at least so many where they follow the force.
+    wear_increments: int  #: Increments of a cycle that only wears.
+    follows_force: bool  #: True if a measured cycle has more increments where its force bends.
     fresh: Callable[[solvers.ContactProblem], solvers.ContactState]  #: The state of bodies that just touch.
-    #: A problem as effects have made it at an age of the test.
+    #: A problem with its effects at an age of the test.
     aged: Callable[[solvers.ContactProblem, Age], solvers.ContactProblem]
     #: The problem of these bodies under the load, on the rig and with the laws of these cycles.
     under: Callable[[solvers.ContactProblem], solvers.ContactProblem]
-    held: HeldFigure | None = None  #: What the drive holds by its amplitude, where that is not its own.
+    held: HeldFigure | None = None  #: The figure that the drive holds; None if it holds its amplitude.
 
 
 @dataclass(frozen=True)
 class FrettingTest:
-    """A test as a run goes through it, be it of crossed wires or of a line contact."""
+    """A test as a run goes through it, for any kind of contact."""
 
-    motions: tuple[tuple[float, Motion], ...]  #: Each with the cycle up to which it lasts; several in a test by blocks.
+    motions: tuple[tuple[float, Motion], ...]  #: Motions, one per block, each after the cycle up to which it lasts.
     meshes: Meshes
     milestones: tuple[float, ...]  #: Cycles at which the loop is measured; the last is the test's end.
     jump_tolerance: float  #: Allowed relative error of a cycle jump.
     explicit_jump_cycles: float | None = None  #: Size of jumps without error control.
-    stop: Stop | None = None  #: What ends the test before.
+    stop: Stop | None = None  #: Conditions that end the test before its last cycle.
 
     @property
     def cycles(self) -> float:
-        """Length of the test."""
+        """Number of cycles of the test."""
         return self.milestones[-1]
 
     @cached_property
     def stops(self) -> tuple[float, ...]:
-        """Cycles that no jump passes over: milestones, and where the motion changes."""
+        """Cycles that no jump passes over: milestones, and ends of motions, increasing."""
         return tuple(sorted({*self.milestones, *(end for end, _ in self.motions)}))
 
     def motion_at(self, done: float) -> Motion:
-        """The motion of the latest of so many cycles."""
+        """The motion of cycle number `done`."""
         return next((motion for end, motion in self.motions if done <= end), self.motions[-1][1])
 
     def motion_after(self, done: float) -> Motion:
-        """The motion of the cycles that follow so many."""
+        """The motion of the cycle that follows cycle number `done`."""
         return next((motion for end, motion in self.motions if done < end), self.motions[-1][1])
 
 
 @dataclass(frozen=True)
 class _Traced:
-    """A cycle traced with the wear frozen, of a problem without and with its age, from `start`, near a state."""
+    """A cycle traced without wear, and the problem (without effects of age) and state that it was traced for.
+
+    start: the state at its beginning, which may differ from `state` by the amplitude that holds a figure.
+    """
 
     problem: solvers.ContactProblem
     state: solvers.ContactState
     symmetry: solvers.Symmetry
     start: solvers.ContactState
     trace: solvers.CycleTrace
-    reports: list[solvers.IncrementReport]  #: Of all increments that took.
+    reports: list[solvers.IncrementReport]  #: Reports of all increments that it took.
 
     @property
     def work_mJ(self) -> float:
@@ -89,15 +94,16 @@ class _Traced:
 
 
 class Cycler:
-    """Moves a contact, as it is at its age; counts what it does, and guesses each cycle from the one before.
+    """Moves a contact with its effects at the current age, counts increments, and takes first guesses from the cycle
+    before.
 
-    Problems are given without the effects of age, which are put in here.  guide: first guesses for the next cycle.
-    now: cycles done before the jump under way.  friction_work_mJ: of a cycle as the latest jump left the surfaces.
-    sticks: whether the middle stuck throughout the latest cycle, None before any under this motion.
+    Problems are passed without the effects of age, which are added here.  guide: first guesses for the next cycle.
+    now: cycles done before the current jump.  friction_work_mJ: of the cycle after the latest jump.  sticks: True if
+    the middle stuck throughout the latest cycle; None before the first under the current motion.
     """
 
     def __init__(self, motion: Motion, tally: Tally, watch: Watch) -> None:
-        """Without a first guess, before the first cycle."""
+        """A cycler before the first cycle, without a first guess."""
         self._latest: _Traced | None = None
         self._quarter: solvers.CycleTrace | None = None
         self._loop: _Loop | None = None
@@ -110,7 +116,7 @@ class Cycler:
     def entered(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, motion: Motion, done: float
     ) -> tuple[solvers.ContactProblem, solvers.ContactState]:
-        """The problem under another motion, and the state at the same end of its stroke."""
+        """The problem under another motion, and the state moved to the same end of the new stroke."""
         self.motion, self.guide, self.sticks = motion, None, None
         problem = motion.under(problem)
         drive = motion.drive if motion.held is None else replace(motion.drive, amplitude_mm=motion.held.first_mm)
@@ -119,10 +125,10 @@ class Cycler:
     def _turned(
         self, current: solvers.ContactProblem, state: solvers.ContactState, drive: solvers.Drive, watch: Reported
     ) -> solvers.ContactState:
-        """The state at the same end of another drive's stroke.
+        """The state moved to the same end of another drive's stroke.
 
-        A contact that slid remembers, on a soft rig, the force that it slid with: where what the drive holds asks for a
-        shorter stroke, the bodies are pressed again.
+        A contact that slid keeps, on a soft rig, the force that it slid with: if what the drive holds needs a shorter
+        stroke, the bodies are pressed again instead.
         """
         if self.motion.held is not None and drive.amplitude_mm < abs(state.drive):
             return solvers.restarted(current, state, drive, self.motion.wear_increments, watch)
@@ -134,7 +140,7 @@ class Cycler:
         return state
 
     def _drive(self, state: solvers.ContactState) -> solvers.Drive:
-        """The motion's drive; where a figure is held, with the amplitude that it takes now."""
+        """The motion's drive; if it holds a figure, with the amplitude at which the state is."""
         motion = self.motion
         if motion.held is None:
             return motion.drive
@@ -149,8 +155,10 @@ class Cycler:
         watch: Reported,
         probe: Probe | None = None,
     ) -> tuple[solvers.ContactState, solvers.CycleTrace, solvers.Guide | None]:
-        """A cycle from a state on, with the amplitude at which the drive holds what it is to hold, and the first guess
-        that it was simulated with. As it is, where the drive holds its amplitude.
+        """A cycle from a state, with the amplitude at which the drive holds its figure, and the guide that it was
+        simulated with.
+
+        cycle: simulates one from a state, a drive and a guide. Without a held figure the drive is used as it is.
         """
         guide = self.guide
         search = None if self.motion.held is None else AmplitudeSearch(self.motion.held)
@@ -165,18 +173,18 @@ class Cycler:
     def aged(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, cycles: float
     ) -> solvers.ContactProblem:
-        """The problem as it is at that cycle and after the friction energy accumulated so far."""
+        """The problem with its effects at a cycle and at the friction energy of the state."""
         return self.motion.aged(problem, Age(cycles, 1e-3 * state.wear.energy_mJ))
 
     def pressed(self, problem: solvers.ContactProblem) -> tuple[solvers.ContactState, solvers.IncrementReport]:
-        """Fresh bodies under the normal load, at mid-stroke."""
+        """Press fresh bodies together under the normal load at mid-stroke; return the state and the report."""
         state = replace(self.motion.fresh(problem), bulk=self.motion.drive.mean_bulk)
         state, report = solvers.press(self.aged(problem, state, 0.0), state)
         self.tally.counters.count(report)
         return state, report
 
     def moved_out(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> solvers.ContactState:
-        """From mid-stroke to +amplitude, without wear."""
+        """The state moved from mid-stroke to +amplitude, without wear."""
         fresh, motion = self.aged(problem, state, 0.0), self.motion
         drive = self._drive(state)
         if motion.held is not None and motion.held.of_state is not None:
@@ -192,13 +200,16 @@ class Cycler:
     def worn(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, before: float, cycles: float
     ) -> solvers.ContactState:
-        """The state after one cycle that wears as `cycles` cycles after `before`."""
+        """The state after one simulated cycle whose wear counts `cycles` times, after `before` cycles."""
         return self.cycled(problem, state, before, cycles)[0]
 
     def cycled(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, before: float, cycles: float
     ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
-        """One cycle that wears as `cycles` cycles after `before` (0: frozen), at the age in their middle."""
+        """State and trace of one simulated cycle whose wear counts `cycles` times (0: none), after `before` cycles.
+
+        Effects are those at the middle of these cycles.
+        """
         current, motion = self.aged(problem, state, before + 0.5 * cycles), self.motion
         increments = motion.drive.followed_by(motion.wear_increments)
         state, trace = solvers.run_cycle(current, state, motion.drive, increments, cycles, self._watch, self.guide)
@@ -206,7 +217,7 @@ class Cycler:
         return state, trace
 
     def wearing(self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float) -> Attempt:
-        """Jumps from the state after `done` cycles: a cycle traced with the wear frozen, then any number of cycles."""
+        """A function that tries jumps from the state after `done` cycles; a cycle is traced without wear first."""
         traced, unused = self._traced(problem, state, done), list[_Traced]()
         # A cycle that judges a jump, or leads to a loop, is that from which the next one starts: counted here, a run
         # that is resumed between both, and traces it again, counts as one that is not.
@@ -267,7 +278,7 @@ class Cycler:
     def measured(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float
     ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
-        """A closed loop with the wear frozen."""
+        """State and trace of a closed loop without wear."""
         current, motion = self.aged(problem, state, done), self.motion
         if self._loop is not None and problem.unchanging and state.core.any():
             known, of, ends, loop = self._loop
@@ -303,14 +314,16 @@ class Cycler:
         return after, trace
 
     def goes_on_from(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> bool:
-        """Whether the next jump starts from this state, whatever is measured of it: its cycle is traced already."""
+        """True if the cycle from which the next jump starts has already been traced from this state."""
         known = self._latest
         return known is not None and known.state is state and known.problem is problem
 
     def remeshed(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, onto: solvers.ContactProblem, done: float
     ) -> solvers.ContactState:
-        """The state on the meshes of another problem, settled there by half a cycle with the wear frozen."""
+        """The state transferred to the meshes of the problem `onto`, and moved half a cycle without wear to settle
+        there.
+        """
         before, after = (self.aged(either, state, done) for either in (problem, onto))
         state, report = solvers.remeshed(before, state, after)
         self.tally.counters.count(report)
@@ -321,8 +334,10 @@ class Cycler:
     def pressed_again(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, onto: solvers.ContactProblem, done: float
     ) -> solvers.ContactState:
-        """The worn bodies on the meshes of another problem, pressed together at mid-stroke and moved to its end: what
-        sticks remembers where it was pressed.
+        """The worn bodies on the meshes of the problem `onto`, pressed together at mid-stroke and moved to the stroke's
+        end.
+
+        For contacts with a core, which remembers where it was pressed.
         """
         patches = [(each.primary.patch, each.secondary.patch) for each in (problem, onto)]
         wear, bulk = solvers.transferred_wear(state.wear, *patches), self.motion.drive.mean_bulk

@@ -1,7 +1,8 @@
 """One run from its first cycle to its last: cycle jumps, loops at the milestones, meshes that follow the scar.
 
-The same for crossed wires and line contacts. What is cycled is a `FrettingTest`, what is recorded of it a `Recorded`,
-where that is kept a `RunStore`; how a jump is taken is a `WearStepper`.
+It is the same for all kinds of contact. A `FrettingTest` is the test, a `Recorded` what is recorded of it, a `RunStore`
+where that is kept, and a `WearStepper` takes the jumps. Milestones are the cycles at which a loop is measured; a stop
+is a value of a figure, such as the depth, that ends the test.
 """
 
 import time
@@ -21,7 +22,7 @@ from wirewear.simulation.recorded import Recorded
 from wirewear.simulation.store import Checkpoint, MeshHistory, RunStore
 from wirewear.test.tables import Stop
 
-#: The course of a figure is taken from where the test had done its cycles over this, and that before from there.
+#: The latest exponent of a figure is taken over the cycles since their number was less by this factor.
 _BACK = 2.0
 
 FIGURES: Mapping[str, Callable[[ContactState], float]] = {
@@ -35,25 +36,27 @@ FIGURES: Mapping[str, Callable[[ContactState], float]] = {
 
 @dataclass
 class Ending:
-    """The stops of a test, and the course of their figures so far as (cycles, figure)."""
+    """The stops of a test, and its figures so far as lists of (cycles, figure)."""
 
     stops: Mapping[str, float]
     course: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, stated: Stop | None) -> "Ending":
-        """Those that a study states."""
+        """The stops that a study states."""
         given = {} if stated is None else {key: getattr(stated, key) for key in FIGURES}
         return cls({key: float(target) for key, target in given.items() if target is not None})
 
     def reached(self, state: ContactState) -> str | None:
-        """The stop that a state is at or beyond, that beyond which it is farthest; None where there is none."""
+        """Name of the stop that a state has reached, or of the one exceeded by the largest ratio; None if none is
+        reached.
+        """
         shares = {key: FIGURES[key](state) / target for key, target in self.stops.items()}
         passed = {key: share for key, share in shares.items() if share >= 1.0}
         return max(passed, key=lambda key: passed[key], default=None)
 
     def shorter(self, before: ContactState, after: ContactState, jump: float) -> float | None:
-        """The whole cycles after which a jump meets its stop, None where it meets it or passes none."""
+        """The whole number of cycles after which a jump meets its stop; None if it passes none or ends near it."""
         key = self.reached(after)
         if key is None:
             return None
@@ -63,12 +66,14 @@ class Ending:
         return size if end > (1.0 + 1e-3) * target and size < jump else None
 
     def follow(self, state: ContactState, done: float) -> None:
-        """Take in the state after so many cycles."""
+        """Add the figures of the state after `done` cycles."""
         for key in self.stops:
             self.course.setdefault(key, []).append((done, FIGURES[key](state)))
 
     def expected_end(self) -> str:
-        """When the first stop will be met, with an interval, as the rest of a sentence; empty if it cannot be said."""
+        """The rest of a sentence on when the first stop will be met, with an interval; empty if this cannot be
+        predicted.
+        """
         found = {key: ends for key in self.stops if (ends := self._ends(key)) is not None}
         if not found:
             return ""
@@ -77,8 +82,10 @@ class Ending:
         return f"; {key} = {self.stops[key]:g} is expected after {best} cycles ({low} to {high})"
 
     def _ends(self, key: str) -> tuple[float, float, float] | None:
-        """Cycles at which a figure meets its stop if it goes on by its latest power of the cycles, and the ends of an
-        interval: by the power before that one, and by one that has changed on the way as those did and more.
+        """Cycles at which a figure is expected to meet its stop, and both ends of an interval; None if not predictable.
+
+        The figure is taken to grow with the latest power of the cycles; the interval is by the power before and by one
+        that has changed further.
         """
         course = [(done, figure) for done, figure in self.course.get(key, ()) if done >= 1.0 and figure > 0.0]
         if not course:
@@ -105,11 +112,12 @@ def _slope(before: tuple[float, float], after: tuple[float, float]) -> float:
 class WearStepper:
     """Takes cycle jumps.
 
-    first_jump: the size to try first, cycles.
-    step: one accepted jump of a problem from the state after so many cycles, of about so many more, not beyond the next
-    milestone nor the end; the problem is on the meshes of now, without the effects of age.  Raises PatchLeftError if
-    the contact left a patch: the run goes on with larger meshes, from the state given; SolverError if no jump could be
-    taken.
+    first_jump: the size in cycles to try first.
+
+    step: takes one accepted jump; its arguments are the problem (on the current meshes, without effects of age), the
+    state, the cycles done, the size to try, the milestones and the test's end, neither of which is passed over. Raises
+    PatchLeftError if the contact left a patch: the run goes on with larger meshes from the same state. Raises
+    SolverError if no jump could be taken.
     """
 
     first_jump: float
@@ -117,7 +125,7 @@ class WearStepper:
 
 
 def wear_stepper(test: FrettingTest, cycler: Cycler, problem: ContactProblem) -> WearStepper:
-    """How a test's contact wears: not at all, in jumps of a given size, or with the error of each jump controlled."""
+    """The stepper of a test: no wear at all, jumps of a given size, or jumps whose error is controlled."""
     size = test.explicit_jump_cycles
     if not problem.unchanging and size is None:
         return whole_cycles(cycler, JumpController(test.jump_tolerance))
@@ -135,7 +143,7 @@ def wear_stepper(test: FrettingTest, cycler: Cycler, problem: ContactProblem) ->
 
 
 def whole_cycles(cycler: Cycler, controller: JumpController) -> WearStepper:
-    """Jumps in which all positions of a cycle wear the surface at the jump's end together; see `solvers.wear_step`."""
+    """A stepper of jumps in which all positions of a cycle wear the surface together; see `solvers.wear_step`."""
 
     def step(
         own: ContactProblem, state: ContactState, done: float, wanted: float, milestones: tuple[float, ...], end: float
@@ -148,15 +156,16 @@ def whole_cycles(cycler: Cycler, controller: JumpController) -> WearStepper:
 def cycle_through(
     test: FrettingTest, record: Recorded, store: RunStore, observer: Observer, *, resume: bool = False
 ) -> RunResult:
-    """Simulate a test, from its last checkpoint on where it is to be resumed and has one.
-    Raises RunError if the store holds another run's checkpoint. Raises ResultError if the checkpoint is damaged. Raises
+    """Simulate a test; with `resume` from its last checkpoint, if it has one.
+
+    Raises RunError if the store holds another run's checkpoint, ResultError if the checkpoint is damaged, and
     SolverError if the contact did not converge, or left the fine patch; everything up to there is stored.
     """
     return _Run(test, record, store, observer).go(resume=resume)
 
 
 class _OtherMeshesError(Exception):
-    """The contact sticks in its middle, or no longer does, and is to have the meshes for that."""
+    """The contact has begun to stick in its middle, or to slide as a whole, and needs the meshes for that."""
 
     def __init__(self, history: MeshHistory) -> None:
         super().__init__()
@@ -164,7 +173,7 @@ class _OtherMeshesError(Exception):
 
 
 class _Run:
-    """A run under way. Everything that is recorded is stored before the next cycle jump begins."""
+    """A run in progress. Everything that is recorded is stored before the next cycle jump begins."""
 
     def __init__(self, test: FrettingTest, record: Recorded, store: RunStore, observer: Observer) -> None:
         self.test, self.record, self.store, self.observer = test, record, store, observer
@@ -198,7 +207,7 @@ class _Run:
         return result
 
     def _restored(self) -> Checkpoint | None:
-        """The last checkpoint, if there is one, with everything as it was then."""
+        """The last checkpoint, with record, meshes and counters restored as they were then; None if there is none."""
         interrupted = self.store.interrupted()
         if interrupted is None:
             return None
@@ -209,7 +218,7 @@ class _Run:
         return checkpoint
 
     def _started(self, problem: ContactProblem) -> tuple[ContactProblem, ContactState]:
-        """The problem and the state after the first cycle, which wears as any other, on the first meshes that hold it.
+        """The problem and the state after the first cycle, with its wear, on the first meshes that hold the contact.
 
         Soft layers between the bodies let them touch far beyond the contact for which the first meshes are made.
         """
@@ -236,11 +245,11 @@ class _Run:
             problem = self._problem()
 
     def _problem(self) -> ContactProblem:
-        """On the meshes and under the conditions of now."""
+        """The contact problem on the current meshes and under the current motion."""
         return self.cycler.motion.under(self.meshes.problem(self.history, self.observer.stage))
 
     def _cycle_on(self, problem: ContactProblem, state: ContactState, done: float, jump: float | None) -> str:
-        """Go on to the test's end, or to where it stops; what it came to, as a sentence."""
+        """Simulate up to the test's end or a stop; return a sentence on how it ended."""
         stepper = wear_stepper(self.test, self.cycler, problem)
         wanted = stepper.first_jump if jump is None else jump
         end = self.test.cycles
@@ -293,7 +302,7 @@ class _Run:
     def _stepped(
         self, stepper: WearStepper, problem: ContactProblem, state: ContactState, done: float, wanted: float
     ) -> JumpStep[ContactState]:
-        """A jump that goes no farther than to where the test stops."""
+        """A jump that does not go beyond the test's stop."""
         step = stepper.step(problem, state, done, wanted, self.test.stops, self.test.cycles)
         while (size := self.ending.shorter(state, step.state, step.jump)) is not None:
             step = stepper.step(problem, state, done, size, (done + size,), self.test.cycles)
@@ -302,7 +311,9 @@ class _Run:
     def _on_due_meshes(
         self, problem: ContactProblem, state: ContactState, done: float
     ) -> tuple[ContactProblem, ContactState]:
-        """The problem and state on new meshes where the scar has outgrown the old, with nodes moved where due."""
+        """Problem and state on larger meshes if the scar has outgrown the present ones, and with nodes moved
+        where due.
+        """
         while (larger := self.meshes.outgrown(self.history, state, done)) is not None:
             problem, state = self._on_meshes(larger, problem, state, done)
         self.history, problem = self.meshes.moved_nodes(self.history, problem, state, done, self.observer.stage)
@@ -311,7 +322,7 @@ class _Run:
     def _at_milestone(
         self, problem: ContactProblem, state: ContactState, done: float, jump: float
     ) -> tuple[ContactProblem, ContactState]:
-        """The state after the loop has been measured, on larger meshes where it leaves those of now."""
+        """Problem and state after measuring the loop, on larger or other meshes if the loop needs them."""
         while True:
             try:
                 return problem, self._measured(problem, state, done, jump)
@@ -326,7 +337,7 @@ class _Run:
     def _entered(
         self, motion: Motion, problem: ContactProblem, state: ContactState, done: float
     ) -> tuple[ContactProblem, ContactState]:
-        """Problem and state under another motion, on larger meshes where its stroke leaves those of now."""
+        """Problem and state under another motion, on larger meshes if its stroke needs them."""
         try:
             return self.cycler.entered(problem, state, motion, done)
         except PatchLeftError:
@@ -336,7 +347,9 @@ class _Run:
             return self._on_meshes(larger, problem, state, done)
 
     def _fitting(self, state: ContactState, done: float) -> MeshHistory | None:
-        """The meshes for the regime of the latest cycle, None where the contact has them; looked for once at a time."""
+        """The meshes for the latest cycle, sticking or sliding; None if the contact has them. Sought once per number of
+        cycles.
+        """
         if self.cycler.sticks is None or self._fitted == done:
             return None
         since = max((end for end, _ in self.test.motions if end < done), default=0.0)
@@ -354,7 +367,7 @@ class _Run:
         return onto, self.cycler.remeshed(problem, state, onto, done)
 
     def _measured(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
-        """Close a loop with the wear frozen, and record it; the state from which the run goes on."""
+        """Close a loop without wear and record it; return the state from which the run goes on."""
         after, trace = self.cycler.measured(problem, state, done)
         fitting = self._fitting(after, done)
         if fitting is not None:

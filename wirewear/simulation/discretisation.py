@@ -1,4 +1,6 @@
-"""From a study to the meshes and steps of a run: how far fine patches reach, and how fine they are."""
+"""Meshes and steps of a run of a contact at a point: extent of the fine patches, sizes of their elements,
+increments.
+"""
 
 from dataclasses import dataclass, replace
 from math import cos, hypot, pi, radians, sin
@@ -24,12 +26,12 @@ SCAR_MARGIN = 1.2
 _FRESH_MARGIN = 2.4
 _FINE_MARGIN = 1.15
 
-# Beside the scar elements grow by this factor from one to the next, up to that multiple of those within.
+# Outside the scar elements grow by the first factor from one to the next, up to the second times those inside.
 _GROWTH_BESIDE = 1.3
 _LARGEST_BESIDE = 2.5
 _COARSENING_STEP = 1.05
 
-# Of a contact that sticks in its middle: by how much its patch is larger, without wear and with it, which widens it.
+# Extent of the patch over that of a contact that sticks in its middle, without wear and with it, which widens it.
 _STUCK_MARGIN, _WORN_MARGIN = 1.3, 1.6
 _EVENLY, _EVEN_MORE = 0.01, 1.25  #: Grading of lines that are spaced evenly, and how many more elements they need.
 
@@ -40,28 +42,28 @@ class Discretisation:
 
     moving: BodyGeometry
     fixed: BodyGeometry
-    bodies: tuple[str, str]  #: What they are called.
+    bodies: tuple[str, str]  #: Names of the driven and the held body.
     increments_per_cycle: int
     increments_per_wear_cycle: int
     jump_tolerance: float
-    level: WireLevel  #: Of fidelity, refined as the study asks.
+    level: WireLevel  #: The level of fidelity, refined as the study asks.
     expected: ExpectedContact  #: The contact and the scar that the meshes are for.
     predicted_scar_half_width_mm: float
-    #: By how much elements are larger than the level asks for, to keep the patches to its number of unknowns.
+    #: Factor by which elements are larger than the level asks for, to keep to its number of unknowns.
     coarsening: float
 
     @property
     def hertz(self) -> PointContact:
-        """The fresh contact."""
+        """Hertz's contact of the unworn bodies."""
         return self.expected.hertz
 
     @property
     def unknowns(self) -> int:
-        """Displacements of both patches."""
+        """Number of displacement components of both patches."""
         return unknowns(self.moving) + unknowns(self.fixed)
 
     def settings(self) -> dict[str, Any]:
-        """What a result records of it."""
+        """The values that a result records of the discretisation."""
         return {
             "contact_mesh_um": 1e3 * self.fixed.transverse.fine_mm,
             "outer_mesh_um": 1e3 * self.fixed.transverse.outer_mm,
@@ -82,8 +84,9 @@ class Discretisation:
 
 
 def discretise(study: Study, fidelity: str, *, sticks: bool | None = None) -> Discretisation:
-    """Meshes and steps of a study at a level of fidelity; sticks: whether the contact sticks in its middle, None by the
-    drive.
+    """Meshes and steps of a study at a level of fidelity; sticks: True if the contact sticks in its middle, None to
+    find out.
+
     Raises StudyError if the fine patch would not fit on a body, or the contact would leave it during the stroke.
     """
     level, chosen = _level_of(study, fidelity), study.fidelity(fidelity)
@@ -140,14 +143,14 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None) -> Di
 
 
 def follows(study: Study, fidelity: str) -> bool:
-    """Whether meshes may follow the scar: the study gives no sizes of its own, and does not ask otherwise."""
+    """True if meshes may follow the scar: the study gives no sizes of its own, and does not ask otherwise."""
     chosen = study.fidelity(fidelity)
     given = (study.mesh.scar_half_width_um, chosen.contact_mesh_um, chosen.outer_mesh_um)
     return study.mesh.follow_scar and all(size is None for size in given)
 
 
 def _require_stable_update(study: Study, expected: ExpectedContact, element_mm: float, increments: int) -> None:
-    """Refuse explicit cycle jumps beyond the stability limit."""
+    """Raise StudyError for explicit cycle jumps beyond the stability limit."""
     wear = study.wear
     per_sliding = wear.volume_per_sliding_mm3_per_N_m(study.contact.friction) if wear else 0.0
     if wear is None or wear.explicit_jump_cycles is None or per_sliding == 0.0:
@@ -173,29 +176,29 @@ def _level_of(study: Study, fidelity: str) -> WireLevel:
 
 @dataclass(frozen=True)
 class ElementSizes:
-    """What patches have to resolve and to hold; lengths in mm."""
+    """The contact and the scar that patches have to resolve and to hold; lengths in mm."""
 
-    contact: Ellipse  #: The fresh one.
-    scar: Ellipse | None  #: Held by the patch, None without wear.
-    fresh: bool = True  #: Whether the contact is still about as small, which is then resolved where it goes.
-    widening: float = 1.0  #: Of the patch beyond its need.
+    contact: Ellipse  #: The fresh contact.
+    scar: Ellipse | None  #: The scar that the patch must hold; None without wear.
+    fresh: bool = True  #: True while the contact is about as small as fresh: it is resolved along its whole path.
+    widening: float = 1.0  #: Factor on the extent of the patch that is needed.
     contact_mm: float | None = None  #: Element size that the study gives across the contact's narrowest axis.
-    outer_mm: float | None = None  #: The largest that it gives.
+    outer_mm: float | None = None  #: Largest element size that the study gives.
     #: Whether the contact sticks in its middle; its patch then reaches beyond the rim by this factor alone.
     sticks: bool = False
     stuck_margin: float = _STUCK_MARGIN
 
 
 def unknowns(body: BodyGeometry) -> int:
-    """Displacements of a body's patch: the size of its condensed compliance."""
+    """Number of displacement components of a body's patch: the size of its condensed compliance."""
     return 3 * len(body.axial.lines()) * len(body.transverse.lines())
 
 
 def affordable_meshes(study: Study, sizes: ElementSizes, level: WireLevel) -> tuple[BodyGeometry, BodyGeometry, float]:
-    """Meshes of the driven and the held body, and by how much their elements are larger than the level asks for.
+    """Meshes of the driven and the held body, and the factor by which their elements are larger than the level asks
+    for.
 
-    ElementSizes that the study gives are kept whatever they cost.
-    Raises StudyError if a patch would not fit on its body.
+    Element sizes that the study gives are kept at any cost. Raises StudyError if a patch would not fit on its body.
     """
     coarsening = 1.0
     moving, fixed = geometries(study, sizes, level)
@@ -206,14 +209,16 @@ def affordable_meshes(study: Study, sizes: ElementSizes, level: WireLevel) -> tu
 
 
 def axes_of(study: Study) -> tuple[PatchAxes, PatchAxes]:
-    """Axes of the patches of the driven and the held body."""
+    """Axes of the patches of the driven and the held body, with the contact's travel along them."""
     stroke, (driven, held) = study.conditions.displacement_amplitude_um * 1e-3, study.bodies
     curvatures = _leading(driven), _leading(held)
     return patch_axes(stroke, radians(study.motion_angle_deg), curvatures, radians(study.crossing_angle_deg))
 
 
 def _leading(body: Body) -> tuple[float, float]:
-    """Curvatures by which a body leads the contact along; a pad keeps it under itself."""
+    """Curvatures by which a body moves the contact with it; a pad, which keeps the contact under itself, counts as
+    curved.
+    """
     return body.curvatures_per_mm if body.face is None else (1.0, 1.0)
 
 
@@ -226,7 +231,7 @@ def geometries(study: Study, sizes: ElementSizes, level: WireLevel) -> tuple[Bod
 
 
 def _with_equal_travel(*bodies: PatchAxes) -> tuple[PatchAxes, ...]:
-    """These axes with the largest travel on each, so that mesh lines are stretched to the patch's edge alike."""
+    """These axes with the largest travel on each, so that the mesh lines of both bodies are scaled alike."""
     travel = max(axis.travel_mm for body in bodies for axis in (body.axial, body.transverse))
     return tuple(
         PatchAxes(replace(body.axial, travel_mm=travel), replace(body.transverse, travel_mm=travel)) for body in bodies
@@ -234,17 +239,17 @@ def _with_equal_travel(*bodies: PatchAxes) -> tuple[PatchAxes, ...]:
 
 
 def needed_reach_mm(axis: PatchAxis, contact: Ellipse, scar: Ellipse | None) -> float:
-    """Half-extent along an axis that a patch must have besides the travel."""
+    """Half-extent along an axis that a patch must have in addition to the contact's travel."""
     reach = contact.reach(axis.angle_rad)
     fresh = _FRESH_MARGIN * reach
     return fresh if scar is None else max(fresh, SCAR_MARGIN * (scar.reach(axis.angle_rad) + 0.5 * reach))
 
 
 def _scar_element_mm(scar: Ellipse, motion_rad: float, axis_rad: float, level: WireLevel) -> float:
-    """Spacing along an axis that resolves a scar; both angles are from the driven body's axis.
+    """Element size in mm along an axis that resolves a scar; both angles are from the driven body's axis.
 
-    A bilinear interpolant is off by h² times the second derivative along each axis. That of the scar itself goes with
-    1 / chord²; the band of contact adds one along the motion, of which an oblique axis sees the squared cosine.
+    A bilinear interpolant errs by h² times the second derivative along each axis. That of the scar itself goes with 1 /
+    chord²; the band of contact adds one along the motion, of which an oblique axis sees the squared cosine.
     """
     scar_part = level.across_motion / scar.chord(axis_rad)
     band = max(level.along_motion**2 - level.across_motion**2, 0.0) ** 0.5 / scar.chord(motion_rad)
@@ -273,7 +278,7 @@ def _graded(
 
 
 def _graded_to_rim(contact: Ellipse, axis_rad: float, margin: float, level: WireLevel) -> RimGradedAxis:
-    """Mesh lines of a contact that sticks in its middle, fine at its rim where the ellipse lies along the axes."""
+    """Mesh lines for a contact that sticks in its middle, fine at its rim if the ellipse lies along the axes."""
     rim, chord = contact.reach(axis_rad), contact.chord(axis_rad)
     # Chord over reach of an ellipse along a patch's axis, below which lines cannot be fine at its rim.
     if chord < 0.95 * rim:

@@ -1,7 +1,7 @@
-"""What contact and scar of a study are expected to be, for meshes that hold them: worked out once for a run.
+"""The expected contact and scar of a study, for its meshes, and the pressure that its bodies bear at most.
 
-The largest pressure that bodies bear at all: beyond it they flow, which elastic bodies do not show. How well laws of
-pressure and of distance from the edge are integrated over a contact that few elements span.
+Also estimates of how well laws that depend on pressure or on the distance from the edge are integrated over a contact
+of few elements. The gap between unworn bodies is Ax² + By²; angles are from the driven body's axis.
 """
 
 from collections.abc import Sequence
@@ -34,43 +34,47 @@ _AGES = 200
 GapCurvatures = tuple[float, float, float]
 
 
-#: Hardness over yield strength, the mean pressure of full plasticity (Tabor, The Hardness of Metals (1951)), which no
-#: pressure exceeds anywhere by much.
+#: Hardness over yield strength, the mean pressure of full plasticity (Tabor, The Hardness of Metals (1951)), which
+#: local pressures hardly exceed.
 _FULLY_PLASTIC = 2.8
 
 
 @dataclass(frozen=True)
 class Ellipse:
-    """A contact or scar centred on the first contact; the angle is that of its major axis from the driven body's."""
+    """Outline of a contact or scar, centred on the first contact; the angle of its major axis is from the driven body's
+    axis.
+    """
 
     major_mm: float
     minor_mm: float
     angle_rad: float
 
     def reach(self, axis_rad: float) -> float:
-        """Largest distance from the centre along an axis at an angle to the driven body's: half the bounding box."""
+        """Largest distance in mm from the centre along an axis: half of the bounding box. The angle is from the driven
+        body's axis.
+        """
         c, s = cos(axis_rad - self.angle_rad), sin(axis_rad - self.angle_rad)
         return hypot(self.major_mm * c, self.minor_mm * s)
 
     def chord(self, axis_rad: float) -> float:
-        """Half the chord through the centre along such an axis: the length over which pressure varies along it.
+        """Half of the chord through the centre along an axis, in mm: the length over which pressure varies along it.
 
         A bilinear interpolant of spacing h along each axis errs by h² times the second derivative along that axis,
-        which for the pressure and the gap is proportional to 1 / chord²; the mixed derivative costs nothing.
+        which for pressure and gap is proportional to 1 / chord²; the mixed derivative costs nothing.
         """
         c, s = cos(axis_rad - self.angle_rad), sin(axis_rad - self.angle_rad)
         return 1.0 / hypot(c / self.major_mm, s / self.minor_mm)
 
     def enlarged(self, factor: float) -> "Ellipse":
-        """An ellipse of the same shape."""
+        """An ellipse with both semi-axes multiplied by `factor`."""
         return Ellipse(self.major_mm * factor, self.minor_mm * factor, self.angle_rad)
 
 
 @dataclass(frozen=True)
 class PatchAxis:
-    """One axis of a body's patch."""
+    """One axis of a body's patch, and how far the contact travels along it."""
 
-    angle_rad: float  #: From the driven body's axis.
+    angle_rad: float  #: Angle from the driven body's axis.
     travel_mm: float  #: How far the contact's centre moves along it to each side.
 
 
@@ -83,14 +87,14 @@ class PatchAxes:
 
 
 def fresh_ellipse(hertz: reference.PointContact) -> Ellipse:
-    """Contact of the unworn bodies."""
+    """Outline of Hertz's contact of the unworn bodies."""
     return Ellipse(hertz.major_semi_axis_mm, hertz.minor_semi_axis_mm, hertz.major_angle_rad)
 
 
 def scar_ellipse(volume_mm3: float, gap: GapCurvatures) -> Ellipse:
     """Outline of the scar of a worn volume (both bodies together): the gap Ax² + By² cut off by a plane.
 
-    The cap of depth d has the semi-axes sqrt(d/A), sqrt(d/B) and the volume pi d² / (2 sqrt(AB)); with wires of equal
+    The cap of depth d has the semi-axes sqrt(d/A), sqrt(d/B) and the volume pi d² / (2 sqrt(AB)); for wires of equal
     radius R crossed at right angles the scar's radius is (4 R V / pi)^(1/4).
     """
     small, large, angle = gap
@@ -99,7 +103,9 @@ def scar_ellipse(volume_mm3: float, gap: GapCurvatures) -> Ellipse:
 
 
 def scar_outline(volume_mm3: float, gap: GapCurvatures, face: Face | None) -> Ellipse:
-    """Outline of the scar of a worn volume, under a pad a circle. Raises StudyError if the pad is too small for it."""
+    """Outline of the scar of a worn volume; under a pad (`face`) a circle. Raises StudyError if the pad is too small
+    for it.
+    """
     if face is None:
         return scar_ellipse(volume_mm3, gap)
     radius = on_pad(lambda: reference.turned_scar(face, volume_mm3, half_width_of(face)))
@@ -115,9 +121,10 @@ def patch_axes(
     """Axes of the patches of the driven and the held body, with the contact's travel along them.
 
     stroke_mm: amplitude of the driven body.  direction_rad: of its motion, crossing_rad: of the held body's axis, both
-    from the driven body's axis. Bodies of curvatures K and L touch where their surfaces are parallel: displaced by d,
-    K (x - d) + L x = 0. So a wire that moves along itself moves the contact on itself only, no crossing of crowns moves
-    the contact across a wire, and under a ball the contact moves on the flat.
+    from the driven body's axis. curvatures_per_mm: of each body, along its axis and across.
+
+    Bodies of curvatures K and L touch where their surfaces are parallel: displaced by d, K (x - d) + L x = 0. So a wire
+    that moves along itself moves the contact on itself only, and under a ball the contact moves on the flat.
     """
     turn = np.array([[cos(crossing_rad), -sin(crossing_rad)], [sin(crossing_rad), cos(crossing_rad)]])
     own, other = np.diag(curvatures_per_mm[0]), turn @ np.diag(curvatures_per_mm[1]) @ turn.T
@@ -140,12 +147,12 @@ class WearFactors:
 
     @property
     def beyond_margin(self) -> float:
-        """Factor on the worn volume for which a mesh must have room, 1 where its margin will do."""
+        """Factor on the worn volume for which a mesh must have room; 1 if its margin suffices."""
         return max(self.mean / _MARGIN, 1.0)
 
 
 def wear_factors(effects: Sequence[Effect[Any]], friction: float, load_N: float, cycles: float) -> WearFactors:
-    """The factors of effects on a nominal friction, load and wear law."""
+    """The factors of effects on wear, relative to the nominal friction, load and wear law."""
     if not effects or friction * load_N == 0.0:
         return WearFactors(1.0, 1.0)
     nominal = ContactLaw(friction), Loading(load_N)
@@ -154,7 +161,7 @@ def wear_factors(effects: Sequence[Effect[Any]], friction: float, load_N: float,
 
 
 def _work(effects: Sequence[Effect[Any]], contact: ContactLaw, loading: Loading, age: Age) -> float:
-    """Friction force times the factor on the wear coefficient, N; by Archard's law likewise."""
+    """Friction force in N times the factor on the wear coefficient, at an age of the test."""
     friction = applied(effects, Seam.CONTACT, contact, age).friction
     load = applied(effects, Seam.LOADING, loading, age).normal_load_N
     return friction * load * applied(effects, Seam.WEAR, WearRates(1.0, 1.0), age).upper_mm3_per_mJ
@@ -162,17 +169,17 @@ def _work(effects: Sequence[Effect[Any]], contact: ContactLaw, loading: Loading,
 
 @dataclass(frozen=True)
 class ExpectedContact:
-    """Contact of the unworn bodies and scar of the worn ones."""
+    """The expected contact of the unworn bodies and scar of the worn ones."""
 
-    gap: GapCurvatures  #: Of the unworn bodies.
-    hertz: reference.PointContact  #: The fresh contact.
+    gap: GapCurvatures  #: Gap of the unworn bodies; under a pad that of the ball with as large a contact.
+    hertz: reference.PointContact  #: Hertz's contact of the unworn bodies.
     scar: Ellipse | None  #: Outline of the final scar in gross slip on a rigid rig, None without wear and flattening.
-    flattened_mm3: float  #: Volume of both bodies that an effect takes away before the first cycle.
-    wear_factors: WearFactors  #: Of the effects, over the test.
+    flattened_mm3: float  #: Volume of both bodies that an effect removes before the first cycle.
+    wear_factors: WearFactors  #: Factors of the effects on wear, over the test.
     sticks: bool = False  #: Whether the middle of the contact sticks for good.
-    face: Face | None = None  #: Of a pad, whose gap is that of the ball with as large a contact.
-    lacking_mm3: float = 0.0  #: That which both lack as they were measured before.
-    spread: float = 1.0  #: Lengths of the fresh contact of bodies that yield, over those of Hertz'.
+    face: Face | None = None  #: The face of a pad.
+    lacking_mm3: float = 0.0  #: Volume that both bodies lacked when they were measured before the test.
+    spread: float = 1.0  #: Size of the fresh contact of bodies that yield, over Hertz's.
 
     @property
     def fresh(self) -> Ellipse:
@@ -180,7 +187,9 @@ class ExpectedContact:
         return fresh_ellipse(self.hertz).enlarged(self.spread)
 
     def scar_half_width_mm(self, worn_volume_mm3: float) -> float:
-        """Largest half-width when both bodies together have lost a volume, never below the fresh contact's."""
+        """Largest half-width of the scar when both bodies together have lost this volume; at least the fresh
+        contact's.
+        """
         missing = worn_volume_mm3 + self.lacking_mm3
         if missing <= 0.0:
             return self.fresh.major_mm
@@ -188,7 +197,8 @@ class ExpectedContact:
 
 
 def expected_contact(study: Study, *, sticks: bool | None = None) -> ExpectedContact:
-    """What is expected of a study; sticks: whether the contact sticks in its middle, None by the drive.
+    """The expected contact and scar of a study; sticks: True if the contact sticks in its middle, None to find out.
+
     Raises StudyError if a pad is too small for its contact or scar.
     """
     driven, held = study.bodies
@@ -230,9 +240,10 @@ def _worn_volume(study: Study, factors: WearFactors) -> float:
 
 
 def borne_settings(study: AnyStudy[Any]) -> dict[str, float | str]:
-    """What a result records of the pressure that the softer body of a study bears, and what that goes by.
+    """The pressure that the softer body of a study bears at most, and in words what it is taken from, as results record
+    them.
 
-    By its yield stress, the strength that its table of life states, or else by its Young's modulus alone.
+    It is taken from the yield stress, the strength in the [life] table, or else from Young's modulus alone.
     """
     if yields := [own[0] for own in study.tables.yields.values() if own is not None]:
         # Largest pressures of full plasticity over mean ones.
@@ -258,7 +269,7 @@ def borne_settings(study: AnyStudy[Any]) -> dict[str, float | str]:
 
 @dataclass(frozen=True)
 class _SlidingCycle:
-    """A cycle in which a contact slides with the drive, for laws of wear; see `WornCycle`."""
+    """A cycle in which a contact slides with the drive, for wear laws; see `WornCycle`."""
 
     edge_distance_mm: Array
     pressure_MPa: float
@@ -268,8 +279,10 @@ class _SlidingCycle:
 
 
 def law_error(problem: ContactProblem, pressed: ContactState) -> float:
-    """Estimate of the relative error of friction and wear by the resolution of a pressed contact, from how well its
-    edge is known; NaN by Coulomb's law with a wear coefficient that is one for all places.
+    """Estimated relative error of friction and wear laws from the resolution of a pressed contact, whose edge is
+    uncertain.
+
+    NaN for Coulomb's law with a wear coefficient that is equal everywhere.
     """
     wear, friction = problem.wear, problem.law
     alike = type(wear.law) in (EnergyLaw, Archard) and wear.oxygen is None
@@ -282,7 +295,7 @@ def law_error(problem: ContactProblem, pressed: ContactState) -> float:
 
 
 def _factor_error(problem: ContactProblem, spread: SpreadPressure) -> float:
-    """By how much the mean factor on wear may be off, as the contact's edge stands farther out or farther in."""
+    """Relative error of the mean factor on wear if the contact's edge lies farther out or farther in."""
     weights, hertz = spread.pressure_MPa * spread.parts_mm2, problem.timing.frequency_Hz
     pressure, amplitude = float(weights.sum()) / spread.area_mm2, problem.timing.drive.amplitude_mm
     power = 4e-3 * problem.friction * pressure * amplitude * hertz

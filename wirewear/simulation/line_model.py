@@ -1,4 +1,6 @@
-"""From a study of a line contact to meshes, steps and the contact problem."""
+"""Meshes, steps and the contact problem of a line contact's study; lengths in mm, forces and energies per mm of
+length.
+"""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -48,18 +50,17 @@ _GROWTH = 1.05
 def fresh_contact(
     face: Face, load_N_per_mm: float, modulus_MPa: float, pad_half_width_mm: float
 ) -> reference.LineContact:
-    """The contact before any wear, with half-planes behind it.
-    Raises ValueError if the pad is too narrow to bear the load.
-    """
+    """The contact before any wear, between half-planes. Raises ValueError if the pad is too narrow to bear the load."""
     if isinstance(face, Cylinder):
         return reference.hertz_line(load_N_per_mm, face.radius_mm, modulus_MPa)
     return reference.even_line_contact(face, load_N_per_mm, modulus_MPa, pad_half_width_mm)
 
 
 def edge_reach(face: Face, load_N_per_mm: float, modulus_MPa: float, contact: reference.LineContact) -> float:
-    """Width beside its edge over which a contact's pressure changes quickly, mm.
+    """Width in mm at the contact's edge over which pressure changes quickly.
 
-    For a flat, how far the contact would reach beyond the flat, and inside it, were all the load on one rounded edge.
+    For a flat: how far the contact would reach beyond the flat, and inside it, if one rounded edge carried the whole
+    load.
     """
     if isinstance(face, RoundedFlat):
         return sqrt(4.0 * load_N_per_mm * face.edge_radius_mm / (pi * modulus_MPa))
@@ -67,7 +68,9 @@ def edge_reach(face: Face, load_N_per_mm: float, modulus_MPa: float, contact: re
 
 
 def farthest_contact(face: Face, reach_mm: float, tilt_rad: float, contact: reference.LineContact) -> float:
-    """How far to a side a pad touches that tilts by so much: around where its face is as steep, mm."""
+    """Distance in mm from the middle up to which a pad tilted by `tilt_rad` touches: where its face is as steep, plus
+    the contact.
+    """
     match face:
         case Cylinder(radius_mm=radius):
             return contact.half_width_mm + radius * tilt_rad
@@ -80,7 +83,8 @@ def farthest_contact(face: Face, reach_mm: float, tilt_rad: float, contact: refe
 
 
 def scar_half_width(face: Face, area_mm2: float, pad_half_width_mm: float) -> float:
-    """Half-width of the scar of both bodies together in gross slip, mm.
+    """Half-width in mm of the scar of both bodies together in gross slip.
+
     Raises ValueError if the pad is too narrow to hold it.
     """
     if area_mm2 <= 0.0:
@@ -91,7 +95,9 @@ def scar_half_width(face: Face, area_mm2: float, pad_half_width_mm: float) -> fl
 
 
 def middle_of(face: RoundedFlat, reach_mm: float, moved_mm: float = 0.0) -> float:
-    """Half-width of the part of a flat contact that lies away from both edges, even when it has moved so far, mm."""
+    """Half-width in mm of the part of a flat contact away from both edges, even when the contact has moved by
+    `moved_mm`.
+    """
     return max(face.half_width_mm - reach_mm - moved_mm, _LEAST_MIDDLE * face.half_width_mm)
 
 
@@ -103,11 +109,11 @@ class LinePlan:
     specimen: PlanarGeometry
     increments_per_cycle: int
     jump_tolerance: float
-    pressure_length_mm: float  #: Over which mean pressures are.
+    pressure_length_mm: float  #: Length over which mean pressures are taken.
     hertz: reference.LineContact  #: The fresh contact.
 
     def settings(self) -> dict[str, Any]:
-        """What a result records of it."""
+        """The values that a result records of the plan."""
         return {
             "contact_mesh_um": 1e3 * self.pad.along.fine_mm,
             "outer_mesh_um": 1e3 * float(np.diff(self.pad.along.half_lines()).max()),
@@ -126,15 +132,17 @@ def line_plan(study: LineStudy, fidelity: str) -> LinePlan:
     """Meshes and steps of a line contact, for all blocks of its programme.
 
     The patch holds the scar that gross slip on a rigid rig would wear, and the contact of a pad that tilts as far as
-    the stroke can tilt it, with a margin; on the specimen the stroke as well.
-    Raises StudyError if the patch does not fit on a body.
+    the stroke can tilt it, with a margin; on the specimen the stroke as well. Raises StudyError if the patch does not
+    fit on a body.
     """
     driven = study.of_length(1.0).driven
     return _planned(driven.envelope, fidelity, [_sticks(own.study) for own in driven.schedule.stretches])
 
 
 def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LinePlan:
-    """Plan of a millimetre of an envelope; sticking: whether the contact sticks in its middle, for each block."""
+    """The plan of one millimetre of an envelope study; sticking: for each block, True if the contact sticks in its
+    middle.
+    """
     level, mesh, conditions, stated = level_of(LINE_LEVELS, fidelity), study.mesh, study.conditions, study.pad.profile
     face = stated.even if isinstance(stated, TabledProfile) else stated
     load = conditions.drive.load.largest * conditions.normal_load_N
@@ -194,7 +202,7 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
 def placed_body(
     geometry: PlanarGeometry, material: Elastic, *, upper: bool, surface: StatedSurface | None = None
 ) -> PlacedBody:
-    """A body of that geometry and material in the contact, perhaps with a surface that was measured of it."""
+    """A body of this geometry and material, meshed, condensed and placed, with its measured surface if it has one."""
     meshed = build_planar(geometry)
     body = condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding)
     return place(measured(body, surface, 0.0, upper=upper), upper=upper, axis_angle_rad=0.0)
@@ -208,10 +216,9 @@ def bodies(study: LineStudy, meshes: LinePlan) -> tuple[PlacedBody, PlacedBody]:
 
 
 def bodies_stiffness_N_per_mm2(study: LineStudy) -> float:
-    """Stiffness of pad and specimen along the motion between where they are held, per length of the contact.
+    """Stiffness of pad and specimen along the motion, between where they are held, per length of the contact.
 
-    Both are sheared evenly over the width of the fresh contact.
-    Raises StudyError if the patch does not fit on a body.
+    Both are sheared evenly over the width of the fresh contact. Raises StudyError if the patch does not fit on a body.
     """
     meshes = _planned(study.of_length(1.0).driven.envelope, "quick", (False,))
     compliance = 0.0
@@ -223,12 +230,14 @@ def bodies_stiffness_N_per_mm2(study: LineStudy) -> float:
 
 
 def _sticks(study: LineStudy) -> bool:
-    """Whether a millimetre of a contact under the conditions of one block is expected to stick in its middle."""
+    """True if the contact of a study of one block is expected to stick in its middle."""
     return expected_to_stick(study, partial(_onset, study))
 
 
 def _onset(study: LineStudy, friction_N: float) -> SlidingOnset:
-    """A cylinder's, of half-planes but for how far the bodies move where they are held."""
+    """Force, motion, slip and energy at which a line contact just slides: of half-planes, and of the bodies for the
+    motion.
+    """
     own = study.pad.elastic, study.specimen.elastic
     spread = friction_N / pi * sum((1.0 - each.poissons_ratio) / each.shear_modulus_MPa for each in own)
     motion = 0.0
@@ -238,28 +247,26 @@ def _onset(study: LineStudy, friction_N: float) -> SlidingOnset:
 
 
 def limit_of_lines(study: LineStudy, hertz: reference.LineContact) -> PressureLimit | None:
-    """What the surfaces of a study of one millimetre, with that fresh contact, bear before they yield; None of elastic
-    ones.
-    """
+    """The pressure limit of a study of one millimetre, whose fresh contact is `hertz`; None for elastic bodies."""
     conditions = study.envelope.conditions
     load = conditions.drive.load.largest * conditions.normal_load_N
     return pressure_limit(study, load, hertz.peak_pressure_MPa, (hertz.half_width_mm, inf), power=2.0)
 
 
 def line_problem(study: LineStudy, pad: PlacedBody, specimen: PlacedBody) -> ContactProblem:
-    """The pad on its rig above the specimen."""
+    """The contact problem of the pad on its rig above the specimen."""
     return ContactProblem(upper=pad, lower=specimen, **laws_of(study))
 
 
 def _largest_tilt(rig: HolderTable, stroke_mm: float) -> float:
-    """Tilt of a pad that rotates with the whole stroke."""
+    """Tilt in rad of a pad that rotates with the whole stroke."""
     if rig.rotational_stiffness_N_mm_per_rad == "rigid" or rig.pivot_height_mm is None:
         return 0.0
     return stroke_mm / rig.pivot_height_mm
 
 
 def _predicted(study: LineStudy, face: Face, contact_mm: float, pad_half_mm: float) -> float:
-    """Half-width of the final scar in gross slip on a rigid rig, with a margin."""
+    """Half-width in mm of the patch for the final scar in gross slip on a rigid rig, with a margin."""
     conditions = study.conditions
     energy_mJ = (
         4e-3
@@ -280,14 +287,15 @@ def _predicted(study: LineStudy, face: Face, contact_mm: float, pad_half_mm: flo
 
 
 def _lacking(study: LineStudy) -> float:
-    """Area in mm² that both bodies lack as they were measured before the test."""
+    """Area in mm² that the sections of both bodies lacked when they were measured before the test."""
     surfaces = (study.pad.surface, study.specimen.surface)
     return sum(surface.area_mm2 for surface in surfaces if surface is not None)
 
 
 def _require_room(body: str, key: str, needed_mm: float, half_width_mm: float, remedy: str) -> None:
-    """See that a body is wide enough for a contact that needs so much to each side of its middle.
-    Raises StudyError if it is not; the message names the key and ends with the remedy.
+    """Raise StudyError if a body is too narrow for a contact that needs `needed_mm` to each side of its middle.
+
+    The message names the key and ends with the remedy.
     """
     if needed_mm >= half_width_mm:
         raise StudyError(
@@ -303,7 +311,9 @@ def needed_memory(meshes: LinePlan) -> float:
 
 
 def require_affordable_lines(name: str, meshes: LinePlan) -> None:
-    """See that the compliances of both bodies can be held. Raises StudyError if they take more memory than there is."""
+    """Raise StudyError if the compliances of both bodies take more memory than is free; name: the study's, for the
+    message.
+    """
     needed, free = needed_memory(meshes), free_memory()
     if needed > free:
         fits_um = 1e3 * meshes.pad.along.fine_mm * (needed / free) ** 0.5
@@ -315,7 +325,7 @@ def _nodes(meshes: LinePlan) -> int:
 
 
 def _fine_nodes(body: PlanarGeometry) -> int:
-    """Nodes in the fine zone of a body's contact; those beyond are fewer."""
+    """Number of nodes in the fine zone of a body's contact; those outside are fewer."""
     along = body.along
     if isinstance(along, EdgeGradedAxis):
         fine_mm = along.half_extent_mm - along.fine_from_mm

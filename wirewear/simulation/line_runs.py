@@ -1,4 +1,6 @@
-"""Runs of line contacts: the cycles and solvers are those of contacts at a point, in plane strain."""
+"""Runs of line contacts: planned and recorded for one millimetre, in plane strain; cycles and solvers are those of any
+run.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -34,20 +36,20 @@ class LineRunRecord(Recorded):
     contact_kind, bodies, length_mm = kinds.LINE_CONTACT, ("specimen", "pad"), 1.0
 
     def __init__(self, plan: "LineRun") -> None:
-        """Empty, before the run."""
+        """An empty record, before the run."""
         super().__init__(plan.study, plan.fidelity, plan.planned.pressure_length_mm)
         self.study, self._asked = plan.study, plan.planned.settings() | {"identity": str(plan.identity)}
 
     def restore(self, before: RunResult, done: float) -> None:
-        """Take over what the interrupted run had recorded, of a millimetre."""
+        """Take over what an interrupted run had recorded up to cycle `done`, converted to one millimetre."""
         super().restore(before.of_length(self.length_mm), done)
 
     def result(self, status: str, message: str, history: MeshHistory) -> RunResult:
-        """The result so far, of the study's length."""
+        """The result so far, for the study's length."""
         return super().result(status, message, history).of_length(self.study.contact.length_mm)
 
     def further_columns(self, loop: Loop, scars: tuple[Scar, Scar]) -> dict[str, float]:
-        """How far the pad tilts, and where scars end."""
+        """Further columns of the evolution's row: the pad's largest tilt, and the ends of both scars."""
         ends = {
             f"{side}_edge_{scar.body}_um": edge
             for scar in scars
@@ -56,7 +58,7 @@ class LineRunRecord(Recorded):
         return {"largest_tilt_deg": float(np.abs(loop.tilt_deg).max()), **ends}
 
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
-        """Profiles with the pressure at mid-stroke."""
+        """Profiles of specimen and pad, with the pressure at mid-stroke."""
         worn = worn_bodies(problem, trace)
         specimen, pad = (
             Scar(
@@ -78,15 +80,15 @@ class LineRunRecord(Recorded):
         return specimen, pad
 
     def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
-        """On specimen and pad."""
+        """Contact forces on specimen and pad."""
         return forces_on(problem, trace, cycle, self.study.log.contact_states, self.bodies)
 
     def tables(self) -> dict[str, Any]:
-        """The study as it is stated."""
+        """The resolved study, of its stated length."""
         return self.study.resolved()
 
     def settings(self, _history: MeshHistory) -> dict[str, Any]:
-        """What it was asked to do."""
+        """Settings of the plan, values of the fresh contact, and the number of simulated cycles."""
         return self._asked | self.tally.fresh | {"simulated_cycles": self.tally.counters.simulated_cycles}
 
 
@@ -103,7 +105,7 @@ class LineRun(PlannedRun):
 
     @classmethod
     def of(cls, study: LineStudy, fidelity: str) -> "LineRun":
-        """The plan of a study at a fidelity; StudyError where it cannot be meshed."""
+        """The plan of a study at a fidelity; StudyError if it cannot be meshed."""
         return cls(study, fidelity, line_plan(study, fidelity))
 
     @property
@@ -135,7 +137,7 @@ class LineRun(PlannedRun):
         return self.tested(motion, mesh, milestones, self.planned.jump_tolerance)
 
     def require_affordable(self) -> None:
-        """See that the compliances of both bodies can be held; StudyError if they take more memory than there is."""
+        """Raise StudyError if the compliances of both bodies take more memory than is free."""
         require_affordable_lines(self.study.name, self.planned)
 
     @property
@@ -144,4 +146,4 @@ class LineRun(PlannedRun):
         return needed_memory(self.planned)
 
     def prepare(self, stage: Callable[[str], None]) -> None:
-        """Nothing that runs share."""
+        """Do nothing: runs of line contacts share no meshes that could be made in advance."""

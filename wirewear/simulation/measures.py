@@ -1,4 +1,7 @@
-"""Figures of a simulated cycle: slip amplitude and energy, each by the loop and by what the contact itself did."""
+"""Slip amplitude and energy of a simulated cycle, each from the loop and from what the contact itself did.
+
+A trace may also be half a cycle, whose other half is its mirror image.
+"""
 
 from collections.abc import Callable
 from math import nan
@@ -10,7 +13,7 @@ from geometry.arrays import BoolArray
 from solvers import ContactState, CycleTrace
 from wirewear.loops.sensor import enclosed_area
 
-_PROBED = 1e-4  # Of the slip's range: how well the place of the mean force is sought.
+_PROBED = 1e-4  # Of the drive's range: accuracy to which the place of the mean force is sought.
 # Of a loop's energy where one ring of nodes slips, of which the edge consists of many or of few: the first on all
 # gradings alike, the second where the rims of nodes do not make up for each other, as of a line contact.
 _ONE_RING, _FEW_NODES = 0.12, 0.6
@@ -20,29 +23,32 @@ Probe = Callable[[ContactState, float], ContactState]
 
 
 def is_half(trace: CycleTrace) -> bool:
-    """Whether a trace is half a cycle, whose other half is its mirror image."""
+    """True if a trace is half a cycle."""
     falling = trace.phase <= 0.5
     return bool(falling.all() or not falling.any())
 
 
 def dissipated_energy_mJ(trace: CycleTrace) -> float:
-    """The area of a closed loop; without friction what is left of it is round-off to either side of 0."""
+    """Area of a closed loop, at least 0: without friction only round-off is left."""
     return max(enclosed_area(trace.drive, trace.tangential_force), 0.0)
 
 
 def friction_work_mJ(trace: CycleTrace) -> float:
-    """Friction work of a cycle, also by half of one; but for round-off and coarse increments the loop's area."""
+    """Friction work of a cycle, also from half of one; it equals the loop's area except for round-off and coarse
+    increments.
+    """
     return (2.0 if is_half(trace) else 1.0) * trace.friction_work
 
 
 def slid_amplitude_mm(trace: CycleTrace) -> float:
-    """A quarter of the way that the bodies slide in a cycle, as a mean over the load; also by half a cycle."""
+    """A quarter of the bodies' slip in a cycle, averaged with the load as weight; also from half a cycle."""
     return (0.5 if is_half(trace) else 0.25) * float(np.abs(trace.slips).sum())
 
 
 def slip_mismatch(trace: CycleTrace) -> float:
-    """Difference of both slip amplitudes over the contact's displacement; NaN where the bodies part, or do not come to
-    slide as a whole, so that these are not the same.
+    """Difference between the slip amplitudes by the loop and by the contact, over the contact's displacement amplitude.
+
+    NaN if the bodies part or do not slide as a whole in both directions, where the two are not equal.
     """
     slides, ways = _all_slide(trace), np.sign(trace.slips)
     apart = [state.drive - state.holder_x for state in (trace.start, *trace.states)]
@@ -52,11 +58,11 @@ def slip_mismatch(trace: CycleTrace) -> float:
 
 
 def unresolved_slip(patch: ContactPatch, trace: CycleTrace) -> float:
-    """Estimate of the relative error of a closed loop's energy by how few nodes of a patch, the primary's, slip around
-    a middle that sticks; 1 where none does, NaN where none sticks or nothing moves.
+    """Estimated relative error of a closed loop's energy because few nodes slip around a middle that sticks.
 
-    Whole nodes slip, one after another, so the contact gives way in steps. What they enclose is small against what they
-    store, by the square of the width of the annulus that slips, which counts in rings of nodes.
+    1 where none slips; NaN where none sticks or nothing moves. Whole nodes slip, one after another, so the contact
+    yields in steps. The energy they enclose is small compared to what they store, by the square of the width of the
+    slipping annulus in rings of nodes. patch: the primary's.
     """
     pressed, slips = trace.start.traction[:, 2] > 0.0, trace.slid[0] > 0.0
     if not (pressed & ~slips).any() or not np.ptp(trace.tangential_force) > 0.0:
@@ -69,14 +75,14 @@ def unresolved_slip(patch: ContactPatch, trace: CycleTrace) -> float:
 
 
 def slip_amplitude_mm(trace: CycleTrace, probe: Probe | None = None) -> float:
-    """Half the width at its mean force of a closed loop of force over the contact's own displacement, mm; also of half
-    a cycle.
+    """Slip amplitude in mm: half the width, at its mean force, of a closed loop of force over the contact's
+    displacement.
 
-    The contact's displacement is the drive's less the holder's: neither the rig's springs nor its play are in it, and
-    loads that change carry the rig as well. Where the bodies turn, the contact's strain is given back until the force
-    is met, or until all nodes slide: the slope of a worn scar may carry more than friction.
+    Also from half a cycle. The contact's displacement is the drive's less the holder's: the rig's springs and play are
+    not in it, even where changing loads move the rig. After a reversal the elastic strain is given back until the mean
+    force is met, or until all nodes slide: the slope of a worn scar may carry more than friction.
 
-    probe: finds where the force is met within an increment of a steady load; without it a line does.
+    probe: finds where the force is met within an increment under a steady load; without it, linear interpolation.
     """
     slips = trace.slips
     if not slips.any():
@@ -106,7 +112,7 @@ def slip_amplitude_mm(trace: CycleTrace, probe: Probe | None = None) -> float:
 
 
 def _all_slide(trace: CycleTrace) -> BoolArray:
-    """Whether all nodes under pressure slid over each increment (n,)."""
+    """True (n,) for increments over which all nodes under pressure slid."""
     return np.array(
         [
             bool((new.primary_slid > old.primary_slid)[new.traction[:, 2] > 0.0].all())
@@ -116,8 +122,8 @@ def _all_slide(trace: CycleTrace) -> BoolArray:
 
 
 def _probed(trace: CycleTrace, probe: Probe, increment: int, mean_N: float) -> float:
-    """The contact's displacement in mm where an increment meets the mean force; in the mirrored half of a cycle as in
-    the other.
+    """The contact's displacement in mm where an increment meets the mean force; increments of the mirrored half count
+    on.
     """
     from scipy.optimize import brentq
 

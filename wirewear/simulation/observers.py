@@ -1,4 +1,4 @@
-"""What watches a run: the interface, and the progress bar."""
+"""Observers of a run: the interface by which a run reports its progress, and the progress bar."""
 
 from dataclasses import dataclass
 from types import TracebackType
@@ -14,7 +14,10 @@ from wirewear.results import RunResult
 
 @dataclass(frozen=True)
 class Moment:
-    """Where a run is: cycles done of all, friction energy so far, deepest wear of either wire, seconds it took."""
+    """Progress of a run: cycles done and in all, friction energy, largest worn depth of either body, seconds elapsed.
+
+    fraction: share of the run that is done, by the logarithm of the cycles.
+    """
 
     cycle: float
     cycles: int
@@ -25,7 +28,7 @@ class Moment:
 
 
 def moment_of(state: ContactState, done: float, end: float, elapsed_s: float) -> Moment:
-    """Where a run of `end` cycles is."""
+    """The progress of a run of `end` cycles after `done` cycles."""
     deepest = max(float(state.wear.primary_depth.max()), float(state.wear.secondary_depth.max()))
     # Jumps grow with the cycles done, so the logarithm of the cycles is what passes evenly.
     fraction = float(np.log(max(done, 1.0)) / np.log(max(end, 1.0 + 1e-9)))
@@ -33,29 +36,29 @@ def moment_of(state: ContactState, done: float, end: float, elapsed_s: float) ->
 
 
 class Observer:
-    """Called by a run; must not change anything. This one takes note of nothing."""
+    """Called by a run; must not change anything. This one does nothing."""
 
     def stage(self, text: str) -> None:
-        """A part of the preparation begins."""
+        """A part of the preparation begins; `text` names it."""
 
     def moved(self, moment: Moment) -> None:
         """An increment is done."""
 
     def logged(self, result: RunResult) -> None:
-        """A loop has been measured and everything so far is on disk."""
+        """A loop has been measured, and everything so far is on disk."""
 
     def note(self, sentence: str) -> None:
-        """Something that the user of the run should know."""
+        """Tell the user of the run this sentence."""
 
 
 class ProgressBar(Observer):
-    """A bar on the terminal: cycles, energy, depth, time left. Use as a context manager.
+    """A bar on the terminal with cycles, energy, depth and time left; a context manager.
 
-    Off a terminal, where nothing can be drawn again, a line for each loop that is measured.
+    If the output is not a terminal, a line for each loop that is measured.
     """
 
     def __init__(self, label: str, console: Console | None = None) -> None:
-        """Prepare a bar with a label; it appears on standard error unless a console is given."""
+        """A bar with a label; it appears on standard error unless a console is given."""
         self._console = console or Console(stderr=True)
         self._progress = Progress(
             SpinnerColumn(),
@@ -95,13 +98,13 @@ class ProgressBar(Observer):
         )
 
     def logged(self, result: object) -> None:  # noqa: ARG002
-        """Off a terminal, say where the run is."""
+        """Print the progress, if the output is not a terminal."""
         if not self._console.is_interactive and self._state != self._said:
             self._said = self._state
             self.note(f"{self._label}: {self._state}")
 
     def note(self, sentence: str) -> None:
-        """Write the sentence above the bar."""
+        """Print the sentence above the bar."""
         self._console.print(f"wirewear: {sentence}", markup=False, highlight=False, soft_wrap=True)
 
     def _update(self, fraction: float, state: str) -> None:

@@ -1,4 +1,8 @@
-"""What one run is to do: resolution, meshes, cycles at which its loop is measured; whether memory and time allow it."""
+"""The plan of a run of a contact at a point: resolution, meshes, measured cycles, and the memory and jumps that it
+needs.
+
+A stage is a pair of meshes that serves while the scar grows from one half-width to another.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
@@ -49,7 +53,7 @@ _LEAST_GROWTH = 1.1
 _STICKING = -1  # The stage for a fresh contact that sticks in its middle.
 
 
-#: What `wirewear show` and `report` make of a run, relative to its folder; here, as drawing takes long to import.
+#: Files that `wirewear show` and `report` make in a run's folder; here, since importing the drawing takes long.
 PICTURES = (
     "report.html",
     *(
@@ -65,7 +69,7 @@ _COARSER = 1.1
 
 @dataclass(frozen=True)
 class MeshStage:
-    """Meshes of both bodies while the scar's largest half-width grows from one to the other, mm."""
+    """Meshes of both bodies while the scar's largest half-width grows from one value to another, in mm."""
 
     from_half_width_mm: float
     to_half_width_mm: float
@@ -74,11 +78,10 @@ class MeshStage:
 
 
 def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[MeshStage, ...]:
-    """Meshes from the fresh contact to the predicted scar, of equal growth in every stage.
+    """Stages from the fresh contact to the predicted scar, with equal growth in each.
 
-    One stage, on the plan's meshes, where nothing wears, where the scar stays as small as one stage serves, or where
-    the study gives sizes of its own or asks not to follow the scar.
-    Raises StudyError if a patch would not fit on its body.
+    A single one, on the plan's meshes, if nothing wears, if the scar stays small, or if the study gives sizes of its
+    own or asks not to follow the scar. Raises StudyError if a patch would not fit on its body.
     """
     fresh, scar = plan.expected.fresh, plan.expected.scar
     growth = 1.0 if scar is None else scar.major_mm / fresh.major_mm
@@ -90,9 +93,9 @@ def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[Mesh
 
 
 def spare_stages(study: Study, fidelity: str, plan: Discretisation, last: MeshStage) -> tuple[MeshStage, ...]:
-    """Meshes for contacts that leave the last planned ones, as over soft layers or at shifting loads, in case they do.
+    """Further stages, for contacts that leave the last planned one, as over soft layers or under changing loads.
 
-    As many as fit on the bodies; none where the study gives sizes of its own or asks not to follow the scar.
+    At most _MOST_SPARE that fit on the bodies; none if the study gives sizes of its own or asks not to follow the scar.
     """
     stages: list[MeshStage] = []
     width, growth = last.to_half_width_mm, _GROWTH_PER_STAGE
@@ -109,7 +112,7 @@ def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float, *,
     """Meshes for a scar whose largest half-width is `now_mm` and is to grow to `then_mm`.
 
     The patch holds the grown scar with the same margin as in a run on one mesh. The first stage resolves the fresh
-    contact where it goes, the others the grown scar up to its edges.
+    contact along its whole path, the others the grown scar up to its edges.
     """
     contact = plan.expected.fresh
     shape = plan.expected.scar or contact
@@ -119,7 +122,7 @@ def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float, *,
 
 
 def sticking_stage(study: Study, fidelity: str, plan: Discretisation) -> MeshStage | None:
-    """Meshes for what slips of the fresh contact where its middle sticks, None where the plan has them or none fit."""
+    """Meshes for a fresh contact that sticks in its middle; None if the plan already has them or they do not fit."""
     if plan.expected.sticks or not follows(study, fidelity):
         return None
     sticking = discretise(study, fidelity, sticks=True)
@@ -131,24 +134,24 @@ def sticking_stage(study: Study, fidelity: str, plan: Discretisation) -> MeshSta
 
 @dataclass(frozen=True)
 class PointMeshes(Meshes):
-    """The meshes that a study's run goes through, and when it takes the next."""
+    """The meshes that a run of a contact at a point goes through, and when it takes the next."""
 
     study: Study
     expected: ExpectedContact
-    stages: tuple[MeshStage, ...]  #: Planned, taken as the scar grows.
-    spare: tuple[MeshStage, ...] = ()  #: Taken one after another where the contact leaves those.
+    stages: tuple[MeshStage, ...]  #: Planned stages, taken as the scar grows.
+    spare: tuple[MeshStage, ...] = ()  #: Further stages, taken where the contact leaves the planned ones.
     sticking: MeshStage | None = None  #: Stage -1, taken while the contact is fresh and sticks in its middle.
-    begins_sticking: bool = False  #: Whether that is expected of the first cycles.
+    begins_sticking: bool = False  #: Whether the contact is expected to stick in its middle in the first cycles.
     #: Whether the nodes of every stage but the first are moved into the worn surface when it begins.
     move_nodes_at_stages: bool = False
 
     @property
     def every(self) -> tuple[MeshStage, ...]:
-        """All stages by their numbers."""
+        """All stages by their numbers; the one for sticking is last and thus has the number -1."""
         return (*self.stages, *self.spare, *(() if self.sticking is None else (self.sticking,)))
 
     def first(self) -> MeshHistory:
-        """The stage for bodies that have lost no more than what an effect flattens before the first cycle."""
+        """The history with the stage for the fresh contact, flattened if an effect says so."""
         if self.begins_sticking and self.sticking is not None:
             return MeshHistory(_STICKING)
         stage = 0
@@ -157,14 +160,14 @@ class PointMeshes(Meshes):
         return MeshHistory(stage)
 
     def problem(self, history: MeshHistory, report: Report) -> ContactProblem:
-        """The contact problem on a run's meshes."""
+        """The contact problem on the meshes of a history."""
         problem = contact_problem(self.study, self.every[history.stage], report)
         if history.moved is None:
             return problem
         return with_nodes_moved(problem, self.study, self.every[history.stage], history.moved, report)[0]
 
     def next_stage(self, history: MeshHistory, cycle: float) -> MeshHistory | None:
-        """The history with the meshes for a larger scar in use; None where there are none."""
+        """The history with the next stage in use, for a larger scar; None if there is none."""
         stage = history.stage + 1
         if stage == len(self.stages) + len(self.spare):
             return None
@@ -172,14 +175,16 @@ class PointMeshes(Meshes):
         return replace(history, stage=stage, moved=None, changes=(*history.changes, change))
 
     def outgrown(self, history: MeshHistory, state: ContactState, cycle: float) -> MeshHistory | None:
-        """The next stage, if there is one and the scar has grown beyond what the meshes of now are for."""
+        """The history with the next stage in use if the scar has outgrown the present one; else None."""
         worn = state.wear.primary_volume_mm3 + state.wear.secondary_volume_mm3
         return self.next_stage(history, cycle) if self._outgrown(history.stage, worn) else None
 
     def fitting(
         self, history: MeshHistory, state: ContactState, cycles: tuple[float, float], sticks: bool, /
     ) -> MeshHistory | None:
-        """Meshes for what slips while a fresh contact sticks in its middle, and for the stroke once it slides."""
+        """The history with the stage for a contact that sticks in its middle or, once it slides, for the stroke; None
+        if unchanged.
+        """
         worn = state.wear.primary_volume_mm3 + state.wear.secondary_volume_mm3
         if self.sticking is None or history.stage != (0 if sticks else _STICKING):
             return None
@@ -192,7 +197,7 @@ class PointMeshes(Meshes):
     def moved_nodes(
         self, history: MeshHistory, problem: ContactProblem, state: ContactState, cycle: float, report: Report
     ) -> tuple[MeshHistory, ContactProblem]:
-        """History and problem with the nodes moved into the worn surface where the study asks for it, else as is."""
+        """History and problem with the nodes moved into the worn surface if that is due; unchanged otherwise."""
         if not self._motion_due(history, problem, state):
             return history, problem
         depths = worn_depths(problem, state)
@@ -205,7 +210,7 @@ class PointMeshes(Meshes):
         return replace(history, moved=depths, changes=(*history.changes, change)), moved
 
     def _motion_due(self, history: MeshHistory, problem: ContactProblem, state: ContactState) -> bool:
-        """Whether the worn surfaces have left their nodes by as much as the study allows."""
+        """True if the worn surfaces are deeper than their nodes by as much as the study allows."""
         every_um = self.study.mesh.move_nodes_every_um
         if every_um is None:
             return self.move_nodes_at_stages and history.stage > 0 and history.moved is None
@@ -229,16 +234,18 @@ class PlannedRun:
 
     @property
     def computed(self) -> Any:
-        """The study as it is computed: of a line contact, one millimetre of it."""
+        """The study as it is computed: for a line contact, one millimetre of it."""
         return self.study
 
     @property
     def label(self) -> str:
-        """What the run is called beside others of its study."""
+        """Name of the run among others of its study: the variant's, or the study's."""
         return str(self.study.variant_name or self.study.name)
 
     def identified(self, plan: Mapping[str, Any]) -> Identity:
-        """Equal for runs of such a plan that give the same result; an interrupted run goes on only with its own."""
+        """The identity of a run with this plan, equal for runs that give the same result; only such a run can be
+        resumed.
+        """
         study = self.study
         asked = {"study": study.resolved(), "variant": study.variant_name, "fidelity": self.fidelity}
         return identity_of(asked, RUN_CODE, {**plan, "added": added_code((*study.effects, *study.laws))})
@@ -251,7 +258,10 @@ class PlannedRun:
         tolerance: float,
         explicit_jump_cycles: float | None = None,
     ) -> FrettingTest:
-        """The test as the run goes through it; `motion` says what a block's is besides drive, rig and laws."""
+        """The test as the run goes through it.
+
+        motion: from the study of a block to those fields of its `Motion` that do not follow from the study alone.
+        """
 
         def moved(own: Any) -> Motion:
             def under(problem: ContactProblem) -> ContactProblem:
@@ -312,18 +322,18 @@ class RunPlan(PlannedRun):
 
     @property
     def pressure_length_mm(self) -> float:
-        """The diameter of the discs that mean pressures are over: the study's, or else that of the fresh contact.
+        """Diameter of the discs over which mean pressures are taken: the study's, or else that of the fresh contact.
 
-        Worn bodies touch in a band across the motion. Elements across the motion come near that diameter, so means over
-        smaller discs would be those of single elements (docs/accuracy.md).
+        Worn bodies touch in a band across the motion. Elements across the motion are nearly as large as this diameter,
+        so means over smaller discs would be those of single elements (docs/accuracy.md).
         """
         stated = self.study.log.pressure_length_um
         return 2.0 * self.discretisation.hertz.contact_radius_mm if stated is None else 1e-3 * stated
 
     @property
     def milestones(self) -> tuple[float, ...]:
-        """Cycles at which the loop is measured: those to be logged, and of the series 1, 2, 5, 10, ... those apart from
-        them by the level's ratio.
+        """Cycles at which the loop is measured: those to be logged, and those of the series 1, 2, 5, 10, ... that
+        differ from each of them by at least the fidelity's ratio.
         """
         spacing, logged = level_of(WIRE_LEVELS, self.fidelity).loop_spacing, self.logged_cycles
         between = (
@@ -352,9 +362,8 @@ class RunPlan(PlannedRun):
         return max(_of_pair(*pair) for pair in sizes) + logged
 
     def require_affordable(self) -> None:
-        """See that a run can come to its end on this machine.
-        Raises StudyError, with what would fit, if it takes more memory than there is, or more cycle jumps than can be
-        waited for.
+        """Raise StudyError, with what would fit, if the run takes more memory than is free or more than MOST_JUMPS
+        cycle jumps.
         """
         jump = self.study.wear.explicit_jump_cycles if self.study.wear else None
         cycles = self.study.conditions.cycles
@@ -370,15 +379,13 @@ class RunPlan(PlannedRun):
             raise too_much(_at(self.study, self.fidelity), most // 3, needed, free, _what_fits(self, free))
 
     def prepare(self, stage: Report) -> None:
-        """Condense the bodies, which variants mostly share: done once, all processes load them."""
+        """Condense the bodies once and keep them, since variants mostly share them."""
         for meshes in self.meshes.stages:
             condense_bodies(self.study, meshes, stage)
 
 
 def require_affordable_wires(study: Study, fidelity: str, meshes: Discretisation) -> None:
-    """See that the compliances of two wires can be held.
-    Raises StudyError, with what would fit, if they take more memory than there is.
-    """
+    """Raise StudyError, with what would fit, if the compliances of both bodies take more memory than is free."""
     sizes = (unknowns(meshes.moving), unknowns(meshes.fixed))
     needed, free = _of_pair(*sizes), free_memory()
     if needed > free:
@@ -392,7 +399,9 @@ def _at(study: Study, fidelity: str) -> str:
 
 
 def _of_pair(moving: int, fixed: int) -> float:
-    """Bytes for wires of so many unknowns: their compliances by quarters and room to make one, or a mesh being made."""
+    """Bytes for bodies with these numbers of unknowns: for compliances stored by quarters and one being computed, or
+    for a mesh being made.
+    """
     largest = max(moving, fixed)
     compliances = 8.0 / 4.0 * (moving**2 + fixed**2 + largest**2)
     # That gmsh takes for every node of a patch, with all that lies beneath it; measured.
@@ -419,7 +428,7 @@ def _memory_of(study: Study, fidelity: str, element_um: float) -> float:
 
 
 def _fitting(memory_of: Callable[[float], float], element_um: float, free: float) -> float:
-    """The smallest of growing elements whose meshes take no more than that."""
+    """The first of growing element sizes in µm whose meshes take no more than `free` bytes."""
     while memory_of(element_um) > free:
         element_um *= _COARSER
     return element_um

@@ -1,4 +1,4 @@
-"""From a study and its discretisation to the contact problem, and the problem as it is at an age of the test."""
+"""The contact problem of a study at a point from its meshes, and the problem at an age of the test."""
 
 from collections.abc import Callable
 from dataclasses import asdict, replace
@@ -35,9 +35,9 @@ from wirewear.test.surfaces import StatedSurface
 
 
 def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | None = None) -> solvers.CondensedBody:
-    """Mesh and condense a body, or load it when the same has been condensed before.
+    """Mesh and condense a body, or load it from the cache (or `directory`) if it has been condensed before.
 
-    A file that cannot be read is made again; one that cannot be written is left out.
+    A cached file that cannot be read is replaced; one that cannot be written is left out.
     """
     asked = {"shape": type(geometry).__name__, "geometry": geometry.as_table(), "material": asdict(material)}
     name = f"body-{identity_of(asked, CONDENSATION_CODE, {}).name}.npz"
@@ -56,10 +56,10 @@ def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | 
 def condensed_worn_body(
     geometry: BodyGeometry, material: Elastic, worn_depth_mm: Array
 ) -> tuple[solvers.CondensedBody, float]:
-    """Condense a body whose patch's nodes are moved by a vertical depth (n_a, n_t) below the fresh surface.
+    """Condense a body whose patch's nodes are moved down by a vertical depth (n_a, n_t) in mm below the unworn surface.
 
-    Returns the body and the smallest scaled Jacobian of its mesh. Not kept: every state of wear comes but once.
-    GeometryError naming the place of an element that the motion distorts too much.
+    Returns the body and the smallest scaled Jacobian of its mesh. It is not cached, since every state of wear occurs
+    once. GeometryError, naming the place, if an element is distorted too much.
     """
     worn = _fresh_body(geometry).worn(worn_depth_mm)
     body = condense(worn.mesh, worn.patch, material, bedding=worn.bedding)
@@ -68,7 +68,7 @@ def condensed_worn_body(
 
 @lru_cache(maxsize=2)
 def _fresh_body(geometry: BodyGeometry) -> BodyMesh:
-    """Kept, as both bodies of a run are worn again and again from the same fresh mesh."""
+    """The mesh of a body, kept since both bodies of a run are worn again and again from the same fresh mesh."""
     return build_body(geometry)
 
 
@@ -107,17 +107,17 @@ class BothMeshes(Protocol):
 
     @property
     def moving(self) -> BodyGeometry:
-        """Mesh of the driven body."""
+        """The driven body's."""
 
     @property
     def fixed(self) -> BodyGeometry:
-        """Mesh of the held body."""
+        """The held body's."""
 
 
 def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], None]) -> solvers.ContactProblem:
-    """Mesh, condense (or load from the cache) and place both bodies, and hang the upper one on its rig.
+    """Mesh and condense (or load) both bodies, place them, and put the upper one on its rig.
 
-    Effects that depend on the age of the test are not in it: see `problem_at`.
+    Effects that depend on the age of the test are not included: see `problem_at`.
     """
     lower, upper = _placed(study, *condense_bodies(study, meshes, stage))
     stage("pressing the bodies together")
@@ -138,10 +138,10 @@ def with_nodes_moved(
     depths: tuple[Array, Array],
     stage: Callable[[str], None],
 ) -> tuple[solvers.ContactProblem, float]:
-    """The problem with the surface nodes of the driven and the held body moved below the fresh surfaces by depths in
-    mm, each (n_a, n_t) of its patch, and both condensed again.
+    """The problem with the surface nodes of the driven and the held body moved down by depths in mm, (n_a, n_t) each.
 
-    Returns it with the smallest scaled Jacobian of the two meshes. GeometryError when an element is distorted too much.
+    The bodies are condensed again. Returns the problem and the smallest scaled Jacobian of the two meshes.
+    GeometryError if an element is distorted too much.
     """
     driven, held = study.bodies
     stage(f"moving the nodes of the {called(driven.name)}")
@@ -153,7 +153,7 @@ def with_nodes_moved(
 
 
 def worn_depths(problem: solvers.ContactProblem, state: solvers.ContactState) -> tuple[Array, Array]:
-    """Worn depth of the driven and the held body in mm, each of the shape of its patch."""
+    """Worn depth (n_a, n_t) in mm of the driven and the held body."""
     wear = state.wear
     if problem.primary_is_upper:
         return wear.secondary_depth, wear.primary_depth
@@ -171,7 +171,9 @@ def _held_is_primary(study: Study) -> bool:
 def _placed(
     study: Study, moving: solvers.CondensedBody, fixed: solvers.CondensedBody
 ) -> tuple[solvers.PlacedBody, solvers.PlacedBody]:
-    """The driven body below and the held one above the contact; the world's x axis is the direction of motion."""
+    """The driven body placed below and the held one above the contact; the world's x axis is the direction of
+    motion.
+    """
     motion = radians(study.motion_angle_deg)
     crossing = radians(specimens_of(study).crossing_angle_deg)
     driven, held = study.bodies
@@ -187,9 +189,9 @@ def _placed(
 def measured(
     condensed: solvers.CondensedBody, surface: StatedSurface | None, axis_angle_deg: float, *, upper: bool
 ) -> solvers.CondensedBody:
-    """A condensed body, whose axis is at an angle to the motion, with the surface that was measured of it, if any.
+    """A condensed body with the surface that was measured of it, if any; its mesh keeps the unworn shape.
 
-    Its mesh keeps the unworn shape.
+    axis_angle_deg: angle of the body's axis to the motion.
     """
     if surface is None:
         return condensed
@@ -203,7 +205,7 @@ def measured(
 
 
 def standing_out(problem: solvers.ContactProblem) -> list[str]:
-    """Of each body whose measured surface stands out beyond the unworn shape, where it does, as parts of a sentence."""
+    """Parts of a sentence, one for each body whose measured surface stands out above its unworn shape."""
     said = []
     for body, name in ((problem.lower, "lower"), (problem.upper, "upper")):
         surface = body.patch.profile
@@ -218,7 +220,7 @@ def standing_out(problem: solvers.ContactProblem) -> list[str]:
 
 
 def laws_of(study: AnyStudy[Any]) -> dict[str, Any]:
-    """Rig, friction, drive and wear of a contact problem, before any effect and variation."""
+    """Rig, friction, drive and wear of a study, as arguments of `ContactProblem`, without effects and variation."""
     return {
         "holder": study.tables.rig,
         "friction": study.contact.friction,
@@ -229,19 +231,19 @@ def laws_of(study: AnyStudy[Any]) -> dict[str, Any]:
 
 
 def problem_at(problem: solvers.ContactProblem, study: Study, age: Age) -> solvers.ContactProblem:
-    """The study's contact problem as its effects and its wear law's variation have made it at an age of the test."""
+    """The contact problem with the study's effects and the variation of its wear law, at an age of the test."""
     if study.wear is not None and study.wear.variation != "none":
         problem = replace(problem, wear=problem.wear.scaled(study.wear.factor(age.cycles, age.energy_J)))
     return problem_with(problem, study.effects, age)
 
 
 def specimens_of(study: Study) -> Specimens:
-    """The bodies as they were mounted."""
+    """Angle and flattening of the bodies as they were mounted, effects included."""
     return applied(study.effects, Seam.SPECIMENS, Specimens(study.crossing_angle_deg), Age.new())
 
 
 def fresh_state(problem: solvers.ContactProblem, study: Study) -> solvers.ContactState:
-    """Bodies that just touch, flattened where an effect says so."""
+    """The state of bodies that just touch, flattened if an effect says so."""
     amplitude = 1e-3 * study.conditions.displacement_amplitude_um
     return solvers.flattened(problem, solvers.unloaded_state(problem), specimens_of(study).flattening_mm, amplitude)
 
@@ -258,7 +260,7 @@ def condense_bodies(
 
 
 def too_much(study: str, nodes: int, needed: float, free: float, remedy: str) -> StudyError:
-    """What is said of a study whose contact of so many nodes asks for more memory than there is, in bytes."""
+    """The error for a study whose contact of so many nodes needs more bytes of memory than are free."""
     return StudyError(
         f"the study {study} asks for {counted(nodes)} nodes in a contact and {size_text(needed)} of memory, of which "
         f"{size_text(free)} are free: {remedy}, or allow more by --most-memory."

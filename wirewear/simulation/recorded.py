@@ -1,7 +1,4 @@
-"""What is measured on a simulated cycle, what a run records of it, and the result that this makes.
-
-Loop, scars, a row of the evolution, how well energies and volumes close; whatever the kind of contact.
-"""
+"""The record of a run: loops, scars, rows of the evolution, contact forces and qualities, and the result from them."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -56,7 +53,7 @@ Worn = tuple[PlacedBody, Array, Array, Array, Array, Array | None]
 
 _LAW_ERROR = "fresh_law_error"
 
-MEASURED = "measured_"  #: What names of a holder's measured elements begin with.
+MEASURED = "measured_"  #: Beginning of the names of a holder's measured elements.
 
 _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")  #: Packages whose versions a result records.
 
@@ -80,17 +77,16 @@ def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
 
 
 def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Study) -> tuple[Scar, Scar]:
-    """Both bodies' scars at mid-stroke of a simulated cycle: (driven, held)."""
+    """Scars of the driven and the held body at mid-stroke of a simulated cycle."""
     driven, other = worn_bodies(problem, trace)
     return _scar(*driven, cycle, study.bodies[0]), _scar(*other, cycle, study.bodies[1])
 
 
 def worn_bodies(problem: ContactProblem, trace: CycleTrace) -> tuple[Worn, Worn]:
-    """The lower body and the upper one at mid-stroke: depth, friction energy, forces, distance slid in the cycle, and
-    print.
+    """The lower and the upper body at mid-stroke: body, depth, friction energy, nodal forces, slip in the cycle, print.
 
-    Forces are those of one field of tractions: what the solver hands on to the nodes of the other body is spread over
-    its elements, and less by a tenth where two of them span a contact's radius.
+    Forces are those of one field of tractions. The forces that the solver transfers to the other body's nodes are
+    spread over its elements, and smaller by a tenth where two of them span a contact's radius.
     """
     state = trace.middle
     wear, (primary_slid, secondary_slid) = state.wear, trace.slid
@@ -102,18 +98,17 @@ def worn_bodies(problem: ContactProblem, trace: CycleTrace) -> tuple[Worn, Worn]
 
 
 def _faced_force(problem: ContactProblem, state: ContactState) -> Array:
-    """Forces (n, 3) on the nodes of the body that does not carry the tractions, by those that it faces."""
+    """Forces (n, 3) in N on the nodes of the secondary body, from the primary's tractions that they face."""
     body, facing = problem.secondary, facing_offset(problem, state, state.drive, state.holder_x)
     places = (body.node_positions + facing) @ problem.primary.world_to_patch.T
     return at_points(places, problem.primary.patch, body.node_areas).averaged(state.traction)
 
 
 def depth_spread(problem: ContactProblem, state: ContactState) -> float:
-    """Estimate of by what share the largest depths are off, the larger of both bodies': what a worn one would lose were
-    its depth spread over its elements. NaN where neither has worn.
+    """Estimated relative error of the largest depth, the larger one of both bodies; NaN if neither has worn.
 
-    Wear handed on to the body that does not carry the tractions is spread so. The gap opens by so much less, and the
-    other body wears for it.
+    It is what the largest depth loses if depths are spread over elements once, as wear transferred to the secondary
+    body is: the gap then opens by less, and the other body wears for it.
     """
     depths = zip(state.wear.depths, (problem.primary.patch, problem.secondary.patch), strict=True)
     return max(
@@ -164,9 +159,9 @@ def evolution_row(
     done: float,
     jump: float,
 ) -> dict[str, float]:
-    """One row of the evolution from a closed loop with the wear frozen; scars are of the driven body and the other.
+    """One row of the evolution from a closed loop without wear; scars are of the driven and the held body.
 
-    pressures: the loop's, see `pressure_figures`.
+    pressures: the loop's, from `pressure_figures`.
     """
     return {
         "cycle": done,
@@ -189,7 +184,7 @@ def evolution_row(
 def yielded(
     problem: ContactProblem, state: ContactState, trace: CycleTrace, scars: tuple[Scar, Scar]
 ) -> dict[str, float]:
-    """What a row of the evolution holds of bodies that yield, see `COLUMN_MEANINGS`; nothing of elastic ones."""
+    """Columns of the evolution's row for bodies that yield, see `COLUMN_MEANINGS`; empty for elastic ones."""
     if problem.limit is None:
         return {}
     pressures = [report.normal_force / report.contact_area for report in trace.reports if report.contact_area > 0.0]
@@ -206,13 +201,13 @@ def yielded(
 
 
 def layer_settings(layers: Mapping[str, Sequence[LayerTable]]) -> dict[str, Any]:
-    """What a result records of layers, the bodies' by name: thickness and wear factor of each."""
+    """The settings that a result records of coatings: thickness and wear factor of each, by body."""
     stated = {body: [[one.thickness_um, one.wear_factor] for one in own] for body, own in layers.items() if own}
     return {LAYERS_OF_BODIES: stated} if stated else {}
 
 
 def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
-    """What a closed loop shows of the holder's elements; nothing where it has no forces in both directions."""
+    """The holder's elements as measured from a closed loop; empty if it has no forces in both directions."""
     try:
         found = measured_holder(problem, trace.states)
     except SolverError:
@@ -227,16 +222,16 @@ def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, flo
 
 
 def travels(problem: ContactProblem) -> dict[str, float]:
-    """How far friction carries the rig to either side before the bodies slide: by its springs, and by its free play."""
+    """Travel of the rig to either side in µm before the bodies slide: by its springs, and by its free play."""
     holder = problem.holder
     by_springs = problem.friction * holder.normal_load_N * holder.compliance_at_contact_mm_per_N
     return {SPRING_TRAVEL: 1e3 * by_springs, PLAY_TRAVEL: 500.0 * holder.play_mm}
 
 
 def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[Scar, Scar]) -> float:
-    """Largest relative difference of a body's worn volume and what the wear law has taken from it.
+    """Largest relative difference between a body's worn volume and what the wear law has removed from it.
 
-    By the energy law with a constant coefficient that is its share of the coefficient times the friction energy.
+    By the energy law with a constant coefficient the latter is its share of the coefficient times the friction energy.
     """
     driven, other = scars
     wear = state.wear
@@ -247,15 +242,15 @@ def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[S
 
 
 class Recorded(ABC):
-    """The record of one run; everything that a resumed run needs of it is in the result and the checkpoint."""
+    """The record of one run; result and checkpoint hold everything that a resumed run needs of it."""
 
     contact_kind: str
     bodies: tuple[str, str]
     length_mm: float | None
-    ends = False  #: Whether the loop that is measured next is the run's last, before the test's end.
+    ends = False  #: True if the loop measured next is the run's last, because a stop ends the test.
 
     def __init__(self, study: Any, fidelity: str, pressure_length_mm: float) -> None:
-        """Empty, before the run of a study of one variant."""
+        """An empty record, before the run of a study without variants."""
         self._study, self._fidelity, self._pressure_length_mm = study, fidelity, pressure_length_mm
         self.schedule = study.schedule
         self.tally = Tally()
@@ -266,7 +261,7 @@ class Recorded(ABC):
         self._holder: dict[str, float | str] = {}
 
     def restore(self, before: RunResult, done: float) -> None:
-        """Take over what the interrupted run had recorded up to that cycle."""
+        """Take over what an interrupted run had recorded up to cycle `done`."""
         self._loops = [loop for loop in before.loops if loop.cycle <= done]
         self._scars = [scar for scar in before.scars if scar.cycle <= done]
         self._forces = [forces for forces in before.contact_forces if forces.cycle <= done]
@@ -291,9 +286,9 @@ class Recorded(ABC):
         jump: float,
         held: HeldFigure | None,
     ) -> None:
-        """Record a closed loop with the wear frozen, with the scars where the study asks for it.
+        """Record a closed loop without wear, with the scars where the study asks for them.
 
-        held: what the drive holds in place of its amplitude in this block.
+        held: the figure that the drive holds in place of its amplitude in this block.
         """
         self._holder = self.holder_of(problem, trace)
         block = self.schedule.at(done)
@@ -322,20 +317,21 @@ class Recorded(ABC):
             self._forces.extend(self.forces(problem, trace, cycle))
 
     def _energy_error(self, of_loop: float) -> float:
-        """A latest loop's relative error over the largest energy of its block: where all but the core has worn away,
-        little slips, and what it encloses is little.
+        """The latest loop's relative error scaled by its energy over the largest one of its block.
+
+        Where all but the core has worn away, little slips, and the energy that a loop encloses is small.
         """
         now = self._rows[-1]
         of_block = [row["dissipated_energy_mJ"] for row in self._rows if row.get("block") == now.get("block")]
         return of_loop * now["dissipated_energy_mJ"] / max(of_block) if max(of_block) > 0.0 else of_loop
 
     def holder_of(self, _problem: ContactProblem, _trace: CycleTrace) -> dict[str, float | str]:
-        """What a measured loop shows of the holder's elements, for the settings."""
+        """The holder's elements as a measured loop shows them, for the settings; none by default."""
         return {}
 
     def follows(self, problem: ContactProblem, state: ContactState, _done: float, _work_mJ: float) -> bool:
-        """Whether the energy since the latest loop has gone as between two loops it is taken to, and no layer has come
-        near to being worn through.
+        """True if no loop is needed now: the energy has gone as interpolation between loops assumes, and no coating is
+        nearly worn through.
         """
         # Of the depth at which a layer ends: a loop is measured where it is that deep, so that its end is predicted
         # from near.
@@ -346,28 +342,28 @@ class Recorded(ABC):
         )
 
     def logs(self, _cycle: int, _done: float) -> bool:
-        """Whether loop and scars of a measured cycle are kept."""
+        """True if loop and scars of a measured cycle are kept."""
         return True
 
     def further_columns(self, _loop: Loop, _scars: tuple[Scar, Scar]) -> dict[str, float]:
-        """What else a row of the evolution holds."""
+        """Further columns of a row of the evolution."""
         return {}
 
     @abstractmethod
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
-        """Scars of the driven body and of the other."""
+        """Scars of the driven and the held body."""
 
     @abstractmethod
     def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
-        """Forces on both bodies, nothing where the study asks for none."""
+        """Contact forces on both bodies; empty if the study asks for none."""
 
     @abstractmethod
     def tables(self) -> dict[str, Any]:
-        """The study as a result keeps it."""
+        """The resolved study, as a result keeps it."""
 
     @abstractmethod
     def settings(self, history: MeshHistory) -> dict[str, Any]:
-        """What the discretisation came to."""
+        """Mesh sizes, steps and other values that followed from the study."""
 
     def result(self, status: str, message: str, history: MeshHistory) -> RunResult:
         """The result so far."""

@@ -45,25 +45,21 @@ ObserverOf = Callable[[str], AbstractContextManager[Observer]]
 
 @dataclass(frozen=True)
 class RemoteObserver(Observer):
-    """Sends what a run reports to it to the process that watches."""
+    """Sends what a run reports to the process that watches it."""
 
     index: int
     mailbox: Queue[Any]
 
     def stage(self, text: str) -> None:
-        """Pass on that a part of the preparation begins."""
         self._send("stage", text)
 
     def moved(self, moment: Moment) -> None:
-        """Pass on that an increment is done."""
         self._send("moved", moment)
 
     def logged(self, result: object) -> None:
-        """Pass on what is on disk."""
         self._send("logged", result)
 
     def note(self, sentence: str) -> None:
-        """Pass on what the user should know."""
         self._send("note", sentence)
 
     def _send(self, kind: str, item: object) -> None:
@@ -73,10 +69,9 @@ class RemoteObserver(Observer):
 def run_side_by_side(
     tasks: Sequence[Callable[[Observer], Made]], observers: Sequence[Observer], engine: Engine
 ) -> list[Made]:
-    """Do tasks side by side; each is called with an observer that reports to its own of `observers`.
+    """Do tasks side by side; each is called with an observer that reports to its own one of `observers`.
 
-    Workers of a cluster report nothing: they may be anywhere. When a task fails, the others still come to their end;
-    then the first error is raised.
+    Workers of a cluster report nothing. If a task fails, the others are still finished; then the first error is raised.
     """
     if not isinstance(engine, LocalProcesses):
         return results_of(engine, [partial(task, Observer()) for task in tasks])
@@ -103,7 +98,7 @@ def run_side_by_side(
 
 
 def _done_until(stop: Event, engine: Engine, tasks: Sequence[Callable[[], Made]]) -> list[Done[Made]]:
-    """All tasks in their order, or those that were done when it was to stop."""
+    """The results of tasks in their order; only those done so far if `stop` is set."""
     every = []
     for one in engine.done(tasks):
         every.append(one)
@@ -125,10 +120,10 @@ def _deliver(mailbox: Queue[Any], observers: Sequence[Observer]) -> None:
 class Task:
     """One run of a study."""
 
-    label: str  #: What it is called beside others.
+    label: str  #: Name of the run among others.
     folder: RunFolder
-    simulate: Callable[..., RunResult]  #: Does it in a folder, watched by an observer; can be sent to another process.
-    #: Does what runs side by side would all have to do, such as meshes that they share; hears of each part.
+    simulate: Callable[..., RunResult]  #: Simulates it in a folder with an observer; can be sent to another process.
+    #: Prepares what runs share, such as meshes, before they start side by side; calls its argument for each part.
     prepare: Callable[[Callable[[str], None]], None]
 
 
@@ -142,13 +137,14 @@ def run_together(
     resume: bool,
     observer_of: ObserverOf | None = None,
 ) -> list[RunResult]:
-    """The results of the runs of a study, in their order; those that are complete and resumed are read.
+    """The results of the runs of a study, in their order; complete ones are read if they are resumed.
 
-    variants: whether they are variants, each in a folder of its own within `output`.  engine_for: says what does the
-    runs that are left.
-    Raises RunError if another command is writing to the folder, or it cannot be written, or holds other runs. Raises
-    ResultError if what a run has left is damaged, or a file cannot be written. Raises SolverError if a contact did not
-    converge, or left the fine patch; everything up to there is on disk.
+    variants: True if they are variants, each in a folder of its own in `output`.  engine_for: gives the engine that
+    does the remaining runs.
+
+    Raises RunError if another command is writing to the folder, or it cannot be written, or holds other runs;
+    ResultError if what a run has left is damaged, or a file cannot be written; SolverError if a contact did not
+    converge, or left the fine patch. Everything up to there is on disk.
     """
     with occupied_by_runs(output, name, [task.folder for task in tasks], resume=resume) as found:
         if variants and not resume:
@@ -197,13 +193,13 @@ class PointRecord(Recorded):
     length_mm = None
 
     def __init__(self, plan: RunPlan) -> None:
-        """Empty, before the run."""
+        """An empty record, before the run."""
         super().__init__(plan.study, plan.fidelity, plan.pressure_length_mm)
         self.plan = plan
         self.contact_kind, self.bodies = plan.study.contact_kind, plan.discretisation.bodies
 
     def restore(self, before: RunResult, done: float) -> None:
-        """Take over what the interrupted run had recorded up to that cycle."""
+        """Take over what an interrupted run had recorded up to cycle `done`."""
         super().restore(before, done)
         # A run that had done its last cycle measures its holder no more.
         self._holder = {name: value for name, value in before.settings.items() if name.startswith(MEASURED)}
@@ -217,11 +213,13 @@ class PointRecord(Recorded):
         }
 
     def holder_of(self, problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
-        """Its stiffnesses and its play."""
+        """The holder's stiffnesses and play as a measured loop shows them."""
         return holder_settings(problem, trace)
 
     def follows(self, problem: ContactProblem, state: ContactState, done: float, work_mJ: float) -> bool:
-        """Whether the energy since the latest loop has gone as between two loops it is taken to; see `Recorded`."""
+        """True if no loop is needed now: the energy since the latest loop has gone as interpolation assumes; see
+        `Recorded`.
+        """
         last = self._rows[-1]
         if not super().follows(problem, state, done, work_mJ):
             return False
@@ -231,23 +229,23 @@ class PointRecord(Recorded):
         return not bends(since, (done, work_mJ, state.wear.energy_mJ))
 
     def logs(self, cycle: int, done: float) -> bool:
-        """Those that the plan logs, and the last."""
+        """True for the cycles that the plan logs, and for the last."""
         return self.ends or cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles
 
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
-        """Scars of the driven and of the held body."""
+        """Scars of the driven and the held body."""
         return scars_of(problem, trace, cycle, self.plan.study)
 
     def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
-        """With what bodies are meshed of."""
+        """Contact forces on both bodies, with geometry and material of their meshes."""
         return forces_of(problem, trace, cycle, self.plan)
 
     def tables(self) -> dict[str, Any]:
-        """The study with what it leaves open."""
+        """The resolved study."""
         return self.plan.study.resolved()
 
     def settings(self, history: MeshHistory) -> dict[str, Any]:
-        """The discretisation, and what was measured of the holder."""
+        """Settings of the discretisation, of the fresh contact, of the measured holder and of the meshes used."""
         plan, counters = self.plan, self.tally.counters
         return {
             **plan.discretisation.settings(),
@@ -265,8 +263,9 @@ class PointRecord(Recorded):
 
 @singledispatch
 def plan_of(study: AnyStudy[Any], fidelity: str) -> Any:
-    """The plan of a study's run. Raises StudyError if the study cannot be discretised, or is of a test without bodies
-    to simulate.
+    """The plan of a study's run.
+
+    Raises StudyError if the study cannot be discretised, or is of a kind without bodies to simulate.
     """
     del fidelity
     raise StudyError(f"the study {study.name!r} is of kind {study.kind!r}, which has no bodies to simulate.")
@@ -284,7 +283,7 @@ def _(study: LineStudy, fidelity: str) -> LineRun:
 
 @singledispatch
 def recorder_of(plan: Any) -> Recorded:
-    """What records a planned run."""
+    """The empty record for a planned run."""
     raise TypeError(plan)
 
 
@@ -305,15 +304,14 @@ def run_study(
     """Simulate a study of any kind, or each of its variants, and leave OUTPUT[/<variant>]/result.h5.
 
     `observer_of` opens an observer for each run by its label. With `resume`, a run continues at its last checkpoint,
-    and one that is complete is read from its file and left as it is; one that another version of the program made is
-    run again, which the observer is informed of. With `jobs` above 1, that many variants run side by side, each in a
-    process of its own, or where `engine` does it, whose workers must see the folder; the results are the same.
+    and a complete one is read from its file; one that another version of the program made is run again, and the
+    observer is informed. With `jobs` above 1, that many variants run side by side, each in a process of its own, or on
+    the workers of `engine`, which must see the folder; the results are the same.
 
-    Raises StudyError if the study cannot be discretised, or asks for more memory or cycle jumps than can be had;
-    RunError if a run is to be resumed, but the folder holds that of another study; or another command is writing to the
-    folder, or it cannot be written; ResultError if a run is to be resumed, but what it has left is damaged; or a file
-    cannot be written; SolverError if the contact did not converge, or left the fine patch; everything up to there is on
-    disk.
+    Raises StudyError if the study cannot be discretised, or needs more memory or cycle jumps than are allowed; RunError
+    if a run is to be resumed but the folder holds another study's, or if another command is writing to the folder, or
+    it cannot be written; ResultError if a run is to be resumed but its files are damaged, or if a file cannot be
+    written; SolverError if the contact did not converge, or left the fine patch. Everything up to there is on disk.
     """
     output = Path(output)
     variants = [study.variant(name) for name in study.variant_names] or [study]
@@ -349,7 +347,8 @@ def run_study(
 
 def simulate(study: AnyStudy[Any], *, fidelity: str = "standard", observer: Observer | None = None) -> RunResult:
     """Simulate a study without variants, or one variant, and leave no file.
-    Raises StudyError if it has variants, cannot be discretised, or asks for more memory or cycle jumps than can be had;
+
+    Raises StudyError if it has variants, cannot be discretised, or needs more memory or cycle jumps than are allowed;
     SolverError if the contact did not converge, or left the fine patch.
     """
     plan = plan_of(alone(study, 'take one of them, as in study.variant("{first}")'), fidelity)
@@ -358,10 +357,10 @@ def simulate(study: AnyStudy[Any], *, fidelity: str = "standard", observer: Obse
 
 
 def needed_memory(study: AnyStudy[Any], fidelity: str) -> float:
-    """Bytes that the run of a study takes at least; StudyError where it cannot be discretised."""
+    """Bytes that the run of a study takes at least; StudyError if it cannot be discretised."""
     return float(plan_of(study, fidelity).needed_memory)
 
 
 def run_cycles(plan: Any, folder: RunFolder, observer: Observer, *, resume: bool) -> RunResult:
-    """Simulate a run, from its last checkpoint on where it is to be resumed and has one; raises as `cycle_through`."""
+    """Simulate a planned run in its folder, from its last checkpoint with `resume`; raises as `cycle_through`."""
     return cycle_through(plan.test, recorder_of(plan), folder, observer, resume=resume)

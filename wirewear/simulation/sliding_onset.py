@@ -1,7 +1,7 @@
-"""Whether a drive is too weak to make its contact slide: the middle then sticks, and meshes are for what slips beside.
+"""The onset of gross sliding: whether a drive makes its contact slide, or the middle of the contact sticks for good.
 
-One rule for every kind of contact, drive and held figure. What a contact comes to as it begins to slide is that of the
-fresh one between half-spaces, or of a line contact that of its bodies, in series with the rig.
+One rule holds for every kind of contact, drive and held figure. The onset of the fresh contact is that between
+half-spaces, for a line contact that of its bodies, in series with the rig.
 """
 
 from collections.abc import Callable
@@ -21,17 +21,19 @@ _AGES = 200
 
 @dataclass(frozen=True)
 class SlidingOnset:
-    """What a contact has come to that just slides, without its rig."""
+    """A contact that just slides as a whole, without its rig: its force, motion, slip and energy."""
 
     force_N: float
-    motion_mm: float  #: Of the bodies against each other, where they are held.
-    slip_mm: float  #: Amplitude, half of the loop's width.
-    energy_mJ: float  #: Of a cycle.
+    motion_mm: float  #: Amplitude of the bodies' relative motion, where they are held.
+    slip_mm: float  #: Slip amplitude, half of the loop's width.
+    energy_mJ: float  #: Energy of a cycle.
 
 
 def least_friction_N(study: AnyStudy[Any]) -> float:
-    """Tangential force that swings with the drive and that friction bears at any time of the cycle and of the test; 0
-    where effects let bodies touch elsewhere than they would.
+    """Smallest amplitude in N of a tangential force in proportion to the drive that friction bears at any time of the
+    test.
+
+    0 if effects such as layers or misalignment let the bodies touch elsewhere.
     """
     law, loading = ContactLaw(study.contact.friction), Loading(study.conditions.normal_load_N)
     ages = np.linspace(0.0, float(study.conditions.cycles), _AGES if study.effects else 1)
@@ -48,7 +50,10 @@ def least_friction_N(study: AnyStudy[Any]) -> float:
 
 
 def expected_to_stick(study: AnyStudy[Any], onset_at: Callable[[float], SlidingOnset]) -> bool:
-    """Whether the drive of a study of one block does not make its contact slide; onset_at: by the friction force."""
+    """True if the drive of a study of one block does not make its contact slide.
+
+    onset_at: gives the onset of sliding for a friction force in N.
+    """
     friction_N = least_friction_N(study)
     if friction_N <= 0.0:
         return False
@@ -68,9 +73,9 @@ def expected_to_stick(study: AnyStudy[Any], onset_at: Callable[[float], SlidingO
 
 
 def point_sticks(study: Study) -> bool:
-    """Whether a contact at a point is expected to stick in its middle, by Cattaneo and Mindlin.
+    """True if a contact at a point is expected to stick in its middle, by Cattaneo and Mindlin.
 
-    The contact between gripped bodies is softer and slides later.
+    The contact between gripped bodies is softer and slides at larger strokes.
     """
     driven, held = study.bodies
     hertz = hertz_of(study.conditions.drive.load.largest * study.conditions.normal_load_N, driven, held)

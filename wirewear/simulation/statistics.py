@@ -1,4 +1,4 @@
-"""What a run counts: increments, cycles, the worst residuals and time; and how sound they show it to be."""
+"""Counters of a run: increments, cycles, time and the worst residuals; and its qualities, from measured loops."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -22,13 +22,15 @@ QUALITY = (
 )  # fmt: skip
 
 _ROUND_OFF = 1e-9  # What nodes that all but stick dissipate, over the rectangles around the loops.
-#: A cycle, the friction work per cycle there and the energy that has worn so far, mJ.
+#: A cycle, the friction work per cycle there and the friction energy so far, mJ.
 Energies = tuple[float, float, float]
 
 
 @dataclass
 class Counters:
-    """What a run counts and the worst it met; restored on resumption, so that a resumed run reports the same."""
+    """Numbers that a run counts and its worst qualities; restored when a run is resumed, so that it reports the
+    same.
+    """
 
     increments: float = 0.0
     iterations: float = 0.0
@@ -48,7 +50,7 @@ class Counters:
     slip_between_nodes: float = nan
 
     def count(self, report: IncrementReport) -> None:
-        """Take in one increment."""
+        """Count one increment."""
         self.increments += 1
         self.iterations += report.iterations
         self.worst("force_balance", report.force_error)
@@ -58,18 +60,18 @@ class Counters:
         self.worst("elastic_slip", report.elastic_slip)
 
     def worst(self, name: str, value: float) -> None:
-        """Take in one more value of a quality, of which the largest counts; NaN is none."""
+        """Keep the larger of a quality's value and `value`; NaN is ignored."""
         setattr(self, name, float(np.fmax(getattr(self, name), value)))
 
     def quality(self) -> dict[str, float]:
-        """The worst residuals and closures, by name; without those that the run does not define."""
+        """The worst value of each quality, by name, without those that are not defined in the run."""
         found = {name: getattr(self, name) for name in QUALITY}
         return {name: value for name, value in found.items() if not isnan(value)}
 
 
 @dataclass
 class Tally:
-    """A run's counters, its clock, and what it found under the normal load alone (`fresh`, by name)."""
+    """A run's counters, its clock, and values of the contact under the normal load alone (`fresh`, by name)."""
 
     counters: Counters = field(default_factory=Counters)
     fresh: dict[str, float] = field(default_factory=dict)
@@ -77,30 +79,30 @@ class Tally:
     _started: float = 0.0
 
     def start_cycling(self) -> None:
-        """The meshes are prepared; time counts as cycling from now on."""
+        """Start the clock of cycling, when meshes are prepared."""
         self._started = time.perf_counter()
 
     @property
     def cycling_s(self) -> float:
-        """Seconds of cycling so far, those before a resumption included."""
+        """Seconds of cycling so far, including those before a resumption."""
         return self.counters.cycling_s + time.perf_counter() - self._started
 
     def for_checkpoint(self) -> dict[str, float]:
-        """What `restore` needs."""
+        """All counters by name, from which `restore` goes on."""
         times = {"preparation_s": self.preparation_s, "cycling_s": self.cycling_s}
         return asdict(self.counters) | times | self.fresh
 
     def restore(self, counted: Mapping[str, float]) -> None:
-        """Go on from what an interrupted run had counted."""
+        """Go on from the counters of an interrupted run."""
         names = {item.name for item in fields(Counters)}
         self.counters = Counters(**{name: value for name, value in counted.items() if name in names})
         self.fresh = {name: value for name, value in counted.items() if name.startswith("fresh_")}
 
 
 def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, float]], accumulated_mJ: float) -> None:
-    """Count what the latest measured cycle, the last row of an evolution, shows.
+    """Update the qualities by the latest measured cycle, the last row of the evolution.
 
-    accumulated_mJ: friction energy that has worn.
+    accumulated_mJ: friction energy of all cycles so far.
     """
     counters.worst("loop_area_against_friction_work", area_mismatch(trace, rows[-1].get(BULK_WORK, 0.0)))
     counters.worst("mirror_error", rows[-1]["mirror_error"])
@@ -113,8 +115,8 @@ def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, flo
 
 
 def area_mismatch(trace: CycleTrace, bulk_work_mJ: float = 0.0) -> float:
-    """Relative difference of a loop's area and the friction work over it, with the work of what stretches the bodies;
-    0 where it encloses next to nothing.
+    """Relative difference between a loop's area and its friction work plus bulk work; 0 if the loop encloses hardly any
+    area.
     """
     drive, force, work = trace.drive, trace.tangential_force, trace.friction_work + bulk_work_mJ
     area = abs(enclosed_area(drive, force))
@@ -125,23 +127,23 @@ def area_mismatch(trace: CycleTrace, bulk_work_mJ: float = 0.0) -> float:
 
 
 def mirrored_mismatch(problem: ContactProblem, trace: CycleTrace) -> float:
-    """How far the pressures of a closed cycle are from their own mirror image, 0 to 1; see `solvers.mirror_error`.
+    """Difference of a closed cycle's pressures from their own mirror image, 0 to 1; see `solvers.mirror_error`.
 
-    NaN where bodies, rig or effects have no mirror that takes the way out into the way back.
+    NaN if bodies, rig or effects have no mirror that maps the way out onto the way back.
     """
     error = mirror_error(problem, (trace.start, *trace.states), symmetry_of(problem))
     return nan if error is None else error
 
 
 def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accumulated_mJ: float) -> float:
-    """Relative difference of the energy that measured loops enclose from the test's start to the last and that which
-    has worn.
+    """Relative difference between the energy by measured loops, from the test's start to the last loop, and
+    `accumulated_mJ`.
 
     cycles, per_cycle_mJ: of the loops, increasing.  accumulated_mJ: friction energy of all cycles up to the last.
-    Up to the first loop the energy per cycle is taken to be that one's, between two loops to be a power of the cycles.
-    0 before anything has worn. NaN where
-    that differs from what has worn, but straight lines between the loops differ to the other side: the loops are then
-    too few to show how much they enclose.
+
+    Up to the first loop the energy per cycle is taken to be the first loop's, between two loops a power of the cycles.
+    0 before any wear. NaN if the result is beyond the limit, but linear interpolation would err to the other side: the
+    loops are then too few to tell.
     """
     if accumulated_mJ <= 0.0:
         return 0.0
@@ -154,8 +156,8 @@ def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accu
 
 
 def bends(before: Energies, now: Energies) -> bool:
-    """Whether the energy that has worn between two cycles is not what loops measured there would show."""
+    """True if the energy between two cycles differs from what interpolation between loops measured there would give."""
     (start, per_cycle, worn), (end, later, total) = before, now
     expected = enclosed_energy((start, end), (per_cycle, later))
-    # Of all the energy that has worn: what the course between two loops may differ by from what has worn between them.
+    # Of all friction energy so far: allowed difference of the energy between two loops from interpolation.
     return abs(expected - (total - worn)) > 2e-3 * total

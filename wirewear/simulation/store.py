@@ -1,6 +1,6 @@
-"""Where a run keeps what it leaves: a folder, with the result and the checkpoint at which it goes on, or nowhere.
+"""Where a run keeps its result and its checkpoint: in a folder, or nowhere; and the meshes that it goes through.
 
-The checkpoint is the state of an unfinished run beside its result: enough to go on as if nothing had happened.
+The checkpoint is the state of an unfinished run, enough to go on as if it had not been interrupted.
 """
 
 import json
@@ -34,49 +34,49 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class MeshHistory:
-    """Which meshes a run has."""
+    """The meshes that a run has, and how they have changed."""
 
     stage: int = 0  #: Index of the stage of the scar's growth.
-    #: Depth in mm by which the surface nodes of the lower and the upper body have been moved, None while they are where
-    #: they were when fresh.
+
+    #: Depths in mm by which the surface nodes of the lower and the upper body have been moved; None if they have not.
     moved: tuple[Array, Array] | None = None
-    changes: tuple[dict[str, float], ...] = ()  #: What was changed when.
+    changes: tuple[dict[str, float], ...] = ()  #: Changes of the meshes, each with its cycle.
 
 
 class Meshes(ABC):
-    """The meshes that a run goes through, and when it takes the next: the same ones to its end, if nothing else is
-    said.
-    """
+    """The meshes that a run goes through, and when it takes the next; by default the same ones to its end."""
 
     def first(self) -> MeshHistory:
-        """The meshes of the fresh contact."""
+        """The meshes for the fresh contact."""
         return MeshHistory()
 
     @abstractmethod
     def problem(self, history: MeshHistory, report: Report, /) -> ContactProblem:
-        """The contact problem on a run's meshes."""
+        """The contact problem on the meshes of a history."""
 
     def next_stage(self, _history: MeshHistory, _cycle: float, /) -> MeshHistory | None:
-        """The history with the meshes for a larger scar in use; None where there are none."""
+        """The history with the next meshes in use, for a larger scar; None if there are none."""
         return None
 
     def outgrown(self, _history: MeshHistory, _state: ContactState, _cycle: float, /) -> MeshHistory | None:
-        """The next stage, if there is one and the scar has grown beyond what the meshes of now are for."""
+        """The history with the next meshes in use if the scar has outgrown the present ones; else None."""
         return None
 
     def fitting(
         self, _history: MeshHistory, _state: ContactState, _cycles: tuple[float, float], _sticks: bool, /
     ) -> MeshHistory | None:
-        """The history with the meshes for a contact that sticks in its middle, or slides, where it lacks them.
+        """The history with the meshes for a contact that sticks in its middle, or slides, if others are in use; else
+        None.
 
-        cycles: at which the motion of now began, and now; meshes are left for others and taken again once a motion.
+        cycles: at which the current motion began, and now; such meshes are left and taken again at most once during a
+        motion.
         """
         return None
 
     def moved_nodes(
         self, history: MeshHistory, problem: ContactProblem, _state: ContactState, _cycle: float, _report: Report, /
     ) -> tuple[MeshHistory, ContactProblem]:
-        """History and problem with the nodes moved into the worn surface where that is due, else as they are."""
+        """History and problem with the nodes moved into the worn surface if that is due; unchanged otherwise."""
         return history, problem
 
 
@@ -87,7 +87,7 @@ class OneMesh(Meshes):
     build: Callable[[], ContactProblem]
 
     def problem(self, _history: MeshHistory, report: Report, /) -> ContactProblem:
-        """The contact problem."""
+        """The contact problem, built by `build`."""
         report("meshing and condensing")
         return self.build()
 
@@ -100,9 +100,9 @@ class Checkpoint:
     next_jump: float  #: Size of the cycle jump to try next.
     state: ContactState
     guide: Guide | None  #: First guesses for the next cycle.
-    counters: dict[str, float]  #: What the run has counted so far (increments, iterations, seconds).
-    meshes: MeshHistory  #: Which meshes the wires have.
-    identity: str  #: What the run was asked to do; a run goes on only with the same.
+    counters: dict[str, float]  #: The run's counters so far (increments, iterations, seconds).
+    meshes: MeshHistory  #: The meshes of the bodies.
+    identity: str  #: Identity of the run; only an equal one goes on from here.
 
 
 def _fill(file: h5py.File, checkpoint: Checkpoint) -> None:
@@ -121,7 +121,8 @@ def _fill(file: h5py.File, checkpoint: Checkpoint) -> None:
 
 
 def read_checkpoint(folder: Path) -> Checkpoint | None:
-    """The checkpoint of a run's folder, or None when there is none.
+    """The checkpoint in a run's folder, or None if there is none.
+
     Raises ResultError if the file is damaged or of another version.
     """
     path = folder / CHECKPOINT_FILE_NAME
@@ -155,18 +156,18 @@ def _read(group: Any) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class RunStore:
-    """Where a run keeps its result, and its checkpoint if it can be resumed; of itself nowhere.  identity: equal for
-    runs that give the same result.
+    """Keeps a run's result and its checkpoint; this base class keeps neither.  identity: equal for runs of equal
+    results.
     """
 
     identity: Identity
 
     def write(self, result: RunResult, /) -> RunResult:
-        """Keep the result in place of the one before; the result as it is kept."""
+        """Keep the result in place of the one before; return the result as kept."""
         return result
 
     def interrupted(self) -> tuple[Checkpoint, RunResult] | None:
-        """The last checkpoint and the result so far, if the run has come that far."""
+        """The last checkpoint and the result so far, or None if there is no checkpoint."""
         return None
 
     def write_checkpoint(self, _checkpoint: Checkpoint, /) -> None:
@@ -174,7 +175,7 @@ class RunStore:
         return
 
     def begin(self) -> None:
-        """The run starts from its beginning: nothing of an earlier one is to stay."""
+        """Remove what an earlier run has left."""
         return
 
     def drop_checkpoint(self) -> None:
@@ -184,7 +185,7 @@ class RunStore:
 
 @dataclass(frozen=True)
 class Found:
-    """What a run that is to be resumed has left: its result if it is complete; and what its user should know."""
+    """What is found of a run to be resumed: its result if complete, and a note for the user."""
 
     complete: RunResult | None = None
     note: str = ""
@@ -192,7 +193,7 @@ class Found:
 
 @dataclass(frozen=True)
 class RunFolder(RunStore):
-    """The folder of the run of an identity. derived: patterns of the files that are made of a result."""
+    """The folder of a run. derived: patterns of further files that are made from a result."""
 
     path: Path
     derived: tuple[str, ...] = ()
@@ -202,10 +203,10 @@ class RunFolder(RunStore):
         return GrowingImage()
 
     def found(self, *, unfinished: bool) -> Found:
-        """What is left of the run; no mesh is loaded for it.
+        """The run's result if complete, and a note for the user.
 
-        unfinished: whether this run was the last that was started in the folder, and did not end.
-        Raises ResultError if the result is damaged, and RunError if the folder holds another run.
+        unfinished: True if this run was the last one started in the folder, and did not end. Raises ResultError if the
+        result is damaged, and RunError if the folder holds another run.
         """
         stopped = f"{self.path} was interrupted before its first result: it is run again."
         if not (self.path / RESULT_FILE_NAME).exists():
@@ -224,7 +225,8 @@ class RunFolder(RunStore):
         )
 
     def interrupted(self) -> tuple[Checkpoint, RunResult] | None:
-        """The last checkpoint and the result so far, if the run has come that far.
+        """The last checkpoint and the result so far, or None if there is no checkpoint of this run.
+
         Raises ResultError if a file is damaged.
         """
         if not (self.path / RESULT_FILE_NAME).exists():
@@ -244,17 +246,17 @@ class RunFolder(RunStore):
             ) from problem
 
     def begin(self) -> None:
-        """Nothing of an earlier run stays beside the results to come."""
+        """Delete checkpoint and derived files of an earlier run."""
         for pattern in (CHECKPOINT_FILE_NAME, *self.derived):
             for path in self.path.glob(pattern):
                 path.unlink(missing_ok=True)
 
     def result(self) -> RunResult:
-        """The result as it is on disk."""
+        """Read the result from the folder."""
         return read_result(self.path / RESULT_FILE_NAME)
 
     def write(self, result: RunResult) -> RunResult:
-        """Write or replace the result; it as it is read from there."""
+        """Write or replace the result; return it as it is read from there."""
         return write_result(self.path / RESULT_FILE_NAME, result, self._so_far if result.status == "running" else None)
 
     def write_checkpoint(self, checkpoint: Checkpoint) -> None:
@@ -273,11 +275,11 @@ class RunFolder(RunStore):
 def occupied_by_runs(
     output: Path, name: str, folders: Sequence[RunFolder], *, resume: bool
 ) -> Iterator[tuple[Found, ...]]:
-    """Hold an output folder for runs; yields what is left of each, nothing unless they are to be resumed.
+    """Occupy an output folder for runs; yields what is found of each run, empty unless they are to be resumed.
 
-    A folder in which all are complete is not written to; what a killed run has noted there goes where it may.
-    Raises ResultError if a result is damaged, and RunError if another command is writing to the folder, or it holds
-    other runs, or it cannot be written to.
+    A folder in which all runs are complete is not written to, except to remove the mark of a killed command. Raises
+    ResultError if a result is damaged, and RunError if another command is writing to the folder, or it holds other
+    runs, or cannot be written to.
     """
     asked = digest({"runs": [folder.identity.asked for folder in folders]})
 
@@ -295,7 +297,7 @@ def occupied_by_runs(
 
 
 def _refuse_other_runs(output: Path, own: set[Path]) -> None:
-    """Reading the folder would take the runs in folders of its own for variants of this one."""
+    """Raise RunError if folders in `output` hold other runs, which reading it would take for variants of this study."""
     others = [path.parent for path in sorted(output.glob(f"*/{RESULT_FILE_NAME}")) if path.parent not in own]
     if others:
         names = ", ".join(path.name for path in others)

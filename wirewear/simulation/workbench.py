@@ -1,4 +1,4 @@
-"""A study's bodies for scripts that go beneath a run: meshes, also as files, condensation, single increments."""
+"""Parts of a simulation for scripts that go beneath a run: meshes, also as files, condensation, single increments."""
 
 from pathlib import Path
 
@@ -35,13 +35,12 @@ __all__ = [
 
 
 def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
-    """Mesh both bodies; leave a file of each, such as moving.vtu (surfaces as point data), mesh.png and
-    boundary_conditions.png in a folder.
+    """Mesh both bodies; write a mesh file of each, such as moving.vtu (surfaces as point data), mesh.png and
+    boundary_conditions.png to a folder; return the files.
 
-    Where the meshes follow the scar, those of its last stage are written and the first one is drawn as well. Variants
-    of a study that mesh alike share one mesh: that of the study as a whole is written.
-    Raises StudyError if the study cannot be discretised, GeometryError if the mesh is distorted, and ResultError if the
-    files cannot be written.
+    If the meshes follow the scar, those of the last stage are written and the first one is drawn as well. For variants
+    of equal meshes, the mesh of the study as a whole is written. Raises StudyError if the study cannot be discretised,
+    GeometryError if the mesh is distorted, and ResultError if the files cannot be written.
     """
     from wirewear.pictures import body_meshes, save, surface_fields
     from wirewear.pictures.supports import supports
@@ -65,8 +64,9 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
 
 
 def write_line_meshes(study: LineStudy, fidelity: str, folder: Path) -> list[Path]:
-    """Mesh both bodies; leave pad.vtu, specimen.vtu and boundary_conditions.png in a folder.
-    Raises StudyError if the study cannot be meshed, or asks for more memory than there is; GeometryError if the mesh is
+    """Mesh both bodies; write pad.vtu, specimen.vtu and boundary_conditions.png to a folder; return the files.
+
+    Raises StudyError if the study cannot be meshed, or needs more memory than is free; GeometryError if the mesh is
     distorted; ResultError if the files cannot be written.
     """
     from wirewear.pictures import save

@@ -1,4 +1,4 @@
-"""What the bodies of a study bear before they yield: the limit of their pressure, and what is recorded of it."""
+"""The pressure limit of a study's bodies that yield, the size of their contact, and what a result records of both."""
 
 from math import pi, sqrt
 from typing import Any
@@ -8,13 +8,13 @@ from wirewear import reference
 from wirewear.test import AnyStudy, Study
 from wirewear.test.bodies import hertz_of
 
-STRAIN = "fresh_indentation_strain"  #: What a result calls 0.2 a/R of the fresh contact of bodies that yield.
-_STRAIN = 0.2  #: Of an indentation, over a/R (Tabor, The Hardness of Metals (1951)).
+STRAIN = "fresh_indentation_strain"  #: Name in results of 0.2 a/R of the fresh contact of bodies that yield.
+_STRAIN = 0.2  #: Strain of an indentation over a/R (Tabor, The Hardness of Metals (1951)).
 _ALIKE = 1e-6  #: Yield stresses that differ by less, relative, are equal.
 
 
 def limit_of_points(study: Study) -> PressureLimit | None:
-    """The limit of a contact at a point; None where no body yields, or the study asks for none."""
+    """The pressure limit of a contact at a point; None if no body yields, or the study asks for none."""
     contact = hertz_of(study.conditions.normal_load_N, *study.bodies)
     axes = contact.minor_semi_axis_mm, contact.major_semi_axis_mm
     return pressure_limit(study, study.conditions.normal_load_N, contact.peak_pressure_MPa, axes, power=3.0)
@@ -23,9 +23,11 @@ def limit_of_points(study: Study) -> PressureLimit | None:
 def pressure_limit(
     study: AnyStudy[Any], load: float, pressure_MPa: float, semi_axes_mm: tuple[float, float], *, power: float
 ) -> PressureLimit | None:
-    """The limit of the contact whose largest pressure and semi-axes, the minor one first, a load makes, N or N/mm.
+    """The pressure limit of a contact, from its elastic contact under a load in N (line contacts N/mm); None for
+    elastic bodies.
 
-    power: of the largest pressure that the load goes with.
+    pressure_MPa, semi_axes_mm: largest pressure and semi-axes (minor, major) of the elastic contact under `load`.
+    power: the load goes with this power of the largest pressure.
     """
     stated = {name: own for name, own in study.tables.yields.items() if own is not None}
     if not stated or study.contact.plasticity == "none":
@@ -51,10 +53,10 @@ def pressure_limit(
 
 
 def spread_by_yield(limit: PressureLimit | None, load: float, pressure_MPa: float, *, line: bool = False) -> float:
-    """Lengths of a pressed contact over those of Hertz', whose largest pressure the load makes.
+    """Ratio of a pressed contact's size to Hertz's, whose largest pressure `pressure_MPa` is that under the load.
 
-    Pressures that are limited bear the load on a larger area, and beside it on what Hertz' rim keeps: at a point within
-    2 % of the finite elements of docs/yielding.md for pressures of up to six times the limit.
+    Limited pressures need a larger area to bear the load, surrounded by what Hertz's rim keeps: at a point within 2 %
+    of the finite elements of docs/yielding.md for pressures of up to six times the limit.
     """
     over = 0.0 if limit is None else pressure_MPa / float(limit.limit_MPa(load))
     if over <= 1.0:
@@ -65,7 +67,7 @@ def spread_by_yield(limit: PressureLimit | None, load: float, pressure_MPa: floa
 
 
 def limit_settings(problem: ContactProblem, pressed: IncrementReport) -> dict[str, float]:
-    """What a result records of the limit, and of the fresh contact under it."""
+    """The values that a result records of the pressure limit, and of the fresh contact under it."""
     limit = problem.limit
     if limit is None:
         return {}
