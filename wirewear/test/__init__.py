@@ -1,6 +1,6 @@
-"""What a study's TOML file may hold, and how it is read.
+"""Studies: the tables of a study's TOML file, how they are read and checked, and studies as values.
 
-What it offers is loaded when it is first asked for: the command line lists the levels of fidelity, and reads no study.
+A module of this package is imported when one of its names is first used.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,8 @@
-"""What studies of all contacts are as values: what the user states, with variants, blocks and changes."""
+"""Studies of all kinds as immutable values: their tables, variants, blocks of cycles, and copies with changed values.
+
+A key is named with dots for the tables above it, such as "conditions.normal_load_N". A study's values may be left out
+in its file; a resolved study states all of them.
+"""
 
 from __future__ import annotations
 
@@ -19,16 +23,16 @@ from wirewear.test.programme import Schedule, as_driven, placed, worked_cycles
 from wirewear.test.surfaces import LayerTable
 from wirewear.test.tables import CommonTables, Log
 
-LOGGED = "log.loop_cycles"  #: The key that follows the length of the test where it was left to the program.
+LOGGED = "log.loop_cycles"  #: The key that is adapted to the length of the test unless a study states it.
 
 AnyTable = TypeVar("AnyTable", bound=Table)
 
 
 def with_values(tables: CommonTables, values: Mapping[str, Any], where: str) -> Any:
-    """The tables with these values, checked as a file's are; None takes a key back to its default.
+    """The tables with these values by their keys, checked like those of a file; None sets a key to its default.
 
-    A test of another length is recorded at the same cycles as far as it goes, and at its last.
-    Raises StudyError, in one sentence, if there is no such key, or its value cannot be.
+    If the length of the test changes, the same cycles are recorded as far as it goes, and its last. Raises StudyError,
+    in one sentence, if a key does not exist or its value is not allowed; `where` names the tables in it.
     """
     data = tables.model_dump(mode="json", exclude_none=True)
     values = dict(tables.known_as(key, value) for key, value in values.items())
@@ -40,7 +44,7 @@ def with_values(tables: CommonTables, values: Mapping[str, Any], where: str) -> 
 
 
 def value_at(tables: CommonTables, key: str) -> Any:
-    """The value at a key with dots in it, None where there is none."""
+    """The value of a key with dots; None if there is none."""
     here: Any = tables.model_dump(mode="json")
     for part in tables.known_as(key, None)[0].split("."):
         here = here.get(part) if isinstance(here, Mapping) else None
@@ -48,7 +52,7 @@ def value_at(tables: CommonTables, key: str) -> Any:
 
 
 def _as_far(tables: CommonTables, end: object) -> list[int]:
-    """The cycles that are recorded up to another end; none, for the program to choose, where the end is no number."""
+    """The cycles to record in a test that ends at another cycle; an empty list lets the program choose."""
     logged = tables.log.loop_cycles
     if not isinstance(end, int) or logged == default_loop_cycles(tables.conditions.cycles):
         return []
@@ -90,7 +94,7 @@ class _OfTables(Generic[T_co]):
 class AnyStudy(Generic[Tables]):
     """A study whose keys have been checked; `variants` pairs each variant's name with its complete tables.
 
-    `variant_name` says which variant of a study this is; it is empty for a study as a whole.
+    `variant_name` is the name of the variant that this study is; it is empty for a study as a whole.
     """
 
     tables: Tables
@@ -98,17 +102,17 @@ class AnyStudy(Generic[Tables]):
     variant_name: str = ""
 
     name = _OfTables[str]()
-    kind = _OfTables[str]()  #: Of contact.
-    contact_kind = _OfTables[str]()  #: As results and records name it.
+    kind = _OfTables[str]()  #: Kind of contact, as the file states it.
+    contact_kind = _OfTables[str]()  #: Kind of contact, as results and records name it.
     conditions = _OfTables[Any]()  #: Load, stroke, frequency and length of the test.
     contact = _OfTables[Any]()  #: Friction.
     wear = _OfTables[Any]()  #: Wear law, or None when nothing wears.
     holder = _OfTables[Any]()  #: Stiffness of the rig and of the loading train.
     mesh = _OfTables[Any]()  #: Extent of the fine mesh.
-    laws = _OfTables[tuple[FrictionLaw | WearLaw, ...]]()  #: Those of friction and of wear, if it wears.
+    laws = _OfTables[tuple[FrictionLaw | WearLaw, ...]]()  #: The friction law and, if the test wears, the wear law.
     layers = _OfTables[dict[str, tuple[LayerTable, ...]]]()  #: Coatings and hard skins on both bodies, by their names.
     drive = _OfTables[Drive]()  #: Displacement, load and bulk stresses in the course of a cycle.
-    effects = _OfTables[tuple[Effect[Any], ...]]()  #: That the nominal model lacks.
+    effects = _OfTables[tuple[Effect[Any], ...]]()  #: Effects that the nominal model lacks.
     log = _OfTables[Log]()  #: Which cycles are recorded.
     worn_per_cycle = _OfTables[float]()
 
@@ -119,7 +123,7 @@ class AnyStudy(Generic[Tables]):
 
     @property
     def driven(self) -> Self:
-        """The study as its drive moves the bodies, which effects may change."""
+        """The study with the drive as effects have changed it."""
         conditions, blocks = as_driven(self.conditions, self.tables.programme, self.effects)
         if conditions is self.conditions:
             return self
@@ -133,9 +137,10 @@ class AnyStudy(Generic[Tables]):
 
     @cached_property
     def envelope(self) -> Self:
-        """A study of one block, as large in load, stroke, friction and worn volume as all blocks together: for meshes.
+        """A study of one block with the largest load, stroke and friction of all blocks and their total worn volume,
+        for meshes.
 
-        Itself, where there is no programme.
+        The study itself if it has no programme.
         """
         if not self.tables.programme:
             return self
@@ -152,13 +157,13 @@ class AnyStudy(Generic[Tables]):
 
     @property
     def runs(self) -> tuple[Any, ...]:
-        """The tables of every variant, under every block of its programme."""
+        """The tables of every variant, for every block of its programme."""
         own = [self.variant(name) for name in self.variant_names] or [self]
         every = (stretch.study for each in own for stretch in each.schedule.stretches)
         return tuple({id(study): study.tables for study in every}.values())
 
     def given(self) -> dict[str, Any]:
-        """The nested tables that its file gives, without defaults."""
+        """The nested tables as the study's file states them, without defaults."""
         return self.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
 
     def logging(self, cycles: tuple[int, ...]) -> Self:
@@ -171,22 +176,23 @@ class AnyStudy(Generic[Tables]):
         return replace(self, tables=logged(self.tables), variants=variants)
 
     def unused_values(self) -> Iterator[tuple[str, str, object]]:
-        """Table, key and value of what the file gives for all variants while each of them has another value."""
+        """Table, key and value of everything that the file states for all variants although each variant
+        overrides it.
+        """
         return values_in_no_variant(self.tables, [tables for _, tables in self.variants])
 
     def changed(self, changes: Mapping[str, Any]) -> Self:
-        """The study without variants, with values changed; they are nested as in its file.
+        """The study without variants, with values changed; `changes` are nested as in its file.
 
-        The values are taken as they are: whether they go with one another is not asked.
+        The values are neither checked nor compared with each other.
         """
         return type(self)(_changed(self.tables, changes), variant_name=self.variant_name)
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
         """The study and its variants with values changed by their keys: `{"conditions.normal_load_N": 4}`.
 
-        They are checked as a file's are; None takes a key back to its default.
-        Raises StudyError if there is no such key, its value cannot be, or variants state it differently from one
-        another.
+        Values are checked like those of a file; None sets a key to its default. Raises StudyError if a key does not
+        exist, its value is not allowed, or variants state the key differently.
         """
         name = self.name if not self.variant_name else f"{self.name}, variant {self.variant_name}"
         where = f"the study {name!r}"
@@ -202,7 +208,8 @@ class AnyStudy(Generic[Tables]):
 
     def with_effects(self, *effects: Effect[Any]) -> Self:
         """The study without variants, with these effects in place of its own.
-        Raises StudyError if an effect is given twice, or does not go with the study.
+
+        Raises StudyError if an effect is given twice, or contradicts another key of the study.
         """
         try:
             study = self.changed({"effects": effects_of_tables(effects)})
@@ -220,13 +227,11 @@ class AnyStudy(Generic[Tables]):
 
     @property
     def variant_names(self) -> tuple[str, ...]:
-        """Names of the variants in the file's order; empty for a study without."""
+        """Names of the variants in the file's order; empty for a study without variants."""
         return tuple(name for name, _ in self.variants)
 
     def variant(self, name: str) -> Self:
-        """The study that a variant is: complete, and without variants of its own.
-        Raises StudyError if there is no such variant.
-        """
+        """A variant as a complete study of its own. Raises StudyError if there is no such variant."""
         for own, tables in self.variants:
             if own == name:
                 return type(self)(tables, variant_name=name)
@@ -265,8 +270,9 @@ Of = TypeVar("Of", bound=AnyStudy[Any])
 
 
 def alone(study: Of, how: str = "choose one with --variant") -> Of:
-    """The study itself, which has no variants; `how` says how one is chosen, {first} being the first one's name.
-    Raises StudyError if it has variants.
+    """The study itself. Raises StudyError if it has variants.
+
+    how: how to choose a variant, for the message; {first} in it becomes the name of the first one.
     """
     if study.variant_names:
         how = how.replace("{first}", study.variant_names[0])
@@ -277,8 +283,10 @@ def alone(study: Of, how: str = "choose one with --variant") -> Of:
 def life_data(
     study: AnyStudy[Any], bodies: Iterable[str], values: Mapping[str, Any] | None = None
 ) -> dict[str, LifeTable]:
-    """The [life] tables of bodies by their names: as stated, with `values` of its keys, completed by each material.
-    Raises StudyError if a value cannot be, or data are lacking that the criterion needs.
+    """The [life] tables of bodies by name: as stated, with `values` of its keys, completed by the data of each
+    material.
+
+    Raises StudyError if a value is not allowed, or data that the criterion needs are missing.
     """
     tables = study.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
     where = f"[life] of {(study.variant_name or study.name)!r}"
@@ -290,7 +298,7 @@ def life_data(
 
 
 def _under(alone: Any, values: Mapping[str, Any]) -> Any:
-    """A study without a programme under the conditions of a block."""
+    """The study without a programme, under the conditions of a block."""
     tables = alone.tables.model_dump(mode="json", exclude_none=True)
     tables = merged(tables, placed(values, tables))
     return replace(alone, tables=checked_tables(tables, f"the study {alone.name!r}"))
@@ -309,7 +317,7 @@ def _plain(tables: CommonTables) -> dict[str, Any]:
 
 
 def _written(table: Mapping[str, Any], place: tuple[str, ...]) -> Iterator[tuple[str, str]]:
-    """Every key with its value as it is written; empty tables and lists are left out."""
+    """Every key with dots and its value as text; empty tables and lists are left out."""
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from _written(value, (*place, key))

@@ -1,4 +1,8 @@
-"""Bodies: the keys that files state of any of them, once; and those of a contact at a point, as they are meshed."""
+"""Bodies: the keys that files state of any body, and bodies of contacts at a point as they are meshed.
+
+The driven body lies below, the held one above. A block or a bar has an axis, which lies in the plane of contact; along
+and across are relative to it.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -30,13 +34,13 @@ HARDENS = "rise of that stress per plastic strain; without it the stress stays"
 
 
 class StatedBody(keys.Table):
-    """What any body may state, in studies, records and mappings of all kinds."""
+    """Keys of any body, in studies, records and mappings of all kinds."""
 
     bulk: BulkTable | None = Field(None, description=BULK)
 
 
 class MaterialKeys(keys.OfMaterial):
-    """An elastic material, or one that yields."""
+    """Keys of a material, elastic or yielding."""
 
     material: keys.MaterialName | None = Field(
         None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
@@ -52,14 +56,14 @@ class MaterialKeys(keys.OfMaterial):
 
 
 class SurfaceKeys(StatedBody):
-    """What any body may state besides where it is simulated."""
+    """Keys of any body in a study: its measured surface, its layers and its bulk stress."""
 
     surface: StatedSurface | None = Field(None, description="its surface as measured before the test")
     layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
 
 
 class GripKeys(keys.Table):
-    """How stiffly a body is held."""
+    """The key for how stiffly a body is held."""
 
     grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
         "rigid", description='stiffness per area of what holds the body, a number or "rigid"'
@@ -67,11 +71,11 @@ class GripKeys(keys.Table):
 
 
 class MountedBody(SurfaceKeys, GripKeys, MaterialKeys):
-    """A body of one material, held by its holder: what each states in a study of any kind."""
+    """Keys of a body of one material, held by its holder, in a study of any kind."""
 
     @property
     def as_stated(self) -> dict[str, Any]:
-        """What a `Body` is by keys of the same names."""
+        """Arguments of `Body` that have keys of the same names, with their values."""
         return {own.name: getattr(self, own.name) for own in fields(Body) if own.name in type(self).model_fields}
 
 
@@ -84,11 +88,11 @@ class Body(ABC):
     poissons_ratio: float
     grip_stiffness_N_per_mm3: float | Literal["rigid"]
     axis_angle_deg: float
-    #: As it was measured before the test, None of one that has its unworn shape.
+    #: Its surface as measured before the test; None for the unworn shape.
     surface: StatedSurface | None = field(default=None, kw_only=True)
-    layers: tuple[LayerTable, ...] = field(default=(), kw_only=True)  #: On it, outermost first.
-    bulk: BulkTable | None = field(default=None, kw_only=True)  #: Stress that it carries beside the contact.
-    yield_stress_MPa: float | None = field(default=None, kw_only=True)  #: None of a body that stays elastic.
+    layers: tuple[LayerTable, ...] = field(default=(), kw_only=True)  #: Coatings on it, the outermost first.
+    bulk: BulkTable | None = field(default=None, kw_only=True)  #: Bulk stress that it carries.
+    yield_stress_MPa: float | None = field(default=None, kw_only=True)  #: None for a body that stays elastic.
     hardening_modulus_MPa: float | None = field(default=None, kw_only=True)
 
     @property
@@ -102,68 +106,77 @@ class Body(ABC):
 
     @property
     def face(self) -> Face | None:
-        """The face of a pad, None of a body that its curvatures describe."""
+        """The face of a pad; None for a body that its curvatures describe."""
         return None
 
     @property
     def has_axis(self) -> bool:
-        """Whether its curvatures along and across its axis differ."""
+        """True if its curvatures along and across its axis differ."""
         along, across = self.curvatures_per_mm
         return along != across
 
     @property
     def diameters_mm(self) -> tuple[float, float]:
-        """Along its axis and across, infinite where it is straight."""
+        """Diameters of its surface along its axis and across, infinite where it is straight."""
         along, across = (2.0 / k if k else float("inf") for k in self.curvatures_per_mm)
         return along, across
 
     def curvature_per_mm(self, turned_deg: float = 0.0) -> Array:
-        """Curvature K (2, 2) of its surface ½ rᵀKr along and across the motion, with its axis turned further."""
+        """Curvature matrix K (2, 2) in 1/mm of its surface ½ rᵀKr, with r along and across the motion.
+
+        turned_deg: angle by which its axis is turned further.
+        """
         angle = radians(self.axis_angle_deg + turned_deg)
         turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
         return np.asarray(turn @ np.diag(self.curvatures_per_mm) @ turn.T)
 
     @property
     def bedding_N_per_mm3(self) -> float | None:
-        """Stiffness of an elastic grip per area, None of a rigid one."""
+        """Stiffness of its grip per area; None if it is rigid."""
         return None if isinstance(self.grip_stiffness_N_per_mm3, str) else self.grip_stiffness_N_per_mm3
 
     @abstractmethod
     def geometry(
         self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
     ) -> BodyGeometry:
-        """The geometry that is meshed under a patch. Raises StudyError if the patch does not fit on it."""
+        """The geometry to mesh under a patch with these axes and layers. Raises StudyError if the patch does not fit on
+        the body.
+        """
 
 
 def yield_of(body: Body | MaterialKeys) -> tuple[float, float] | None:
-    """Yield stress and hardening modulus of a body in MPa, None of an elastic one."""
+    """Yield stress and hardening modulus of a body in MPa; None for an elastic body."""
     return None if body.yield_stress_MPa is None else (body.yield_stress_MPa, body.hardening_modulus_MPa or 0.0)
 
 
-OPEN = "?"  #: What stands in a guessed file for what only the user can say.
+OPEN = "?"  #: Placeholder in a guessed file for values that only the user knows.
 
 
 @dataclass(frozen=True)
 class BodiesByOptions:
-    """Bodies that options state: their tables in a mapping, what was assumed, and the bodies where they are known."""
+    """Bodies stated by options of a command: their tables in a mapping, remarks on assumptions, and the bodies if
+    known.
+    """
 
     tables: Mapping[str, Any]
     remarks: tuple[str, ...] = ()
     bodies: tuple[Body, ...] = ()
-    length_mm: float | None = None  #: Of a line contact, which has worn profiles in place of scars.
-    with_axis: tuple[str, ...] = ()  #: Names of those that have an axis whatever the options say.
+    length_mm: float | None = None  #: Length of a line contact, which has worn profiles in place of scars.
+    with_axis: tuple[str, ...] = ()  #: Names of the bodies that always have an axis.
     needs_loops: bool = True  #: Whether there is no record of them without loops.
 
 
 class StatedBodies(keys.Table):
-    """How the files of a kind of test state its bodies."""
+    """The keys by which the files of a kind of test state its bodies."""
 
     @classmethod
     def by_options(
         cls, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]
     ) -> BodiesByOptions:
-        """Bodies of such elastic constants; known: values of keys.
-        Raises RecordError, in one sentence, if what no file states is not known.
+        """Bodies from options of a command.
+
+        known: values of keys.  elastic: elastic constants of the first body.  of_other: those of the other body. Raises
+        RecordError, in one sentence, if a needed value is missing.
         """
         del known, elastic, of_other
         raise RecordError(
@@ -174,7 +187,7 @@ class StatedBodies(keys.Table):
 
 @dataclass(frozen=True)
 class Wire(Body):
-    """A wire or, with a bore, a tube: its tables put together; a length of None leaves it to the program."""
+    """A wire or, with a bore, a tube; with length_mm None the program chooses the length."""
 
     diameter_mm: float
     length_mm: float | None
@@ -223,14 +236,14 @@ class Wire(Body):
 
 @dataclass(frozen=True)
 class BlockBody(Body):
-    """A block with the face of a ball, a barrel, a cylinder or a flat, held at its back and sides."""
+    """A block with the face of a ball, a barrel, a cylinder, a flat or a pad, held at its back and sides."""
 
     curvatures: tuple[float, float]
     half_width_mm: float | None
     height_mm: float | None
-    #: The radius by which its extents are chosen where they are left to the program, its own or the other body's.
+    #: Length by which its extents are chosen if they are not stated: a radius, its own or the other body's.
     size_mm: float
-    of_pad: Face | None = None  #: The face of a pad, whose curvatures are 0.
+    of_pad: Face | None = None  #: The face of a pad; its curvatures are then 0.
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:
@@ -243,9 +256,11 @@ class BlockBody(Body):
     def geometry(
         self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
     ) -> BlockGeometry:
-        """A block as wide as its radii allow, or where it is straight as keeps its sides far from the contact.
+        """A block as wide as its radii allow or, where it is straight, wide enough to keep its sides far from the
+        contact.
 
-        Held as it is, it approaches less than a half-space by about 0.5 a² / size of a ball's contact of radius a.
+        Held at back and sides, its approach is less than a half-space's by about 0.5 a² / size for a ball's contact of
+        radius a.
         """
         along, across = (
             self._half_width(curvature, axis.half_extent_mm)
@@ -264,7 +279,9 @@ class BlockBody(Body):
         return f"{self.name} body" if self.name in ("lower", "upper") else self.name
 
     def _half_width(self, curvature: float, reach_mm: float) -> float:
-        """Half of the block's extent in the direction of a curvature, for a patch that reaches so far.
+        """Half of the block's extent in mm in the direction of a curvature, for a patch that reaches `reach_mm` to each
+        side.
+
         Raises StudyError if it would be too narrow for the patch, or too wide for its radius.
         """
         # Half-width of a straight block over the other body's radius, or its patch.
@@ -289,18 +306,19 @@ class BlockBody(Body):
 
 @dataclass(frozen=True)
 class Gap:
-    """Between two unworn bodies: rᵀHr for r along and across the motion, `form` H (2, 2) in 1/mm.
+    """The gap rᵀHr between two unworn bodies, with r along and across the motion; `form` is H (2, 2) in 1/mm.
 
-    Sheared by x → x + shear·y, which no motion along x feels, it is (along·x² + y²)/2R: crossed wires of radius R have
-    along = sin²θ and shear = −cot θ, a ball on a flat is as wires at 90°.
+    Sheared by x → x + shear·y, which does not affect motion along x, it is (along·x² + y²)/2R: crossed wires of radius
+    R have along = sin²θ and shear = −cot θ; a ball on a flat has the gap of wires at 90°.
     """
 
     form: Array
 
     @classmethod
     def of(cls, driven: Body, held: Body, turned_deg: float = 0.0) -> Self:
-        """The gap of two bodies; the held one may be turned further, by degrees.
-        Raises StudyError if one has the face of a pad, whose worn shapes are similar to no other's.
+        """The gap of two bodies; the held one may be turned further by `turned_deg`.
+
+        Raises StudyError if one has the face of a pad, whose worn shapes are not similar to each other.
         """
         if driven.face or held.face:
             raise StudyError(
@@ -310,27 +328,27 @@ class Gap:
 
     @property
     def spot_mm(self) -> Array:
-        """H⁻¹: squares of half widths, over its depth, of what a plane cuts off."""
+        """H⁻¹ (2, 2): squares and products of the half-widths of the ellipse that a plane cuts off, over its depth."""
         return np.asarray(np.linalg.inv(self.form), dtype=np.float64)
 
     @property
     def radius_mm(self) -> float:
-        """Effective radius R of the sheared gap, mm."""
+        """Effective radius R of the sheared gap."""
         return 0.5 * float(self.spot_mm[1, 1])
 
     @property
     def along(self) -> float:
-        """Curvature along the motion over that across, once sheared."""
+        """Curvature of the sheared gap along the motion over that across."""
         return 2.0 * float(self.form[0, 0]) * self.radius_mm
 
     @property
     def shear(self) -> float:
-        """λ = H_xy/H_xx: x → x + λ·y takes the cross term away, and no motion along x feels it."""
+        """λ = H_xy/H_xx: the shear x → x + λ·y that removes the gap's cross term."""
         return float(self.form[0, 1] / self.form[0, 0])
 
 
 def touch_along_line(driven: Body, held: Body) -> bool:
-    """Whether two bodies touch along a line or nearly so."""
+    """True if two bodies touch along a line or nearly so."""
     crossing = radians(held.axis_angle_deg - driven.axis_angle_deg)
     small, large, _ = reference.gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, crossing)
     # Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
@@ -338,7 +356,8 @@ def touch_along_line(driven: Body, held: Body) -> bool:
 
 
 def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointContact:
-    """The contact of two unworn bodies; its angle is that of its major axis from the driven body's.
+    """Hertz's contact of two unworn bodies; its angle is that of its major axis from the driven body's axis.
+
     Raises StudyError if a pad is too small for the load.
     """
     if (face := driven.face or held.face) is not None:
@@ -349,13 +368,13 @@ def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointC
 
 
 def unworn_stiffness_N_per_um(normal_load_N: float, driven: Body, held: Body) -> float:
-    """Mindlin's of a circle as large as that contact."""
+    """Mindlin's tangential stiffness of a circular contact as large as Hertz's contact of two unworn bodies."""
     modulus = reference.tangential_contact_modulus(driven.material, held.material)
     return 1e-3 * reference.mindlin_stiffness(modulus, hertz_of(normal_load_N, driven, held).contact_radius_mm)
 
 
 def on_pad(found: Callable[[], Found]) -> Found:
-    """A pad's contact or scar, as `found` returns it. Raises StudyError if its face does not reach so far."""
+    """A pad's contact or scar, as `found` returns it. Raises StudyError if its face does not reach far enough."""
     try:
         return found()
     except ValueError as problem:

@@ -1,4 +1,4 @@
-"""Checks between keys of a study: each alone may be fine, and yet they do not fit together."""
+"""Checks that the keys of a study fit together, each of which is valid by itself."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
@@ -18,7 +18,7 @@ from wirewear.test.tables import CommonTables, ContactTables
 
 
 def default_loop_cycles(cycles: int) -> tuple[int, ...]:
-    """The series 1, 2, 5, 10, 20, 50, ... up to the last cycle, which always belongs to it."""
+    """The cycles 1, 2, 5, 10, 20, 50, ... below `cycles`, and `cycles` itself."""
     decades = [10**exponent for exponent in range(len(str(cycles)))]
     series = {factor * decade for decade in decades for factor in (1, 2, 5)}
     return tuple(sorted({cycle for cycle in series if cycle < cycles} | {cycles}))
@@ -27,8 +27,10 @@ def default_loop_cycles(cycles: int) -> tuple[int, ...]:
 def checked_tables(
     data: Mapping[str, Any], where: str, overrides: Mapping[str, Any] | None = None, prefix: str = ""
 ) -> CommonTables:
-    """The tables, checked; `overrides` are those under `prefix`, for messages to name the right table.
-    Raises StudyError, in one sentence, if they are no tables of a study.
+    """A study's tables, checked, with the cycles to record filled in; `where` names them in messages.
+
+    overrides: the values that a variant states under `prefix`, so that messages name the right table. Raises
+    StudyError, in one sentence, if they are not valid tables of a study.
     """
 
     def spelled(keys: Keys) -> str:
@@ -61,7 +63,7 @@ def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
 
 
 def inconsistency(tables: CommonTables) -> Inconsistency | None:
-    """The first contradiction within a study, if there is one."""
+    """The first contradiction between a study's keys; None if there is none."""
     checks = (type(tables).contradiction, *(_OF_A_POINT if isinstance(tables, ContactTables) else ()), *_OF_ALL)
     return next((found for check in checks if (found := check(tables)) is not None), None)
 
@@ -189,13 +191,14 @@ _OF_ALL: tuple[Check, ...] = (_layers, _programme, _held)
 _OF_A_POINT: tuple[Check, ...] = (_wear, _bulk, _holder, _effects, _explicit, _fidelities)
 
 
-#: Yields keys that tables state and that do not act there, as others decide in their place.
+#: Yields keys that tables state but that have no effect, because others take their place.
 Rule = Callable[[CommonTables], Iterator[Inconsistency]]
 
 
 def require_no_idle_key(runs: Sequence[CommonTables], where: str) -> None:
-    """See that every key that a study states acts in one of its runs at least, the tables of its variants and blocks.
-    Raises StudyError, in one sentence, for one that does not.
+    """Raise StudyError, in one sentence, for a key that a study states but that has no effect in any of its runs.
+
+    runs: the tables of its variants and blocks.
     """
     for rule in _RULES:
         idle = [{found.keys: found for found in rule(tables)} for tables in runs]
@@ -235,7 +238,7 @@ def _phases(tables: CommonTables) -> Iterator[Inconsistency]:
 
 
 def _inner(tables: Table, kind: type[Any], *above: str) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """The tables of a kind within others, with their places."""
+    """The tables of a class within others, each with the keys that lead to it."""
     for key, value in tables:
         if isinstance(value, kind):
             yield (*above, key), value

@@ -1,4 +1,6 @@
-"""How a study states what drives a cycle: displacement and normal load in its course, and bulk stresses of bodies."""
+"""The keys of a study for what drives a cycle: displacement and normal load over time, and bulk stresses of the
+bodies.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from math import degrees, radians
@@ -32,7 +34,7 @@ LOAD_CYCLE = (
     "comes to 0; without it the load stays"
 )
 BULK = (
-    "stress that it carries beside the contact, by tension, bending and torsion in each cycle"  #: What the key holds.
+    "stress that it carries beside the contact, by tension, bending and torsion in each cycle"  #: Meaning of the key.
 )
 
 
@@ -49,7 +51,7 @@ def _made(value: object, make: Callable[[], Made]) -> Made:
 
 
 def _waveform(value: object) -> Waveform:
-    """The waveform that a key's value describes; ValueError when there is none such."""
+    """The waveform that a key's value describes; ValueError if it describes none."""
     match value:
         case Waveform():
             return value
@@ -76,7 +78,7 @@ def _described(waveform: Waveform) -> str | dict[str, Any]:
 
 
 def _load_cycle(value: object) -> LoadCycle:
-    """The course of the load that a key's value describes; ValueError when there is none such."""
+    """The normal load over a cycle that a key's value describes; ValueError if it describes none."""
     if isinstance(value, LoadCycle):
         return value
     if isinstance(value, Mapping) and set(value) == {_POINTS}:
@@ -108,7 +110,7 @@ LoadCycleKey = Annotated[LoadCycle, PlainValidator(_load_cycle), PlainSerializer
 
 
 def drive_of(amplitude_um: float, motion: Waveform, load: LoadCycle | None) -> Drive:
-    """The drive of an amplitude (µm), a waveform and a load cycle; without one the load is steady."""
+    """The drive of an amplitude in µm, a waveform and a load cycle; without one the load is constant."""
     return Drive(1e-3 * amplitude_um, motion, load or LoadCycle())
 
 
@@ -118,8 +120,8 @@ Phase = Annotated[float, PlainValidator(Quantity("deg", -360.0, 360.0))]
 
 
 class BulkTable(keys.Table):
-    """Bulk stress of one body along its own axis, named by what it is at the contact: mean + amplitude cos(cycle −
-    phase), from the drive's rest at +amplitude on.
+    """Bulk stress of one body along its own axis, given by its values at the contact: mean + amplitude cos(cycle −
+    phase), from when the drive is at +amplitude.
     """
 
     axial_stress_MPa: Stress = Field(0.0, description="mean axial stress, tension positive", examples=[300.0])
@@ -140,7 +142,7 @@ class BulkTable(keys.Table):
         )
 
     def unfit(self, *, is_round: bool) -> str | None:
-        """Why a body that is a round bar or not cannot bear it, as the rest of a sentence; None where it can."""
+        """Why a body that is a round bar or not cannot carry this stress, as the rest of a sentence; None if it can."""
         if (self.torsion_stress_MPa or self.torsion_stress_amplitude_MPa) and not is_round:
             return "gives a torsion stress, which is of round bars, wires and tubes alone"
         return None
@@ -149,7 +151,9 @@ class BulkTable(keys.Table):
 def bulk_of(
     bodies: Sequence[tuple[BulkTable | None, Elastic]], *, plane_strain: bool = False
 ) -> tuple[BulkStress, ...]:
-    """Bulk stresses of the driven and the held body; empty where neither states any."""
+    """Bulk stresses of the driven and the held body, each given by its table and material; empty if neither
+    states any.
+    """
     if all(table is None for table, _ in bodies):
         return ()
     return tuple((table or BulkTable()).of(material, plane_strain=plane_strain) for table, material in bodies)

@@ -1,4 +1,4 @@
-"""Faces of pads as a study states them: of a line contact's pad, and of one that is turned about its own axis."""
+"""Faces of pads as a study states them: of a line contact's pad, and of a pad of revolution about the normal."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,14 +17,14 @@ Face = Cylinder | RoundedFlat | TabledProfile
 Radius = Annotated[float, PlainValidator(Quantity("mm", 0.05, 1000.0))]
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.02, 500.0))]
 
-COLUMNS = ("x_um", "height_um")  #: What a file of a profile holds, by its columns' names.
-MOST_POINTS = 1_000  #: A file of more points is averaged in groups of neighbours: more than elements of a contact.
+COLUMNS = ("x_um", "height_um")  #: Columns of a file of a profile.
+MOST_POINTS = 1_000  #: Points of a file beyond this number are averaged in groups of neighbours.
 
-#: Half-width of a body that is left open, at most, and as a share of a round face's radius.
+#: Half-width of a body that does not state it: at most, and as a share of a round face's radius.
 WIDEST_mm, _ACROSS_RADIUS = 10.0, 0.8
 
 
-#: Those that make one together.
+#: Sets of keys that make one face.
 _FACES = (
     {"radius_mm"},
     {"face_half_width_mm", "edge_radius_mm"},
@@ -36,12 +36,12 @@ _FACES = (
 _ANY_FACE = (
     "give radius_mm, or face_half_width_mm with edge_radius_mm or with radius_mm, or profile_points_mm or profile_file"
 )
-#: Faces of the pads of some kinds, and what to give.
+#: For some kinds of contact: the sets of keys allowed, and advice for messages.
 _OF_KINDS = {kinds.CYLINDER_ON_FLAT: (_FACES[:1], "give radius_mm, the radius of the cylinder, and no other face")}
 
 
 def half_width_of(face: Face) -> float:
-    """Half-width of a pad that its study leaves open, mm."""
+    """Half-width in mm of a pad whose study does not state it."""
     match face:
         case Cylinder(radius_mm=radius):
             return min(WIDEST_mm, _ACROSS_RADIUS * radius)
@@ -61,7 +61,7 @@ def _checked_profile(value: object) -> tuple[tuple[float, float], ...]:
 
 
 def _points_of_file(name: object) -> list[tuple[float, float]]:
-    """Pairs x and fall below the highest point in mm of a table of heights in µm."""
+    """Pairs of x and fall below the highest point in mm, from a table of heights in µm."""
     from wirewear.base.guessing import known_columns
 
     if not isinstance(name, str):
@@ -79,7 +79,7 @@ def _points_of_file(name: object) -> list[tuple[float, float]]:
 
 
 def size_of(face: Face) -> float:
-    """Length by which the extents of a turned pad's body are chosen, mm."""
+    """Length in mm by which the extents of a turned pad's body are chosen."""
     match face:
         case Cylinder(radius_mm=radius):
             return radius
@@ -90,7 +90,7 @@ def size_of(face: Face) -> float:
 
 
 class PadFace(Table):
-    """The face of a pad: round, a flat with rounded edges, a flat cut off a round one, or any other profile."""
+    """The keys of a pad's face: round, flat with rounded edges, a flat cut off a round one, or any other profile."""
 
     radius_mm: Radius | None = Field(
         None, description="radius of a round pad; with face_half_width_mm a flat is cut off it", examples=[40.0]
@@ -107,7 +107,7 @@ class PadFace(Table):
 
     @property
     def profile(self) -> Face:
-        """The face itself; a pad has exactly one."""
+        """The face that these keys state; they must state exactly one, see `missing_face`."""
         if self.profile_points_mm is not None:
             return TabledProfile(self.profile_points_mm)
         if self.face_half_width_mm is not None:
@@ -117,9 +117,9 @@ class PadFace(Table):
         return Cylinder(self.radius_mm or 0.0, curved_along=True)
 
     def missing_face(self, kind: str = kinds.LINE_CONTACT) -> str | None:
-        """Which keys would give a pad one face, as the rest of a sentence; None where it has one.
+        """Which keys would give the pad one face, as the rest of a sentence; None if it has one.
 
-        kind: as the file names its contact.
+        kind: the kind of contact, as the file names it.
         """
         faces, wanted = _OF_KINDS.get(kind, (_FACES, _ANY_FACE))
         if {key for key in FACE_KEYS if getattr(self, key) is not None} not in faces:
@@ -135,7 +135,7 @@ FACE_KEYS = tuple(PadFace.model_fields)  #: The keys of a face.
 
 
 class PadFaceOrFile(PadFace):
-    """The face of a pad, or a file that holds its profile."""
+    """The keys of a pad's face, or a file that holds its profile."""
 
     profile_file: str | None = Field(
         None, description="table of x_um and height_um, taken over as profile_points_mm", examples=["pad.csv"]

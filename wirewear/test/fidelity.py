@@ -1,4 +1,6 @@
-"""What --fidelity means where a study does not say otherwise: crossed wires and line contacts."""
+"""Levels of fidelity: element sizes and steps of contacts at a point and line contacts, unless a study states
+its own.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -10,8 +12,8 @@ Level = TypeVar("Level")
 
 FIDELITIES = ("quick", "standard", "fine")
 
-_RIM_SHARE_WORN = 0.7  #: How those fall in size.
-STICKING_INCREMENTS = 16  #: Of a cycle that only wears, around a centre that sticks for good.
+_RIM_SHARE_WORN = 0.7  #: The `rim_share` of these elements.
+STICKING_INCREMENTS = 16  #: Increments of a cycle that only wears, around a middle that sticks for good.
 
 
 def level_of(levels: Mapping[str, Level], name: str) -> Level:
@@ -23,11 +25,12 @@ def level_of(levels: Mapping[str, Level], name: str) -> Level:
 
 @dataclass(frozen=True)
 class WireLevel:
-    """Resolution of a contact at a point."""
+    """Resolution of a contact at a point in space and time."""
 
     per_contact_radius: float  #: Elements per radius of the fresh contact, in all directions.
-    #: The same where its middle sticks for good and the annulus around it wears until it carries nothing: a hundredth
-    #: of the radius that sticks is a tenth of the worn volume (studies/atlas/partial_slip).
+
+    #: Elements per radius where the middle sticks for good and the annulus around it wears until it carries nothing: an
+    #: error of 1 % of the stick radius is one of 10 % of the worn volume (studies/atlas/partial_slip).
     per_sticking_radius: float
     #: Elements per half-width of the scar. The worn wires touch in a band across the motion that travels over the whole
     #: scar and is narrowest at its edges, so elements along the motion are the shorter ones. Neither direction is
@@ -37,21 +40,25 @@ class WireLevel:
     #: Elements from the middle to the rim of a contact that sticks in its middle, smaller towards the rim: its patch
     #: need hold little beside it, and the annulus that slips is narrow (docs/partial_slip.md).
     to_rim: float
-    #: How their sizes fall, see `RimGradedAxis`. Whole nodes slip: of all shares this one leaves the area of the nodes
-    #: within a circle nearest to the circle's, whatever its radius (docs/partial_slip.md).
+
+    #: The `share` of `RimGradedAxis`, by which element sizes fall towards the rim. Since whole nodes slip, it is chosen
+    #: so that the area of the nodes within a circle is nearest to the circle's (docs/partial_slip.md).
     rim_share: float
     increments_per_cycle: int
     wear_increments: float  #: Positions at which surfaces wear in a cycle, as a share of a loop's increments.
     jump_tolerance: float
     most_unknowns: int  #: Displacements of a wire's patch beyond which these numbers are lowered together.
     loop_spacing: float  #: Loops are also measured between those to be logged where that leaves this ratio.
-    move_nodes_at_stages: bool = False  #: Into the worn surface, whenever a mesh for a larger scar begins.
+    #: Whether nodes are moved into the worn surface whenever a mesh for a larger scar begins.
+    move_nodes_at_stages: bool = False
     #: Whether the middle of the contact sticks for good. Equal wires at right angles then get equal mesh lines: nodes
     #: that stick face nodes that stick.
     sticking: bool = False
 
     def for_sticking(self, *, wears: bool) -> "WireLevel":
-        """The level for a contact whose middle sticks for good, which needs few positions."""
+        """The level for a contact whose middle sticks for good, which needs few positions; wears: whether the test has
+        wear.
+        """
         # Elements to the rim of a contact that sticks in its middle and wears, over those of even size.
         return replace(
             self,
@@ -63,7 +70,7 @@ class WireLevel:
         )
 
     def coarser(self, factor: float) -> "WireLevel":
-        """The level with elements larger by a factor."""
+        """The level with elements larger by `factor`."""
         return replace(
             self,
             per_contact_radius=self.per_contact_radius / factor,
@@ -122,12 +129,13 @@ WIRE_LEVELS = {
 class LineLevel:
     """Resolution of a worn line contact: elements per half-width of the fresh contact and of the scar, and steps.
 
-    Jump tolerances are those at which pressures at the edges of a growing scar have settled; depths allow a tenfold.
+    Jump tolerances are those at which pressures at the edges of a growing scar no longer change; depths need a tenth of
+    that.
     """
 
     per_contact: float
     per_scar: float
-    to_rim: float  #: In place of the first where the middle of the contact sticks.
+    to_rim: float  #: In place of `per_contact` where the middle of the contact sticks.
     increments_per_cycle: int
     jump_tolerance: float
 

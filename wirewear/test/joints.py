@@ -1,4 +1,6 @@
-"""Joints: tests of which loops alone are known, as of a bolted joint or a damper; no bodies, nothing that wears."""
+"""Joints: tests of which loops alone are known, such as those of a bolted joint or a damper, without bodies and
+wear.
+"""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
@@ -21,7 +23,7 @@ Stroke = Annotated[float, PlainValidator(Quantity("um", 0.1, 1e5))]
 
 
 class AskedOfJoint(Asked):
-    """What is asked of the rig; a damper may move by centimetres."""
+    """Keys of load, stroke and length of a joint's test; the stroke may be centimetres."""
 
     displacement_amplitude_um: Stroke = Field(
         description="imposed displacement amplitude, half the stroke", examples=[60.0]
@@ -29,11 +31,11 @@ class AskedOfJoint(Asked):
 
 
 class JointConditions(AskedOfJoint, DrivenConditions):
-    """What is asked of the rig of a joint."""
+    """Keys of the conditions of a joint's test in a study."""
 
 
 class JointStiffness(StatedBodies):
-    """How stiff a joint itself is: all that is stated in place of bodies."""
+    """The key for a joint's own stiffness, all that is stated in place of bodies."""
 
     contact_stiffness_N_per_mm: keys.HolderStiffness = Field(
         "rigid", description='stiffness of the joint itself, without the rig, a number or "rigid"'
@@ -48,11 +50,13 @@ class JointStiffness(StatedBodies):
 
 
 class JointContact(FrictionTable, JointStiffness):
-    """Friction of a joint, and its stiffness."""
+    """Keys of a joint's friction and stiffness."""
 
 
 class JointTables(CommonTables, StatesItsKind):
-    """The study of a joint without its variants. It is fitted and diagnosed, and not simulated by finite elements."""
+    """The study of a joint without its variants. It can be fitted and diagnosed, but not simulated by finite
+    elements.
+    """
 
     kind: Literal["joint"] = Field(description="kind of contact", examples=[kinds.JOINT])
     conditions: JointConditions = Field(description="load, stroke, frequency and length of the test")
@@ -63,12 +67,12 @@ class JointTables(CommonTables, StatesItsKind):
 
     @property
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
-        """There are no bodies."""
+        """Empty: there are no bodies."""
         return {}
 
     @property
     def materials(self) -> dict[str, Elastic]:
-        """There are no bodies."""
+        """Empty: there are no bodies."""
         return {}
 
     @property
@@ -84,13 +88,13 @@ class JointTables(CommonTables, StatesItsKind):
         return WearRates()
 
     def contradiction(self) -> Inconsistency | None:
-        """An effect of bodies."""
+        """The key of the effects if one of them needs bodies; None otherwise."""
         if any(effect.seam is Seam.SPECIMENS for effect in self.effects):
             return Inconsistency(("effects",), "hold one of bodies, which a joint does not state")
         return None
 
 
-#: A friction damper.
+#: The template of a joint's study: a friction damper.
 JOINT = Template(
     kinds.JOINT,
     JointTables,

@@ -1,6 +1,6 @@
-"""The keys of a study's TOML file: which values each may take, in its unit, and what a table is.
+"""The keys of a study's TOML file: the values that each may take, in its unit, and tables of keys.
 
-The keys carry their units; values are kept as given. A key's checks stand in its `Quantity`.
+Keys carry their units; values are kept as given. A key of a number is checked by its `Quantity`.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -22,24 +22,24 @@ from wirewear.test.materials import material_named
 FORMAT = 1
 
 _CYCLES = Quantity("cycles", 1, 1e9, whole=True)
-AXIS = Quantity("deg", -180.0, 180.0)  #: Of the angle of a body's axis to the motion.
+AXIS = Quantity("deg", -180.0, 180.0)  #: Unit and range of the angle of a body's axis to the motion.
 
 _FRICTION = '"coulomb" or a table such as { name = "shear-limited", shear_strength_MPa = 800.0 }'
 _WEAR = '"energy" or a table such as { name = "energy-threshold", threshold_mJ_per_mm2 = 500.0 }'
 
-#: Said of a rotational stiffness.
+#: The rest of a sentence that begins with a rotational stiffness.
 NO_PIVOT = "says that the holder rotates, but pivot_height_mm, the height of its pivot above the contact, is missing"
 
 
 def checked_format(value: object) -> int:
-    """FORMAT, the only version there is; anything else raises ValueError."""
+    """FORMAT, the only version there is; ValueError for any other value."""
     if value != FORMAT or isinstance(value, bool):
         raise ValueError(f"is {shown(value)}, but this version of wirewear reads format {FORMAT}")
     return FORMAT
 
 
 def checked_text(value: object) -> str:
-    """A text that is not blank; anything else raises ValueError."""
+    """The value if it is a text that is not blank; ValueError otherwise."""
     if not isinstance(value, str) or not value.strip():
         raise ValueError(f'is {shown(value)}, but must be a text such as "steel wires"')
     return value
@@ -80,8 +80,9 @@ def _checked_material(value: object) -> str:
 
 
 def with_constants_of_material(table: Any) -> Any:
-    """A table that names its material, with that material's constants, and where it yields unless the table says so.
-    Raises ValueError if the table gives other constants as well.
+    """A table that names its material, with the material's elastic constants and, unless stated, its yield stress.
+
+    Raises ValueError if the table states other constants as well.
     """
     if not isinstance(table, Mapping) or table.get("material") is None:
         return table
@@ -150,7 +151,10 @@ Law = TypeVar("Law", FrictionLaw, WearLaw)
 
 
 def _law_of(value: object, kind: type[Any], made: Callable[[str, Mapping[str, float]], Law], example: str) -> Law:
-    """The law that a key's value describes; ValueError when there is none such."""
+    """The law that a key's value describes; ValueError if it describes none.
+
+    kind: base class of the laws.  made: makes one from name and parameters.  example: for messages.
+    """
     if isinstance(value, kind):
         return cast("Law", value)
     table = {"name": value} if isinstance(value, str) else value
@@ -189,8 +193,10 @@ WearLawKey = Annotated[
 def pairs_of(
     value: object, example: str, least: float = -inf, *, given: str = "is", must: str = "be a list of"
 ) -> tuple[tuple[float, float], ...]:
-    """A list of pairs of finite numbers, none below the least.
-    Raises ValueError, with an example and in words that go on from the key's name, if it is none.
+    """A list of pairs of finite numbers, none below `least`.
+
+    Raises ValueError otherwise; the message continues a sentence that begins with the key and contains the example,
+    given and must are words of it.
     """
     points = []
     for item in value if isinstance(value, list | tuple) else [None]:
@@ -215,14 +221,14 @@ Points = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_poi
 
 
 class Table(BaseModel):
-    """A table of the study: immutable, and without keys that it does not know."""
+    """A table of keys: immutable, and without keys that it does not know."""
 
     # Checks are built when a table is first read: those of most kinds of contact are never.
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """`base` with the keys of `overrides` in their place, table by table."""
+    """`base` with the values of `overrides` in place of its own, table by table."""
     whole = dict(base)
     for key, value in overrides.items():
         below = whole.get(key)
@@ -231,7 +237,9 @@ def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, A
 
 
 def values_in_no_variant(tables: Table, variants: Sequence[Table]) -> Iterator[tuple[str, str, object]]:
-    """Table, key and value of what a file gives for all variants while each of them has another value."""
+    """Table, key and value of everything that a file states for all variants although each variant has another
+    value.
+    """
     for name in sorted(tables.model_fields_set):
         own = getattr(tables, name)
         for key in sorted(own.model_fields_set) if isinstance(own, Table) and variants else ():
@@ -241,7 +249,7 @@ def values_in_no_variant(tables: Table, variants: Sequence[Table]) -> Iterator[t
 
 
 class OfMaterial(Table):
-    """A table whose elastic constants are given, or follow from the name of a material."""
+    """A table whose elastic constants are stated, or follow from the name of a material."""
 
     @model_validator(mode="before")
     @classmethod
@@ -252,7 +260,7 @@ class OfMaterial(Table):
 
 
 class NamedTable(Table):
-    """A whole file: what every study states first."""
+    """A whole file: the keys with which every study begins."""
 
     format: Annotated[int, PlainValidator(checked_format)] = Field(
         description="version of this file's format", examples=[FORMAT]
@@ -263,7 +271,7 @@ class NamedTable(Table):
 
 
 def quantity_of(field: FieldInfo) -> Quantity | None:
-    """The `Quantity` that checks a key, if it holds a number."""
+    """The `Quantity` that checks a key; None if the key does not hold a number."""
     inside_optional = [item for part in get_args(field.annotation) for item in getattr(part, "__metadata__", ())]
     for item in [*field.metadata, *inside_optional]:
         if isinstance(item, PlainValidator) and isinstance(item.func, Quantity):
@@ -272,7 +280,7 @@ def quantity_of(field: FieldInfo) -> Quantity | None:
 
 
 def table_of(field: FieldInfo) -> type[Table] | None:
-    """The table that a key holds, or each item of its list, if there is one."""
+    """The class of the table that a key holds, or each item of its list; None if it holds no table."""
     held = get_args(field.annotation)
     candidates: tuple[Any, ...] = (field.annotation, *held, *(item for one in held for item in get_args(one)))
     return next((c for c in candidates if isinstance(c, type) and issubclass(c, Table)), None)

@@ -1,4 +1,4 @@
-"""Kinds of tests: what distinguishes one from another, in data; all else follows from the types of its tables."""
+"""Kinds of tests: the data that distinguish them; everything else follows from the types of their tables."""
 
 from __future__ import annotations
 
@@ -17,15 +17,17 @@ from wirewear.test.wires import Wires
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of test. Its studies, records, mappings and results are asked through their types, not by its name."""
+    """A kind of test. Other code distinguishes studies, records, mappings and results by their types, not by
+    this name.
+    """
 
-    name: str  #: As studies, records and results state it.
-    tables: type[CommonTables]  #: Of its studies.
-    bodies: type[StatedBodies]  #: How any file of it states the bodies.
-    body_names: tuple[str, ...]  #: As records list them.
-    template: Template  #: What a new study begins with.
+    name: str  #: Name of the kind in studies, records and results.
+    tables: type[CommonTables]  #: Tables of its studies.
+    bodies: type[StatedBodies]  #: Keys by which its files state the bodies.
+    body_names: tuple[str, ...]  #: Names of the bodies, in the order of records.
+    template: Template  #: Template of a new study.
     options: frozenset[str]  #: Keys of its bodies that `wirewear new --mapping` takes as options.
-    rigid_N_per_mm: float = 1e7  #: A rig as stiff as this takes nothing of any stroke.
+    rigid_N_per_mm: float = 1e7  #: Stiffness above which a rig counts as rigid.
     scatters: bool = True  #: Whether studies state the scatter of their inputs.
     simulated: bool = True  #: Whether it has bodies, of which finite elements are made.
 
@@ -72,6 +74,6 @@ def kind_of(one: OfAKind) -> Kind:
 
 
 def kind_named(asked: object) -> Kind:
-    """The kind that goes by a name; where none does crossed wires, whose tables say so."""
+    """The kind with this name or synonym; crossed wires for an unknown name, whose tables then refuse it."""
     found = (KINDS[name] for name, names in kinds.NAMES.items() if asked in names)
     return next(found, KINDS[kinds.CROSSED_WIRES])

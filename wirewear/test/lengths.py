@@ -1,4 +1,8 @@
-"""Lengths of line contacts: keys of one millimetre read as those of the whole contact, and tables of another length."""
+"""Lengths of line contacts: conversion of keys per millimetre into those of the whole contact, and of tables to a
+length.
+
+One millimetre of a line contact is computed; files state the whole contact or values per millimetre.
+"""
 
 import re
 from collections.abc import Mapping
@@ -7,8 +11,8 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from wirewear.base.errors import WirewearError
 
-#: By which power of its length a contact's number grows, by the unit at its key's end; all other numbers stay. The
-#: watts of an oxygen supply are a power density times the square of a distance, whatever the length.
+#: Power of the length with which a number grows, by the unit at the end of its key; other numbers do not. (The watts of
+#: an oxygen supply are a power density times the square of a distance, independent of the length.)
 _POWERS = {"N": 1, "N_per_mm": 1, "N_mm_per_rad": 1, "mJ": 1, "J": 1, "mm3": 1, "um_per_N": -1, "um_per_N2": -2}
 _UNIT = re.compile(rf"(?<!_per)_({'|'.join(_POWERS)})$")
 
@@ -41,7 +45,7 @@ class HasLength(Protocol):
     """A result, which may be of a line contact."""
 
     def of_length(self, length_mm: float) -> Self:
-        """The result of a contact of this length."""
+        """The result for a contact of this length."""
 
 
 AnyResult = TypeVar("AnyResult", bound=HasLength)
@@ -49,43 +53,43 @@ AnyResult = TypeVar("AnyResult", bound=HasLength)
 
 @dataclass(frozen=True)
 class Extent:
-    """How far a contact reaches across its motion: one at a point is computed whole."""
+    """The extent of a contact across its motion; this class is for contacts at a point, which are computed whole."""
 
     length_mm: float | None = None
-    per: ClassVar[str] = ""  #: Behind the units of what is computed.
-    suffix: ClassVar[str] = ""  #: Behind the names of columns for users that grow with the contact.
-    worn: ClassVar[str] = "scars"  #: What its worn surfaces are.
-    fewest_across: ClassVar[int] = 2  #: Lines of such a surface across the motion.
-    wear_unit: ClassVar[tuple[float, str]] = 1e3, "10⁻³ mm³"  #: Of wear that is computed, with its factor on mm³.
+    per: ClassVar[str] = ""  #: Suffix of units of computed values.
+    suffix: ClassVar[str] = ""  #: Suffix of users' columns that grow with the length.
+    worn: ClassVar[str] = "scars"  #: Name of its worn surfaces.
+    fewest_across: ClassVar[int] = 2  #: Least number of a worn surface's lines across the motion.
+    wear_unit: ClassVar[tuple[float, str]] = 1e3, "10⁻³ mm³"  #: Factor on mm³ and unit of computed wear.
 
     @property
     def share(self) -> float:
-        """How much of the contact is computed."""
+        """Share of the contact that is computed."""
         return 1.0
 
     @property
     def said(self) -> str:
-        """What its forces and energies are of, in words; empty where they are of all of it."""
+        """The part of the contact to which forces and energies belong, in words; empty if it is the whole contact."""
         return ""
 
     def of_result(self, result: AnyResult) -> AnyResult:
-        """A result of such a contact as one of this; itself at a point."""
+        """A result for a contact of this extent; unchanged for a contact at a point."""
         return result
 
     def units(self, per_length: Mapping[str, float]) -> dict[str, float]:
-        """Factors of units that are per length as those of the whole contact; none at a point."""
+        """Factors of units per length as units of the whole contact; empty for a contact at a point."""
         del per_length
         return {}
 
     def of(self, length_mm: float | None) -> "Extent":
-        """Such a contact of another length; itself at a point."""
+        """The extent of such a contact of another length; unchanged for a contact at a point."""
         del length_mm
         return self
 
 
 @dataclass(frozen=True)
 class Length(Extent):
-    """A line contact, of which one millimetre is computed."""
+    """The extent of a line contact, of which one millimetre is computed."""
 
     length_mm: float = 1.0
     per, suffix, worn, fewest_across = "/mm", "_per_mm", "profiles", 1
@@ -109,21 +113,21 @@ class Length(Extent):
         return extent_of(length_mm or 1.0)
 
 
-WHOLE = Extent()  #: Of any contact at a point.
+WHOLE = Extent()  #: The extent of any contact at a point.
 
 
 def extent_of(length_mm: float | None) -> Extent:
-    """The extent of a contact by its length, None of one at a point."""
+    """The extent of a contact of this length; None for a contact at a point."""
     return Length(length_mm) if length_mm else WHOLE
 
 
 def whole_test(
     data: Mapping[str, Any], where: str, error: type[WirewearError], length_mm: float | None = None
 ) -> dict[str, Any]:
-    """Tables of a line contact's test and its blocks, with keys of the whole contact alone.
+    """Tables of a line contact's test and its blocks, with values per millimetre converted to the whole contact.
 
-    length_mm: of the contact, where another table than [contact] of these says it.
-    Raises WirewearError, of the given kind and in one sentence, if a key is given in both ways.
+    length_mm: length of the contact, if it is not stated in [contact] of these tables. Raises `error`, in one sentence,
+    if a value is given in both ways.
     """
     try:
         return _of_whole(data, length_mm or given_length_mm(data) or 1.0)
@@ -132,7 +136,7 @@ def whole_test(
 
 
 def given_length_mm(data: Mapping[str, Any]) -> float | None:
-    """Length of the contact in a file's tables, None where they give no number."""
+    """Length of the contact in a file's tables; None if they state no number."""
     contact = data.get("contact")
     own = contact.get("length_mm") if isinstance(contact, Mapping) else None
     return own if _is_number(own) else None
@@ -149,7 +153,7 @@ def _of_whole(data: Mapping[str, Any], length_mm: float) -> dict[str, Any]:
 
 
 def key_of_whole(key: str, value: Any, length_mm: float) -> tuple[str, Any]:
-    """A key with dots in it, and its value, as of the whole contact."""
+    """A key with dots and its value, converted to the whole contact."""
     table, _, name = key.rpartition(".")
     ((own, number),) = _renamed(table.rpartition(".")[2], {name: value}, length_mm).items()
     return f"{table}.{own}" if table else own, number
@@ -170,7 +174,7 @@ def _is_number(value: object) -> bool:
 
 
 def lengthened(values: Mapping[str, Any], factor: float) -> dict[str, Any]:
-    """Values by their keys, of a contact of so many times the length; what is no number stays."""
+    """Values by their keys for a contact longer by `factor`; values that are not numbers do not change."""
 
     def own(key: str, value: Any) -> Any:
         unit = _UNIT.search(key)
@@ -180,7 +184,7 @@ def lengthened(values: Mapping[str, Any], factor: float) -> dict[str, Any]:
 
 
 def study_of_length(study: Mapping[str, Any], length_mm: float) -> Mapping[str, Any]:
-    """The resolved study of a line contact, as results keep it, of another length of the contact."""
+    """The resolved study of a line contact, as results keep it, for another length of the contact."""
     if length_mm == (own := stated_length_mm(study)):
         return study
     factor, found = length_mm / own, dict(study)
@@ -196,5 +200,5 @@ def study_of_length(study: Mapping[str, Any], length_mm: float) -> Mapping[str, 
 
 
 def stated_length_mm(study: Mapping[str, Any]) -> float:
-    """Length of the contact in the tables of a line contact's study."""
+    """Length of the contact in the tables of a line contact's study; 1 if not stated."""
     return float(study["contact"].get("length_mm", 1.0))

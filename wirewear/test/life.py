@@ -1,4 +1,6 @@
-"""What a study states of its bodies' life: a criterion, data of fatigue, the length over which a crack feels stress."""
+"""The [life] table of a study: a criterion of crack initiation, fatigue data, and the length over which stresses are
+averaged.
+"""
 
 from collections.abc import Mapping
 from math import pi, sqrt
@@ -37,7 +39,7 @@ CURVE_KEYS = (
 
 
 class LifeTable(keys.Table):
-    """How long the bodies last until a crack begins; what is left out is that of the material."""
+    """Keys for the number of cycles until a crack begins; data that are left out are those of the material."""
 
     criterion: Annotated[
         Literal["smith-watson-topper", "fatemi-socie", "crossland", "stress-life"],
@@ -83,7 +85,9 @@ class LifeTable(keys.Table):
     )
 
     def of_material(self, named: str | None) -> Self:
-        """The table completed with fatigue data of its material, which is stated or `named` by a body."""
+        """The table completed with fatigue data of its material, which it names itself or which is `named` by a
+        body.
+        """
         name = self.material or named
         known = {} if name is None else {"material": name, **dict(material_named(name).fatigue)}
         stated = known | self.model_dump(exclude_none=True, exclude_unset=True)
@@ -106,7 +110,7 @@ class LifeTable(keys.Table):
 
     @property
     def needed(self) -> tuple[str, ...]:
-        """Keys that criterion and average need, such as the partner of one that alone would do nothing."""
+        """Keys that the criterion and the averaging need, including the partners of keys that have no effect alone."""
         found: tuple[str, ...] = CURVE_KEYS[:2] if self.criterion in ("crossland", "stress-life") else CURVE_KEYS
         if self.criterion == "fatemi-socie" and self.fatemi_socie_factor is not None:
             found += ("yield_strength_MPa",)
@@ -121,7 +125,7 @@ class LifeTable(keys.Table):
 
     @property
     def slope(self) -> float:
-        """Crossland's, of both limits where it is not stated."""
+        """Crossland's weight of the hydrostatic stress; from both fatigue limits if it is not stated, else 0.3."""
         if self.crossland_slope is not None:
             return self.crossland_slope
         if self.fatigue_limit_MPa is None or self.torsion_fatigue_limit_MPa is None:
@@ -130,7 +134,9 @@ class LifeTable(keys.Table):
 
     @property
     def distance_um(self) -> float:
-        """The critical distance: stated, or El Haddad's (ΔK / Δσ)² / π (Int. J. Fract. 16 (1980) 15); else 0."""
+        """The critical distance: stated, or El Haddad's (ΔK / Δσ)² / π (Int. J. Fract. 16 (1980) 15); 0 if neither is
+        known.
+        """
         if self.critical_distance_um is not None:
             return self.critical_distance_um
         if self.threshold_MPa_sqrt_m is None or self.fatigue_limit_MPa is None:
@@ -145,7 +151,7 @@ class LifeTable(keys.Table):
 
 
 def material_of_body(tables: Mapping[str, Any], body: str) -> str | None:
-    """The material that a study names for a body, or for all of its bodies; None where it gives constants."""
+    """The material that a study names for a body, or for all of its bodies; None if it states constants."""
     for holder in (tables, *(one for one in tables.values() if isinstance(one, Mapping))):
         own = holder.get(body)
         if isinstance(own, Mapping) and own.get("material"):

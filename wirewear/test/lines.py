@@ -30,7 +30,7 @@ AnyTable = TypeVar("AnyTable", bound=keys.Table)
 
 
 class ResolutionTable(keys.Table):
-    """Resolution in space and time; what is left out follows from --fidelity."""
+    """Keys of the resolution in space and time; values that are left out follow from --fidelity."""
 
     contact_mesh_um: keys.ElementSize | None = Field(None, description="element size under the contact")
     far_mesh_mm: Extent = Field(1.0, description="largest element far from the contact")
@@ -38,14 +38,14 @@ class ResolutionTable(keys.Table):
 
 
 class HeldTable(MountedBody):
-    """A body whose back is held."""
+    """Keys of a body that is held at its back."""
 
     grip_width_mm: Extent | None = Field(
         None, description="width of the back that is held, about its middle; all by default"
     )
 
     def held(self, geometry: PlanarGeometry) -> PlanarGeometry:
-        """A geometry with this body's grip."""
+        """The geometry with this body's grip."""
         stiffness, width = self.grip_stiffness_N_per_mm3, self.grip_width_mm
         return replace(
             geometry,
@@ -55,7 +55,7 @@ class HeldTable(MountedBody):
 
 
 class Pad(PadFaceOrFile, HeldTable):
-    """The pad, held by the rig, above the specimen."""
+    """Keys of the pad, which the rig holds above the specimen."""
 
     height_mm: Extent = Field(10.0, description="height of the pad between its contact and its holder")
     half_width_mm: Extent | None = Field(
@@ -64,7 +64,7 @@ class Pad(PadFaceOrFile, HeldTable):
 
 
 class Specimen(HeldTable):
-    """The flat, moved by the drive, below the pad."""
+    """Keys of the flat, which the drive moves below the pad."""
 
     height_mm: Extent = Field(10.0, description="height of the specimen between its contact and its moved back")
     half_width_mm: Extent | None = Field(
@@ -73,19 +73,21 @@ class Specimen(HeldTable):
 
 
 class LineConditions(DrivenConditions):
-    """What is asked of the rig."""
+    """Keys of load, stroke, frequency and length of the test."""
 
     frequency_Hz: keys.Frequency = Field(1.0, description="cycles per second")
 
 
 class LineContactTable(FrictionTable):
-    """The friction law, and how long the contact is."""
+    """Keys of friction, and the length of the contact."""
 
     length_mm: Extent = Field(1.0, description="length of the contact across the motion", examples=[10.0])
 
 
 class WearOfBodies(keys.Table):
-    """Wear of each body: by dissipated energy, or by Archard's law in load times sliding distance."""
+    """Keys of each body's wear coefficients: per dissipated energy, or by Archard's law per load and sliding
+    distance.
+    """
 
     WEAR: ClassVar[tuple[str, ...]] = tuple(
         f"{body}_{law}"
@@ -108,12 +110,12 @@ class WearOfBodies(keys.Table):
 
     @property
     def coefficients(self) -> dict[str, float]:
-        """All four by their keys, 0 of a body that does not wear by that law."""
+        """All four coefficients by their keys, 0 for those that are not stated."""
         return {key: getattr(self, key) or 0.0 for key in self.WEAR}
 
 
 class LineWear(WearOfBodies):
-    """Wear of each body, and its law."""
+    """Keys of each body's wear coefficients, and the wear law."""
 
     law: keys.WearLawKey | None = Field(
         None, description='"energy", or a table of another law\'s name and parameters, for energy coefficients'
@@ -126,7 +128,7 @@ class LineWear(WearOfBodies):
 
 
 class LineMeshing(ResolutionTable):
-    """Resolution in space and time, and the extent of the fine mesh."""
+    """Keys of the resolution in space and time, and the extent of the fine mesh."""
 
     scar_half_width_um: keys.ElementSize | None = Field(
         None, description="half-width of the finely meshed patch beyond the stroke; without it, predicted"
@@ -139,7 +141,7 @@ class LineMeshing(ResolutionTable):
 
 
 class PadAndSpecimen(StatedBodies):
-    """A pad above a flat that is driven."""
+    """Keys of a pad above a flat that is driven."""
 
     pad: Pad = Field(description="the pad")
     specimen: Specimen = Field(description="the flat")
@@ -178,7 +180,7 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
 
     @property
     def contact_kind(self) -> str:
-        """A cylinder on a flat is one of them."""
+        """ "line-contact", also for a cylinder on a flat."""
         return kinds.LINE_CONTACT
 
     @classmethod
@@ -192,7 +194,7 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
 
     @property
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
-        """Layers of the specimen and of the pad."""
+        """Coatings of the specimen and of the pad."""
         return {"specimen": self.specimen.layers, "pad": self.pad.layers}
 
     @property
@@ -238,7 +240,7 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
         return combined(pad_energy, pad_archard), combined(specimen_energy, specimen_archard)
 
     def of_length(self, length_mm: float) -> Self:
-        """The test on another length of the contact, with as much load, force and energy to the millimetre."""
+        """The test on another length of the contact, with the same load, force and energy per millimetre."""
         if length_mm == self.contact.length_mm:
             return self
         factor = length_mm / self.contact.length_mm
@@ -260,7 +262,7 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
         return self.model_copy(update=changed)
 
     def contradiction(self) -> Inconsistency | None:
-        """A pad without a face, a holder that tips over, or two laws of wear."""
+        """The first of: a pad without a face, a holder that tips over, two wear laws; None if there is none."""
         return self._of_bodies() or self._of_holder() or self._of_wear()
 
     def _of_bodies(self) -> Inconsistency | None:
@@ -320,7 +322,7 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
         return None
 
 
-#: A titanium cylinder on a titanium flat.
+#: The template of a line contact's study: a titanium cylinder on a titanium flat.
 LINE_CONTACT = Template(
     kinds.LINE_CONTACT,
     LineTables,

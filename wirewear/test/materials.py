@@ -1,4 +1,4 @@
-"""The materials that are known by name: materials.toml, read once."""
+"""The materials that studies can name, from materials.toml."""
 
 import re
 import tomllib
@@ -16,25 +16,30 @@ _TABLE = Path(__file__).parent / "materials.toml"
 
 @dataclass(frozen=True)
 class Material:
-    """A material's name, what else it is called, where its elastic constants come from, and whether that was read."""
+    """A material: its names, elastic constants, fatigue data and yield stress, each with its source.
+
+    verified: True if the source itself has been read.
+    """
 
     name: str
     elastic: Elastic
     source: str
     also: tuple[str, ...] = ()
     verified: bool = True
-    #: Its data of fatigue by the keys of `LifeTable`; whence they come, and whether that was read, stands beside.
+    #: Fatigue data by the keys of `LifeTable`, their source, and whether that has been read.
     fatigue: tuple[tuple[str, Any], ...] = ()
     fatigue_source: str = ""
     fatigue_verified: bool = True
-    #: Of the condition that its name states, by the keys of a body; of an unknown condition none.
+    #: Yield stress and hardening by the keys of a body, if the name states the material's condition; else empty.
     yields: tuple[tuple[str, float], ...] = ()
     yields_source: str = ""
     yields_verified: bool = True
 
     @property
     def fatigue_note(self) -> str:
-        """Whence its data of fatigue come, after what is to be said against them."""
+        """The source of its fatigue data, after a word of caution if they are estimates or their source has not been
+        read.
+        """
         measured = "fatigue_strength_coefficient_MPa" in dict(self.fatigue)
         doubt = "the tests behind them were not read: " if measured else "estimates from the tensile strength: "
         return f"{'' if self.fatigue_verified else doubt}{self.fatigue_source}"
@@ -69,13 +74,14 @@ def _data(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
 
 
 def names() -> tuple[str, ...]:
-    """First names of the materials."""
+    """First names of all materials."""
     return tuple(material.name for material in materials())
 
 
 def material_named(name: object) -> Material:
-    """The material of that name, or also called so; case, blanks and hyphens do not matter.
-    Raises ValueError if there is none; half a sentence, to stand behind the name of a key.
+    """The material with this name or synonym; case, blanks and hyphens do not matter.
+
+    Raises ValueError if there is none; the message continues a sentence that begins with a key.
     """
     known = {_plain(spelled): (spelled, item) for item in materials() for spelled in (item.name, *item.also)}
     wanted = _plain(name) if isinstance(name, str) else ""

@@ -1,4 +1,4 @@
-"""From a failed check of the tables of a TOML file to one sentence: what is wrong, where, and what would be right."""
+"""Failed checks of a TOML file's tables as one sentence: what is wrong, where, and what would be right."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +15,7 @@ from wirewear.test.tables import StudyTables
 
 Model = TypeVar("Model", bound=BaseModel)
 Keys = Sequence[int | str]
-Spelling = Callable[[Keys], str]  #: Says which table, as it is spelled in the file, holds a key.
+Spelling = Callable[[Keys], str]  #: Gives the table that holds a key, as it is spelled in the file.
 
 
 def table_above(keys: Keys) -> str:
@@ -26,8 +26,9 @@ def table_above(keys: Keys) -> str:
 def validated(
     model: type[Model], data: Mapping[str, Any], where: str, kind: type[WirewearError], spelled: Spelling = table_above
 ) -> Model:
-    """Tables of that model; `where` names their origin in messages.
-    Raises WirewearError, of the given kind and in one sentence, if the tables do not fit it.
+    """The tables as an instance of `model`; `where` names their origin in messages.
+
+    Raises `kind`, in one sentence, if the tables do not fit the model.
     """
     try:
         return model.model_validate(data)
@@ -38,7 +39,9 @@ def validated(
 def first_problem(
     error: ValidationError, where: str, model: type[BaseModel] = StudyTables, spelled: Spelling = table_above
 ) -> str:
-    """The most telling of the problems pydantic found in tables of that model, as one sentence; every unknown key."""
+    """The most telling problem that pydantic found in the tables of a model, as one sentence; or a sentence per unknown
+    key.
+    """
     problems = error.errors(include_url=False)
     unknown = [problem for problem in problems if problem["type"] == "extra_forbidden"]
     sentences = [_sentence(problem, where, model, spelled) for problem in unknown or problems[:1]]
@@ -61,7 +64,7 @@ def _sentence(problem: ErrorDetails, where: str, model: type[BaseModel], spelled
 
 
 def telling_problem(error: ValidationError) -> ErrorDetails:
-    """The problem that explains the others: a key that should not be there explains one that is missing."""
+    """The problem that explains the others: an unknown key before a missing one."""
     problems = error.errors(include_url=False)
     return next((p for p in problems if p["type"] == "extra_forbidden"), problems[0])
 
@@ -117,7 +120,7 @@ def _missing_key(table: Keys, key: str, where: str, spelled: Spelling, model: ty
 
 
 def same_but_for_unit(key: str, name: str, unit: str) -> bool:
-    """Whether `key` is `name` with another unit, or none, at its end."""
+    """True if `key` is `name` with another unit at its end, or none."""
     suffix = f"_{unit}"
     if not name.endswith(suffix):
         return False
@@ -126,13 +129,13 @@ def same_but_for_unit(key: str, name: str, unit: str) -> bool:
 
 
 def field_of(model: type[BaseModel], key: str) -> FieldInfo | None:
-    """The field of a key or of another name that it goes by."""
+    """The model's field of a key or of a synonym of it; None if there is none."""
     named = (field for field in model.model_fields.values() if key in getattr(field.validation_alias, "choices", ()))
     return model.model_fields.get(key) or next(named, None)
 
 
 def known_fields(table: Keys, model: type[BaseModel]) -> Mapping[str, FieldInfo]:
-    """Keys known in a table within tables of that model; none for something that is no table."""
+    """The keys of a table within the tables of a model, with their fields; empty if it is not a table."""
     inner: type[BaseModel] | None = model
     # The place of a table in a list is no key.
     for key in (one for one in table if isinstance(one, str)):

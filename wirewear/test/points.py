@@ -1,4 +1,4 @@
-"""Studies of contacts at a point of any two bodies, and of a ball on a flat, which is their short form."""
+"""Studies of contacts at a point between any two bodies, and of a ball on a flat, their short form."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -26,29 +26,29 @@ _OF_WIRES = ("conditions.motion_angle_deg",)
 
 
 class _Diameter(keys.Table):
-    """What is stated first of a ball."""
+    """The key with which a ball's table begins."""
 
     diameter_mm: Diameter = Field(description="diameter of the ball", examples=[12.7])
 
 
 class BallTable(GrippedBody, _Diameter):
-    """The ball, held above the flat."""
+    """Keys of the ball, which is held above the flat."""
 
 
 class TwoBodies(StatedBodies, ABC):
-    """Two bodies in [bodies], by their names."""
+    """Keys of two bodies in [bodies], by their names."""
 
     @abstractmethod
     def of_test(self) -> tuple[Body, Body]:
         """The driven body, which lies below, and the held one above it."""
 
     def contradiction(self) -> Inconsistency | None:
-        """The key that does not fit the others; None where all fit."""
+        """The key that does not fit the others; None if all fit."""
         return None
 
 
 class BallAndFlat(TwoBodies):
-    """A ball held above a flat that is driven."""
+    """Keys of a ball held above a flat that is driven."""
 
     ball: BallTable = Field(description="the ball, whose holder carries the rig's compliance")
     flat: GrippedBody = Field(description="the flat, which is driven")
@@ -72,7 +72,7 @@ class BallAndFlat(TwoBodies):
 
 
 class LowerAndUpper(TwoBodies):
-    """Two bodies of any shapes."""
+    """Keys of two bodies of any shapes."""
 
     lower: ShapedBody = Field(description="the lower body, which is driven")
     upper: ShapedBody = Field(description="the upper body, whose holder carries the rig's compliance")
@@ -84,7 +84,7 @@ class LowerAndUpper(TwoBodies):
         return self.lower.body("lower", size), self.upper.body("upper", size)
 
     def contradiction(self) -> Inconsistency | None:
-        """Shapes without their diameters, or bodies that touch along a line."""
+        """The key of a shape without its diameters, or of bodies that touch along a line; None if all fit."""
         for name, body in (("lower", self.lower), ("upper", self.upper)):
             if (unfit := body.missing()) is not None:
                 return Inconsistency(("bodies", name, *unfit.keys), unfit.problem)
@@ -103,7 +103,7 @@ class LowerAndUpper(TwoBodies):
 
 
 class _OfTwoBodies(StatesItsKind):
-    """What a study of two bodies states first."""
+    """The keys with which a study of two bodies begins."""
 
     bodies: Any = Field(description="both bodies")
 
@@ -116,7 +116,9 @@ class TwoBodiesTables(ContactTables, _OfTwoBodies):
         return found
 
     def contradiction(self) -> Inconsistency | None:
-        """Bodies that do not fit, a key of crossed wires, or a stroke longer than a body is thick."""
+        """The key of a body that does not fit, a key of crossed wires, or a stroke longer than a body is thick; None if
+        all fit.
+        """
         return self.bodies.contradiction() or _of_wires(self) or self.too_far()
 
 
@@ -135,7 +137,7 @@ class PointTables(TwoBodiesTables):
 
 
 def _of_wires(tables: ContactTables) -> Inconsistency | None:
-    """A key that only crossed wires take."""
+    """A key that only crossed wires take, if it is stated."""
     if tables.conditions.motion_angle_deg:
         return Inconsistency(
             ("conditions", "motion_angle_deg"),
@@ -151,7 +153,7 @@ def _of_wires(tables: ContactTables) -> Inconsistency | None:
     return None
 
 
-#: A steel ball of half an inch on a steel flat.
+#: The template of a study of a ball on a flat: a steel ball of half an inch on a steel flat.
 BALL = Template(
     kinds.BALL_ON_FLAT,
     BallOnFlatTables,
@@ -161,7 +163,7 @@ BALL = Template(
     _OF_WIRES,
 )
 
-#: Two cylinders of half an inch, crossed at right angles.
+#: The template of a study of two bodies: cylinders of half an inch, crossed at right angles.
 ANY_BODIES = Template(
     kinds.POINT_CONTACT,
     PointTables,

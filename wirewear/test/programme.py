@@ -1,4 +1,8 @@
-"""A test's programme: blocks of cycles under conditions of their own, in turn for as long as the test lasts."""
+"""A test's programme: blocks of cycles under conditions of their own, repeated in turn for as long as the test lasts.
+
+A stretch or stage is a range of cycles under one block's conditions; a turn is one pass through all blocks. A block's
+number is from 1 in a programme, its index from 0.
+"""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,7 +20,7 @@ from wirewear.test import keys
 
 AnyStudy = TypeVar("AnyStudy")
 
-#: What a block may not change: the length of the whole test, its bodies, and how it is computed.
+#: Keys that a block may not change: the length of the whole test, its bodies, and how it is computed.
 _OF_THE_TEST = {
     "conditions": ("cycles", "motion_angle_deg", "approach_um"),
     "contact": ("formulation", "primary_wire", "length_mm"),
@@ -24,7 +28,7 @@ _OF_THE_TEST = {
     "bulk": (),
 }
 _AMPLITUDE = "displacement_amplitude_um"
-MOST_BLOCKS = 10_000  #: Of a test, repeated ones counted: each is at least a cycle jump of some hundredths of a second.
+MOST_BLOCKS = 10_000  #: Most blocks of a test, repeated ones counted; each takes a cycle jump at least.
 
 
 def _values_of(table: str) -> PlainValidator:
@@ -43,7 +47,7 @@ Values = dict[str, Any]
 
 
 class CycleBlock(keys.Table):
-    """Cycles under conditions of their own; what a block does not state is as in the study's tables."""
+    """Keys of a block of cycles; keys that it does not state are as in the study's tables."""
 
     name: Annotated[str, PlainValidator(keys.checked_text)] | None = Field(None, description="what the block is called")
     cycles: keys.Cycles = Field(description="length of the block", examples=[1000])
@@ -59,7 +63,7 @@ class CycleBlock(keys.Table):
 
 
 def placed(values: Mapping[str, Values], tables: Mapping[str, Any]) -> dict[str, Any]:
-    """A block's values where they stand among a study's tables: a bulk stress in that of its body."""
+    """A block's values nested as in a study's tables: a bulk stress moves into the table of its body."""
     found: dict[str, Any] = {name: own for name, own in values.items() if name != "bulk"}
     if "bulk" in values:
         bodies = {name: {"bulk": own} for name, own in values["bulk"].items()}
@@ -70,22 +74,22 @@ def placed(values: Mapping[str, Values], tables: Mapping[str, Any]) -> dict[str,
 
 @dataclass(frozen=True)
 class Stretch(Generic[AnyStudy]):
-    """The cycles after `start` up to `end` of a test, and the study whose conditions they are under."""
+    """The cycles after `start` up to `end` of a test, and the study of their conditions."""
 
     start: int
     end: int
-    block: int  #: Its number in the programme, from 1.
+    block: int  #: Number of the block in the programme, from 1.
     study: AnyStudy
 
 
 @dataclass(frozen=True)
 class Schedule(Generic[AnyStudy]):
-    """A test as stretches of cycles, one after another; blocks in a row that are alike are one stretch."""
+    """A test as a sequence of stretches of cycles; successive blocks with equal conditions form one stretch."""
 
     blocks: tuple[CycleBlock, ...]
     cycles: int
     alone: AnyStudy  #: The study without its programme.
-    under: Callable[[Mapping[str, Values]], AnyStudy]  #: That study with some values in the tables of a block.
+    under: Callable[[Mapping[str, Values]], AnyStudy]  #: The study `alone` with the values of a block.
 
     @cached_property
     def stretches(self) -> tuple[Stretch[AnyStudy], ...]:
@@ -104,12 +108,12 @@ class Schedule(Generic[AnyStudy]):
 
     @cached_property
     def pulled(self) -> bool:
-        """Whether any body carries a bulk stress in any block."""
+        """True if any body carries a bulk stress in any block."""
         every: Sequence[Stretch[Any]] = self.stretches
         return any(own.study.drive.bulk for own in every)
 
     def at(self, done: float) -> Stretch[AnyStudy]:
-        """The stretch that a cycle belongs to."""
+        """The stretch to which cycle number `done` belongs."""
         return next((own for own in self.stretches if done <= own.end), self.stretches[-1])
 
 
@@ -119,24 +123,24 @@ class Stage:
 
     start: float
     end: float
-    block: int  #: What conditions they are under: alike where these are.
+    block: int  #: Index of their conditions; blocks with equal conditions have the same.
 
     def __contains__(self, cycle: float) -> bool:
-        """Whether that cycle is one of them."""
+        """True if the cycle is one of the stage's."""
         return self.start < cycle <= self.end
 
 
 @dataclass(frozen=True)
 class BlockCourse:
-    """The stages that a test went through, and the turn of its programme that would follow, again and again."""
+    """The stages that a test went through, and one turn of the stages that would follow."""
 
     done: tuple[Stage, ...]
-    ahead: tuple[Stage, ...]  #: From where the programme stands at the end; of blocks that the test has reached.
-    names: tuple[str, ...]  #: Of the blocks by their numbers.
+    ahead: tuple[Stage, ...]  #: Stages of one turn after the test's end, of blocks that the test has reached.
+    names: tuple[str, ...]  #: Names of the blocks by index.
 
     @classmethod
     def of(cls, schedule: Schedule[Any], end: float) -> Self:
-        """The stages of a test that ended after so many cycles, and those still to come."""
+        """The stages of a test that ended at cycle `end`, and those still to come."""
         turn = sum(block.cycles for block in schedule.blocks) or 1
         alike: list[Any] = []
         names, every = [], []
@@ -155,11 +159,11 @@ class BlockCourse:
 
     @property
     def not_reached(self) -> tuple[str, ...]:
-        """Names of the blocks that the test ended before."""
+        """Names of the blocks that the test did not reach."""
         return tuple(name for block, name in enumerate(self.names) if all(one.block != block for one in self.done))
 
     def among(self, cycles: Iterable[int], block: int) -> list[int]:
-        """The cycles among these that belong to a block."""
+        """The cycles among `cycles` that belong to a block."""
         return [cycle for cycle in cycles if any(cycle in one for one in self.done if one.block == block)]
 
     def latest(self, block: int) -> Stage:
@@ -170,7 +174,7 @@ class BlockCourse:
 
 
 def _ends(blocks: Sequence[CycleBlock], cycles: int) -> Iterator[tuple[int, int]]:
-    """The index of each block in turn and the cycle at which it ends, up to the test's end."""
+    """Index of each block in turn and the cycle at which it ends, up to the test's end."""
     done = 0
     for number in cycle(range(len(blocks))):
         done = min(done + blocks[number].cycles, cycles)
@@ -180,26 +184,30 @@ def _ends(blocks: Sequence[CycleBlock], cycles: int) -> Iterator[tuple[int, int]
 
 
 def held_keys(conditions: object) -> list[str]:
-    """The keys by which conditions state what the drive holds in place of its amplitude: one, or they contradict."""
+    """The keys by which conditions state what the drive holds in place of its amplitude; more than one is a
+    contradiction.
+    """
     known = type(conditions).model_fields if isinstance(conditions, keys.Table) else {}
     return [key for key in known if key.startswith("held_") and getattr(conditions, key) is not None]
 
 
 @dataclass(frozen=True)
 class HeldTarget:
-    """The figure that a drive holds in place of its amplitude: slip, motion, reading (µm), energy (mJ) or force (N)."""
+    """The figure that a drive holds in place of its amplitude: slip, motion or reading (µm), energy (mJ) or
+    force (N).
+    """
 
     key: str
-    value: float  #: Of the key's contact, a line contact's millimetre.
+    value: float  #: The value to hold; for a line contact that of one millimetre if the study is.
 
     @property
     def figure(self) -> str:
         return self.key.split("_")[1]
 
     def first_um(self, friction_N: float, carried_um: float, largest_um: float) -> float:
-        """Amplitude of the drive at which a contact that slides as one spring holds it; largest_um: the drive's.
+        """First guess in µm of the drive's amplitude at which a contact that slides as a whole holds the figure.
 
-        carried_um: how far friction carries the rig.
+        carried_um: travel of the rig by friction.  largest_um: the drive's largest amplitude.
         """
         match self.figure:
             case "slip" | "motion":
@@ -214,7 +222,7 @@ class HeldTarget:
 
 
 def held_by(conditions: object) -> HeldTarget | None:
-    """The figure that the drive holds, None where it holds its amplitude."""
+    """The figure that the drive holds; None if it holds its amplitude."""
     key = next(iter(held_keys(conditions)), None)
     return None if key is None else HeldTarget(key, float(getattr(conditions, key)))
 
@@ -225,7 +233,7 @@ Asked = TypeVar("Asked", bound=keys.Table)
 def as_driven(
     conditions: Asked, blocks: tuple[CycleBlock, ...], effects: Sequence[ChangesASeam]
 ) -> tuple[Asked, tuple[CycleBlock, ...]]:
-    """Conditions and blocks as the drive makes them, which effects may have hold its displacement in all of them."""
+    """Conditions and blocks after effects on the drive: one may make it hold its displacement in all blocks."""
     own = [*(key for key in type(conditions).model_fields if key.startswith("held_")), _AMPLITUDE]
     holds = held_keys(conditions) or [key for block in blocks for key in block.conditions if key in own[:-1]]
     stated = Control(None if holds else getattr(conditions, _AMPLITUDE))
@@ -240,7 +248,7 @@ def as_driven(
 
 
 def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:
-    """Why a programme has more blocks than a run can go through, as the rest of a sentence; None where it has not."""
+    """Why a programme has more blocks than a run can go through, as the rest of a sentence; None if it has not."""
     count = cycles / sum(block.cycles for block in blocks) * len(blocks) if blocks else 1.0
     if count <= MOST_BLOCKS:
         return None
@@ -250,14 +258,17 @@ def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:
 
 
 def worked_cycles(stretches: Sequence[Stretch[Any]], most: float) -> int:
-    """How many cycles that wear by `most` each wear as much as all of a test's."""
+    """Number of cycles that wear by `most` each and together as much as all cycles of the test."""
     return max(ceil(worked_course(stretches, lambda own: own.study.worn_per_cycle / most if most else 0.0)[-1][1]), 1)
 
 
 def worked_course(
     stretches: Sequence[Stretch[AnyStudy]], share: Callable[[Stretch[AnyStudy]], float]
 ) -> tuple[tuple[float, float], ...]:
-    """Cycles of a test, and how many of a kind do as much as these; share: what a block's cycle does of one such."""
+    """Pairs of cycles of the test and equivalent cycles up to there, at each end of a stretch.
+
+    share: the equivalent cycles per cycle of a stretch.
+    """
     course = [(0.0, 0.0)]
     for own in stretches:
         course.append((float(own.end), course[-1][1] + (own.end - own.start) * share(own)))

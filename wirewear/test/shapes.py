@@ -1,6 +1,6 @@
-"""Shapes of bodies of a contact at a point: the keys that state them, and the body that each makes.
+"""Shapes of bodies of a contact at a point: the keys that state them, and the bodies that they make.
 
-A new shape is a class here, listed in `SHAPES`, beside its geometry.
+A new shape is a class here, listed in `SHAPES`, with its geometry beside `geometry/shapes.py`.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
 
 @dataclass(frozen=True)
 class Shape:
-    """A shape: which keys it takes of those that not all shapes have, and what it makes of them. By default a block."""
+    """A shape: which of the keys that not all shapes have it takes, and the body it makes, by default a block."""
 
     name: str
     needs: tuple[str, ...] = ("diameter_mm",)
-    straight: tuple[bool, bool] = (False, False)  #: Along its axis and across.
-    note: str = ""  #: What its name does not say.
+    straight: tuple[bool, bool] = (False, False)  #: Whether it is straight along its axis, and across.
+    note: str = ""  #: Addition to its name in messages.
 
-    #: Keys that it may have besides.
+    #: Keys that it may have in addition to those it needs.
     takes: ClassVar[tuple[str, ...]] = ()
-    #: Keys that are read of all shapes and act on others alone, with the reason.
+    #: Keys that are accepted for all shapes but have no effect on this one, with the reason.
     idle: ClassVar[dict[str, str]] = {"grip_angle_deg": "is of wires and tubes, but a {} is held at its back and sides"}
 
     def curvatures_per_mm(self, stated: ShapedBody) -> tuple[float, float]:
-        """Curvatures along its axis and across, 1/mm."""
+        """Curvatures along its axis and across."""
         across, along = stated.diameter_mm, stated.diameter_along_mm or stated.diameter_mm
         return (
             0.0 if self.straight[0] or not along else 2.0 / along,
@@ -44,21 +44,21 @@ class Shape:
         )
 
     def face(self, _stated: ShapedBody) -> Face | None:
-        """The face of a pad, None of a shape that its curvatures describe."""
+        """The face of a pad; None for a shape that its curvatures describe."""
         return None
 
     def unfit(self, _stated: ShapedBody) -> Inconsistency | None:
-        """The key that has no sensible value for it; None where all have."""
+        """The key whose value is not possible for this shape; None if all are."""
         return None
 
     def body(self, stated: ShapedBody, name: str, size_mm: float) -> Body:
-        """The body of a name; size_mm sets the extents that its table leaves to the program."""
+        """The body with this name; size_mm: length by which extents are chosen that are not stated."""
         return stated.block(name, self.curvatures_per_mm(stated), size_mm, self.face(stated))
 
 
 @dataclass(frozen=True)
 class _RoundBar(Shape):
-    """A wire, or with a bore a tube."""
+    """A wire or, with a bore, a tube."""
 
     straight: tuple[bool, bool] = (True, False)
 
@@ -66,7 +66,7 @@ class _RoundBar(Shape):
     idle: ClassVar[dict[str, str]] = {"height_mm": "is of blocks, but a {} is as high as it is thick"}
 
     def unfit(self, stated: ShapedBody) -> Inconsistency | None:
-        """A bore that leaves no wall."""
+        """The key of a bore that leaves no wall; None otherwise."""
         # Thinnest wall of a tube, as a share of its diameter.
         widest = (1.0 - 2.0 * 0.02) * (stated.diameter_mm or 0.0)
         if (stated.bore_mm or 0.0) <= widest:
@@ -78,7 +78,7 @@ class _RoundBar(Shape):
         )
 
     def body(self, stated: ShapedBody, name: str, size_mm: float) -> Wire:
-        """A bar as long as twice its half-width."""
+        """A round bar whose length is twice the stated half-width, if that is stated."""
         del size_mm
         return Wire(
             **{**stated.as_stated, "name": name},
@@ -93,7 +93,9 @@ class _RoundBar(Shape):
 
 @dataclass(frozen=True)
 class _Pad(Shape):
-    """One that is turned about the normal, with a face as a line contact's pad has one along the motion."""
+    """A pad of revolution about the normal; its face is, along any radius, what a line contact's pad has along the
+    motion.
+    """
 
     needs: tuple[str, ...] = ()
     straight: tuple[bool, bool] = (True, True)
@@ -104,7 +106,7 @@ class _Pad(Shape):
         return stated.profile
 
     def unfit(self, stated: ShapedBody) -> Inconsistency | None:
-        """A face that is none, or that is no face of a body of revolution."""
+        """The key of a face that is incomplete or not alike on both sides; None otherwise."""
         if (wanted := stated.missing_face()) is not None:
             return Inconsistency(("shape",), f'is "{self.name}", whose face is not stated: {wanted}')
         if isinstance(stated.profile, TabledProfile) and not stated.profile.is_even:
@@ -126,7 +128,7 @@ SHAPES: dict[str, Shape] = {
     )
 }
 
-#: Keys that some shapes have, with why others have none.
+#: Keys that some shapes have, with the reason why others do not.
 _OF_SOME = {
     "diameter_mm": "but a {} has no diameter",
     **dict.fromkeys(FACE_KEYS, "is of a pad, but a {} has diameters"),
@@ -142,7 +144,7 @@ def _described() -> str:
 
 
 class GrippedBody(MountedBody):
-    """A body of one material, meshed as a block."""
+    """Keys of a body of one material that is meshed as a block."""
 
     half_width_mm: Extent | None = Field(
         None, description="of the block that is meshed, to each side; without it the program chooses"
@@ -152,7 +154,7 @@ class GrippedBody(MountedBody):
     def block(
         self, name: str, curvatures: tuple[float, float], size_mm: float, of_pad: Face | None = None
     ) -> BlockBody:
-        """The body of a name, of these curvatures."""
+        """The block with this name and these curvatures along and across; size_mm: as in `Shape.body`."""
         return BlockBody(
             **{"axis_angle_deg": 0.0, **self.as_stated, "name": name},
             curvatures=curvatures,
@@ -164,7 +166,7 @@ class GrippedBody(MountedBody):
 
 
 class _ShapeFirst(keys.Table):
-    """What is stated first of a body of any shape."""
+    """The keys with which the table of a body of any shape begins."""
 
     shape: Annotated[str, PlainValidator(keys.one_of(*SHAPES))] = Field(description=_described())
     diameter_mm: Diameter | None = Field(
@@ -178,7 +180,7 @@ class _ShapeFirst(keys.Table):
 
 
 class ShapedBody(GrippedBody, PadFaceOrFile, _ShapeFirst):
-    """A body of any shape."""
+    """Keys of a body of any shape."""
 
     grip_angle_deg: keys.GripAngle = Field(
         90.0, description="part of a wire's or tube's circumference, about its back, that is held"
@@ -193,11 +195,11 @@ class ShapedBody(GrippedBody, PadFaceOrFile, _ShapeFirst):
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:
-        """Curvatures along its axis and across, 1/mm."""
+        """Curvatures along its axis and across."""
         return self.of_shape.curvatures_per_mm(self)
 
     def missing(self) -> Inconsistency | None:
-        """The key that its shape lacks or does not have; None where all fit."""
+        """The key that its shape needs but lacks, or has but does not take; None if all fit."""
         shape = self.of_shape
         for key, foreign in _OF_SOME.items():
             given = getattr(self, key) != type(self).model_fields[key].default
@@ -212,7 +214,7 @@ class ShapedBody(GrippedBody, PadFaceOrFile, _ShapeFirst):
         return f"is missing, but a {self.shape} has one" if key == "diameter_mm" else foreign.format(self.shape)
 
     def idle(self) -> Iterator[Inconsistency]:
-        """Keys that are given and do not act on its shape."""
+        """Keys that are stated but have no effect on its shape."""
         for key, reason in self.of_shape.idle.items():
             if getattr(self, key) != type(self).model_fields[key].default:
                 yield Inconsistency((key,), reason.format(self.shape))
@@ -220,11 +222,11 @@ class ShapedBody(GrippedBody, PadFaceOrFile, _ShapeFirst):
             yield Inconsistency(("grip_angle_deg",), 'is of a back that is held, but held_at is "ends"')
 
     def body(self, name: str, size_mm: float) -> Body:
-        """The body of a name; size_mm sets the extents that its table leaves to the program."""
+        """The body with this name; size_mm: length by which extents are chosen that are not stated."""
         return self.of_shape.body(self, name, size_mm)
 
     @property
     def size_mm(self) -> float:
-        """Length by which extents of a body without a curvature are chosen, 0 where it gives none."""
+        """Length by which extents are chosen for a pad; 0 for a body without one."""
         face = self.of_shape.face(self)
         return 0.0 if face is None else size_of(face)

@@ -1,4 +1,4 @@
-"""Studies as values, of contacts at a point and along a line, and how they are read: TOML text, every key checked."""
+"""Studies of contacts at a point, of line contacts and of joints as values, and how they are read from TOML."""
 
 from __future__ import annotations
 
@@ -57,16 +57,17 @@ class Study(AnyStudy[ContactTables]):
 
     @property
     def motion_angle_deg(self) -> float:
-        """Direction of the motion against the driven body's axis."""
+        """Direction of the motion, from the driven body's axis."""
         return -self.bodies[0].axis_angle_deg
 
     @property
     def crossing_angle_deg(self) -> float:
-        """Angle of the held body's axis to the driven body's."""
+        """Direction of the held body's axis, from the driven body's axis."""
         return self.bodies[1].axis_angle_deg - self.bodies[0].axis_angle_deg
 
     def fidelity(self, name: str) -> FidelitySettings:
-        """Settings of the level quick, standard or fine; None where the study leaves the choice to the program.
+        """Settings of the level quick, standard or fine, as far as the study states them.
+
         Raises StudyError if there is no such level.
         """
         settings: FidelitySettings = level_of({own: getattr(self.tables.fidelity, own) for own in FIDELITIES}, name)
@@ -103,7 +104,7 @@ class LineStudy(AnyStudy[LineTables]):
 
 
 class JointStudy(AnyStudy[JointTables]):
-    """A study of a joint, which is not simulated; its tables are of the types named here."""
+    """A study of a joint, which cannot be simulated; its tables are of the types named here."""
 
     of: ClassVar = JointTables
 
@@ -114,14 +115,16 @@ class JointStudy(AnyStudy[JointTables]):
 
 def load_study(path: str | Path) -> Study:
     """Read a study of a contact at a point from a TOML file.
-    Raises StudyError, in one sentence, if the file cannot be read, or is no valid study of one.
+
+    Raises StudyError, in one sentence, if the file cannot be read, or is not a valid study of this kind.
     """
     return point_study(read_study(path), str(path))
 
 
 def point_study(data: Mapping[str, Any], where: str) -> Study:
-    """A study of a contact at a point from nested tables.
-    Raises StudyError, in one sentence, if the tables are no valid study of one.
+    """A study of a contact at a point from nested tables; `where` names their origin in messages.
+
+    Raises StudyError, in one sentence, if they are not a valid study of this kind.
     """
     if not issubclass(kind_named(data.get("kind")).tables, ContactTables):
         raise StudyError(
@@ -133,15 +136,17 @@ def point_study(data: Mapping[str, Any], where: str) -> Study:
 
 
 def read_study(path: str | Path) -> dict[str, Any]:
-    """The tables of the file of a study of any kind.
-    Raises StudyError, in one sentence, if it cannot be read, or is another file of ours or of a laboratory.
+    """The tables in the file of a study of any kind.
+
+    Raises StudyError, in one sentence, if the file cannot be read, or is another file of this program or of a
+    laboratory.
     """
     require_no_other(Path(path), StudyError, Held.STUDY)
     return _found_from(Path(path).parent, read_toml(Path(path), StudyError, "study file"))
 
 
 def _found_from(folder: Path, table: dict[str, Any]) -> dict[str, Any]:
-    """The table with the files that it names beside the study's own."""
+    """The table with the names of files in it made relative to `folder`, the study's own."""
     return {
         key: _found_from(folder, value)
         if isinstance(value, dict)
@@ -153,15 +158,18 @@ def _found_from(folder: Path, table: dict[str, Any]) -> dict[str, Any]:
 
 
 def parse_study(text: str, where: str) -> Study:
-    """Read a study from TOML text; `where` names its origin in messages.
-    Raises StudyError, in one sentence, if the text is no valid study.
+    """Read a study of a contact at a point from TOML text; `where` names its origin in messages.
+
+    Raises StudyError, in one sentence, if the text is not a valid study.
     """
     return point_study(parsed_toml(text, where, StudyError), where)
 
 
 def study_from_tables(data: Mapping[str, Any], where: str) -> Any:
-    """Build a study of any kind from nested tables such as `Study.resolved()` returns.
-    Raises StudyError, in one sentence, if the tables are no valid study.
+    """A study of any kind from nested tables such as `Study.resolved()` returns; `where` names their origin in
+    messages.
+
+    Raises StudyError, in one sentence, if the tables are not a valid study.
     """
     known = kind_named(data.get("kind")).tables.known
     base = {key: value for key, value in data.items() if key != "variants"}
@@ -174,8 +182,9 @@ def study_from_tables(data: Mapping[str, Any], where: str) -> Any:
 
 
 def variants_in(data: Mapping[str, Any], where: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """Names of the variants in a study's tables, and what each has different.
-    Raises StudyError if they are no tables, or have no proper names.
+    """Names of the variants in a study's tables, and the values that each overrides.
+
+    Raises StudyError if variants are not tables, or have names that are not allowed.
     """
     variants = data.get("variants", {})
     if not isinstance(variants, Mapping):

@@ -1,6 +1,6 @@
-"""What a study states of a body's surface: coatings and hard skins on it, and how it was measured before a test.
+"""Keys of a body's surface in a study: coatings on it, and its shape as measured before the test.
 
-A measured surface says how deep a body lies below its unworn shape where the test begins.
+A measured surface gives the depth by which a body lies below its unworn shape when the test begins.
 """
 
 import zlib
@@ -20,29 +20,29 @@ from wirewear.base.errors import FIELD_UNITS, Quantity, RecordError, shown
 from wirewear.test import keys
 from wirewear.test.keys import Table, one_of
 
-LAYERS = "coatings and hard skins on it, the outermost first, each with its thickness_um"  #: What the key holds.
+LAYERS = "coatings and hard skins on it, the outermost first, each with its thickness_um"  #: Meaning of the key.
 
 Thickness = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e4))]
 WearFactor = Annotated[float, PlainValidator(Quantity("1", 1e-6, 1e6))]
 
 
-#: Lines of a kept map, at most, each way: more than a contact's elements.
+#: Largest number of lines of a kept map in each direction, more than a contact's elements.
 MOST_LINES = 240
 
 #: Columns of a table of a surface.
 COLUMNS: tuple[str, ...] = ("x_um", "y_um", "depth_um", "height_um")
 _OF_HEIGHTS = ("centred_on", "step_um", "height_unit")
 
-#: Keys of what is taken over from a file.
+#: Keys that hold a map that was read from a file.
 KEPT = ("x_um", "y_um", "depths")
-_PLACE = Quantity("um", -1e6, 1e6)  #: Of a line, and of a surface at its point.
+_PLACE = Quantity("um", -1e6, 1e6)  #: Unit and range of a line's position and of a depth.
 
 #: Lines that a study may state, each way: what is kept of a file has fewer.
 _MOST_STATED = 2_400
 
 
 class LayerTable(keys.Table):
-    """One layer, as elastic as the body that it lies on."""
+    """Keys of one layer, which is as elastic as the body below it."""
 
     thickness_um: Thickness = Field(description="thickness of the layer", examples=[3.0])
     wear_factor: WearFactor = Field(1.0, description="its wear coefficient over that of the body below all layers")
@@ -52,7 +52,7 @@ class LayerTable(keys.Table):
 
 
 def layers_of(stated: Sequence[LayerTable], friction: float) -> tuple[SurfaceLayer, ...]:
-    """Layers as the solvers take them, on a body of a contact of that coefficient of friction."""
+    """Layers as the solvers take them, in a contact whose coefficient of friction without layers is `friction`."""
     return tuple(
         SurfaceLayer(
             1e-3 * one.thickness_um, one.wear_factor, None if one.friction is None else one.friction / friction
@@ -62,7 +62,7 @@ def layers_of(stated: Sequence[LayerTable], friction: float) -> tuple[SurfaceLay
 
 
 def unfit_layers(stated: Sequence[LayerTable], friction: float) -> str | None:
-    """Why layers do not go together, as the rest of a sentence; None where they do."""
+    """Why layers do not fit the coefficient of friction, as the rest of a sentence; None if they do."""
     if friction == 0.0 and any(one.friction is not None for one in stated):
         return "give a friction of their own, which goes with a friction above 0 in [contact] alone"
     return None
@@ -85,7 +85,7 @@ Step = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
 
 
 class StatedSurface(Table):
-    """A body's surface as it was measured: an old scar, or how its form differs from the one that it is to have."""
+    """Keys of a body's surface as measured: an old scar, or deviations from its nominal form."""
 
     file: str | None = Field(
         None,
@@ -145,13 +145,13 @@ class StatedSurface(Table):
 
     @property
     def volume_mm3(self) -> float:
-        """Volume that the body lacks, mm³; 0 of a profile, which has no extent across."""
+        """Volume that the body lacks; 0 for a profile, which has no extent across."""
         x, y, depth = self.map
         return max(1e-9 * float(np.trapezoid(np.trapezoid(depth, y, axis=1), x)), 0.0)
 
     @property
     def area_mm2(self) -> float:
-        """Area that its section along the motion lacks, mm²."""
+        """Area that the body's section along the motion lacks."""
         x, y, depth = self.map
         return max(1e-6 * float(np.trapezoid(depth[:, np.abs(y).argmin()], x)), 0.0)
 
@@ -167,8 +167,10 @@ def _map(x: tuple[float, ...], y: tuple[float, ...], depths: str) -> tuple[Array
 
 
 def kept(x: Array, y: Array, depth: Array) -> dict[str, Any]:
-    """A map (n_x, n_y) as keys of a study: averaged in groups where it has many lines, gaps as deep as what is nearest.
-    Raises RecordError if it has no depth.
+    """A map, lines x (n_x,) and y (n_y,) and depths (n_x, n_y) in µm, as keys of a study.
+
+    Neighbouring lines beyond MOST_LINES are averaged; gaps get the nearest depth. Raises RecordError if the map has no
+    depth.
     """
     from scipy.ndimage import distance_transform_edt
 
@@ -185,7 +187,7 @@ def kept(x: Array, y: Array, depth: Array) -> dict[str, Any]:
 
 
 def surfaces_in(table: Mapping[str, Any], *place: str) -> Iterator[tuple[tuple[str, ...], Mapping[str, Any]]]:
-    """The tables of surfaces in a study's tables, with their places."""
+    """The tables of surfaces in a study's tables, each with the keys that lead to it."""
     for key, value in table.items():
         if key == "surface" and isinstance(value, Mapping):
             yield (*place, key), value
@@ -194,8 +196,9 @@ def surfaces_in(table: Mapping[str, Any], *place: str) -> Iterator[tuple[tuple[s
 
 
 def depths_of_table(file: Path) -> tuple[Array, Array, Array]:
-    """Lines x (n_x,) and y (n_y,) and depths (n_x, n_y) of a table, y being 0 where it has no y_um.
-    Raises RecordError if it cannot be read, is another table, or its points lie on no grid.
+    """Lines x (n_x,) and y (n_y,), and depths (n_x, n_y), in µm, from a table file; y is 0 if it has no y_um.
+
+    Raises RecordError if the file cannot be read, is another table, or its points do not lie on a grid.
     """
     from wirewear.base.guessing import known_columns
 

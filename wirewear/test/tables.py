@@ -1,4 +1,6 @@
-"""The tables of a study of a contact at a point: every key with its sensible range, default and meaning."""
+"""The tables of a study of a contact at a point, and those common to all kinds: every key with range, default and
+meaning.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -35,8 +37,8 @@ def _checked_kind(value: object) -> str:
 
 
 class Asked(keys.Table):
-    """What is asked of the rig in a test of any contact; displacement_amplitude_um is the largest where another figure
-    is held.
+    """Keys of load, stroke and length of any test. If another figure is held, displacement_amplitude_um is the largest
+    amplitude.
     """
 
     normal_load_N: keys.NormalLoad = Field(description="normal load between the bodies", examples=[2.0])
@@ -63,16 +65,16 @@ class Asked(keys.Table):
 
 
 class DrivenConditions(Asked):
-    """What is asked of the rig in a simulation, whose drive is known."""
+    """Keys of load, stroke and length of a simulated test, whose drive is known."""
 
     @property
     def drive(self) -> Drive:
-        """Displacement and load in the course of a cycle."""
+        """Displacement and load over a cycle."""
         return drive_of(self.displacement_amplitude_um, self.motion, self.load_cycle)
 
 
 class Conditions(DrivenConditions):
-    """What is asked of the rig of a contact at a point."""
+    """Keys of load, stroke and length of a test of a contact at a point."""
 
     approach_um: keys.Approach | None = Field(
         None, description="press the bodies together by this much and hold them; normal_load_N is then only expected"
@@ -83,7 +85,7 @@ class Conditions(DrivenConditions):
 
 
 class FrictionTable(keys.Table):
-    """The friction law."""
+    """Keys of the friction law."""
 
     friction: keys.Friction = Field(description="coefficient of friction", examples=[0.62])
     friction_law: keys.FrictionLawKey = Field(
@@ -98,7 +100,7 @@ class FrictionTable(keys.Table):
 
 
 class Contact(FrictionTable):
-    """The friction law, and how the contact conditions are imposed."""
+    """Keys of the friction law, and of how the contact conditions are imposed."""
 
     formulation: Annotated[Formulation, PlainValidator(keys.one_of("augmented-lagrangian", "penalty"))] = Field(
         "augmented-lagrangian", description='"augmented-lagrangian" (exact) or "penalty" (a thin elastic layer)'
@@ -110,7 +112,9 @@ class Contact(FrictionTable):
 
 
 class Wear(keys.Table):
-    """The wear law: worn volume = coefficient × friction energy, or, by Archard's law, coefficient × load × sliding."""
+    """Keys of the wear law: worn volume = coefficient × friction energy, or, by Archard's law, coefficient × load ×
+    sliding.
+    """
 
     law: keys.WearLawKey | None = Field(
         None, description='"energy", "archard", or a table of another law\'s name and parameters; by the coefficient'
@@ -147,22 +151,22 @@ class Wear(keys.Table):
 
     @property
     def of_law(self) -> WearLaw:
-        """The law stated, or the one of the coefficient that is."""
+        """The law that is stated, or the one to which the stated coefficient belongs."""
         return self.law or (EnergyLaw() if self.archard_wear_coefficient_mm3_per_N_m is None else Archard())
 
     def volume_per_sliding_mm3_per_N_m(self, friction: float) -> float:
-        """Worn volume of both wires per load and sliding distance in gross slip, without any variation."""
+        """Worn volume of both bodies per load and sliding distance in gross slip, without variation."""
         if self.archard_wear_coefficient_mm3_per_N_m is not None:
             return self.archard_wear_coefficient_mm3_per_N_m
         return (self.energy_wear_coefficient_mm3_per_J or 0.0) * friction
 
     @property
     def largest_factor(self) -> float:
-        """The largest factor that the coefficient takes in its variation."""
+        """Largest factor on the coefficient in its variation."""
         return max((factor for _, factor in self.variation_points), default=1.0)
 
     def factor(self, cycles: float, energy_J: float) -> float:
-        """The factor on the coefficient after so many cycles and so much energy."""
+        """Factor on the coefficient after this number of cycles and this friction energy."""
         if self.variation == "none":
             return 1.0
         at, factors = zip(*self.variation_points, strict=True)
@@ -170,7 +174,7 @@ class Wear(keys.Table):
 
 
 class HolderTable(keys.Table):
-    """The rig: springs between the held body's holder and ground, and the spring of the loading train."""
+    """Keys of the rig: springs between the held body's holder and ground, and the spring of the loading train."""
 
     tangential_stiffness_N_per_mm: keys.HolderStiffness = Field(
         "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[167.0]
@@ -185,7 +189,7 @@ class HolderTable(keys.Table):
 
 
 class Log(keys.Table):
-    """At which cycles loops and scars are recorded, and over what length their pressures are averaged."""
+    """Keys of the cycles whose loops and scars are recorded, and of the length over which pressures are averaged."""
 
     loop_cycles: keys.CycleList = Field(
         (),
@@ -208,7 +212,7 @@ class Log(keys.Table):
 
 
 class Stop(keys.Table):
-    """What ends a test before its last cycle, whichever comes first."""
+    """Keys of what ends a test before its last cycle, whichever comes first."""
 
     depth_um: keys.WornDepth | None = Field(None, description="depth of the deepest scar")
     worn_volume_mm3: keys.WornVolume | None = Field(None, description="worn volume of both bodies")
@@ -220,7 +224,7 @@ class Stop(keys.Table):
 
 
 class Scatter(keys.Table):
-    """What is known of the scatter of a study's values from test to test: standard deviations."""
+    """Keys of the scatter of a study's values from test to test, as standard deviations."""
 
     friction: keys.RelativeScatter | None = Field(None, description="of the coefficient of friction, relative")
     normal_load: keys.RelativeScatter | None = Field(None, description="of the normal load, relative")
@@ -230,7 +234,7 @@ class Scatter(keys.Table):
 
 
 class Mesh(keys.Table):
-    """Where the mesh is fine."""
+    """Keys of the extent of the fine mesh, and of how it follows wear."""
 
     scar_half_width_um: keys.ElementSize | None = Field(
         None, description="half-width of the finely meshed patch beyond the stroke; without it, predicted"
@@ -251,7 +255,7 @@ class Mesh(keys.Table):
 
 
 class FidelitySettings(keys.Table):
-    """How finely a run resolves space and time; None leaves the choice to the program."""
+    """Keys of the resolution in space and time at one level of fidelity; None leaves a value to the program."""
 
     contact_mesh_um: keys.ElementSize | None = Field(None, description="element size where the fresh contact sits")
     outer_mesh_um: keys.ElementSize | None = Field(None, description="largest element of the fine patch")
@@ -272,13 +276,13 @@ class Fidelities(keys.Table):
 
 
 class StatesItsKind(keys.NamedTable):
-    """What states its kind of contact."""
+    """The keys with which a file begins that states its kind of contact."""
 
     kind: str = Field(description="kind of contact")
 
 
 class CommonTables(StatesItsKind, ABC):
-    """What studies of all contacts state besides the bodies, without variants; what is `Any` is of their kind."""
+    """Tables that studies of all kinds have, without variants; the type of those marked `Any` depends on the kind."""
 
     conditions: DrivenConditions = Field(description="load, stroke, frequency and length of the test")
     programme: tuple[CycleBlock, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
@@ -300,20 +304,21 @@ class CommonTables(StatesItsKind, ABC):
 
     @classmethod
     def known(cls, data: Mapping[str, Any], where: str, variant: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """A file's tables, with what a variant has different in their place, by the keys that these tables have.
-        Raises StudyError, in one sentence, if a thing is stated twice.
+        """A file's tables, with a variant's values in place of its own, converted to the keys that these tables have.
+
+        Raises StudyError, in one sentence, if a value is stated twice; `where` names the file.
         """
         del where
         return keys.merged(data, variant or {})
 
     def known_as(self, key: str, value: Any) -> tuple[str, Any]:
-        """A key with dots in it, and its value, as these tables hold it where a file may spell it otherwise."""
+        """A key with dots and its value, converted to the key that these tables have."""
         return key, value
 
     @property
     @abstractmethod
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
-        """Coatings and hard skins on both bodies, by their names."""
+        """Coatings of both bodies, by their names."""
 
     @property
     @abstractmethod
@@ -322,17 +327,19 @@ class CommonTables(StatesItsKind, ABC):
 
     @property
     def yields(self) -> dict[str, tuple[float, float] | None]:
-        """Yield stress and hardening modulus, MPa, of the driven body and of the held one; None where it is elastic."""
+        """Yield stress and hardening modulus in MPa of the driven and the held body, by name; None for an
+        elastic body.
+        """
         return {}
 
     @property
     @abstractmethod
     def drive(self) -> Drive:
-        """Displacement, load and bulk stresses in the course of a cycle."""
+        """Displacement, load and bulk stresses over a cycle."""
 
     @property
     def laws(self) -> tuple[FrictionLaw | WearLaw, ...]:
-        """The friction law and, of a test that wears, the wear law."""
+        """The friction law and, if the test wears, the wear law."""
         friction: FrictionLaw = self.contact.friction_law
         return (friction,) if self.wear is None else (friction, self.wear.of_law)
 
@@ -343,7 +350,7 @@ class CommonTables(StatesItsKind, ABC):
 
     @property
     def worn_per_cycle(self) -> float:
-        """Worn volume in gross slip over a distance of one amplitude, a quarter of a cycle's, 10⁻⁶ mm³."""
+        """Worn volume in gross slip over a distance of one amplitude, a quarter of a cycle's, in 10⁻⁶ mm³."""
         return self.worn_by_sliding * self.conditions.normal_load_N * float(self.conditions.displacement_amplitude_um)
 
     @property
@@ -361,20 +368,20 @@ class CommonTables(StatesItsKind, ABC):
     @property
     @abstractmethod
     def wear_rates(self) -> WearRates:
-        """Wear law and coefficients of the held (upper) and the driven (lower) body, before any variation."""
+        """Wear law and coefficients of the held (upper) and the driven (lower) body, without variation."""
 
     @abstractmethod
     def contradiction(self) -> keys.Inconsistency | None:
-        """The key in the tables of the bodies that does not fit the others; None where all fit."""
+        """The key in the tables of the bodies that does not fit the others; None if all fit."""
 
 
 def compliance(stiffness: float | Literal["rigid"]) -> float:
-    """1/stiffness of a spring, 0 of a rigid one."""
+    """1/stiffness of a spring, 0 for a rigid one."""
     return 0.0 if stiffness == "rigid" else 1.0 / stiffness
 
 
 class ContactTables(CommonTables):
-    """What studies of all contacts at a point state besides the bodies."""
+    """Tables that studies of all contacts at a point have, besides their bodies."""
 
     conditions: Conditions = Field(description="load, stroke, frequency and length of the test")
     contact: Contact = Field(description="friction")
@@ -389,7 +396,7 @@ class ContactTables(CommonTables):
 
     @property
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
-        """Layers of the driven body and of the held one."""
+        """Coatings of the driven body and of the held one."""
         return {body.name: body.layers for body in self.bodies_of_test()}
 
     @property
@@ -434,7 +441,7 @@ class ContactTables(CommonTables):
         )
 
     def too_far(self) -> keys.Inconsistency | None:
-        """A stroke longer than a body is thick."""
+        """The key of a stroke longer than a body is thick; None otherwise."""
         amplitude_um = self.conditions.displacement_amplitude_um
         thinnest_mm = min(min(body.diameters_mm) for body in self.bodies_of_test())
         if amplitude_um > 1e3 * thinnest_mm:
@@ -446,7 +453,7 @@ class ContactTables(CommonTables):
 
 
 class _OfWires(StatesItsKind):
-    """What a study of crossed wires states first."""
+    """The keys with which a study of crossed wires begins."""
 
     wires: BothWires
 
@@ -467,7 +474,9 @@ class StudyTables(ContactTables, _OfWires):
         return self.wires.of_test(self.conditions.motion_angle_deg)
 
     def contradiction(self) -> keys.Inconsistency | None:
-        """Wires that are none, two directions of motion, or a stroke longer than a wire is thick."""
+        """The key of wires that do not fit, of two directions of motion, or of a stroke longer than a wire is thick;
+        None if all fit.
+        """
         twice = self.wires.motion_angle_deg is not None
         second = keys.Inconsistency(("conditions", "motion_angle_deg"), "is given, and the wires give it as well")
         return self.wires.contradiction() or (second if twice else None) or self.too_far()

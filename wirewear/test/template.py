@@ -1,4 +1,4 @@
-"""A study file spelled out for people: every key with its meaning, those left to the program as comments."""
+"""New study files for users: every key with its meaning; keys that are left to the program appear as comments."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from wirewear.base.files import spelled
 from wirewear.test.keys import Table, quantity_of, table_of
 from wirewear.test.tables import StudyTables
 
-#: Keys that are spelled otherwise than a number or text, or make sense to few.
+#: Keys that are left out: tables, and keys that few users need.
 HIDDEN = (
     "friction_law", "moving", "fixed", "surface", "layers", "bulk", "update", "explicit_jump_cycles", "formulation",
     "primary_wire",
@@ -21,7 +21,7 @@ HIDDEN = (
 
 COMMENTS_AT = 52  #: Column at which comments begin, where a key and its value leave room.
 
-#: The article's test, which a study begins with.
+#: The test of steel wires of the article, with which a new study begins.
 EXAMPLE: Mapping[str, Any] = {
     "wires": {"diameter_mm": 0.45, "youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3},
     "conditions": {"normal_load_N": 2.0, "displacement_amplitude_um": 60.0, "frequency_Hz": 3.0, "cycles": 10000},
@@ -35,18 +35,18 @@ COMMON = ("conditions", "contact", "wear", "holder", "log")  #: Tables that ever
 
 @dataclass(frozen=True)
 class Template:
-    """What a study of a kind begins with."""
+    """The beginning of a new study of a kind."""
 
-    kind: str  #: As the study's key `kind` says it.
-    #: The study's tables; those named in `shown` are spelled out, the others are for who refines meshes.
+    kind: str  #: Value of the study's key `kind`.
+    #: The study's tables; those named in `shown` are written with all their keys.
     tables: type[Table]
     shown: tuple[str, ...]
-    example: Mapping[str, Any] = field(repr=False)  #: Keys that have values.
-    above: str  #: What is said of the example.
-    left_out: tuple[str, ...] = ()  #: Keys by table that others of its kind of tables have.
+    example: Mapping[str, Any] = field(repr=False)  #: Values of keys, nested.
+    above: str  #: First lines of the file.
+    left_out: tuple[str, ...] = ()  #: Keys with dots that are left out.
 
 
-#: A study of crossed wires.
+#: The template of a study of crossed wires.
 CROSSED_WIRES = Template(
     kinds.CROSSED_WIRES,
     StudyTables,
@@ -60,7 +60,7 @@ CROSSED_WIRES = Template(
 def study_text(
     name: str, data: Mapping[str, Any] | None = None, above: str | None = None, template: Template = CROSSED_WIRES
 ) -> str:
-    """A study as commented TOML; `data` are its tables, `above` its first lines; the template's by default."""
+    """A study as commented TOML; `data` are its tables, `above` its first lines, by default the template's."""
     data, above = template.example if data is None else data, template.above if above is None else above
     lines = [f"# {line}".rstrip() for line in above.splitlines()]
     lines += ["# `wirewear run` runs this study; beside each key stands what it means.", ""]

@@ -1,4 +1,4 @@
-"""The table of both wires of a study or a record: keys with their ranges, defaults and meaning."""
+"""The keys of both wires of a study or a record, with ranges, defaults and meanings."""
 
 import warnings
 from collections.abc import Mapping
@@ -20,18 +20,19 @@ from wirewear.test.bodies import (
     touch_along_line,
 )
 
-#: What must be known of each wire, and counts for the fixed one as well where that does not state its own.
+#: Keys that each wire needs; the fixed wire has the moving one's values if it does not state its own.
 _NEEDED = ("diameter_mm", "youngs_modulus_MPa", "poissons_ratio")
 _YIELDS = ("yield_stress_MPa", "hardening_modulus_MPa")
-_MATERIAL = ("material", *_YIELDS)  #: What goes with a material's constants.
+_MATERIAL = ("material", *_YIELDS)  #: Keys that belong to a material's constants.
 _MOTION = "motion_angle_deg"
 _ANGLES = ("crossing_angle_deg", _MOTION)
 _BOTH = AliasChoices("wires", "bodies")
 
 
 def _wires_of_bodies(table: Any) -> Any:
-    """[wires] whose two wires state what it does not, or [bodies.moving] and [bodies.fixed], as a table of both wires.
-    Raises ValueError if one is no wire, or an angle is stated twice.
+    """A table of both wires from [wires] whose wires state keys it lacks, or from [bodies.moving] and [bodies.fixed].
+
+    Raises ValueError if one is not a wire, or an angle is stated twice.
     """
     stated = [table.get(name) for name in ("moving", "fixed")] if isinstance(table, Mapping) else []
     if not stated or not all(isinstance(own, Mapping) and own for own in stated):
@@ -50,8 +51,10 @@ def _wires_of_bodies(table: Any) -> Any:
 
 
 def _angles(both: Mapping[str, Any], moving: dict[str, Any], fixed: dict[str, Any]) -> dict[str, float]:
-    """Crossing and motion angle by the wires' own axis angles, which are taken out of their tables; empty for none.
-    Raises ValueError if one is no angle, or what they come to is stated as well.
+    """Crossing and motion angle in degrees from the wires' own axis angles, which are removed from their tables; or
+    empty.
+
+    Raises ValueError if one is not an angle, or the crossing or motion angle is stated as well.
     """
     given = [own.pop("axis_angle_deg", None) for own in (moving, fixed)]
     if given == [None, None]:
@@ -68,9 +71,9 @@ def _angles(both: Mapping[str, Any], moving: dict[str, Any], fixed: dict[str, An
 
 
 def with_motion_of_wires(tables: Any) -> Any:
-    """A study's unchecked tables with the direction of motion in the conditions, also where the wires state it.
+    """A study's unchecked tables with the direction of motion moved from the wires into the conditions.
 
-    They stay as they are where both state it, were it an angle of 0, and where the wires cannot be read.
+    Unchanged if both state it, even as 0, and if the wires cannot be read.
     """
     key = next((own for own in _BOTH.choices if isinstance(tables, Mapping) and own in tables), "")
     wires, conditions = (tables[key], tables.get("conditions")) if key else (None, None)
@@ -91,7 +94,7 @@ def with_motion_of_wires(tables: Any) -> Any:
 
 
 class WireOverride(SurfaceKeys, keys.OfMaterial):
-    """What one wire has different from `[wires]`."""
+    """Keys of one wire where it differs from `[wires]`."""
 
     diameter_mm: keys.Diameter | None = Field(None, description="diameter of this wire")
     length_mm: keys.Length | None = Field(None, description="modelled length of this wire")
@@ -110,13 +113,15 @@ class WireOverride(SurfaceKeys, keys.OfMaterial):
 
 
 class _DiameterOfWires(keys.Table):
-    """What is stated first of wires."""
+    """The key with which the table of the wires begins."""
 
     diameter_mm: keys.Diameter = Field(description="diameter of the wires", examples=[0.45])
 
 
 class Wires(GripKeys, MaterialKeys, _DiameterOfWires, StatedBodies):
-    """Both wires: the moving one slides along its own axis, the fixed one's holder carries the rig's compliance."""
+    """Keys of both wires: the moving one slides along its own axis, the fixed one's holder carries the rig's
+    compliance.
+    """
 
     crossing_angle_deg: keys.CrossingAngle = Field(
         90.0, description="angle of the fixed wire's axis to the moving one's, about the normal that points upwards"
@@ -148,7 +153,7 @@ class Wires(GripKeys, MaterialKeys, _DiameterOfWires, StatedBodies):
         return BodiesByOptions({"wires": wires}, tuple(remarks), bodies, with_axis=("moving", "fixed"))
 
     def of_test(self, motion_angle_deg: float = 0.0) -> tuple[Wire, Wire]:
-        """The moving and the fixed wire, with such a motion where they state none."""
+        """The moving and the fixed wire; motion_angle_deg: direction of motion if they state none."""
         motion = self.motion_angle_deg or motion_angle_deg
         return self._wire("moving", -motion), self._wire("fixed", self.crossing_angle_deg - motion)
 
@@ -162,7 +167,7 @@ class Wires(GripKeys, MaterialKeys, _DiameterOfWires, StatedBodies):
         return Wire(name=name, axis_angle_deg=axis_angle_deg, **own)
 
     def contradiction(self) -> keys.Inconsistency | None:
-        """Wires shorter than they are thick, or that touch along a line."""
+        """The key of wires shorter than they are thick, or that touch along a line; None if all fit."""
         moving, fixed = self.of_test()
         for wire in (moving, fixed):
             if (wire.length_mm or wire.diameter_mm) < wire.diameter_mm:
