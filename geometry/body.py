@@ -17,7 +17,8 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
 from geometry.errors import GeometryError
-from geometry.grading import GradedAxis, Layering, RimGradedAxis, graded_layers
+from geometry.grading import GivenAxis, GradedAxis, Layering, RimGradedAxis, graded_layers
+from geometry.host import Host
 from geometry.mesh import HexMesh, lowered
 from geometry.patch import ContactPatch
 from geometry.profiles import Profile
@@ -134,8 +135,8 @@ class BodyGeometry(ABC):
     In the body's own frame x is its axis, the origin the point of first contact and +z the outward normal there.
     """
 
-    axial: GradedAxis | RimGradedAxis  #: Grading of the contact patch along the body.
-    transverse: GradedAxis | RimGradedAxis  #: Grading of the contact patch across the body.
+    axial: GradedAxis | RimGradedAxis | GivenAxis  #: Grading of the contact patch along the body.
+    transverse: GradedAxis | RimGradedAxis | GivenAxis  #: Grading of the contact patch across the body.
     coarse_mm: float  #: Largest element far from the contact.
     layering: Layering  #: Thicknesses of the elements' layers under the patch.
     grip_stiffness_N_per_mm3: float | None  #: Stiffness of the grip per area; None if the grip is rigid.
@@ -176,6 +177,14 @@ class BodyGeometry(ABC):
         """Positions (n, 3) in mm in the body of points (n, 3) of the straight swept mesh; by default unchanged."""
         return points_mm
 
+    def fitted(self, points_mm: Array) -> Array:
+        """Points (n, 3) of the whole mesh, its own mirror image, where they are in a body that is not."""
+        return points_mm
+
+    def built(self) -> "BodyMesh":
+        """Its mesh; GeometryError if it fails."""
+        return swept_body(self)
+
     @property
     def round_mm(self) -> float | None:
         """Radius of a round bar, for drawing the chords of its coarse elements as arcs; None for other bodies."""
@@ -212,12 +221,17 @@ class BodyMesh:
     mesh: HexMesh
     patch: ContactPatch
     smallest_scaled_jacobian: float
+    host: Host | None = None  #: What surrounds the mesh, whose surface 'grip' then moves with it; None of a whole body.
 
     @property
     def bedding(self) -> Array | None:
-        """Stiffness (n,) in N/mm by which an elastic grip holds each node of the mesh; None where the grip is rigid."""
+        """Stiffness (n,) in N/mm by which an elastic grip holds each node of the mesh, or of its host's; None where the
+        grip is rigid.
+        """
         stiffness = self.geometry.grip_stiffness_N_per_mm3
-        return None if stiffness is None else stiffness * self.mesh.surface_areas("grip")
+        if stiffness is None:
+            return None
+        return stiffness * (self.mesh.surface_areas("grip") if self.host is None else self.host.areas_mm2)
 
     def worn(self, depth_mm: Array) -> "BodyMesh":
         """A copy of this mesh with the nodes of its patch moved down by a vertical depth (n_a, n_t) in mm, added to
@@ -253,8 +267,14 @@ def build_body(geometry: BodyGeometry) -> BodyMesh:
     GeometryError when gmsh fails, leaves other elements than hexahedra, or the scaled Jacobian of an element is below
     LEAST_SCALED_JACOBIAN.
     """
+    return geometry.built()
+
+
+def swept_body(geometry: BodyGeometry) -> BodyMesh:
+    """Build the mesh that is swept from a body's section; GeometryError as of `build_body`."""
     points, cells = extruded_hexahedra(*geometry.section(), _half_lines_to_end(geometry))
     mesh = HexMesh(geometry.bent(points), cells, {}).with_mirror_image(axis=1).with_mirror_image(axis=0)
+    mesh = HexMesh(geometry.fitted(mesh.points), mesh.cells, {})
     smallest = mesh.require_quality(LEAST_SCALED_JACOBIAN)
     patch = _patch(geometry, mesh)
     named = HexMesh(mesh.points, mesh.cells, _named_surfaces(geometry, mesh, patch))
@@ -292,14 +312,12 @@ def _nearest(lines: Array, values: Array) -> IntArray:
 
 
 def _named_surfaces(geometry: BodyGeometry, mesh: HexMesh, patch: ContactPatch) -> dict[str, IntArray]:
-    n = patch.nodes
-    contact = np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], axis=-1).reshape(-1, 4)
     facets = mesh.boundary_facets()
-    rest = facets[~np.isin(facets, n).all(axis=1)]
+    rest = facets[~np.isin(facets, patch.nodes).all(axis=1)]
     gripped = geometry.gripped(mesh.points[rest].mean(axis=1))
     at_end = (np.abs(mesh.points[rest, 0]) > geometry.half_length_mm * (1.0 - 1e-9)).all(axis=1)
     return {
-        "contact": contact,
+        "contact": patch.facets(),
         "grip": rest[gripped],
         "side": rest[~gripped & ~at_end],
         "ends": rest[~gripped & at_end],

@@ -150,6 +150,41 @@ class RimGradedAxis:
 
 
 @dataclass(frozen=True)
+class GivenAxis:
+    """Mesh lines of a contact patch that a file gives; they need not be symmetric."""
+
+    lines_mm: tuple[float, ...]
+
+    @property
+    def fine_mm(self) -> float:
+        """Smallest spacing of the lines."""
+        return float(np.diff(self.lines_mm).min())
+
+    @property
+    def finest_mm(self) -> float:
+        """Smallest spacing of the lines."""
+        return self.fine_mm
+
+    @property
+    def outer_mm(self) -> float:
+        """Their largest spacing."""
+        return float(np.diff(self.lines_mm).max())
+
+    @property
+    def half_extent_mm(self) -> float:
+        """How far they reach to both sides."""
+        return min(-self.lines_mm[0], self.lines_mm[-1])
+
+    def half_lines(self) -> Array:
+        """Those that are not negative."""
+        return np.array([line for line in self.lines_mm if line >= 0.0])
+
+    def lines(self) -> Array:
+        """All of them."""
+        return np.array(self.lines_mm)
+
+
+@dataclass(frozen=True)
 class Layering:
     """Layers of elements under a contact patch, from the surface down to the first transition row."""
 

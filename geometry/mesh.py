@@ -141,13 +141,17 @@ class HexMesh(ElementMesh):
 
     def volume_mm3(self) -> float:
         """Volume of the mesh, by splitting each cell into tetrahedra about its centre."""
+        return float(self.cell_volumes().sum())
+
+    def cell_volumes(self) -> Array:
+        """Volume (m,) in mm³ of each cell, by splitting it into tetrahedra about its centre."""
         corners = self.points[self.cells]
         centre = corners.mean(axis=1, keepdims=True)
-        total = 0.0
+        total = np.zeros(len(corners))
         for quad in self.SIDES:
             a, b, c, d = (corners[:, i] - centre[:, 0] for i in quad)
             for p, q, r in ((a, b, c), (a, c, d), (b, c, d), (b, d, a)):
-                total += float(np.einsum("ij,ij->", p, np.cross(q, r))) / 12.0
+                total += np.einsum("ij,ij->i", p, np.cross(q, r)) / 12.0
         return total
 
     def with_mirror_image(self, axis: int) -> "HexMesh":

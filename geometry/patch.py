@@ -50,6 +50,11 @@ class ContactPatch:
         """Smallest spacing of the grid lines in mm."""
         return float(min(np.diff(lines).min() for lines in self._axes if len(lines) > 1))
 
+    def facets(self) -> IntArray:
+        """Corners (k, 4) of its cells on the body's mesh, facing outwards."""
+        n = self.nodes
+        return np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], axis=-1).reshape(-1, 4)
+
     def grid(self) -> Array:
         """Coordinates (along, across) in mm of all nodes in the plane, (size, 2), in the order of `nodes.ravel()`."""
         a, t = np.meshgrid(self.axial_mm, self.transverse_mm, indexing="ij")

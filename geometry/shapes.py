@@ -124,7 +124,7 @@ class BlockGeometry(BodyGeometry):
         return self.face or self.meshed_profile
 
     @property
-    def meshed_profile(self) -> Barrel:
+    def meshed_profile(self) -> Profile:
         return Barrel(self.curvature_along_per_mm, self.curvature_across_per_mm)
 
     @property

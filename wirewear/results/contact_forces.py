@@ -16,6 +16,9 @@ from scipy.sparse import csr_matrix
 
 from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, RimGradedAxis, WireGeometry
 from geometry.arrays import Array, BoolArray, IntArray
+from geometry.embedded import EmbeddedGeometry, OwnGrid
+from geometry.grading import GivenAxis
+from geometry.own_surface import MeshSource
 from wirewear.base.errors import ResultError
 from wirewear.results.positions import POSITIONS
 from wirewear.results.scar import float_array, require_finite
@@ -211,14 +214,25 @@ def geometry_of(table: Mapping[str, Any]) -> BodyGeometry:
     Raises ResultError if the mapping was written by another version.
     """
     try:
-        axes = {
-            name: (RimGradedAxis if "rim_mm" in table[name] else GradedAxis)(**table[name])
-            for name in ("axial", "transverse")
-        }
-        shape = WireGeometry if "diameter_mm" in table else BlockGeometry
-        return shape(**{**table, **axes, "layering": Layering(**table["layering"])})
+        parts: dict[str, Any] = {name: _axis(table[name]) for name in ("axial", "transverse")}
+        shape: type[BodyGeometry] = WireGeometry if "diameter_mm" in table else BlockGeometry
+        if "source" in table:
+            shape = EmbeddedGeometry if "height_mm" in table else OwnGrid
+            parts["source"] = MeshSource(**{key: _as_tuples(value) for key, value in table["source"].items()})
+        return shape(**{**table, **parts, "layering": Layering(**table["layering"])})
     except (KeyError, TypeError) as problem:
         raise ResultError(f"a body's geometry of another version of wirewear: {problem}") from problem
+
+
+def _axis(table: Mapping[str, Any]) -> GradedAxis | RimGradedAxis | GivenAxis:
+    if "lines_mm" in table:
+        return GivenAxis(tuple(table["lines_mm"]))
+    return (RimGradedAxis if "rim_mm" in table else GradedAxis)(**table)
+
+
+def _as_tuples(value: Any) -> Any:
+    """Lists as JSON has them as the tuples that they were."""
+    return tuple(_as_tuples(each) for each in value) if isinstance(value, list) else value
 
 
 def named_positions(phase: Array) -> dict[str, int]:

@@ -12,7 +12,7 @@ import numpy as np
 import solvers
 from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, LoweredSurface, Profile, build_body
 from geometry.arrays import Array
-from solvers.elasticity.condensation import condense
+from solvers.elasticity.embedding import condense_meshed
 from solvers.elasticity.patch_compliance import Bricks, PatchCompliance
 from solvers.elasticity.placement import rotation_to_world
 from wirewear.base.cache import (
@@ -47,7 +47,7 @@ def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | 
         mark_used(path)
         return replace(stored, bricks=Bricks(material, geometry.layers))
     meshed = build_body(geometry)
-    body = condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding)
+    body = condense_meshed(meshed, material)
     if path is not None:
         _store(path, body)
     return replace(body, bricks=Bricks(material, geometry.layers))
@@ -62,7 +62,7 @@ def condensed_worn_body(
     once. GeometryError, naming the place, if an element is distorted too much.
     """
     worn = _fresh_body(geometry).worn(worn_depth_mm)
-    body = condense(worn.mesh, worn.patch, material, bedding=worn.bedding)
+    body = condense_meshed(worn, material)
     return replace(body, bricks=Bricks(material, geometry.layers)), worn.smallest_scaled_jacobian
 
 

@@ -12,11 +12,13 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, PlainValidator
 
 from geometry import TabledProfile
+from geometry.own_surface import own_surface
 from wirewear.base.errors import Quantity
 from wirewear.test import keys
 from wirewear.test.bodies import BlockBody, Body, MountedBody, Wire
 from wirewear.test.faces import FACE_KEYS, Extent, Face, PadFaceOrFile, size_of
 from wirewear.test.keys import Inconsistency
+from wirewear.test.own_bodies import MESH_KEYS, MeshKeys, OwnBody, source_of, unfit_mesh
 
 Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
 
@@ -114,6 +116,31 @@ class _Pad(Shape):
         return None
 
 
+@dataclass(frozen=True)
+class _FromFile(Shape):
+    """One whose mesh a file holds."""
+
+    needs: tuple[str, ...] = ()
+
+    takes: ClassVar[tuple[str, ...]] = MESH_KEYS
+    idle: ClassVar[dict[str, str]] = {
+        **dict.fromkeys(("half_width_mm", "height_mm"), "is of blocks, but a {}'s file says how large it is"),
+        "grip_angle_deg": "is of wires and tubes, but a {}'s file says where it is held",
+    }
+
+    def curvatures_per_mm(self, stated: ShapedBody) -> tuple[float, float]:
+        return own_surface(source_of(stated)).curvatures_per_mm
+
+    def unfit(self, stated: ShapedBody) -> Inconsistency | None:
+        """A file that makes no body."""
+        problem = unfit_mesh(stated, stated.poissons_ratio)
+        return None if problem is None else Inconsistency((problem[0],), problem[1])
+
+    def body(self, stated: ShapedBody, name: str, size_mm: float) -> OwnBody:
+        del size_mm
+        return OwnBody(**{**stated.as_stated, "name": name}, source=source_of(stated))
+
+
 PAD = _Pad("pad", note="with a face that is turned about the normal")
 SHAPES: dict[str, Shape] = {
     shape.name: shape
@@ -125,6 +152,7 @@ SHAPES: dict[str, Shape] = {
         _RoundBar("wire", note="a round bar"),
         _RoundBar("tube", ("diameter_mm", "bore_mm")),
         PAD,
+        _FromFile("mesh", note="of a file"),
     )
 }
 
@@ -132,6 +160,7 @@ SHAPES: dict[str, Shape] = {
 _OF_SOME = {
     "diameter_mm": "but a {} has no diameter",
     **dict.fromkeys(FACE_KEYS, "is of a pad, but a {} has diameters"),
+    **dict.fromkeys(MESH_KEYS, 'is of a body of shape "mesh", but a {} is meshed by the program'),
     "diameter_along_mm": "belongs to a barrel and to no other shape",
     "bore_mm": "belongs to a tube and to no other shape",
     "held_at": 'is "ends", but a {} is held at its back and sides',
@@ -179,7 +208,7 @@ class _ShapeFirst(keys.Table):
     )
 
 
-class ShapedBody(GrippedBody, PadFaceOrFile, _ShapeFirst):
+class ShapedBody(GrippedBody, MeshKeys, PadFaceOrFile, _ShapeFirst):
     """Keys of a body of any shape."""
 
     grip_angle_deg: keys.GripAngle = Field(

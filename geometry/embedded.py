@@ -1,0 +1,262 @@
+"""A body from a file with hexahedra of our own under its contact patch.
+
+The block of hexahedra has the file's face, fitted smoothly, and takes the place of what the file's elements hold there:
+of each of them only the share outside the block counts. The block's sides and back move as the file's elements do.
+Where the file's elements under the contact are hexahedra on a grid, they may be used as they are instead.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+
+from geometry.arrays import Array, BoolArray, IntArray
+from geometry.body import LEAST_SCALED_JACOBIAN, BodyGeometry, BodyMesh, swept_body
+from geometry.elements import ELEMENT_KINDS
+from geometry.errors import GeometryError
+from geometry.grading import GivenAxis, Layering
+from geometry.host import BlockSeam, Host
+from geometry.mesh import HexMesh
+from geometry.own_surface import FittedFace, MeshSource, OwnSurface, own_surface
+from geometry.patch import ContactPatch
+from geometry.shapes import BlockGeometry
+from geometry.solid import SolidMesh
+
+_SAMPLES = 6  #: Points along each edge of an element at which it is seen how much of it the block holds.
+_LEAST_SHARE = 1e-8  #: Of an element's stiffness that is kept where the block holds all of it, so that its nodes move.
+#: How far the block's sides and back may lie beyond the file's elements, whose faces are chords of a round surface,
+#: over the elements' size.
+_BEYOND = 0.15
+_POINTS = 3  #: Points each way of a face of the block at which it hangs on the file's elements.
+_ON_LINE = 1e-6  #: Distance of a node from a grid's line over the grid's extent.
+
+
+@dataclass(frozen=True)
+class EmbeddedGeometry(BlockGeometry):
+    """A block with the face of a file's body, in that body; see the file's docstring."""
+
+    source: MeshSource = field(kw_only=True)
+
+    @property
+    def own(self) -> OwnSurface:
+        """The file's body."""
+        return own_surface(self.source)
+
+    @property
+    def profile(self) -> FittedFace:
+        return self.own.face
+
+    @property
+    def meshed_profile(self) -> FittedFace:
+        return self.own.face
+
+    def bent(self, points_mm: Array) -> Array:
+        """Left straight: the face need not be its own mirror image."""
+        return points_mm
+
+    def fitted(self, points_mm: Array) -> Array:
+        """With the face of the file's body."""
+        return super().bent(points_mm)
+
+    def built(self) -> BodyMesh:
+        """The block, and the file's elements about it. GeometryError if the block reaches beyond them."""
+        meshed = swept_body(self)
+        return BodyMesh(self, meshed.mesh, meshed.patch, meshed.smallest_scaled_jacobian, self._host(meshed.mesh))
+
+    def holds(self, places_mm: Array) -> BoolArray:
+        """Whether places (..., 3) lie in the block, or above its face."""
+        x, y, z = np.moveaxis(places_mm, -1, 0)
+        beside = (np.abs(x) >= self.half_width_along_mm) | (np.abs(y) >= self.half_width_across_mm)
+        return np.asarray(~beside & (np.abs(z) < self.height_mm))
+
+    def _host(self, block: HexMesh) -> Host:
+        solid, source = self.own.solid, self.source
+        seam = _seam(block, solid)
+        beyond = seam.places.beyond_mm / solid.edges_mm[seam.places.cell]
+        if beyond.max() > _BEYOND:
+            place = ", ".join(
+                f"{at:.4g}" for at in block.points[block.cells[seam.cells]].mean(axis=1)[beyond.argmax() // _POINTS**2]
+            )
+            raise GeometryError(
+                f"the block that is meshed under the contact reaches beyond the file's elements at ({place}) mm: give "
+                "a contact farther from the body's edges, or a lower load, stroke or wear"
+            )
+        part = np.zeros(solid.size, dtype=np.int64)
+        for number, (name, *_) in enumerate(source.parts, 1):
+            part[np.concatenate([solid.parts[name][count] for count in solid.cells])] = number
+        middles = block.points[block.cells].mean(axis=1)
+        return Host(
+            solid,
+            self._kept(solid),
+            seam,
+            solid.sets[source.held],
+            solid.areas_of(source.held),
+            part,
+            part[solid.located(middles).cell] if source.parts else np.zeros(len(middles), dtype=np.int64),
+            tuple((modulus, ratio) for _, modulus, ratio in source.parts),
+        )
+
+    def _kept(self, solid: SolidMesh) -> Array:
+        """Share of each cell outside the block."""
+        shares = []
+        for kind, cells in solid.groups:
+            steps = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
+            low, high = kind.nodes.min(axis=0), kind.nodes.max(axis=0)
+            at = low + (high - low) * np.stack(np.meshgrid(*3 * [steps], indexing="ij"), axis=-1).reshape(-1, 3)
+            shapes = kind.shapes(at[kind.outside(at) <= 0.0])
+            corners = solid.points[cells]
+            near = (corners.min(axis=1) < self._corner).all(axis=1) & (corners.max(axis=1) > -self._corner).all(axis=1)
+            share = np.ones(len(cells))
+            share[near] = 1.0 - self.holds(np.einsum("qn,mni->mqi", shapes, corners[near])).mean(axis=1)
+            shares.append(share)
+        return np.maximum(np.concatenate(shares), _LEAST_SHARE)
+
+    @property
+    def _corner(self) -> Array:
+        return np.array([self.half_width_along_mm, self.half_width_across_mm, self.height_mm])
+
+
+def _seam(block: HexMesh, solid: SolidMesh) -> BlockSeam:
+    """Points of the sides and the back of a block, as places in the file's mesh."""
+    kind = ELEMENT_KINDS[8]
+    x, w = np.polynomial.legendre.leggauss(_POINTS)
+    u, v = (each.ravel() for each in np.meshgrid(x, x, indexing="ij"))
+    shares = 0.25 * np.stack([(1 - u) * (1 - v), (1 + u) * (1 - v), (1 + u) * (1 + v), (1 - u) * (1 + v)], axis=-1)
+    along_u = 0.25 * np.stack([v - 1, 1 - v, 1 + v, -1 - v], axis=-1)
+    along_v = 0.25 * np.stack([u - 1, -1 - u, 1 + u, 1 - u], axis=-1)
+    wanted = {tuple(row) for row in np.sort(block.surfaces["grip"], axis=1).tolist()}
+    cells, local, areas = [], [], []
+    for face in kind.faces:
+        corners = block.cells[:, list(face)]
+        near = np.flatnonzero(np.isin(corners, block.surface_nodes("grip")).all(axis=1))
+        own = near[[tuple(row) in wanted for row in np.sort(corners[near], axis=1).tolist()]]
+        at = block.points[corners[own]]
+        cells.append(own)
+        local.append(np.tile(shares @ kind.nodes[list(face)], (len(own), 1, 1)))
+        normal = np.cross(np.einsum("qc,fci->fqi", along_u, at), np.einsum("qc,fci->fqi", along_v, at))
+        areas.append(normal * np.outer(w, w).ravel()[:, None])
+    cell, where, area = np.concatenate(cells), np.concatenate(local), np.concatenate(areas)
+    places = np.einsum("fqc,fci->fqi", kind.shapes(where), block.points[block.cells[cell]])
+    size = np.linalg.norm(area, axis=2).sum(axis=1)
+    depth = HexMesh(block.points, block.cells[cell], {}).cell_volumes() / size
+    return BlockSeam(cell, where, area, depth, solid.located(places.reshape(-1, 3)))
+
+
+def block_fits(own: OwnSurface, half_widths_mm: tuple[float, float], height_mm: float) -> bool:
+    """Whether a block of these extents lies within the file's elements."""
+    steps = np.linspace(-1.0, 1.0, 7)
+    plane = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2) * np.array(half_widths_mm)
+    top = own.face.height(plane)
+    rim = (np.abs(plane) >= np.array(half_widths_mm) * (1.0 - 1e-9)).any(axis=1)
+    places = [np.column_stack([plane, np.full(len(plane), -height_mm)])]
+    places += [np.column_stack([plane[rim], top[rim] * (1.0 - s) - s * height_mm]) for s in (0.05, 0.5)]
+    found = own.solid.located(np.vstack(places))
+    beyond = (found.beyond_mm / own.solid.edges_mm[found.cell]).max()
+    return bool(top.min() > -0.8 * height_mm and beyond <= _BEYOND)
+
+
+@dataclass(frozen=True)
+class OwnGrid(BodyGeometry):
+    """A file's hexahedra as they are, their contact surface being a grid."""
+
+    source: MeshSource
+    axial: GivenAxis
+    transverse: GivenAxis
+    coarse_mm: float
+    grip_stiffness_N_per_mm3: float | None = None
+    layering: Layering = field(default_factory=Layering)
+
+    @property
+    def profile(self) -> FittedFace:
+        return own_surface(self.source).face
+
+    @property
+    def half_length_mm(self) -> float:
+        return float(np.abs(own_surface(self.source).solid.points[:, 0]).max())
+
+    @property
+    def least_extent_mm(self) -> float:
+        return float(np.ptp(own_surface(self.source).solid.points, axis=0).min())
+
+    def with_layering(self, layering: Layering) -> OwnGrid:
+        """The same: the file's elements are what they are."""
+        del layering
+        return self
+
+    def section(self) -> tuple[Array, IntArray]:
+        """Not swept."""
+        raise GeometryError("a file's elements are not swept from a section; please report this study")
+
+    def gripped(self, centres_mm: Array) -> BoolArray:
+        """Held are the faces of the file's set, which `built` names."""
+        return np.zeros(len(centres_mm), dtype=bool)
+
+    def built(self) -> BodyMesh:
+        """The file's elements."""
+        solid, found = own_surface(self.source).solid, grid_of(self.source)
+        if found is None:
+            raise GeometryError("the file's contact surface is no grid; please report this study")
+        held, contact = solid.faces_of(self.source.held)[1], found.facets()
+        known = np.sort(np.vstack([contact, held]), axis=1)
+        rows = {tuple(row) for row in known.tolist()}
+        others = solid.boundary[1]
+        side = others[[tuple(row) not in rows for row in np.sort(others, axis=1).tolist()]]
+        surfaces = {"contact": contact, "grip": held, "side": side, "ends": side[:0]}
+        mesh = HexMesh(solid.points, solid.cells[8], surfaces)
+        return BodyMesh(self, mesh, found, mesh.require_quality(LEAST_SCALED_JACOBIAN))
+
+
+@lru_cache(maxsize=4)
+def grid_of(source: MeshSource) -> ContactPatch | None:
+    """The patch of a file of hexahedra of one material whose contact surface is a grid over the plane."""
+    own = own_surface(source)
+    solid = own.solid
+    triangles, quads = solid.faces_of(source.contact)
+    if source.parts or set(solid.cells) != {8} or len(triangles) or not len(quads):
+        return None
+    nodes = np.unique(quads)
+    places = solid.points[nodes, :2]
+    axes = [_lines(places[:, axis]) for axis in (0, 1)]
+    if len(axes[0]) * len(axes[1]) != len(nodes) or min(map(len, axes)) < 3:
+        return None
+    grid = np.full((len(axes[0]), len(axes[1])), -1, dtype=np.int64)
+    i, j = (np.abs(places[:, axis, None] - axes[axis]).argmin(axis=1) for axis in (0, 1))
+    grid[i, j] = nodes
+    if (grid < 0).any() or len(quads) != (grid.shape[0] - 1) * (grid.shape[1] - 1):
+        return None
+    return ContactPatch(axes[0], axes[1], grid, own.face)
+
+
+def _lines(values: Array) -> Array:
+    """Values that differ by more than round-off."""
+    ordered = np.sort(values)
+    return ordered[np.diff(ordered, prepend=-np.inf) > _ON_LINE * float(np.ptp(ordered))]
+
+
+def as_grid(source: MeshSource, grip_stiffness_N_per_mm3: float | None) -> OwnGrid | None:
+    """The file's elements as they are, where their contact surface is a grid."""
+    patch = grid_of(source)
+    if patch is None:
+        return None
+    solid = own_surface(source).solid
+    axial, transverse = (GivenAxis(tuple(lines.tolist())) for lines in (patch.axial_mm, patch.transverse_mm))
+    middle = patch.nodes[patch.shape[0] // 2, patch.shape[1] // 2]
+    first, second = _layers_under(solid, int(middle))
+    layering = Layering(growth=second / first, first=first / min(axial.finest_mm, transverse.finest_mm))
+    return OwnGrid(source, axial, transverse, float(solid.edges_mm.max()), grip_stiffness_N_per_mm3, layering)
+
+
+def _layers_under(solid: SolidMesh, node: int) -> tuple[float, float]:
+    """Thicknesses of the two uppermost layers under a node of the contact."""
+    found = []
+    for _ in range(2):
+        cells = solid.cells[8][(solid.cells[8] == node).any(axis=1)]
+        others = np.setdiff1d(np.unique(cells), node)
+        below = others[solid.points[others, 2] < solid.points[node, 2]]
+        aside = np.linalg.norm(solid.points[below, :2] - solid.points[node, :2], axis=1)
+        under = int(below[np.argmin(aside)])
+        found.append(float(solid.points[node, 2] - solid.points[under, 2]))
+        node = under
+    return found[0], found[1]

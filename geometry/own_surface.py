@@ -1,0 +1,333 @@
+"""The contact surface of a body from a file: where it touches first, its axes there, and the smooth face under a patch.
+
+Nodes of a mesh lie on the surface that was meant, its faces between them beside it: so a barrel is fitted through the
+nodes. Where it meets them it is the face; else what they are off it by is interpolated between them with continuous
+slopes, and added.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from math import degrees
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.arrays import Array, IntArray
+from geometry.errors import GeometryError
+from geometry.mesh_files import read_solid
+from geometry.profiles import Barrel
+from geometry.solid import SolidMesh
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CloughTocher2DInterpolator, NearestNDInterpolator
+
+Vector = tuple[float, float, float]
+
+_LEAST_MEAN = 0.3  #: Mean normal of a surface that faces one way; that of half a ball is 0.5.
+_SEEN = 0.5  #: Faces are fitted whose normal's share along the outward direction is at least this.
+_NODES = 60  #: Nodes nearest to the first contact through which a face is fitted at first.
+_STRAIGHT = 1e-6  #: Curvature over one over the surface's size that is none.
+_EXACT = 1e-7  #: Distance of nodes from a barrel over the surface's size below which it is the face.
+_TWISTED = 2e-3  #: Share of the largest curvature that may be a twist about the axes.
+_HOLLOW = 1e-3  #: The same of a hollow one that is none.
+_ROUND = 0.05  #: Difference of curvatures, over the larger, from which one of them shows the axis.
+_STEPS = 30
+
+
+@dataclass(frozen=True)
+class MeshSource:
+    """What of a file makes a body."""
+
+    file: str
+    digest: str  #: Of its contents.
+    mm_per_unit: float
+    contact: str  #: Name of the set of the contact surface.
+    held: str  #: That of the held one.
+    outward: Vector | None = None  #: Direction of the contact's normal in the file, None of the mean of its set's.
+    along: Vector | None = None  #: That of the body's axis, None of the direction in which it is straighter.
+    at_mm: Vector | None = None  #: Where it touches first, None of the outermost place.
+    parts: tuple[tuple[str, float, float], ...] = ()  #: Sets of cells of other materials: Young's modulus, Poisson's.
+
+    @property
+    def solid(self) -> SolidMesh:
+        """The mesh in the file's own place."""
+        return read_solid(self.file, self.digest, self.mm_per_unit)
+
+
+@dataclass(frozen=True, eq=False)
+class FittedFace:
+    """A barrel, and what the nodes of a mesh are off it; a `Profile`."""
+
+    barrel: Barrel
+    nodes_mm: Array  #: (n, 2) in the plane.
+    off_mm: Array  #: (n,) heights above the barrel, empty where it is the face.
+
+    def height(self, plane_mm: Array) -> Array:
+        """The barrel's, and what is interpolated; beyond the nodes that of the nearest one."""
+        height = self.barrel.height(plane_mm)
+        if not len(self.off_mm):
+            return height
+        return np.asarray(height + self._off(plane_mm) - self._at_origin)
+
+    def slope(self, plane_mm: Array) -> Array:
+        """The barrel's, and that of what is interpolated by differences."""
+        slope = self.barrel.slope(plane_mm)
+        if not len(self.off_mm):
+            return slope
+        step = 1e-5 * float(np.ptp(self.nodes_mm, axis=0).max())
+        for axis, shift in enumerate(step * np.eye(2)):
+            slope[:, axis] += (self._off(plane_mm + shift) - self._off(plane_mm - shift)) / (2.0 * step)
+        return slope
+
+    def require_within(self, along_mm: float, across_mm: float) -> None:
+        """GeometryError when a patch of these half-extents reaches the flank."""
+        self.barrel.require_within(along_mm, across_mm)
+
+    def _off(self, plane_mm: Array) -> Array:
+        smooth, nearest = self._interpolated
+        found = smooth(plane_mm)
+        beside = np.isnan(found)
+        found[beside] = nearest(plane_mm[beside])
+        return np.asarray(found)
+
+    @cached_property
+    def _at_origin(self) -> float:
+        return float(self._off(np.zeros((1, 2)))[0])
+
+    @cached_property
+    def _interpolated(self) -> tuple[CloughTocher2DInterpolator, NearestNDInterpolator]:
+        from scipy.interpolate import CloughTocher2DInterpolator, NearestNDInterpolator
+
+        return (
+            CloughTocher2DInterpolator(self.nodes_mm, self.off_mm),
+            NearestNDInterpolator(self.nodes_mm, self.off_mm),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class OwnSurface:
+    """A body from a file in its own axes: x along it, z outwards, the origin where it touches first; mm."""
+
+    solid: SolidMesh
+    face: FittedFace
+    origin_mm: Array  #: (3,) in the file's axes.
+    axes: Array  #: (3, 3) rows are x, y and z in the file's axes.
+    triangles: IntArray  #: (t, 3) of the contact's set that are seen along z.
+    nodes: IntArray  #: Those of the contact's set that are.
+    off_mm: float  #: Largest distance of those nodes from the fitted barrel.
+
+    @property
+    def curvatures_per_mm(self) -> tuple[float, float]:
+        """Along its axis and across."""
+        return self.face.barrel.curvature_along_per_mm, self.face.barrel.curvature_across_per_mm
+
+    @cached_property
+    def element_mm(self) -> float:
+        """Size of the elements about the place that touches first."""
+        return self.element_within(0.0)
+
+    def element_within(self, reach_mm: float) -> float:
+        """Size of the largest elements so near to that place, or of the nearest."""
+        away = np.linalg.norm(self.solid.middles, axis=1)
+        near = (away <= reach_mm) | (away <= np.partition(away, min(7, len(away) - 1))[min(7, len(away) - 1)])
+        return float(np.percentile(self.solid.edges_mm[near], 90.0))
+
+    def deviation_mm(self, half_extents_mm: tuple[float, float]) -> float:
+        """Largest distance of the file's faces from the fitted one within a patch."""
+        at = self.solid.points[self.triangles]
+        weights = np.array([[1, 1, 1], [1.5, 1.5, 0], [0, 1.5, 1.5], [1.5, 0, 1.5]]) / 3.0
+        places = np.einsum("wc,tcd->twd", weights, at).reshape(-1, 3)
+        inside = (np.abs(places[:, :2]) <= np.array(half_extents_mm)).all(axis=1)
+        if not inside.any():
+            near = np.linalg.norm(at.mean(axis=1), axis=1).argmin()
+            places, inside = at[near], np.ones(3, dtype=bool)
+        places = places[inside]
+        return float(np.abs(places[:, 2] - self.face.height(places[:, :2])).max())
+
+
+@lru_cache(maxsize=4)
+def own_surface(source: MeshSource) -> OwnSurface:
+    """The body of a file in its own axes.
+    Raises GeometryError, in one sentence, if it cannot be read or is no contact's.
+    """
+    solid = source.solid
+    for role, name in (("contact", source.contact), ("held", source.held)):
+        _require_set(solid, role, name)
+    for name, *_ in source.parts:
+        if name not in solid.parts:
+            raise GeometryError(_without(name, "of elements with a material of its own", solid.parts))
+    triangles = solid.triangles_of(source.contact)
+    outward = _outward(solid, triangles, source)
+    normals = _normals(solid.points, triangles)
+    size = np.linalg.norm(normals, axis=1)
+    triangles = triangles[normals @ outward >= _SEEN * size]
+    corners = np.unique(triangles)
+    nodes = solid.nodes_between(corners)
+    points = solid.points
+    axes = _any_axes(outward, source)
+    start = _outermost(points, corners, triangles, outward) if source.at_mm is None else np.array(source.at_mm)
+    scale = float(np.ptp(points[corners], axis=0).max())
+    origin, form = _apex(points[nodes], start, axes, scale, moves=source.at_mm is None)
+    axes = _principal(axes, form, source)
+    local = (points - origin) @ axes.T
+    barrel, shift = _barrel(local[nodes], scale, moves=source.at_mm is None)
+    origin = _on_node(points[nodes], origin + shift @ axes, _EXACT * scale)
+    local = (points - origin) @ axes.T
+    off = local[nodes, 2] - barrel.height(local[nodes, :2])
+    largest = float(np.abs(off).max())
+    exact = largest <= _EXACT * scale
+    face = FittedFace(barrel, local[nodes, :2], np.zeros(0) if exact else off)
+    return OwnSurface(solid.moved(local), face, origin, axes, triangles, nodes, largest)
+
+
+def _require_set(solid: SolidMesh, role: str, name: str) -> None:
+    what = f"of the {role} surface"
+    if name not in solid.sets:
+        raise GeometryError(_without(name, what, solid.sets))
+    if not sum(map(len, solid.faces_of(name))):
+        raise GeometryError(
+            f"its set {name!r} {what} holds no whole face of the body's boundary: name faces, or all of their nodes"
+        )
+
+
+def _without(name: str, what: str, sets: object) -> str:
+    known = ", ".join(repr(one) for one in sets) if sets else "no sets at all"  # type: ignore[attr-defined]
+    return f"it has no set {name!r} {what}, but {known}"
+
+
+def _normals(points: Array, triangles: IntArray) -> Array:
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    return np.asarray(np.cross(b - a, c - a))
+
+
+def _outward(solid: SolidMesh, triangles: IntArray, source: MeshSource) -> Array:
+    """Unit normal (3,) of the contact, towards the other body."""
+    if source.outward is not None:
+        outward = np.array(source.outward)
+        return np.asarray(outward / np.linalg.norm(outward))
+    normals = _normals(solid.points, triangles)
+    mean = normals.sum(axis=0) / np.linalg.norm(normals, axis=1).sum()
+    length = float(np.linalg.norm(mean))
+    if length < _LEAST_MEAN:
+        raise GeometryError(
+            f"its set {source.contact!r} faces all ways round, so its normal is not known: state it, as in "
+            "outward = [0, 0, 1]"
+        )
+    mean = mean / length
+    # A face that was meant to look along an axis does so.
+    rounded = np.round(mean)
+    return np.asarray(rounded if np.abs(mean - rounded).max() < 2e-3 else mean)
+
+
+def _any_axes(outward: Array, source: MeshSource) -> Array:
+    """Rows x, y, z with z outwards and x along the stated axis, or an axis of the file."""
+    along = np.eye(3)[0 if abs(outward[0]) < 0.9 else 1] if source.along is None else np.array(source.along)
+    x = along - (along @ outward) * outward
+    if np.linalg.norm(x) < 1e-3 * np.linalg.norm(along):
+        raise GeometryError("along is the direction of the contact's normal, but must lie in its face")
+    x = x / np.linalg.norm(x)
+    return np.stack([x, np.cross(outward, x), outward])
+
+
+def _outermost(points: Array, nodes: IntArray, triangles: IntArray, outward: Array) -> Array:
+    """The middle (3,) of what lies outermost."""
+    height = points[nodes] @ outward
+    top = nodes[height >= height.max() - 1e-6 * float(np.ptp(points[nodes], axis=0).max())]
+    whole = triangles[np.isin(triangles, top).all(axis=1)]
+    if len(whole):
+        size = np.linalg.norm(_normals(points, whole), axis=1)
+        return np.asarray((points[whole].mean(axis=1) * size[:, None]).sum(axis=0) / size.sum())
+    return np.asarray(0.5 * (points[top].min(axis=0) + points[top].max(axis=0)))
+
+
+def _apex(nodes: Array, start: Array, axes: Array, scale: float, *, moves: bool) -> tuple[Array, Array]:
+    """Where the surface is highest (3,), and its curvature (2, 2) there, by paraboloids through the nodes near it."""
+    origin = start
+    for _ in range(_STEPS):
+        local = (nodes - origin) @ axes.T
+        near = np.argsort((local**2).sum(axis=1))[:_NODES]
+        if len(near) < 6:
+            raise GeometryError(
+                f"its contact surface has {len(nodes)} nodes, which do not show how it is curved: mesh it more finely"
+            )
+        x, y, z = local[near].T
+        columns = np.column_stack([np.ones_like(x), x, y, 0.5 * x**2, x * y, 0.5 * y**2])
+        weight = np.exp(-0.5 * (x**2 + y**2) / max(float((x**2 + y**2).mean()), 1e-300))[:, None]
+        found, *_ = np.linalg.lstsq(columns * weight, z * weight[:, 0], rcond=None)
+        form = -np.array([[found[3], found[4]], [found[4], found[5]]])
+        if not moves:
+            break
+        values, vectors = np.linalg.eigh(form)
+        step = np.zeros(2)
+        for value, vector in zip(values, vectors.T, strict=True):
+            if value > _STRAIGHT / scale:
+                step += np.clip((vector @ found[1:3]) / value, -0.2 * scale, 0.2 * scale) * vector
+        height = found[0] + found[1:3] @ step - 0.5 * step @ form @ step
+        origin = origin + np.array([*step, height]) @ axes
+        if np.abs(step).max() < 1e-9 * scale:
+            break
+    return origin, form
+
+
+def _on_node(nodes: Array, place: Array, within_mm: float) -> Array:
+    """The node that stands so near to a place, or the place: a mesh that is its own mirror image stays so."""
+    away = np.linalg.norm(nodes - place, axis=1)
+    return np.asarray(nodes[away.argmin()] if away.min() <= within_mm else place)
+
+
+def _principal(axes: Array, form: Array, source: MeshSource) -> Array:
+    """The axes with x along the direction in which the surface is straighter, where none is stated."""
+    values, vectors = np.linalg.eigh(form)
+    apart = values[1] - values[0] > _ROUND * np.abs(values).max()
+    if not apart:
+        return axes
+    turn = vectors[:, 0] * (1.0 if vectors[0, 0] >= 0.0 else -1.0)
+    if source.along is None:
+        turn = np.round(turn) if np.abs(turn - np.round(turn)).max() < 2e-3 else turn
+        x = turn @ axes[:2]
+        return np.stack([x, np.cross(axes[2], x), axes[2]])
+    if abs(form[0, 1]) > max(_TWISTED * np.abs(values).max(), 5e-2 * (values[1] - values[0])):
+        if abs(form[0, 0] - form[1, 1]) < 1e-12:
+            return axes
+        better = ", ".join(f"{value:.4g}" for value in turn @ axes[:2])
+        angle = degrees(np.arctan2(turn[1], turn[0]))
+        raise GeometryError(
+            f"its surface is straightest at {angle:.3g}° to the axis stated: give along = [{better}], or leave it out"
+        )
+    return axes
+
+
+def _barrel(nodes: Array, scale: float, *, moves: bool) -> tuple[Barrel, Array]:
+    """The barrel nearest to nodes (n, 3), and by how much they are shifted from its first contact (3,)."""
+    from scipy.optimize import least_squares
+
+    away = np.linalg.norm(nodes[:, :2], axis=1)
+    near = nodes[away <= max(float(np.sort(away)[:_NODES][-1]), 0.5 * float(away.max()))]
+
+    def missed(unknowns: Array) -> Array:
+        x, y, z, along, across = unknowns
+        place = near - scale * np.array([x * moves, y * moves, z])
+        barrel = Barrel(max(along, 0.0) / scale, max(across, 0.0) / scale)
+        hollow = (min(along, 0.0) * place[:, 0] ** 2 + min(across, 0.0) * place[:, 1] ** 2) / (2.0 * scale)
+        return np.asarray((place[:, 2] - barrel.height(place[:, :2]) + hollow) / scale)
+
+    x, y, z = near.T / scale
+    columns = np.column_stack([np.ones_like(x), -0.5 * x**2, -0.5 * y**2])
+    (_, along, across), *_ = np.linalg.lstsq(columns, z, rcond=None)
+    start = np.array([0.0, 0.0, 0.0, along, across])
+    found = least_squares(
+        missed, start, x_scale=np.array([0.01, 0.01, 0.01, 0.1, 0.1]), xtol=1e-15, ftol=1e-15, gtol=1e-15
+    ).x
+    curved = np.where(np.abs(found[3:]) < 1e-7, 0.0, found[3:])
+    largest = np.abs(curved).max()
+    if (curved < -max(_HOLLOW * largest, _STRAIGHT)).any():
+        raise GeometryError(
+            f"its contact surface is hollow, of radius {scale / abs(float(curved.min())):.4g} mm: bodies at a point "
+            "are round or flat"
+        )
+    curved = np.maximum(curved, 0.0)
+    # What is straight one way is the same wherever it is touched along it.
+    shift = scale * found[:3] * np.array([moves and curved[0] > 0.0, moves and curved[1] > 0.0, True])
+    return Barrel(float(curved[0] / scale), float(curved[1] / scale)), np.asarray(shift)

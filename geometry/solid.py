@@ -1,0 +1,235 @@
+"""Meshes of solid elements as files hold them: any mixture of kinds, named sets, checks, what lies where in them."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from geometry.arrays import Array, BoolArray, IntArray
+from geometry.elements import ELEMENT_KINDS, ElementKind
+from geometry.errors import GeometryError
+
+LEAST_SHAPE = 0.01  #: Least determinant at a point of the Jacobian of an element, over its columns' lengths.
+_TRIED, _NEWTON, _BESIDE = 24, 8, 3.0  #: Cells tried for a place, steps to its local coordinates, kept within this.
+_NEAR = 1e-3  #: A place so little beyond a cell, over the cell's size, is taken to lie in it.
+_BESIDE_BOX = 0.1  #: A cell that is tried has the place in its box, or so little beside it, over the box's size.
+_CHUNK = 2_000_000  #: Numbers of places times cells that are looked at together.
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where p places lie in a mesh: in which cell, at which of its reference coordinates, how far outside."""
+
+    cell: IntArray  #: (p,) in the order of `SolidMesh.groups`.
+    weights: tuple[tuple[IntArray, IntArray, Array], ...]  #: By kind: rows (r,) of places, nodes (r, n), shapes (r, n).
+    beyond_mm: Array  #: (p,) distance from the cell, 0 inside.
+
+
+@dataclass(frozen=True, eq=False)
+class SolidMesh:
+    """Solid elements in mm."""
+
+    points: Array  #: (n, 3).
+    cells: Mapping[int, IntArray]  #: By their number of nodes k (`ELEMENT_KINDS`), (m, k).
+    sets: Mapping[str, IntArray]  #: Named sets of nodes, sorted; of a set of cells all their nodes.
+    parts: Mapping[str, Mapping[int, BoolArray]]  #: Named sets of cells: for each kind (m,).
+
+    @property
+    def groups(self) -> Iterator[tuple[ElementKind, IntArray]]:
+        """The kinds of elements with their cells."""
+        return ((ELEMENT_KINDS[count], cells) for count, cells in self.cells.items())
+
+    @property
+    def size(self) -> int:
+        """Number of cells."""
+        return sum(len(cells) for cells in self.cells.values())
+
+    def moved(self, points: Array) -> Self:
+        """The mesh with its nodes elsewhere."""
+        return replace(self, points=points)
+
+    @cached_property
+    def boundary(self) -> tuple[IntArray, ...]:
+        """Faces that belong to one cell only, facing outwards: their corners, (f, 3) and (f, 4)."""
+        found: dict[int, list[IntArray]] = {3: [], 4: []}
+        for kind, cells in self.groups:
+            for face in kind.faces:
+                found[len(face)].append(cells[:, list(face)])
+        outer = []
+        for count, lists in found.items():
+            faces = np.vstack(lists) if lists else np.zeros((0, count), dtype=np.int64)
+            if len(faces):
+                _, first, times = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+                faces = faces[first[times == 1]]
+            outer.append(faces)
+        return tuple(outer)
+
+    def nodes_between(self, corners: IntArray) -> IntArray:
+        """Sorted nodes of the boundary's faces whose corners are all among `corners`, those on edges and faces too."""
+        known = np.zeros(len(self.points), dtype=bool)
+        known[corners] = True
+        faces = [each[known[each].all(axis=1)] for each in self.boundary]
+        outer = {tuple(face) for each in faces for face in np.sort(each, axis=1).tolist()}
+        found = np.zeros(len(self.points), dtype=bool)
+        for kind, cells in self.groups:
+            for face, nodes in zip(kind.faces, kind.face_nodes, strict=True):
+                candidates = cells[known[cells[:, list(face)]].all(axis=1)]
+                keys = np.sort(candidates[:, list(face)], axis=1).tolist()
+                found[candidates[[tuple(key) in outer for key in keys]][:, nodes]] = True
+        return np.flatnonzero(found)
+
+    def faces_of(self, name: str) -> tuple[IntArray, ...]:
+        """Boundary faces all of whose corners are in a named set, (f, 3) and (f, 4)."""
+        inside = np.zeros(len(self.points), dtype=bool)
+        inside[self.sets[name]] = True
+        return tuple(faces[inside[faces].all(axis=1)] for faces in self.boundary)
+
+    def triangles_of(self, name: str) -> IntArray:
+        """Those faces as triangles (t, 3)."""
+        triangles, quads = self.faces_of(name)
+        return np.vstack([triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+
+    def areas_of(self, name: str) -> Array:
+        """Area of a named part of the boundary that belongs to each node, (n,), mm²."""
+        triangles = self.triangles_of(name)
+        a, b, c = (self.points[triangles[:, k]] for k in range(3))
+        size = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        return np.bincount(triangles.ravel(), np.repeat(size / 3.0, 3), len(self.points)).astype(np.float64)
+
+    @cached_property
+    def edges_mm(self) -> Array:
+        """Mean length of the edges from the first corner of each cell to its others, (size,)."""
+        found = []
+        for kind, cells in self.groups:
+            at = self.points[cells[:, : kind.corners]]
+            found.append(np.linalg.norm(np.diff(at, axis=1), axis=2).mean(axis=1))
+        return np.concatenate(found)
+
+    @cached_property
+    def middles(self) -> Array:
+        """Means of the cells' corners, (size, 3)."""
+        return np.vstack([self.points[cells[:, : kind.corners]].mean(axis=1) for kind, cells in self.groups])
+
+    def gradients(self, kind: ElementKind, cells: IntArray) -> tuple[Array, Array]:
+        """Of shape functions at the integration points of cells (m, k): (m, q, k, 3) in 1/mm, and volumes (m, q)."""
+        slopes = kind.slopes(kind.points)
+        jacobian = np.einsum("mni,qnj->mqij", self.points[cells], slopes, optimize=True)
+        local = slopes @ np.linalg.inv(jacobian)
+        return local, np.linalg.det(jacobian) * kind.weights
+
+    def require_sound(self) -> None:
+        """GeometryError naming the place of a cell that is inside out or has no volume, or that there are loose parts.
+
+        A closed boundary needs no check: it is what bounds the cells.
+        """
+        for kind, cells in self.groups:
+            jacobian = np.einsum("mni,qnj->mqij", self.points[cells], kind.slopes(kind.points), optimize=True)
+            at = self.points[cells[:, : kind.corners]]
+            lengths = np.linalg.norm(jacobian, axis=2).prod(axis=2)
+            shape = (np.linalg.det(jacobian) / np.maximum(lengths, 1e-300)).min(axis=1)
+            bad = np.flatnonzero(~(shape >= LEAST_SHAPE))
+            if len(bad):
+                worst = int(bad[np.argmin(shape[bad])])
+                place = ", ".join(f"{x:.4g}" for x in at[worst].mean(axis=0))
+                what = "turned inside out" if shape[worst] < -LEAST_SHAPE else "without volume"
+                raise GeometryError(
+                    f"{len(bad)} of its {len(cells)} elements ({kind.name}) are {what} or nearly flat, the worst at "
+                    f"({place}) mm: number nodes as the format says, and mesh anew without slivers"
+                )
+        count, sizes = self._loose_parts()
+        if count > 1:
+            raise GeometryError(
+                f"it consists of {count} parts that share no nodes, of {', '.join(map(str, sizes[:4]))}"
+                f"{' …' if count > 4 else ''} nodes: merge coincident nodes, or leave all but one part out"
+            )
+
+    def _loose_parts(self) -> tuple[int, list[int]]:
+        rows = np.concatenate([cells[:, :1].repeat(cells.shape[1], axis=1).ravel() for cells in self.cells.values()])
+        columns = np.concatenate([cells.ravel() for cells in self.cells.values()])
+        size = len(self.points)
+        graph = coo_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(size, size))
+        _, label = connected_components(graph, directed=False)
+        sizes = np.bincount(label[np.unique(columns)])
+        sizes = np.sort(sizes[sizes > 0])[::-1]
+        return len(sizes), sizes.tolist()
+
+    def located(self, places: Array) -> Places:
+        """Where places (p, 3) lie; each is given the cell that holds it best, beyond which it may lie."""
+        cell, best, local = (
+            np.zeros(len(places), dtype=np.int64),
+            np.full(len(places), np.inf),
+            np.zeros((len(places), 3)),
+        )
+        kinds = list(self.groups)
+        starts = np.cumsum([0, *(len(cells) for _, cells in kinds)])
+        near = np.asarray(self._tree.query(places, k=min(_TRIED, self.size))[1]).reshape(len(places), -1)
+        pairs = np.column_stack([np.repeat(np.arange(len(places)), near.shape[1]), near.ravel()])
+        low, high = self._boxes
+        margin = _BESIDE_BOX * (high - low).max(axis=1, keepdims=True)
+        at = places[pairs[:, 0]]
+        held = (at >= (low - margin)[pairs[:, 1]]).all(axis=1) & (at <= (high + margin)[pairs[:, 1]]).all(axis=1)
+        pairs = pairs[held]
+        for search in range(2):
+            for (kind, cells), first in zip(kinds, starts, strict=False):
+                own = pairs[(pairs[:, 1] >= first) & (pairs[:, 1] < first + len(cells))]
+                for part in np.array_split(own, max(1, len(own) * cells.shape[1] // _CHUNK)):
+                    nodes, wanted = cells[part[:, 1] - first], places[part[:, 0]]
+                    at = self._local(kind, nodes, wanted)
+                    nearest = np.einsum("pn,pni->pi", kind.shapes(kind.within(at)), self.points[nodes])
+                    beyond = np.linalg.norm(nearest - wanted, axis=1) * (kind.outside(at) > 0.0)
+                    _keep_best(part, beyond, at, cell, best, local)
+            if search == 0:
+                pairs = self._boxed(places, np.flatnonzero(best > _NEAR * self.edges_mm[cell]))
+        shapes = []
+        for (kind, cells), first in zip(kinds, starts, strict=False):
+            rows = np.flatnonzero((cell >= first) & (cell < first + len(cells)))
+            shapes.append((rows, cells[cell[rows] - first], kind.shapes(local[rows])))
+        return Places(cell, tuple(shapes), best)
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(self.middles)
+
+    def _boxed(self, places: Array, which: IntArray) -> IntArray:
+        """Pairs (k, 2) of those of the places `which` and cells whose boxes hold them, and the nearest cell."""
+        low, high = self._boxes
+        found = [np.zeros((0, 2), dtype=np.int64)]
+        for part in np.array_split(which, max(1, len(which) * self.size // _CHUNK)):
+            at = places[part][:, None]
+            row, column = np.nonzero(((at >= low) & (at <= high)).all(axis=2))
+            found.append(np.column_stack([part[row], column]))
+        if len(which):
+            found.append(np.column_stack([which, self._tree.query(places[which])[1]]))
+        return np.vstack(found)
+
+    @cached_property
+    def _boxes(self) -> tuple[Array, Array]:
+        """Lower and upper corners (size, 3) of the cells' boxes."""
+        low = np.vstack([self.points[cells].min(axis=1) for cells in self.cells.values()])
+        high = np.vstack([self.points[cells].max(axis=1) for cells in self.cells.values()])
+        return low, high
+
+    def _local(self, kind: ElementKind, cells: IntArray, places: Array) -> Array:
+        """Reference coordinates (p, 3) of places in cells (p, k) each."""
+        nodes = self.points[cells]
+        local = np.tile(kind.middle, (len(places), 1))
+        for _ in range(1 if len(kind.nodes) == 4 else _NEWTON):
+            missed = places - np.einsum("pn,pni->pi", kind.shapes(local), nodes)
+            jacobian = np.einsum("pni,pnj->pij", nodes, kind.slopes(local))
+            step = np.linalg.solve(jacobian, missed[..., None])[..., 0]
+            local = local + step if len(kind.nodes) == 4 else np.clip(local + step, -_BESIDE, _BESIDE)
+        return local
+
+
+def _keep_best(pairs: IntArray, beyond: Array, local: Array, cell: IntArray, best: Array, at: Array) -> None:
+    """Note for each place the cell that holds it best so far."""
+    order = np.argsort(beyond)[::-1]
+    better = order[beyond[order] < best[pairs[order, 0]]]
+    rows = pairs[better, 0]
+    # Of several for one place the last assignment, the best one, holds.
+    best[rows], cell[rows], at[rows] = beyond[better], pairs[better, 1], local[better]

@@ -1,0 +1,153 @@
+"""A block of our own elements in a body from a file: their stiffness together, condensed to the contact patch.
+
+Unknowns are those of the block's nodes, then those of the file's. Both displacement fields meet on the block's sides
+and back, whose nodes are none of the file's, in Nitsche's way: the block's own traction does work on the gap between
+them, and a spring closes it (A. Hansbo, P. Hansbo and M. G. Larson, ESAIM: M2AN 37 (2003) 495).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import lapack
+from scipy.sparse import block_diag, coo_matrix, csr_matrix, diags, identity, kron
+from threadpoolctl import threadpool_limits
+
+from geometry import BodyMesh, Elastic, HexMesh
+from geometry.arrays import Array, IntArray
+from geometry.elements import ELEMENT_KINDS, ElementKind
+from geometry.host import Host
+from solvers.elasticity.condensation import CondensedBody, cholesky_factor, condense, schur_complements
+from solvers.elasticity.patch_compliance import PatchCompliance
+from solvers.elasticity.strain import stiffness_matrix
+from solvers.errors import SolverError
+
+_SPRING = 10.0  #: Of the seam, over the block's modulus and the depth of its elements there.
+_CHUNK = 4_000_000  #: Numbers of elements' matrices that are worked out together.
+
+
+def condense_meshed(meshed: BodyMesh, material: Elastic) -> CondensedBody:
+    """Condense a meshed body, held at its surface "grip", or in its host. SolverError where nothing holds it."""
+    if meshed.host is None:
+        return condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding)
+    joined = Joined.of(meshed, material)
+    kept = meshed.patch.nodes.ravel()
+    with threadpool_limits(limits=1, user_api="blas"):
+        free = np.setdiff1d(joined.free, kept)
+        none_held = np.zeros((1, joined.stiffness.shape[0]), dtype=bool)
+        (schur,) = schur_complements(joined.stiffness, kept, free, 3, none_held)
+        inverse, _ = lapack.dpotri(cholesky_factor(schur), lower=1, overwrite_c=1)
+    whole = np.tril(inverse) + np.tril(inverse, -1).T
+    return CondensedBody(meshed.patch, PatchCompliance(meshed.patch.shape, (), whole[None]))
+
+
+@dataclass(frozen=True)
+class Joined:
+    """A block and its host as one system."""
+
+    stiffness: csr_matrix  #: (3 n, 3 n) of the b nodes of the block and the others, those of the host.
+    free: IntArray  #: Nodes that are not held.
+    block: int  #: b.
+
+    @classmethod
+    def of(cls, meshed: BodyMesh, material: Elastic) -> "Joined":
+        """Of a body whose own material is given; its other parts have theirs. SolverError where nothing holds it."""
+        host = meshed.host
+        if host is None or not len(host.held):
+            raise SolverError("nothing holds the body; name a surface that is held")
+        b, n = len(meshed.mesh.points), len(meshed.mesh.points) + len(host.solid.points)
+        materials = (material, *(Elastic(*part) for part in host.parts))
+        of_host = _of_host(host, materials)
+        if meshed.bedding is not None:
+            of_host = of_host + diags(np.repeat(meshed.bedding, 3))
+        both = block_diag([_of_block(meshed.mesh, host.block_part, materials), of_host], format="csr")
+        held = b + host.held if meshed.bedding is None else host.held[:0]
+        return cls(
+            csr_matrix(both + _seam_stiffness(meshed.mesh, host, materials)), np.setdiff1d(np.arange(n), held), b
+        )
+
+
+def _seam_stiffness(block: HexMesh, host: Host, materials: tuple[Elastic, ...]) -> csr_matrix:
+    """What the seam adds to the stiffness (3 n, 3 n) of both."""
+    seam, kind = host.seam, ELEMENT_KINDS[8]
+    nodes = block.cells[seam.cells]
+    slopes = kind.slopes(seam.local)
+    jacobian = np.einsum("fni,fqnj->fqij", block.points[nodes], slopes)
+    slopes = slopes @ np.linalg.inv(jacobian)
+    of_cells = [materials[number] for number in host.block_part[seam.cells]]
+    shear = np.array([one.shear_modulus_MPa for one in of_cells])
+    ratio = np.array([one.poissons_ratio for one in of_cells])
+    lame = 2.0 * shear * ratio / (1.0 - 2.0 * ratio)
+    size = np.linalg.norm(seam.areas_mm2, axis=2)
+    normal = seam.areas_mm2 / size[..., None]
+    # Traction a by displacement b of node n: λ n_a g_b + μ g_a n_b + μ δ_ab g·n.
+    traction = lame[:, None, None, None, None] * np.einsum("fqa,fqnb->fqanb", normal, slopes)
+    traction += shear[:, None, None, None, None] * np.einsum("fqna,fqb->fqanb", slopes, normal)
+    along = shear[:, None, None] * np.einsum("fqna,fqa->fqn", slopes, normal)
+    for axis in range(3):
+        traction[:, :, axis, :, axis] += along
+    b, n = len(block.points), len(block.points) + len(host.solid.points)
+    q = size.shape[1]
+    rows = np.arange(3 * size.size).reshape(*size.shape, 3)
+    columns = 3 * nodes[:, :, None] + np.arange(3)
+    shape = (3 * size.size, 3 * n)
+    pulled = coo_matrix(
+        (
+            traction.ravel(),
+            (
+                np.broadcast_to(rows[..., None, None], traction.shape).ravel(),
+                np.broadcast_to(columns[:, None, None], traction.shape).ravel(),
+            ),
+        ),
+        shape=shape,
+    ).tocsr()
+    points = np.arange(size.size)
+    own = kind.shapes(seam.local)
+    parts = [(np.repeat(points, 8), np.repeat(nodes, q, axis=0).ravel(), own.ravel())]
+    for places, of_host, shapes in seam.places.weights:
+        parts.append((np.repeat(places, of_host.shape[1]), b + of_host.ravel(), -shapes.ravel()))
+    row, column, value = (np.concatenate([part[k] for part in parts]) for k in range(3))
+    gap = kron(coo_matrix((value, (row, column)), shape=(size.size, n)), identity(3), format="csr")
+    area = diags(np.repeat(size.ravel(), 3))
+    spring = _SPRING * ((lame + 2.0 * shear) / seam.depth_mm)[:, None] * size
+    work = gap.T @ area @ pulled
+    return csr_matrix(gap.T @ diags(np.repeat(spring.ravel(), 3)) @ gap - work - work.T)
+
+
+def _of_block(mesh: HexMesh, part: IntArray, materials: tuple[Elastic, ...]) -> csr_matrix:
+    total = csr_matrix((3 * len(mesh.points), 3 * len(mesh.points)))
+    for number in np.unique(part):
+        total = total + stiffness_matrix(replace(mesh, cells=mesh.cells[part == number]), materials[number])
+    return csr_matrix(total)
+
+
+def _of_host(host: Host, materials: tuple[Elastic, ...]) -> csr_matrix:
+    """Stiffness of the host's nodes, each element's with the share of it that is kept."""
+    shear = np.array([one.shear_modulus_MPa for one in materials])
+    ratio = np.array([one.poissons_ratio for one in materials])
+    lame = 2.0 * shear * ratio / (1.0 - 2.0 * ratio)
+    size, first = 3 * len(host.solid.points), 0
+    total = csr_matrix((size, size))
+    for kind, cells in host.solid.groups:
+        count = 3 * cells.shape[1]
+        for part in np.array_split(np.arange(len(cells)), max(1, len(cells) * count**2 // _CHUNK)):
+            number = host.part[first + part]
+            share = host.kept[first + part]
+            values = _of_elements(host, kind, cells[part], lame[number] * share, shear[number] * share)
+            unknowns = (3 * cells[part][:, :, None] + np.arange(3)).reshape(len(part), count)
+            rows, columns = np.repeat(unknowns, count, axis=1).ravel(), np.tile(unknowns, (1, count)).ravel()
+            total = total + coo_matrix((values.ravel(), (rows, columns)), shape=(size, size)).tocsr()
+        first += len(cells)
+    return csr_matrix(total)
+
+
+def _of_elements(host: Host, kind: ElementKind, cells: IntArray, lame: Array, shear: Array) -> Array:
+    """Stiffness (m, 3 k, 3 k) of elements (m, k) of Lamé's constants (m,)."""
+    slopes, volumes = host.solid.gradients(kind, cells)
+    products = np.einsum("mqia,mqjb,mq->miajb", slopes, slopes, volumes, optimize=True)
+    own = np.einsum("miaja->mij", products)
+    found = lame[:, None, None, None, None] * products
+    found += shear[:, None, None, None, None] * products.transpose(0, 1, 4, 3, 2)
+    for axis in range(3):
+        found[:, :, axis, :, axis] += shear[:, None, None] * own
+    k = cells.shape[1]
+    return np.asarray(found.reshape(len(cells), 3 * k, 3 * k))

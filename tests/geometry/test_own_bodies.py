@@ -1,0 +1,57 @@
+"""Bodies from files: what is read of them, and how they give way under their patch."""
+
+import numpy as np
+import pytest
+
+from geometry import BlockGeometry, Elastic, GradedAxis, build_body
+from geometry.embedded import EmbeddedGeometry, as_grid
+from geometry.mesh_files import digest_of
+from geometry.own_surface import MeshSource, own_surface
+from solvers.elasticity.condensation import condense
+from solvers.elasticity.embedding import condense_meshed
+
+STEEL = Elastic(210e3, 0.3)
+AXIS = GradedAxis(0.05, 0.1, 0.1, 0.2)
+CURVED = 0.2
+BLOCK = BlockGeometry(CURVED, CURVED, 1.5, 1.5, 1.5, AXIS, AXIS, 0.5)
+
+
+@pytest.fixture(scope="module", params=[".msh", ".inp"])
+def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> MeshSource:
+    """A built-in block with a ball's face, in a file."""
+    file = tmp_path_factory.mktemp("own") / f"ball{request.param}"
+    build_body(BLOCK).mesh.write(file)
+    return MeshSource(str(file), digest_of(str(file)), 1.0, "contact", "grip")
+
+
+def test_a_built_in_body_that_is_read_back_is_the_same_body(written: MeshSource) -> None:
+    own, fresh = own_surface(written), build_body(BLOCK)
+    np.testing.assert_allclose(own.curvatures_per_mm, CURVED, rtol=1e-9)
+    grid = as_grid(written, None)
+    assert grid is not None
+    np.testing.assert_allclose(grid.layers, BLOCK.layers, rtol=1e-9)
+    read, built = condense_meshed(build_body(grid), STEEL), condense(fresh.mesh, fresh.patch, STEEL)
+    np.testing.assert_allclose(read.compliance, built.compliance, atol=1e-9 * built.compliance.max())
+    places = built.patch.grid()
+    np.testing.assert_allclose(read.patch.height(places), built.patch.height(places), atol=1e-12)
+
+
+def under_hertz(patch: object, compliance: np.ndarray) -> np.ndarray:
+    """Displacement of the middle along x and z by Hertz' pressure over a radius of 0.15 mm, in each direction."""
+    where = patch.grid()  # type: ignore[attr-defined]
+    force = np.sqrt(np.maximum(1.0 - (where**2).sum(axis=1) / 0.15**2, 0.0)) * patch.node_areas()  # type: ignore[attr-defined]
+    middle = len(where) // 2
+    return np.array([compliance[3 * middle + k, k::3] @ force for k in (0, 2)])
+
+
+@pytest.mark.seconds
+@pytest.mark.first_case
+def test_a_block_embedded_in_a_files_elements_gives_way_as_one_fine_mesh(written: MeshSource) -> None:
+    size = (0.6, 0.6, 0.6)
+    embedded = build_body(EmbeddedGeometry(CURVED, CURVED, *size, AXIS, AXIS, 0.15, source=written))
+    fine = build_body(BLOCK.with_layering(BLOCK.layering.deeper(2.0)))
+    built = condense(fine.mesh, fine.patch, STEEL)
+    found = condense_meshed(embedded, STEEL)
+    np.testing.assert_allclose(
+        under_hertz(found.patch, found.compliance), under_hertz(built.patch, built.compliance), rtol=0.01
+    )

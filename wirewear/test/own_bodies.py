@@ -1,0 +1,213 @@
+"""Bodies from files as a study states them, and as they are meshed under a patch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf, sqrt
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BeforeValidator, Field, PlainValidator, model_validator
+
+from geometry import BodyGeometry, GeometryError, GradedAxis, Layering, RimGradedAxis
+from geometry.embedded import EmbeddedGeometry, as_grid, block_fits
+from geometry.mesh_files import digest_of
+from geometry.own_surface import MeshSource, OwnSurface, own_surface
+from wirewear.base.errors import StudyError, shown
+from wirewear.test import keys
+from wirewear.test.bodies import Body
+
+MM_PER_UNIT = {"m": 1e3, "cm": 10.0, "mm": 1.0, "um": 1e-3, "in": 25.4}
+_SMALLEST_mm, _LARGEST_mm = 0.05, 500.0  #: Of a body's largest extent.
+_FALL = 0.2  #: How far the face may fall to the sides of the block under the contact, over its sharper radius.
+_ROOM, _DEEP = 1.5, 1.2  #: Extents of that block over the patch's half-width: to each side, and below.
+_PER_ELEMENT = 2.0  #: Its extents over the file's elements there, at least.
+_FINER = 0.6  #: Its largest elements over the file's.
+_SMALLER = 0.85  #: By which it is made smaller where it does not fit.
+_TURN = 0.6  #: By how much the normal may turn from one of the file's elements to the next, in radians.
+#: Poisson's ratio from which a body of tetrahedra of four nodes is too stiff.
+_LOCKS = 0.45
+
+
+def _checked_direction(value: object) -> tuple[float, float, float]:
+    if isinstance(value, list | tuple) and len(value) == 3:
+        try:
+            x, y, z = (float(one) for one in value)
+        except (TypeError, ValueError):
+            x = y = z = 0.0
+        if 0.0 < x * x + y * y + z * z < inf:
+            return x, y, z
+    raise ValueError(f"is {shown(value)}, but must be a direction in the file's axes such as [0, 0, 1]")
+
+
+def _checked_place(value: object) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(one) for one in value)  # type: ignore[attr-defined]
+    except (TypeError, ValueError):
+        x = inf
+    if not abs(x) < inf:
+        raise ValueError(f"is {shown(value)}, but must be a place in mm in the file's axes such as [0, 0, 1.5]")
+    return x, y, z
+
+
+Direction = Annotated[tuple[float, float, float], BeforeValidator(_checked_direction)]
+Place = Annotated[tuple[float, float, float], BeforeValidator(_checked_place)]
+
+
+class PartKeys(keys.OfMaterial):
+    """The material of a set of elements."""
+
+    material: keys.MaterialName | None = Field(None, description="name of a material of the table")
+    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus")
+    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio")
+
+
+class MeshKeys(keys.Table):
+    """What a body from a file states of it."""
+
+    file: str | None = Field(None, description="mesh of the body: gmsh's .msh or Abaqus' .inp", examples=["ball.msh"])
+    unit: Annotated[str, PlainValidator(keys.one_of(*MM_PER_UNIT))] | None = Field(
+        None, description="unit of the mesh's coordinates"
+    )
+    contact: str | None = Field(None, description="set of the mesh's faces, or of their nodes, that may touch")
+    held: str | None = Field(None, description="set of those that the holder grips")
+    outward: Direction | None = Field(
+        None, description="direction in the file, from the body to the other one; without it the mean of the contact's"
+    )
+    along: Direction | None = Field(
+        None, description="direction of the body's axis in the file; without it that in which its face is straighter"
+    )
+    at_mm: Place | None = Field(
+        None, description="place in the file, in mm, that touches first; without it the outermost one"
+    )
+    parts: Mapping[str, PartKeys] = Field(
+        {}, description="sets of elements of another material than the body's own, each with it"
+    )
+    digest: str | None = Field(None, description="of the file's contents, noted when it was read")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_digest(cls, table: Any) -> Any:
+        if not isinstance(table, Mapping) or not isinstance(name := table.get("file"), str):
+            return table
+        try:
+            return {**table, "digest": table.get("digest") or digest_of(name)}
+        except GeometryError as problem:
+            raise ValueError(f"gives a file that cannot be taken: {str(problem).rstrip('.')}") from None
+
+
+MESH_KEYS = tuple(MeshKeys.model_fields)
+
+
+def source_of(stated: MeshKeys) -> MeshSource:
+    """What of the file makes the body."""
+    return MeshSource(
+        stated.file or "",
+        stated.digest or "",
+        MM_PER_UNIT[stated.unit or "mm"],
+        stated.contact or "",
+        stated.held or "",
+        stated.outward,
+        stated.along,
+        stated.at_mm,
+        tuple((name, one.youngs_modulus_MPa, one.poissons_ratio) for name, one in stated.parts.items()),
+    )
+
+
+def unfit_mesh(stated: MeshKeys, poissons_ratio: float) -> tuple[str, str] | None:
+    """The key and the reason for which a file makes no body, as the rest of a sentence; None where it does."""
+    for key in ("file", "unit", "contact", "held"):
+        if getattr(stated, key) is None:
+            return key, f'is missing, but a body of shape "mesh" states it{_ALLOWED.get(key, "")}'
+    try:
+        solid = source_of(stated).solid
+        size = np.ptp(solid.points, axis=0)
+        if not _SMALLEST_mm <= size.max() <= _LARGEST_mm:
+            return "unit", (
+                f"is {stated.unit!r}, by which the body measures {' × '.join(f'{each:.4g}' for each in size)} mm, but "
+                f"its largest extent must lie between {_SMALLEST_mm:g} and {_LARGEST_mm:g} mm: state the unit in which "
+                "the file was written"
+            )
+        own = own_surface(source_of(stated))
+    except GeometryError as problem:
+        return "file", f"gives a body that cannot be taken: {str(problem).rstrip('.')}"
+    if 4 in own.solid.cells and max([poissons_ratio, *(one.poissons_ratio for one in stated.parts.values())]) > _LOCKS:
+        return "file", (
+            f"holds tetrahedra of 4 nodes, which are far too stiff at a Poisson's ratio above {_LOCKS:g}: mesh it with "
+            "tetrahedra of 10 nodes, or with hexahedra"
+        )
+    if (turn := own.element_mm * max(own.curvatures_per_mm)) > _TURN:
+        return "file", (
+            f"is too coarse under the contact: its elements of {own.element_mm:.3g} mm there turn by {turn:.2g} rad "
+            f"from one to the next, but must be at most {_TURN / max(own.curvatures_per_mm):.3g} mm"
+        )
+    return None
+
+
+_ALLOWED = {"unit": f", one of {', '.join(MM_PER_UNIT)}"}
+
+
+@dataclass(frozen=True)
+class OwnBody(Body):
+    """A body from a file."""
+
+    source: MeshSource
+
+    @property
+    def own(self) -> OwnSurface:
+        return own_surface(self.source)
+
+    @property
+    def curvatures_per_mm(self) -> tuple[float, float]:
+        return self.own.curvatures_per_mm
+
+    def geometry(
+        self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
+    ) -> BodyGeometry:
+        """The file's elements as they are where they resolve the contact, else a block in them."""
+        grid = as_grid(self.source, self.bedding_N_per_mm3)
+        wanted = (axial, transverse)
+        if grid is not None and all(
+            own.half_extent_mm >= asked.half_extent_mm * (1.0 - 1e-6) and own.fine_mm <= asked.fine_mm * (1.0 + 1e-6)
+            for own, asked in zip((grid.axial, grid.transverse), wanted, strict=True)
+        ):
+            return grid
+        reach = max(axis.half_extent_mm for axis in wanted)
+        element = self.own.element_within(2.0 * reach)
+        along, across, height = self._block(tuple(axis.half_extent_mm for axis in wanted), element)
+        coarse = min(max(_FINER * element, axial.finest_mm), 0.25 * min(along, across, height))
+        extents = (along, across, height)
+        return EmbeddedGeometry(
+            *self.curvatures_per_mm,
+            *extents,
+            axial,
+            transverse,
+            coarse,
+            self.bedding_N_per_mm3,
+            layering,
+            source=self.source,
+        )
+
+    def _block(self, reach_mm: tuple[float, ...], element_mm: float) -> tuple[float, float, float]:
+        """Half-widths along and across and height of the block under a patch. Raises StudyError if none fits."""
+        sharpest = max(self.curvatures_per_mm)
+        fall = _FALL / sharpest if sharpest else inf
+        widest = [sqrt(fall * (2.0 / curved - fall)) if curved else inf for curved in self.curvatures_per_mm]
+        least = _PER_ELEMENT * element_mm
+        widths = [min(max(_ROOM * reach, least), wide) for reach, wide in zip(reach_mm, widest, strict=True)]
+        height = max(_DEEP * max(reach_mm), least)
+        narrowest = [reach / 0.9 for reach in reach_mm]
+        while all(width >= low for width, low in zip(widths, narrowest, strict=True)):
+            if block_fits(self.own, (widths[0], widths[1]), height):
+                return widths[0], widths[1], height
+            if all(width <= low for width, low in zip(widths, narrowest, strict=True)) and height < 0.5 * max(reach_mm):
+                break
+            widths = [max(_SMALLER * width, low) for width, low in zip(widths, narrowest, strict=True)]
+            height *= _SMALLER
+        raise StudyError(
+            f"the {self.name} body is too small for this test: the contact is expected to need "
+            f"{1e3 * max(reach_mm):.0f} um to each side of its middle, under which no block of elements fits into the "
+            "mesh of its file; lower the cycles, load, stroke or wear coefficient, or give a smaller "
+            "scar_half_width_um in [mesh]"
+        )
