@@ -1,4 +1,4 @@
-"""The root of all errors, and the error type of the geometry package."""
+"""The base class of all errors of this program, and the error class of the geometry package."""
 
 
 class WirewearError(Exception):

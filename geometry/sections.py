@@ -29,7 +29,7 @@ _UNJOINED = {"tube": 0.3, "block": 0.5}
 
 @dataclass
 class _Quads:
-    """Points (y, z) and quadrilaterals, collected while the section is laid out."""
+    """Points (y, z) and quadrilaterals of a cross-section under construction."""
 
     points: list[tuple[float, float]] = field(default_factory=list)
     quads: list[tuple[int, int, int, int]] = field(default_factory=list)
@@ -105,7 +105,7 @@ class _Columns:
 
     section: _Quads
     place: Callable[[float, float], int]  #: Adds a point at a level (mm, falling) of a column.
-    scale: Callable[[float], float]  #: Of columns' distances at a level, in mm.
+    scale: Callable[[float], float]  #: Factor from columns' differences to distances in mm at a level.
     layering: Layering
     coarse_mm: float
 

@@ -48,7 +48,7 @@ class Linearisation:
     drive_step: float
     old_tilt: float
     lever: Array  #: (k,) distance of the nodes ahead of the holder's pivot along x.
-    #: What moves and resists the upper body; where `prescribed_height` is given, it is held there instead of loaded.
+    #: Load and springs of the upper body; with `prescribed_height` it is held at that height instead of loaded.
     holder: Holder
     pressed_height: float
     prescribed_height: float | None

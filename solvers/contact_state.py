@@ -57,7 +57,7 @@ class ContactState:
     drive: float  #: Displacement of the lower body along x.
     holder_x: float  #: Position of the upper body's holder along x; the next is along z.
     holder_z: float
-    holder_tilt: float  #: Of the holder about its pivot, rad, positive when it moves the contact towards +x.
+    holder_tilt: float  #: Rotation of the holder about its pivot, rad, positive if it moves the contact towards +x.
     holder_rate: float  #: Holder's motion per drive's over the increment: distinguishes sticking (1) from sliding.
     overlap_area: float  #: Plane area on which the undeformed bodies overlap, mm².
     pressed_z: float  #: Holder's height when the bodies had just been pressed together (NaN before).
@@ -71,7 +71,7 @@ class ContactState:
     core: BoolArray
     pressed_ahead: float  #: drive less holder_x when the bodies were pressed together.
     slip_share: Array  #: (n,) slip of the primary's nodes over the last increment over the drive's signed motion.
-    load_share: float = 1.0  #: What presses the holder down, but for its loading spring, over the test's normal load.
+    load_share: float = 1.0  #: Normal load, without the loading spring's part, over the test's normal load.
     #: (2, 2, 2) displacement gradients of the lower and the upper body's surface by their bulk stress, each in its
     #: body's axes, see `BulkStress.gradient`.
     bulk: Array = field(default_factory=lambda: np.zeros((2, 2, 2)))
@@ -84,14 +84,14 @@ class IncrementReport:
     """Results and residuals of one increment; all but the drive are 0 where the bodies do not touch."""
 
     drive: float  #: At its end, mm.
-    tangential_force: float = 0.0  #: On the upper body along x, N.
-    normal_force: float = 0.0  #: On the upper body along z, N.
-    friction_work: float = 0.0  #: In mJ.
+    tangential_force: float = 0.0  #: Force on the upper body along x, N.
+    normal_force: float = 0.0  #: Force on the upper body along z, N.
+    friction_work: float = 0.0  #: Friction work, mJ.
     iterations: int = 0  #: Newton steps.
     pairings: int = 0  #: Times that the surfaces were paired.
     active: int = 0  #: Nodes in contact.
     sticking: int = 0  #: Nodes in contact that stick.
-    contact_area: float = 0.0  #: In the plane, mm².
+    contact_area: float = 0.0  #: Area of contact in the plane, mm².
     max_pressure: float = 0.0  #: At any node, MPa.
     inner_pressure: float = 0.0  #: The largest away from the contact's rim, MPa, see `solvers.contact.acceptance`.
     half_width_x: float = 0.0  #: Half extent of the contact along x, mm; the next is along y.

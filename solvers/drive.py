@@ -254,7 +254,7 @@ class LoadCycle:
 class Path:
     """Displacement, load and bulk strain at the ends of m increments of a cycle, (m,) each."""
 
-    drive: Array  #: In mm.
+    drive: Array  #: Displacement, mm.
     phase: Array  #: Share of its cycle that a cosine from +amplitude has passed there, in (0, 1].
     time: Array  #: Share of the cycle passed by the drive's own waveform.
     load: Array  #: Normal load over the test's.

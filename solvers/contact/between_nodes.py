@@ -26,7 +26,7 @@ from solvers.stress.subgrid_traction import SubgridTraction, fitted_square, refi
 _ACROSS, _FEWEST, _MOST = 72, 2, 8
 _AROUND = 4  #: Nodes without pressure about the contact that are looked at.
 _MOVED, _HALVINGS = 0.25, 20  #: How far the edge is moved at most, in elements, and how exactly.
-_OFF = 0.06  #: Of an element: how well the edge is known, of Hertz's ellipses on meshes of all levels.
+_OFF = 0.06  #: Uncertainty of the edge's position in elements, from Hertz's ellipses on meshes of all levels.
 _LARGEST = 1.5  #: Largest allowed ratio of an integral over elements and the sum over nodes, either way.
 
 
@@ -168,7 +168,7 @@ class WithinElements:
         return tuple(SpreadPressure.of(self.patch, pressure, self.fresh > 0.5) for pressure in self.pressures_MPa)
 
     def among(self, chosen: slice | IntArray) -> "WithinElements":
-        """The same description for the chosen nodes alone."""
+        """The description of pressure at the chosen nodes alone."""
         return WithinElements(self.patch, self.pressures_MPa, self.position[chosen], self.fresh)
 
     def share(self, friction: Friction) -> Array:

@@ -1,1 +1,1 @@
-"""Elastic bodies as a contact sees them: condensation, compliance, placement, and their coupling by mortars."""
+"""Elastic bodies in contact: condensation to a patch, compliance, placement in the world, and coupling by mortars."""

@@ -113,7 +113,7 @@ def node_graph(matrix: csr_matrix, d: int) -> csr_matrix:
     return graph
 
 
-_TREES: dict[bytes, Substructure] = {}  #: Of the graphs that were divided last.
+_TREES: dict[bytes, Substructure] = {}  #: Cache of `divided`.
 
 
 def divided(graph: csr_matrix, nodes: IntArray) -> Substructure:

@@ -59,7 +59,7 @@ class Pairing:
     #: Transfer of the primary: force per area -> nodal forces (`spread`), nodal displacements -> area-weighted mean
     #: displacements (`averaged`).
     own: NodalTransfer
-    opposite: NodalTransfer  #: Transfer of the secondary, likewise.
+    opposite: NodalTransfer  #: The transfer of the secondary.
     depths: NodalTransfer  #: From the secondary's worn depths to gap times area.
     inside: BoolArray  #: (k,) whether the secondary patch faces the whole support of the node.
 

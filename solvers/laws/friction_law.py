@@ -76,7 +76,7 @@ class Within(Protocol):
     """How pressure varies within the elements around k nodes; see `WithinElements`."""
 
     def among(self, chosen: slice | IntArray, /) -> "Within":
-        """The same description for the chosen nodes alone."""
+        """The description of pressure at the chosen nodes alone."""
 
     def share(self, friction: "Friction", /) -> float | Array:
         """Integral of a law's limit over the elements, divided by the limit at the nodal pressures: one number

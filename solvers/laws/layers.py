@@ -89,7 +89,7 @@ class ThirdBody:
 
     retained_fraction: float  #: Share of both worn depths that debris fills.
     modulus_MPa: float = inf  #: M, of the laterally confined bed.
-    poissons_ratio: float = 0.3  #: Of the debris, gives G = M (1 - 2 nu) / (2 - 2 nu).
+    poissons_ratio: float = 0.3  #: Poisson's ratio of the debris, which gives G = M (1 - 2 nu) / (2 - 2 nu).
 
     def closure(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
         """Closure h p / M, (k,) in mm, and its derivative h / M."""
@@ -177,7 +177,7 @@ class SurfaceLayer:
     friction_factor: float | None = None
 
 
-Layers = Sequence[SurfaceLayer]  #: Of one body, the outermost first.
+Layers = Sequence[SurfaceLayer]  #: All coatings of one body, the outermost first.
 
 
 def work_through(layers: Layers) -> tuple[Array, Array]:

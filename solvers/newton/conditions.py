@@ -33,7 +33,7 @@ class Scales(NamedTuple):
     collective: float  #: Displacement by unit traction on all nodes, mm per MPa.
     local: float  #: Displacement by unit traction on one node alone, mm per MPa.
     rig: float  #: Displacement of the rig by unit traction on all nodes, mm per MPa.
-    series_compliance: float  #: Of contact and rig, mm per N.
+    series_compliance: float  #: Compliance of contact and rig in series, mm per N.
     pressure: float  #: Mean pressure, MPa.
     reach: float  #: Displacement by a tilt of 1, mm: at the pivot's height or the contact's edge, whichever is more.
 
@@ -43,7 +43,7 @@ class Solution(NamedTuple):
     tilt.
     """
 
-    force: Array  #: The same tractions as `PairedCompliance.displaced` takes them.
+    force: Array  #: (3 known,) both in world axes, in the order of `PairedCompliance.displaced`.
     normal: Array
     tangential: Array
     height: float
@@ -52,7 +52,7 @@ class Solution(NamedTuple):
 
 
 class Changes(NamedTuple):
-    """What differs between a state and the one before.
+    """Differences between a state and the one before.
 
     opening, sticking, changing: numbers of nodes that open or close, that change between stick and slip while not on
     the verge of either, and that do one of both. gap: largest gap in mm of nodes that were in contact. turned: largest

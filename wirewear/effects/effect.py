@@ -201,23 +201,23 @@ class Effect(ABC, Generic[T]):
     #: Name in files; unique.
     name: ClassVar[str]
     seam: ClassVar[Seam]
-    #: What the effect does to loops, evolution and scars, for reports.
+    #: Changes of loops, evolution and scars by the effect, as a text for reports.
     signature: ClassVar[str]
     #: Names of effects with which one record can confuse it.
     confused_with: ClassVar[tuple[str, ...]]
-    #: What further measurements would show if it were at work.
+    #: Answers of further measurements if the effect were the cause.
     answers: ClassVar[tuple[Answer, ...]] = ()
-    #: What to check on the rig, or to state in a record, where it is the cause.
+    #: Advice for the rig, or for the record, if the effect is the cause.
     remedy: ClassVar[str] = ""
     #: Prior probability relative to other effects that a record cannot distinguish from this one.
     prior_weight: ClassVar[float] = 1.0
     #: Error of the fast model against the full simulation with this effect, relative to the change that it makes.
     model_error: ClassVar[float] = 0.0
-    #: What the effect's strength depends on during a test.
+    #: Whether the effect's strength depends on the cycles or on wear.
     ages: ClassVar[Ageing] = Ageing.BY_WEAR
-    #: Whether it needs a test under load, not one held at a fixed approach.
+    #: Whether it needs a test under load, and is refused at a fixed approach.
     needs_load: ClassVar[bool] = False
-    #: Whether it needs cycle jumps that know whole cycles: not the explicit update.
+    #: Whether it needs the implicit wear update, which knows averages over a cycle.
     needs_whole_cycles: ClassVar[bool] = False
     #: Whether a diagnosis considers it only where the drive is stated to hold another figure than its amplitude.
     of_held_drives: ClassVar[bool] = False

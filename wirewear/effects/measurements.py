@@ -21,7 +21,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a measurement would show under an effect."""
+    """The result that a measurement would show under an effect."""
 
     measurement: Measurement
     text: str
@@ -86,7 +86,7 @@ CLEANED_SCARS = Measurement(
     cost_days=1.0,
 )
 
-#: What most laboratories can do.
+#: Measurements that most laboratories can make.
 LIBRARY = (
     SECOND_HEIGHT, ENCODER, NORMAL_FORCE, HALF_LOAD, INTERRUPTED_SCARS, LOWER_FREQUENCY, EARLY_LOOPS, SCAR_MAPS,
     OTHER_STROKE, CLEANED_SCARS,

@@ -35,7 +35,7 @@ class Parameter:
 
     meaning: str
     quantity: Quantity  #: Unit and range.
-    #: With it the effect changes nothing; None if another parameter's neutral value switches it off already.
+    #: The value at which the effect changes nothing; None if another parameter's neutral value switches it off.
     neutral: float | None
     easy: float  #: Size that the steel-wire test shows plainly.
     hard: float  #: Size that the steel-wire test barely shows.

@@ -98,7 +98,7 @@ def _all_effects() -> dict[str, EffectType]:
 
 
 def effect_named(name: object) -> EffectType:
-    """The effect of this name. Raises StudyError if there is none."""
+    """The effect class of this name. Raises StudyError if no effect has it."""
     known = all_effects()
     if isinstance(name, str) and name in known:
         return known[name]

@@ -41,7 +41,7 @@ class Age:
 
 
 class Ageing(StrEnum):
-    """What an effect's strength depends on during a test."""
+    """The quantities on which an effect's strength may depend during a test."""
 
     NEVER = "nothing: it is the same throughout"
     BY_CYCLES = "the cycles alone"

@@ -1,5 +1,5 @@
 # ruff: noqa: F403, F405
-"""Closed-form solutions to plot and test against, in N, mm, MPa and mJ."""
+"""Closed-form solutions for plots and for tests of the solver, in N, mm, MPa and mJ."""
 
 from geometry import Elastic
 from wirewear.reference.cattaneo_mindlin import *

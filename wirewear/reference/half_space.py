@@ -149,11 +149,11 @@ def _normal(f: _Radial, z: Array, nu: float) -> list[list[ComplexArray]]:
         return np.asarray(-(k * by_log + z * by_source))
 
     def down(along: Array) -> ComplexArray:
-        """∂u/∂z of a component in the plane; ∂H_x/∂z = V_x."""
+        """Derivative ∂u/∂z of a component in the plane; uses ∂H_x/∂z = V_x."""
         return np.asarray(-2.0 * along * (k * f.V1 + f.V1 + z * f.Vz1))
 
     def across(along: Array) -> ComplexArray:
-        """∂u_z by a direction in the plane."""
+        """Derivative of u_z in a direction of the plane."""
         return np.asarray(2.0 * along * (2.0 * (1.0 - nu) * f.V1 - z * f.Vz1))
 
     deep = 2.0 * (1.0 - nu) * f.Vz - f.Vz - z * f.Vzz
@@ -172,7 +172,7 @@ def _tangential(f: _Radial, z: Array, nu: float) -> list[list[ComplexArray]]:
     x, y = f.x, f.y
 
     def third(second: ComplexArray, cube: ComplexArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Of a radial function, its derivatives by xxx, xxy and xyy."""
+        """Derivatives by xxx, xxy and xyy of a radial function, from its second and third derivatives by s = r²."""
         return (
             12.0 * x * second + 8.0 * x**3 * cube,
             4.0 * y * second + 8.0 * x**2 * y * cube,

@@ -1,4 +1,4 @@
-"""Results of line contacts in the format of their own that earlier versions wrote: all of it per mm of their length.
+"""Results of line contacts in the separate format of earlier versions, with all values per mm of their length.
 
 /                            attributes: format = 1 or 2 (1 without a checksum), kind, name, fidelity, and of runs
                              that are not complete or of variants status, message, variant
@@ -6,7 +6,7 @@
 /profiles/NNNN               attributes: cycle, body; data sets (n,): x_um, depth_um, energy_density_mJ_per_mm2,
                              pressure_MPa, slip_amplitude_um (a quarter of the path slid in a cycle)
 /loops/NNNN                  attribute: cycle; data sets (n,), forces in N_per_mm
-/contact_forces/NNNN         as of today, without tangential forces
+/contact_forces/NNNN         as in `hdf5`, without tangential forces
 /evolution                   data sets (n,), with the names of `per_mm`
 """
 

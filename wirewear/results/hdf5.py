@@ -1,6 +1,6 @@
 """The result file of one run, in HDF5.
 
-Layout (format 3; format 1 has no checksum behind it); every name carries its unit, every array is float64:
+Layout (format 3; files of format 1 end without a checksum); every name carries its unit, every array is float64:
 
     /                            attributes: format = 3, kind = "wirewear result"
     /header                      JSON: name, variant, fidelity, status, message, contact_kind, bodies, length_mm
@@ -19,8 +19,8 @@ Layout (format 3; format 1 has no checksum behind it); every name carries its un
                                  force_N (k, m, 3), compressed once a run has ended, bulk_stress_MPa (k, 3) of bodies
                                  that carry any; the group is missing in older files
 
-Format 2 says `wire` in place of `body`, is of crossed wires, and knows no tilt. Line contacts had a format of their
-own, see `earlier_lines`.
+Format 2 has `wire` in place of `body`, crossed wires only, and no tilt. Earlier results of line contacts have a
+separate format, see `format_1`.
 
 Groups NNNN count from 0000 in the order of logging. A file is built in memory and put in place in one step, so that a
 reader, or a run killed at any moment, never meets half a file.

@@ -31,10 +31,10 @@ QUALITIES: Mapping[str, tuple[str, float]] = {
     "mirror_error": ("pressures against their mirror image on the way back, relative", 2e-2),
 }
 
-#: Those that are of the test itself, and the same however finely it is solved.
+#: Qualities of the test itself, which do not depend on the mesh.
 OF_THE_TEST = frozenset({"pressure_against_strength", "indentation_strain"})
 
-#: What lessens the others where they are more than their limit, as the end of a sentence.
+#: Ends of sentences on how to reduce other qualities that are beyond their limits.
 _OF_THE_PROGRAM = "is an error of the program: please report it with the study"
 _REMEDIES: Mapping[str, str] = {
     "energy_against_loops": "falls with a smaller jump_tolerance in [fidelity] or with more loop_cycles in [log], not "

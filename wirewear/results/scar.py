@@ -18,7 +18,7 @@ from wirewear.test.lengths import extent_of
 WIRES = ("moving", "fixed")
 BODIES = ("pad", "specimen")  #: Bodies of a line contact.
 
-#: What bodies are called in sentences.
+#: Names of bodies in sentences.
 _NOUNS = dict.fromkeys(WIRES, "wire")
 _CALLED = {body: f"{body} wire" for body in WIRES} | {body: f"{body} body" for body in ("lower", "upper")}
 

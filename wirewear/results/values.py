@@ -45,13 +45,13 @@ EVOLUTION_COLUMNS = (
 
 #: Beginnings of the columns of one body; the body's name and the unit follow.
 _OF_A_BODY = ("worn_volume_", "max_depth_")
-LAYERS_OF_BODIES = "layers"  #: What a result's settings call layers on bodies: lists of thickness and wear factor.
-PRESSURE_LENGTH = "pressure_length_um"  #: What the length of mean pressures is called in a result's settings.
+LAYERS_OF_BODIES = "layers"  #: Setting of a result with the coatings of bodies: lists of thickness and wear factor.
+PRESSURE_LENGTH = "pressure_length_um"  #: Setting of a result with the length over which pressures are averaged.
 
-#: What a result's settings call the travels of the rig to either side, by springs (µP/K) and play, at the first loop.
+#: Settings of a result with the rig's travel to either side at the first loop, by springs (µP/K) and by play.
 SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
 
-#: What they call the largest pressure that the softer body bears, and what that goes by, in words.
+#: Settings of a result with the largest pressure that the softer body bears, and its source in words.
 BORNE, BORNE_IS = "borne_pressure_MPa", "borne_pressure_is"
 BULK_WORK = "bulk_work_mJ"  #: The column of tests whose bodies are pulled, bent or twisted.
 

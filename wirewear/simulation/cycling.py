@@ -133,7 +133,7 @@ def wear_stepper(test: FrettingTest, cycler: Cycler, problem: ContactProblem) ->
     def step(
         own: ContactProblem, state: ContactState, done: float, wanted: float, milestones: tuple[float, ...], _end: float
     ) -> JumpStep[ContactState]:
-        """To the next milestone where nothing wears; else one cycle that stands for the jump."""
+        """Jump to the next milestone if nothing wears; otherwise simulate one cycle that stands for the jump."""
         jump = min(milestone for milestone in milestones if milestone > done) - done
         if problem.unchanging or size is None:
             return JumpStep(state, jump, 0.0, wanted)

@@ -118,7 +118,7 @@ class LineRun(PlannedRun):
 
     @property
     def test(self) -> FrettingTest:
-        """The test as the run goes through it."""
+        """The test as `cycle_through` simulates it."""
         study, increments = self.study, self.planned.increments_per_cycle
         driven = self.computed.driven
 

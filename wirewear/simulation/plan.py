@@ -300,7 +300,7 @@ class RunPlan(PlannedRun):
 
     @property
     def test(self) -> FrettingTest:
-        """The test as the run goes through it."""
+        """The test as `cycle_through` simulates it."""
         sizes, wear = self.discretisation, self.study.wear
 
         def motion(own: Study) -> dict[str, Any]:

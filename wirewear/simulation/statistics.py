@@ -46,7 +46,7 @@ class Counters:
     energy_against_loops: float = 0.0
     slip_against_loops: float = nan
     mirror_error: float = nan
-    depth_between_nodes: float = nan  #: Of the latest measured cycle.
+    depth_between_nodes: float = nan  #: At the latest measured cycle.
     slip_between_nodes: float = nan
 
     def count(self, report: IncrementReport) -> None:

@@ -185,7 +185,7 @@ class RunStore:
 
 @dataclass(frozen=True)
 class Found:
-    """What is found of a run to be resumed: its result if complete, and a note for the user."""
+    """The remains of a run to be resumed: its result if complete, and a note for the user."""
 
     complete: RunResult | None = None
     note: str = ""

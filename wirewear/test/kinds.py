@@ -29,7 +29,7 @@ class Kind:
     options: frozenset[str]  #: Keys of its bodies that `wirewear new --mapping` takes as options.
     rigid_N_per_mm: float = 1e7  #: Stiffness above which a rig counts as rigid.
     scatters: bool = True  #: Whether studies state the scatter of their inputs.
-    simulated: bool = True  #: Whether it has bodies, of which finite elements are made.
+    simulated: bool = True  #: Whether it has bodies and can be simulated by finite elements.
 
 
 KINDS: dict[str, Kind] = {

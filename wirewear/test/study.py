@@ -35,7 +35,7 @@ FILE_KEYS = ("profile_file", "file")  #: Keys that name a file.
 
 
 class Study(AnyStudy[ContactTables]):
-    """A study of a contact at a point; its tables are of the types named here."""
+    """A study of a contact at a point; the annotations give the types of its tables."""
 
     of: ClassVar = ContactTables
 
@@ -75,7 +75,7 @@ class Study(AnyStudy[ContactTables]):
 
 
 class LineStudy(AnyStudy[LineTables]):
-    """A study of a line contact; its tables are of the types named here."""
+    """A study of a line contact; the annotations give the types of its tables."""
 
     of: ClassVar = LineTables
 
@@ -104,7 +104,7 @@ class LineStudy(AnyStudy[LineTables]):
 
 
 class JointStudy(AnyStudy[JointTables]):
-    """A study of a joint, which cannot be simulated; its tables are of the types named here."""
+    """A study of a joint, which cannot be simulated; the annotations give the types of its tables."""
 
     of: ClassVar = JointTables
 
