@@ -283,7 +283,7 @@ def occupied_by_runs(
     """
     asked = digest({"runs": [folder.identity.asked for folder in folders]})
 
-    def found(noted: Mapping[str, Any]) -> tuple[Found, ...]:
+    def found(noted: Mapping[str, object]) -> tuple[Found, ...]:
         return tuple(folder.found(unfinished=noted.get("asked") == asked) if resume else Found() for folder in folders)
 
     before = found(last_noted(output))

@@ -62,7 +62,7 @@ class RopeContacts:
         return studies_of(self.contacts, self.tables)
 
 
-def strand_contacts(rope: str | Path | dict[str, Any]) -> RopeContacts:
+def strand_contacts(rope: str | Path | dict[str, object]) -> RopeContacts:
     """Contacts of a rope, given by its file or by tables.
 
     Raises StudyError, in one sentence, if the data are not consistent.

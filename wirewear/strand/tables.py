@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, PlainValidator
 
@@ -203,7 +203,7 @@ def load_rope(path: str | Path) -> RopeTables:
     return rope_of(read_toml(path, StudyError, "TOML file"), str(path))
 
 
-def rope_of(tables: dict[str, Any], where: str) -> RopeTables:
+def rope_of(tables: dict[str, object], where: str) -> RopeTables:
     """Checked tables of a rope; `where` names their origin. Raises StudyError, in one sentence, if they are
     not valid.
     """

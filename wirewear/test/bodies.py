@@ -171,7 +171,7 @@ class StatedBodies(keys.Table):
 
     @classmethod
     def by_options(
-        cls, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]
+        cls, known: Mapping[str, object], elastic: Mapping[str, object], of_other: Mapping[str, object]
     ) -> BodiesByOptions:
         """Bodies from options of a command.
 

@@ -25,7 +25,7 @@ def default_loop_cycles(cycles: int) -> tuple[int, ...]:
 
 
 def checked_tables(
-    data: Mapping[str, Any], where: str, overrides: Mapping[str, Any] | None = None, prefix: str = ""
+    data: Mapping[str, object], where: str, overrides: Mapping[str, object] | None = None, prefix: str = ""
 ) -> CommonTables:
     """A study's tables, checked, with the cycles to record filled in; `where` names them in messages.
 

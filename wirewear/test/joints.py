@@ -3,7 +3,7 @@ wear.
 """
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, PlainValidator
 
@@ -43,7 +43,7 @@ class JointStiffness(StatedBodies):
 
     @classmethod
     def by_options(
-        cls, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]
+        cls, known: Mapping[str, object], elastic: Mapping[str, object], of_other: Mapping[str, object]
     ) -> BodiesByOptions:
         del known, elastic, of_other
         return BodiesByOptions({"contact": {"kind": kinds.JOINT}})

@@ -184,12 +184,14 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
         return kinds.LINE_CONTACT
 
     @classmethod
-    def known(cls, data: Mapping[str, Any], where: str, variant: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    def known(
+        cls, data: Mapping[str, object], where: str, variant: Mapping[str, object] | None = None
+    ) -> dict[str, Any]:
         length_mm = given_length_mm(variant or {}) or given_length_mm(data)
         base, own = (whole_test(tables, where, StudyError, length_mm) for tables in (data, variant or {}))
         return keys.merged(base, own)
 
-    def known_as(self, key: str, value: Any) -> tuple[str, Any]:
+    def known_as(self, key: str, value: object) -> tuple[str, Any]:
         return key_of_whole(key, value, self.contact.length_mm)
 
     @property

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -24,7 +24,11 @@ def table_above(keys: Keys) -> str:
 
 
 def validated(
-    model: type[Model], data: Mapping[str, Any], where: str, kind: type[WirewearError], spelled: Spelling = table_above
+    model: type[Model],
+    data: Mapping[str, object],
+    where: str,
+    kind: type[WirewearError],
+    spelled: Spelling = table_above,
 ) -> Model:
     """The tables as an instance of `model`; `where` names their origin in messages.
 

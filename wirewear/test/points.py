@@ -60,7 +60,7 @@ class BallAndFlat(TwoBodies):
 
     @classmethod
     def by_options(
-        cls, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]
+        cls, known: Mapping[str, object], elastic: Mapping[str, object], of_other: Mapping[str, object]
     ) -> BodiesByOptions:
         tables = {"ball": {"diameter_mm": known.get("diameter_mm", OPEN), **of_other}, "flat": dict(elastic)}
         touching = {"contact": {"kind": kinds.BALL_ON_FLAT}, "bodies": tables}

@@ -139,7 +139,7 @@ class Wires(GripKeys, MaterialKeys, _DiameterOfWires, StatedBodies):
 
     @classmethod
     def by_options(
-        cls, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]
+        cls, known: Mapping[str, object], elastic: Mapping[str, object], of_other: Mapping[str, object]
     ) -> BodiesByOptions:
         del of_other
         remarks = []

@@ -75,7 +75,7 @@ def _cycles(life: float) -> str:
     return "∞" if life == inf else counted(float(f"{life:.2g}")) if life < 1e9 else f"{life:.1e}"
 
 
-def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> list[dict[str, Any]]:
     """Rows of the table and page: the given rows with stress amplitude and life of each contact added."""
     made = []
     for one, row in zip(found.contacts, rows, strict=True):
@@ -84,7 +84,7 @@ def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> list[d
     return made
 
 
-def strand_tables(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> list[Table]:
+def strand_tables(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> list[Table]:
     """Tables to be printed: estimates of all contacts, and results of those that were run, if any."""
     shown = shown_rows(found, rows)
     runs = [row for row in shown if row.get("run_friction_energy_mJ") is not None]
@@ -120,12 +120,12 @@ def _text(key: str, value: Any) -> str:
     return _cycles(value) if is_life else written(value)
 
 
-def strand_json(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> str:
+def strand_json(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> str:
     """JSON of the rope's figures and all rows; infinite or unknown values become null."""
     return json_text({"name": found.name, **found.figures, "contacts": list(rows), "notes": found.notes})
 
 
-def write_strand(found: RopeContacts, rows: Sequence[Mapping[str, Any]], folder: Path) -> list[Path]:
+def write_strand(found: RopeContacts, rows: Sequence[Mapping[str, object]], folder: Path) -> list[Path]:
     """Write table, picture and page and return their paths. Raises ResultError if the folder cannot be written to."""
     with writing(ResultError, f"cannot write to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -136,7 +136,7 @@ def write_strand(found: RopeContacts, rows: Sequence[Mapping[str, Any]], folder:
         ]
 
 
-def page(found: RopeContacts, rows: Sequence[Mapping[str, Any]]) -> str:
+def page(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> str:
     """Self-contained HTML page of a rope's contacts."""
     headings, shown = _PRINTED | _run_headings(rows), shown_rows(found, rows)
     values = {

@@ -114,7 +114,7 @@ def where_volumes(tables: Any) -> str:
 
 
 def wear_given(
-    given: GivenWear, tables: Any, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
+    given: GivenWear, tables: object, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
 ) -> Worn:
     """Wear parameters as the user gives them, and notes; scars then only determine the bodies' shares.
 

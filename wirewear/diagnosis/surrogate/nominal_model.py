@@ -49,7 +49,7 @@ class PointModel:
         require_the_same(record, self.study, pairs)
         return self.study
 
-    def states(self, _tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
+    def states(self, _tables: object, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
         """Wear states of the quick run of the study, which an observer may watch, and what limits them, in sentences.
         Raises StudyError or SolverError if the study cannot be run, RunError if its drive holds a force that slides
         the bodies.
@@ -130,7 +130,7 @@ class JointModel:
         require_the_same(record, self.study, {key: (getattr(own, key), getattr(asked, key)) for key in keys})
         return self.study
 
-    def states(self, _tables: Any, _observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
+    def states(self, _tables: object, _observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
         """States of the joint as it is stated. Raises RunError if the drive holds a force that slides it."""
         return _driven(JointStates.of_study(self.study), self.study), ()
 
