@@ -178,11 +178,11 @@ class BodyGeometry(ABC):
         return points_mm
 
     def fitted(self, points_mm: Array) -> Array:
-        """Points (n, 3) of the whole mesh, its own mirror image, where they are in a body that is not."""
+        """Positions (n, 3) in mm in the body of points (n, 3) of the whole symmetric mesh; by default unchanged."""
         return points_mm
 
     def built(self) -> "BodyMesh":
-        """Its mesh; GeometryError if it fails."""
+        """The mesh of this body; GeometryError as from `build_body`."""
         return swept_body(self)
 
     @property
@@ -271,7 +271,7 @@ def build_body(geometry: BodyGeometry) -> BodyMesh:
 
 
 def swept_body(geometry: BodyGeometry) -> BodyMesh:
-    """Build the mesh that is swept from a body's section; GeometryError as of `build_body`."""
+    """The mesh that is swept from a body's cross-section; GeometryError as from `build_body`."""
     points, cells = extruded_hexahedra(*geometry.section(), _half_lines_to_end(geometry))
     mesh = HexMesh(geometry.bent(points), cells, {}).with_mirror_image(axis=1).with_mirror_image(axis=0)
     mesh = HexMesh(geometry.fitted(mesh.points), mesh.cells, {})

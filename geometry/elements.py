@@ -1,8 +1,9 @@
-"""Kinds of solid elements that files hold: their shape functions, faces and integration points.
+"""Kinds of solid elements that mesh files hold: their shape functions, faces and integration points.
 
-Nodes are numbered as in Abaqus and VTK: corners first, then the middles of edges, of faces, and of the element. A
-reference hexahedron is [-1, 1]³, a tetrahedron has its corners at the origin and on the axes, a prism is the triangle
-on the axes times [-1, 1]. Shape functions are polynomials that are 1 at their node and 0 at the others.
+Nodes are numbered as in Abaqus and VTK: corners first, then the middles of edges, of faces, and of the element. The
+reference hexahedron is [-1, 1]³, the tetrahedron has its corners at the origin and on the axes, the prism is the
+triangle on the axes times [-1, 1]. Points in them are called reference points. Shape functions are polynomials that are
+1 at their node and 0 at the others.
 """
 
 from dataclasses import dataclass
@@ -32,29 +33,29 @@ _TRIANGLE = {
         np.repeat([0.111690794839005, 0.054975871827661], 3),
     ),
 }
-_IN_TETRAHEDRON = 0.25 - 0.05 * np.sqrt(5.0)  #: Of the four points that integrate polynomials of degree 2.
+_IN_TETRAHEDRON = 0.25 - 0.05 * np.sqrt(5.0)  #: Coordinate of the four points that integrate degree 2 exactly.
 
 
 @dataclass(frozen=True, eq=False)
 class ElementKind:
-    """One kind of element: n nodes, the polynomials that its shape functions are made of, its faces."""
+    """One kind of element with n nodes and q integration points."""
 
     name: str
     corners: int
     nodes: Array  #: (n, 3) in the reference element.
-    exponents: IntArray  #: (n, 3) of the monomials.
-    faces: tuple[tuple[int, ...], ...]  #: Corners of each face, outwards.
-    points: Array  #: (q, 3) at which it is integrated.
-    weights: Array  #: (q,).
+    exponents: IntArray  #: (n, 3) exponents of the monomials that make up the shape functions.
+    faces: tuple[tuple[int, ...], ...]  #: Corners of each face, ordered so that it faces outwards.
+    points: Array  #: (q, 3) integration points in the reference element.
+    weights: Array  #: (q,) integration weights.
 
     @property
     def is_linear(self) -> bool:
-        """Whether it has nodes at its corners alone."""
+        """True if it has nodes at its corners only."""
         return len(self.nodes) == self.corners
 
     @cached_property
     def face_nodes(self) -> tuple[IntArray, ...]:
-        """All nodes of each face, its corners first."""
+        """Indices of all nodes of each face, its corners first."""
         found = []
         for face in self.faces:
             a, b, c = self.nodes[list(face[:3])]
@@ -64,11 +65,11 @@ class ElementKind:
         return tuple(found)
 
     def shapes(self, at: Array) -> Array:
-        """Shape functions (..., n) at reference points (..., 3)."""
+        """Values (..., n) of the shape functions at reference points (..., 3)."""
         return self._monomials(at, self.exponents) @ self._coefficients
 
     def slopes(self, at: Array) -> Array:
-        """Their derivatives (..., n, 3) in the reference element."""
+        """Derivatives (..., n, 3) of the shape functions by reference coordinates, at reference points (..., 3)."""
         found = []
         for axis in range(3):
             lower = self.exponents.copy()
@@ -77,7 +78,9 @@ class ElementKind:
         return np.stack(found, axis=-1)
 
     def outside(self, at: Array) -> Array:
-        """How far reference points (..., 3) lie beyond the reference element, (...), not above 0 inside."""
+        """Distance (...) of reference points (..., 3) outside the reference element, in reference coordinates; <= 0
+        inside.
+        """
         if self.corners == 8:
             return np.asarray(np.abs(at).max(axis=-1) - 1.0)
         least = np.minimum(at[..., 0], at[..., 1])
@@ -86,7 +89,7 @@ class ElementKind:
         return np.asarray(np.maximum(np.maximum(at[..., 0] + at[..., 1] - 1.0, -least), np.abs(at[..., 2]) - 1.0))
 
     def within(self, at: Array) -> Array:
-        """Reference points (..., 3), those beyond the reference element moved into it."""
+        """Reference points (..., 3), with those outside the reference element moved onto its boundary."""
         if self.corners == 8:
             return np.clip(at, -1.0, 1.0)
         span = at if self.corners == 4 else at[..., :2]
@@ -96,7 +99,7 @@ class ElementKind:
 
     @cached_property
     def middle(self) -> Array:
-        """The middle (3,) of the reference element."""
+        """Mean (3,) of the reference element's corners."""
         return np.asarray(self.nodes[: self.corners].mean(axis=0))
 
     @cached_property

@@ -1,8 +1,8 @@
-"""A body from a file with hexahedra of our own under its contact patch.
+"""A body from a mesh file with a block of hexahedra made by this program under its contact patch.
 
-The block of hexahedra has the file's face, fitted smoothly, and takes the place of what the file's elements hold there:
-of each of them only the share outside the block counts. The block's sides and back move as the file's elements do.
-Where the file's elements under the contact are hexahedra on a grid, they may be used as they are instead.
+The block has the file's face, fitted smoothly, and replaces the file's elements there: of each of these only the share
+outside the block counts. The block's sides and back move as the file's elements do (see `host` for the seam). Where the
+file's elements under the contact are hexahedra on a grid, they may be used unchanged instead.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from geometry.shapes import BlockGeometry
 from geometry.solid import SolidMesh
 
 _SAMPLES = 6  #: Points along each edge of an element at which it is seen how much of it the block holds.
-_LEAST_SHARE = 1e-8  #: Of an element's stiffness that is kept where the block holds all of it, so that its nodes move.
+_LEAST_SHARE = 1e-8  #: Least share of an element's stiffness that is kept, so that nodes inside the block are held.
 #: How far the block's sides and back may lie beyond the file's elements, whose faces are chords of a round surface,
 #: over the elements' size.
 _BEYOND = 0.15
@@ -35,13 +35,13 @@ _ON_LINE = 1e-6  #: Distance of a node from a grid's line over the grid's extent
 
 @dataclass(frozen=True)
 class EmbeddedGeometry(BlockGeometry):
-    """A block with the face of a file's body, in that body; see the file's docstring."""
+    """Dimensions of the block with the face of a file's body, embedded in that body."""
 
     source: MeshSource = field(kw_only=True)
 
     @property
     def own(self) -> OwnSurface:
-        """The file's body."""
+        """The file's body in its own axes."""
         return own_surface(self.source)
 
     @property
@@ -53,20 +53,22 @@ class EmbeddedGeometry(BlockGeometry):
         return self.own.face
 
     def bent(self, points_mm: Array) -> Array:
-        """Left straight: the face need not be its own mirror image."""
+        """Points (n, 3) unchanged: the face need not be symmetric, so `fitted` bends the whole mesh instead."""
         return points_mm
 
     def fitted(self, points_mm: Array) -> Array:
-        """With the face of the file's body."""
+        """Points (n, 3) of the straight block moved so that its top has the face of the file's body."""
         return super().bent(points_mm)
 
     def built(self) -> BodyMesh:
-        """The block, and the file's elements about it. GeometryError if the block reaches beyond them."""
+        """The mesh of the block with the file's elements around it as host. GeometryError if the block reaches beyond
+        them.
+        """
         meshed = swept_body(self)
         return BodyMesh(self, meshed.mesh, meshed.patch, meshed.smallest_scaled_jacobian, self._host(meshed.mesh))
 
     def holds(self, places_mm: Array) -> BoolArray:
-        """Whether places (..., 3) lie in the block, or above its face."""
+        """True (...) for places (..., 3) within the block's sides and less than its height below or above z = 0."""
         x, y, z = np.moveaxis(places_mm, -1, 0)
         beside = (np.abs(x) >= self.half_width_along_mm) | (np.abs(y) >= self.half_width_across_mm)
         return np.asarray(~beside & (np.abs(z) < self.height_mm))
@@ -99,7 +101,7 @@ class EmbeddedGeometry(BlockGeometry):
         )
 
     def _kept(self, solid: SolidMesh) -> Array:
-        """Share of each cell outside the block."""
+        """Share (size,) of each of the file's cells that lies outside the block."""
         shares = []
         for kind, cells in solid.groups:
             steps = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
@@ -119,7 +121,7 @@ class EmbeddedGeometry(BlockGeometry):
 
 
 def _seam(block: HexMesh, solid: SolidMesh) -> BlockSeam:
-    """Points of the sides and the back of a block, as places in the file's mesh."""
+    """Integration points on the sides and the back of a block, with their places in the file's mesh."""
     kind = ELEMENT_KINDS[8]
     x, w = np.polynomial.legendre.leggauss(_POINTS)
     u, v = (each.ravel() for each in np.meshgrid(x, x, indexing="ij"))
@@ -145,7 +147,7 @@ def _seam(block: HexMesh, solid: SolidMesh) -> BlockSeam:
 
 
 def block_fits(own: OwnSurface, half_widths_mm: tuple[float, float], height_mm: float) -> bool:
-    """Whether a block of these extents lies within the file's elements."""
+    """True if a block of these half-widths (along, across) and height lies within the file's elements."""
     steps = np.linspace(-1.0, 1.0, 7)
     plane = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2) * np.array(half_widths_mm)
     top = own.face.height(plane)
@@ -159,7 +161,7 @@ def block_fits(own: OwnSurface, half_widths_mm: tuple[float, float], height_mm: 
 
 @dataclass(frozen=True)
 class OwnGrid(BodyGeometry):
-    """A file's hexahedra as they are, their contact surface being a grid."""
+    """A file's hexahedra used unchanged, since their contact surface is a grid."""
 
     source: MeshSource
     axial: GivenAxis
@@ -181,20 +183,20 @@ class OwnGrid(BodyGeometry):
         return float(np.ptp(own_surface(self.source).solid.points, axis=0).min())
 
     def with_layering(self, layering: Layering) -> OwnGrid:
-        """The same: the file's elements are what they are."""
+        """This geometry unchanged: the file's elements have the layers that they have."""
         del layering
         return self
 
     def section(self) -> tuple[Array, IntArray]:
-        """Not swept."""
+        """Raise GeometryError: a file's elements are not swept from a section."""
         raise GeometryError("a file's elements are not swept from a section; please report this study")
 
     def gripped(self, centres_mm: Array) -> BoolArray:
-        """Held are the faces of the file's set, which `built` names."""
+        """False (n,) for all facets: the grip is the file's set, which `built` names."""
         return np.zeros(len(centres_mm), dtype=bool)
 
     def built(self) -> BodyMesh:
-        """The file's elements."""
+        """The mesh of the file's elements, with named surfaces."""
         solid, found = own_surface(self.source).solid, grid_of(self.source)
         if found is None:
             raise GeometryError("the file's contact surface is no grid; please report this study")
@@ -210,7 +212,10 @@ class OwnGrid(BodyGeometry):
 
 @lru_cache(maxsize=4)
 def grid_of(source: MeshSource) -> ContactPatch | None:
-    """The patch of a file of hexahedra of one material whose contact surface is a grid over the plane."""
+    """The contact patch of a file's body if its contact surface is a grid over the plane; None otherwise.
+
+    None also unless all elements are hexahedra of one material.
+    """
     own = own_surface(source)
     solid = own.solid
     triangles, quads = solid.faces_of(source.contact)
@@ -230,13 +235,13 @@ def grid_of(source: MeshSource) -> ContactPatch | None:
 
 
 def _lines(values: Array) -> Array:
-    """Values that differ by more than round-off."""
+    """Increasing values that differ from the one before by more than round-off."""
     ordered = np.sort(values)
     return ordered[np.diff(ordered, prepend=-np.inf) > _ON_LINE * float(np.ptp(ordered))]
 
 
 def as_grid(source: MeshSource, grip_stiffness_N_per_mm3: float | None) -> OwnGrid | None:
-    """The file's elements as they are, where their contact surface is a grid."""
+    """The geometry that uses the file's elements unchanged; None unless their contact surface is a grid."""
     patch = grid_of(source)
     if patch is None:
         return None
@@ -249,7 +254,7 @@ def as_grid(source: MeshSource, grip_stiffness_N_per_mm3: float | None) -> OwnGr
 
 
 def _layers_under(solid: SolidMesh, node: int) -> tuple[float, float]:
-    """Thicknesses of the two uppermost layers under a node of the contact."""
+    """Thicknesses in mm of the two uppermost layers of elements under a node of the contact."""
     found = []
     for _ in range(2):
         cells = solid.cells[8][(solid.cells[8] == node).any(axis=1)]

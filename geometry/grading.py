@@ -151,36 +151,36 @@ class RimGradedAxis:
 
 @dataclass(frozen=True)
 class GivenAxis:
-    """Mesh lines of a contact patch that a file gives; they need not be symmetric."""
+    """Mesh lines of a contact patch that a file gives, increasing; they need not be symmetric."""
 
     lines_mm: tuple[float, ...]
 
     @property
     def fine_mm(self) -> float:
-        """Smallest spacing of the lines."""
+        """Smallest spacing of the mesh lines."""
         return float(np.diff(self.lines_mm).min())
 
     @property
     def finest_mm(self) -> float:
-        """Smallest spacing of the lines."""
+        """Smallest spacing of the mesh lines."""
         return self.fine_mm
 
     @property
     def outer_mm(self) -> float:
-        """Their largest spacing."""
+        """Largest spacing of the mesh lines."""
         return float(np.diff(self.lines_mm).max())
 
     @property
     def half_extent_mm(self) -> float:
-        """How far they reach to both sides."""
+        """Distance from zero up to which the lines reach on both sides."""
         return min(-self.lines_mm[0], self.lines_mm[-1])
 
     def half_lines(self) -> Array:
-        """Those that are not negative."""
+        """The mesh lines in mm that are not negative, shape (n,)."""
         return np.array([line for line in self.lines_mm if line >= 0.0])
 
     def lines(self) -> Array:
-        """All of them."""
+        """All mesh lines in mm, shape (n,)."""
         return np.array(self.lines_mm)
 
 

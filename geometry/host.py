@@ -1,4 +1,7 @@
-"""What surrounds a block of our own elements in a body from a file: the file's elements, and how both hang together."""
+"""The host of a block in a body from a file: the file's elements around the block, and the seam that joins both.
+
+The block consists of hexahedra made by this program; see `embedded`.
+"""
 
 from dataclasses import dataclass
 
@@ -8,24 +11,26 @@ from geometry.solid import Places, SolidMesh
 
 @dataclass(frozen=True, eq=False)
 class BlockSeam:
-    """Points of the block's sides and back at which it hangs on the host: f faces of q points each."""
+    """The seam, f faces of the block's sides and back with q integration points each, at which block and host are
+    joined.
+    """
 
-    cells: IntArray  #: (f,) of the block.
-    local: Array  #: (f, q, 3) in the reference element.
-    areas_mm2: Array  #: (f, q, 3) along the block's outward normal.
-    depth_mm: Array  #: (f,) of the cells below the faces.
-    places: Places  #: Of the f q points in the host.
+    cells: IntArray  #: (f,) cell of the block at each face.
+    local: Array  #: (f, q, 3) integration points in the reference element.
+    areas_mm2: Array  #: (f, q, 3) area of each point times the block's outward normal.
+    depth_mm: Array  #: (f,) thickness of the block's cells at the faces.
+    places: Places  #: Places of the f q points in the host.
 
 
 @dataclass(frozen=True, eq=False)
 class Host:
-    """The elements of a file about a block, in the body's axes."""
+    """The elements of a file around a block, in the body's axes; n nodes and `size` cells."""
 
     solid: SolidMesh
     kept: Array  #: Share of each cell (size,) that lies outside the block.
     seam: BlockSeam
-    held: IntArray  #: Nodes of the file's that the holder grips.
-    areas_mm2: Array  #: (n,) of the grip that belong to the file's nodes.
+    held: IntArray  #: Nodes of the host that the holder grips.
+    areas_mm2: Array  #: (n,) area of the grip that belongs to each node of the host.
     part: IntArray  #: Of each cell (size,), the number of its material in `parts` from 1, 0 where it is the body's own.
-    block_part: IntArray  #: The same of the block's cells.
+    block_part: IntArray  #: Number of the material of each cell of the block, as in `part`.
     parts: tuple[tuple[float, float], ...]  #: Young's moduli in MPa and Poisson's ratios.

@@ -1,4 +1,4 @@
-"""Meshes of bodies from files: gmsh's .msh, read by gmsh, and Abaqus' .inp."""
+"""Meshes of solid bodies read from files: gmsh's .msh, read by gmsh, and Abaqus' .inp."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -26,8 +26,10 @@ _MOST_BYTES = 500_000_000
 
 @lru_cache(maxsize=4)
 def read_solid(path: str, digest: str, mm_per_unit: float) -> SolidMesh:
-    """The mesh of a file whose contents have a digest.
-    Raises GeometryError, in one sentence, if it holds none, if it is not sound, or another file stands there now.
+    """The mesh in a file, checked; coordinates are multiplied by mm_per_unit.
+
+    digest: hash that the file's contents must have. Raises GeometryError, in one sentence, if the file holds no mesh,
+    the mesh is not sound, or the contents have changed.
     """
     file = Path(path)
     found = digest_of(path)
@@ -42,7 +44,7 @@ def read_solid(path: str, digest: str, mm_per_unit: float) -> SolidMesh:
 
 
 def digest_of(path: str) -> str:
-    """What tells a file's contents from any others. Raises GeometryError if it cannot be read, or is no mesh."""
+    """SHA-256 of a file's contents. Raises GeometryError if it cannot be read, is too large, or has no known ending."""
     file = Path(path)
     if file.suffix not in FORMATS:
         raise GeometryError(f"{file.name} must be gmsh's .msh or Abaqus' .inp")
@@ -62,7 +64,7 @@ def digest_of(path: str) -> str:
 def _assembled(
     points: Array, cells: dict[int, IntArray], sets: dict[str, IntArray], parts: dict[str, dict[int, BoolArray]]
 ) -> SolidMesh:
-    """The mesh without nodes that no cell has. Raises GeometryError if there is no cell."""
+    """The mesh without nodes that belong to no cell. Raises GeometryError if there is no cell, or a node is missing."""
     if not cells:
         raise GeometryError("it holds no solid elements: fill its surface with hexahedra, tetrahedra or prisms")
     if not np.isfinite(points).all():
@@ -114,7 +116,9 @@ def _of_gmsh(file: Path, mm_per_unit: float) -> SolidMesh:
 
 
 def _order(gmsh: Any, kind: int) -> IntArray:
-    """Of gmsh's nodes of an element, each of ours. Raises GeometryError if it is of no kind that is taken."""
+    """For each node of this program's element kind, its index among gmsh's nodes. GeometryError for an unsupported
+    kind.
+    """
     name, _, _, count, local, _ = gmsh.model.mesh.getElementProperties(kind)
     ours = ELEMENT_KINDS.get(count)
     if ours is None or "Pyramid" in name:
@@ -135,7 +139,7 @@ def _of_abaqus(file: Path, mm_per_unit: float) -> SolidMesh:
 
 
 def _blocks(text: str) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
-    """Keywords in capitals with their options and their lines of data, continued lines joined."""
+    """Keywords of an Abaqus file in capitals, each with its options and lines of data; continued lines are joined."""
     lines = [line.strip() for line in text.splitlines()]
     lines = [line for line in lines if line and not line.startswith("**")]
     starts = [k for k, line in enumerate(lines) if line.startswith("*")]
@@ -149,7 +153,7 @@ def _blocks(text: str) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
 
 
 class _Abaqus:
-    """What was read so far of an input file of one part."""
+    """The contents of an Abaqus input file of one part, as far as it has been read."""
 
     def __init__(self) -> None:
         self.nodes: dict[int, int] = {}
@@ -161,7 +165,9 @@ class _Abaqus:
         self.faces: dict[str, list[tuple[str, str]]] = {}
 
     def take(self, keyword: str, options: dict[str, str], lines: list[list[str]]) -> None:
-        """Take over what a keyword with its lines says; what no mesh needs is left out."""
+        """Store nodes, elements, sets or surfaces of a keyword with its options and data; other keywords are
+        ignored.
+        """
         if keyword == "NODE":
             for line in lines:
                 self.nodes[int(line[0])] = len(self.places)
@@ -205,7 +211,7 @@ class _Abaqus:
                     yield from tuple(sets.get(value, ()))
 
     def mesh(self, mm_per_unit: float) -> SolidMesh:
-        """What was read, as a mesh."""
+        """The stored contents as a mesh, with coordinates multiplied by mm_per_unit."""
         order: dict[int, list[int]] = {}
         for number, (count, _) in self.elements.items():
             order.setdefault(count, []).append(number)
@@ -227,7 +233,7 @@ class _Abaqus:
         return _assembled(points, cells, sets, parts)
 
     def _on_faces(self, faces: list[tuple[str, str]]) -> list[int]:
-        """Nodes of faces of sets of elements, or of single ones, or of sets of nodes."""
+        """Numbers of the nodes on a surface, given as faces of element sets or of single elements, or as node sets."""
         found: list[int] = []
         for where, side in faces:
             if not re.fullmatch(r"[Ss]\d", side):

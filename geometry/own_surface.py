@@ -1,8 +1,10 @@
-"""The contact surface of a body from a file: where it touches first, its axes there, and the smooth face under a patch.
+"""The contact surface of a body from a file: the point of first contact, its axes there, and the smooth face under a
+patch.
 
-Nodes of a mesh lie on the surface that was meant, its faces between them beside it: so a barrel is fitted through the
-nodes. Where it meets them it is the face; else what they are off it by is interpolated between them with continuous
-slopes, and added.
+A mesh's nodes lie on the surface that was meant, but its faces are chords of it. So a barrel is fitted through the
+nodes. If it meets all of them, it is the face; otherwise the nodes' heights above it are interpolated with continuous
+slopes and added. The body's own axes are x along its axis, z along the outward normal, with the origin at the first
+contact.
 """
 
 from __future__ import annotations
@@ -28,51 +30,57 @@ Vector = tuple[float, float, float]
 _LEAST_MEAN = 0.3  #: Mean normal of a surface that faces one way; that of half a ball is 0.5.
 _SEEN = 0.5  #: Faces are fitted whose normal's share along the outward direction is at least this.
 _NODES = 60  #: Nodes nearest to the first contact through which a face is fitted at first.
-_STRAIGHT = 1e-6  #: Curvature over one over the surface's size that is none.
+_STRAIGHT = 1e-6  #: Curvature times the surface's size below which it counts as straight.
 _EXACT = 1e-7  #: Distance of nodes from a barrel over the surface's size below which it is the face.
 _TWISTED = 2e-3  #: Share of the largest curvature that may be a twist about the axes.
-_HOLLOW = 1e-3  #: The same of a hollow one that is none.
+_HOLLOW = 1e-3  #: Share of the largest curvature below which a hollow one counts as straight.
 _ROUND = 0.05  #: Difference of curvatures, over the larger, from which one of them shows the axis.
 _STEPS = 30
 
 
 @dataclass(frozen=True)
 class MeshSource:
-    """What of a file makes a body."""
+    """The mesh file of a body, and the sets and directions in it that define the body."""
 
     file: str
-    digest: str  #: Of its contents.
+    digest: str  #: SHA-256 of its contents.
     mm_per_unit: float
     contact: str  #: Name of the set of the contact surface.
-    held: str  #: That of the held one.
-    outward: Vector | None = None  #: Direction of the contact's normal in the file, None of the mean of its set's.
-    along: Vector | None = None  #: That of the body's axis, None of the direction in which it is straighter.
-    at_mm: Vector | None = None  #: Where it touches first, None of the outermost place.
+    held: str  #: Name of the set of the held surface.
+    outward: Vector | None = None  #: Contact's outward normal in the file; None: the mean normal of its set.
+    along: Vector | None = None  #: Body's axis in the file; None: the direction in which its face is straighter.
+    at_mm: Vector | None = None  #: Point of first contact in the file; None: the outermost point.
     parts: tuple[tuple[str, float, float], ...] = ()  #: Sets of cells of other materials: Young's modulus, Poisson's.
 
     @property
     def solid(self) -> SolidMesh:
-        """The mesh in the file's own place."""
+        """The mesh in the file's coordinates, in mm."""
         return read_solid(self.file, self.digest, self.mm_per_unit)
 
 
 @dataclass(frozen=True, eq=False)
 class FittedFace:
-    """A barrel, and what the nodes of a mesh are off it; a `Profile`."""
+    """The smooth face of a body from a file: a barrel plus interpolated heights of the mesh's nodes above it; a
+    `Profile`.
+    """
 
     barrel: Barrel
     nodes_mm: Array  #: (n, 2) in the plane.
     off_mm: Array  #: (n,) heights above the barrel, empty where it is the face.
 
     def height(self, plane_mm: Array) -> Array:
-        """The barrel's, and what is interpolated; beyond the nodes that of the nearest one."""
+        """Height (n,) in mm at plane points (n, 2); outside the nodes, the nearest node's height above the barrel is
+        added.
+        """
         height = self.barrel.height(plane_mm)
         if not len(self.off_mm):
             return height
         return np.asarray(height + self._off(plane_mm) - self._at_origin)
 
     def slope(self, plane_mm: Array) -> Array:
-        """The barrel's, and that of what is interpolated by differences."""
+        """Gradient (n, 2) of the height at plane points (n, 2): the barrel's, plus the interpolated part's by
+        differences.
+        """
         slope = self.barrel.slope(plane_mm)
         if not len(self.off_mm):
             return slope
@@ -82,7 +90,7 @@ class FittedFace:
         return slope
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """GeometryError when a patch of these half-extents reaches the flank."""
+        """GeometryError when a patch that reaches this far to each side does not fit on the barrel."""
         self.barrel.require_within(along_mm, across_mm)
 
     def _off(self, plane_mm: Array) -> Array:
@@ -108,34 +116,38 @@ class FittedFace:
 
 @dataclass(frozen=True, eq=False)
 class OwnSurface:
-    """A body from a file in its own axes: x along it, z outwards, the origin where it touches first; mm."""
+    """A body from a file in its own axes; lengths in mm."""
 
     solid: SolidMesh
     face: FittedFace
     origin_mm: Array  #: (3,) in the file's axes.
     axes: Array  #: (3, 3) rows are x, y and z in the file's axes.
     triangles: IntArray  #: (t, 3) of the contact's set that are seen along z.
-    nodes: IntArray  #: Those of the contact's set that are.
+    nodes: IntArray  #: Nodes of these triangles.
     off_mm: float  #: Largest distance of those nodes from the fitted barrel.
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:
-        """Along its axis and across."""
+        """Curvatures of the fitted barrel along the body's axis and across."""
         return self.face.barrel.curvature_along_per_mm, self.face.barrel.curvature_across_per_mm
 
     @cached_property
     def element_mm(self) -> float:
-        """Size of the elements about the place that touches first."""
+        """Size of the elements around the point of first contact."""
         return self.element_within(0.0)
 
     def element_within(self, reach_mm: float) -> float:
-        """Size of the largest elements so near to that place, or of the nearest."""
+        """Size in mm of the largest elements within `reach_mm` of the first contact, or of the eight nearest (90th
+        percentile).
+        """
         away = np.linalg.norm(self.solid.middles, axis=1)
         near = (away <= reach_mm) | (away <= np.partition(away, min(7, len(away) - 1))[min(7, len(away) - 1)])
         return float(np.percentile(self.solid.edges_mm[near], 90.0))
 
     def deviation_mm(self, half_extents_mm: tuple[float, float]) -> float:
-        """Largest distance of the file's faces from the fitted one within a patch."""
+        """Largest distance of the file's facets from the fitted face within a patch of these half-extents (along,
+        across).
+        """
         at = self.solid.points[self.triangles]
         weights = np.array([[1, 1, 1], [1.5, 1.5, 0], [0, 1.5, 1.5], [1.5, 0, 1.5]]) / 3.0
         places = np.einsum("wc,tcd->twd", weights, at).reshape(-1, 3)
@@ -150,7 +162,8 @@ class OwnSurface:
 @lru_cache(maxsize=4)
 def own_surface(source: MeshSource) -> OwnSurface:
     """The body of a file in its own axes.
-    Raises GeometryError, in one sentence, if it cannot be read or is no contact's.
+
+    Raises GeometryError, in one sentence, if the file cannot be read or its contact surface cannot be used.
     """
     solid = source.solid
     for role, name in (("contact", source.contact), ("held", source.held)):
@@ -203,7 +216,7 @@ def _normals(points: Array, triangles: IntArray) -> Array:
 
 
 def _outward(solid: SolidMesh, triangles: IntArray, source: MeshSource) -> Array:
-    """Unit normal (3,) of the contact, towards the other body."""
+    """Outward unit normal (3,) of the contact, in the file's axes."""
     if source.outward is not None:
         outward = np.array(source.outward)
         return np.asarray(outward / np.linalg.norm(outward))
@@ -222,7 +235,9 @@ def _outward(solid: SolidMesh, triangles: IntArray, source: MeshSource) -> Array
 
 
 def _any_axes(outward: Array, source: MeshSource) -> Array:
-    """Rows x, y, z with z outwards and x along the stated axis, or an axis of the file."""
+    """Rows x, y and z (3, 3) in the file's axes: z outwards, x along the stated axis or, without one, along an axis of
+    the file.
+    """
     along = np.eye(3)[0 if abs(outward[0]) < 0.9 else 1] if source.along is None else np.array(source.along)
     x = along - (along @ outward) * outward
     if np.linalg.norm(x) < 1e-3 * np.linalg.norm(along):
@@ -232,7 +247,7 @@ def _any_axes(outward: Array, source: MeshSource) -> Array:
 
 
 def _outermost(points: Array, nodes: IntArray, triangles: IntArray, outward: Array) -> Array:
-    """The middle (3,) of what lies outermost."""
+    """Centre (3,) of the outermost part of the contact surface: of its facets, if there are any, or of its nodes."""
     height = points[nodes] @ outward
     top = nodes[height >= height.max() - 1e-6 * float(np.ptp(points[nodes], axis=0).max())]
     whole = triangles[np.isin(triangles, top).all(axis=1)]
@@ -243,7 +258,9 @@ def _outermost(points: Array, nodes: IntArray, triangles: IntArray, outward: Arr
 
 
 def _apex(nodes: Array, start: Array, axes: Array, scale: float, *, moves: bool) -> tuple[Array, Array]:
-    """Where the surface is highest (3,), and its curvature (2, 2) there, by paraboloids through the nodes near it."""
+    """Position (3,) of the surface's highest point and its curvature matrix (2, 2) there, by paraboloids through near
+    nodes.
+    """
     origin = start
     for _ in range(_STEPS):
         local = (nodes - origin) @ axes.T
@@ -272,13 +289,13 @@ def _apex(nodes: Array, start: Array, axes: Array, scale: float, *, moves: bool)
 
 
 def _on_node(nodes: Array, place: Array, within_mm: float) -> Array:
-    """The node that stands so near to a place, or the place: a mesh that is its own mirror image stays so."""
+    """The node within `within_mm` of a place, otherwise the place; this keeps the symmetry of a symmetric mesh."""
     away = np.linalg.norm(nodes - place, axis=1)
     return np.asarray(nodes[away.argmin()] if away.min() <= within_mm else place)
 
 
 def _principal(axes: Array, form: Array, source: MeshSource) -> Array:
-    """The axes with x along the direction in which the surface is straighter, where none is stated."""
+    """The axes, with x turned to the direction in which the surface is straighter unless the body's axis is stated."""
     values, vectors = np.linalg.eigh(form)
     apart = values[1] - values[0] > _ROUND * np.abs(values).max()
     if not apart:
@@ -300,7 +317,7 @@ def _principal(axes: Array, form: Array, source: MeshSource) -> Array:
 
 
 def _barrel(nodes: Array, scale: float, *, moves: bool) -> tuple[Barrel, Array]:
-    """The barrel nearest to nodes (n, 3), and by how much they are shifted from its first contact (3,)."""
+    """The barrel that fits nodes (n, 3) best, and the shift (3,) of its first contact from the origin."""
     from scipy.optimize import least_squares
 
     away = np.linalg.norm(nodes[:, :2], axis=1)

@@ -51,7 +51,9 @@ class ContactPatch:
         return float(min(np.diff(lines).min() for lines in self._axes if len(lines) > 1))
 
     def facets(self) -> IntArray:
-        """Corners (k, 4) of its cells on the body's mesh, facing outwards."""
+        """Indices (k, 4) into the body's mesh of the corners of the patch's cells, ordered so that the cells face
+        outwards.
+        """
         n = self.nodes
         return np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], axis=-1).reshape(-1, 4)
 

@@ -1,4 +1,7 @@
-"""Meshes of solid elements as files hold them: any mixture of kinds, named sets, checks, what lies where in them."""
+"""Meshes of solid elements from files: mixtures of element kinds, named sets, checks, and points located in them.
+
+Cells are numbered kind after kind, in the order of `SolidMesh.groups`; n is the number of nodes.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -15,7 +18,11 @@ from geometry.elements import ELEMENT_KINDS, ElementKind
 from geometry.errors import GeometryError
 
 LEAST_SHAPE = 0.01  #: Least determinant at a point of the Jacobian of an element, over its columns' lengths.
-_TRIED, _NEWTON, _BESIDE = 24, 8, 3.0  #: Cells tried for a place, steps to its local coordinates, kept within this.
+_TRIED, _NEWTON, _BESIDE = (
+    24,
+    8,
+    3.0,
+)  #: Cells tried for a place; Newton steps to its reference coordinates; their limit.
 _NEAR = 1e-3  #: A place so little beyond a cell, over the cell's size, is taken to lie in it.
 _BESIDE_BOX = 0.1  #: A cell that is tried has the place in its box, or so little beside it, over the box's size.
 _CHUNK = 2_000_000  #: Numbers of places times cells that are looked at together.
@@ -23,7 +30,7 @@ _CHUNK = 2_000_000  #: Numbers of places times cells that are looked at together
 
 @dataclass(frozen=True)
 class Places:
-    """Where p places lie in a mesh: in which cell, at which of its reference coordinates, how far outside."""
+    """The places of p points in a mesh: the cell of each, shape functions there, and the distance outside it."""
 
     cell: IntArray  #: (p,) in the order of `SolidMesh.groups`.
     weights: tuple[tuple[IntArray, IntArray, Array], ...]  #: By kind: rows (r,) of places, nodes (r, n), shapes (r, n).
@@ -32,7 +39,7 @@ class Places:
 
 @dataclass(frozen=True, eq=False)
 class SolidMesh:
-    """Solid elements in mm."""
+    """A mesh of solid elements of any kinds; lengths in mm."""
 
     points: Array  #: (n, 3).
     cells: Mapping[int, IntArray]  #: By their number of nodes k (`ELEMENT_KINDS`), (m, k).
@@ -41,7 +48,7 @@ class SolidMesh:
 
     @property
     def groups(self) -> Iterator[tuple[ElementKind, IntArray]]:
-        """The kinds of elements with their cells."""
+        """Each kind of element with its cells (m, k)."""
         return ((ELEMENT_KINDS[count], cells) for count, cells in self.cells.items())
 
     @property
@@ -50,12 +57,14 @@ class SolidMesh:
         return sum(len(cells) for cells in self.cells.values())
 
     def moved(self, points: Array) -> Self:
-        """The mesh with its nodes elsewhere."""
+        """A copy of the mesh with its nodes at `points` (n, 3)."""
         return replace(self, points=points)
 
     @cached_property
     def boundary(self) -> tuple[IntArray, ...]:
-        """Faces that belong to one cell only, facing outwards: their corners, (f, 3) and (f, 4)."""
+        """Corners of the faces that belong to one cell only, facing outwards: triangles (f, 3) and quadrilaterals (f,
+        4).
+        """
         found: dict[int, list[IntArray]] = {3: [], 4: []}
         for kind, cells in self.groups:
             for face in kind.faces:
@@ -70,7 +79,9 @@ class SolidMesh:
         return tuple(outer)
 
     def nodes_between(self, corners: IntArray) -> IntArray:
-        """Sorted nodes of the boundary's faces whose corners are all among `corners`, those on edges and faces too."""
+        """Sorted nodes of the boundary faces whose corners are all among `corners`, including nodes on edges
+        and faces.
+        """
         known = np.zeros(len(self.points), dtype=bool)
         known[corners] = True
         faces = [each[known[each].all(axis=1)] for each in self.boundary]
@@ -84,18 +95,18 @@ class SolidMesh:
         return np.flatnonzero(found)
 
     def faces_of(self, name: str) -> tuple[IntArray, ...]:
-        """Boundary faces all of whose corners are in a named set, (f, 3) and (f, 4)."""
+        """Boundary faces all of whose corners are in a named set: triangles (f, 3) and quadrilaterals (f, 4)."""
         inside = np.zeros(len(self.points), dtype=bool)
         inside[self.sets[name]] = True
         return tuple(faces[inside[faces].all(axis=1)] for faces in self.boundary)
 
     def triangles_of(self, name: str) -> IntArray:
-        """Those faces as triangles (t, 3)."""
+        """Boundary faces all of whose corners are in a named set, as triangles (t, 3); quadrilaterals are split."""
         triangles, quads = self.faces_of(name)
         return np.vstack([triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
     def areas_of(self, name: str) -> Array:
-        """Area of a named part of the boundary that belongs to each node, (n,), mm²."""
+        """Area in mm² of a named part of the boundary that belongs to each node, (n,)."""
         triangles = self.triangles_of(name)
         a, b, c = (self.points[triangles[:, k]] for k in range(3))
         size = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
@@ -103,7 +114,7 @@ class SolidMesh:
 
     @cached_property
     def edges_mm(self) -> Array:
-        """Mean length of the edges from the first corner of each cell to its others, (size,)."""
+        """Size (size,) of each cell: mean distance between successive corners."""
         found = []
         for kind, cells in self.groups:
             at = self.points[cells[:, : kind.corners]]
@@ -112,20 +123,23 @@ class SolidMesh:
 
     @cached_property
     def middles(self) -> Array:
-        """Means of the cells' corners, (size, 3)."""
+        """Mean (size, 3) of each cell's corners."""
         return np.vstack([self.points[cells[:, : kind.corners]].mean(axis=1) for kind, cells in self.groups])
 
     def gradients(self, kind: ElementKind, cells: IntArray) -> tuple[Array, Array]:
-        """Of shape functions at the integration points of cells (m, k): (m, q, k, 3) in 1/mm, and volumes (m, q)."""
+        """Gradients (m, q, k, 3) of the shape functions in 1/mm at the integration points of cells (m, k), and volumes
+        (m, q).
+        """
         slopes = kind.slopes(kind.points)
         jacobian = np.einsum("mni,qnj->mqij", self.points[cells], slopes, optimize=True)
         local = slopes @ np.linalg.inv(jacobian)
         return local, np.linalg.det(jacobian) * kind.weights
 
     def require_sound(self) -> None:
-        """GeometryError naming the place of a cell that is inside out or has no volume, or that there are loose parts.
+        """GeometryError if a cell is inside out or has no volume (naming its place), or if the mesh has parts that
+        share no nodes.
 
-        A closed boundary needs no check: it is what bounds the cells.
+        That the boundary is closed need not be checked: it is the boundary of the cells.
         """
         for kind, cells in self.groups:
             jacobian = np.einsum("mni,qnj->mqij", self.points[cells], kind.slopes(kind.points), optimize=True)
@@ -159,7 +173,9 @@ class SolidMesh:
         return len(sizes), sizes.tolist()
 
     def located(self, places: Array) -> Places:
-        """Where places (p, 3) lie; each is given the cell that holds it best, beyond which it may lie."""
+        """The places in the mesh of points (p, 3); each gets the cell that contains it, or else the best one
+        near it.
+        """
         cell, best, local = (
             np.zeros(len(places), dtype=np.int64),
             np.full(len(places), np.inf),
@@ -196,7 +212,9 @@ class SolidMesh:
         return cKDTree(self.middles)
 
     def _boxed(self, places: Array, which: IntArray) -> IntArray:
-        """Pairs (k, 2) of those of the places `which` and cells whose boxes hold them, and the nearest cell."""
+        """Pairs (k, 2) of a place, among `which`, and a cell whose bounding box contains it; also each place and its
+        nearest cell.
+        """
         low, high = self._boxes
         found = [np.zeros((0, 2), dtype=np.int64)]
         for part in np.array_split(which, max(1, len(which) * self.size // _CHUNK)):
@@ -209,13 +227,13 @@ class SolidMesh:
 
     @cached_property
     def _boxes(self) -> tuple[Array, Array]:
-        """Lower and upper corners (size, 3) of the cells' boxes."""
+        """Lower and upper corners (size, 3) of the cells' bounding boxes."""
         low = np.vstack([self.points[cells].min(axis=1) for cells in self.cells.values()])
         high = np.vstack([self.points[cells].max(axis=1) for cells in self.cells.values()])
         return low, high
 
     def _local(self, kind: ElementKind, cells: IntArray, places: Array) -> Array:
-        """Reference coordinates (p, 3) of places in cells (p, k) each."""
+        """Reference coordinates (p, 3) of places in one cell each, (p, k)."""
         nodes = self.points[cells]
         local = np.tile(kind.middle, (len(places), 1))
         for _ in range(1 if len(kind.nodes) == 4 else _NEWTON):
@@ -227,7 +245,7 @@ class SolidMesh:
 
 
 def _keep_best(pairs: IntArray, beyond: Array, local: Array, cell: IntArray, best: Array, at: Array) -> None:
-    """Note for each place the cell that holds it best so far."""
+    """Update for each place the best cell, its distance and reference coordinates, in place; at: the coordinates."""
     order = np.argsort(beyond)[::-1]
     better = order[beyond[order] < best[pairs[order, 0]]]
     rows = pairs[better, 0]

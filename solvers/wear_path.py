@@ -207,7 +207,9 @@ def wear_path(amplitude_mm: float, holder_x_mm: float, increments: int, before: 
 
 
 def _places(amplitude: float, carried: float, count: int, before: Stroke | None) -> tuple[Array, float]:
-    """Places (count,) in mm along the slip, and the place where the increment in which the contact sticks ends."""
+    """Places (count,) in mm at which surfaces wear, and the place where the first increment ends, in which the contact
+    sticks.
+    """
     shares = (np.arange(count) + _SHIFT) / count
     if before is None:
         places = amplitude - 2.0 * carried - 2.0 * (amplitude - carried) * shares

@@ -1,8 +1,8 @@
-"""A block of our own elements in a body from a file: their stiffness together, condensed to the contact patch.
+"""The joint stiffness of a block of hexahedra and its host, a body from a file, condensed to the contact patch.
 
-Unknowns are those of the block's nodes, then those of the file's. Both displacement fields meet on the block's sides
-and back, whose nodes are none of the file's, in Nitsche's way: the block's own traction does work on the gap between
-them, and a spring closes it (A. Hansbo, P. Hansbo and M. G. Larson, ESAIM: M2AN 37 (2003) 495).
+Unknowns are those of the block's nodes, then those of the host's. Both displacement fields meet on the block's sides
+and back, the seam, where they share no nodes, by Nitsche's method: the block's own traction does work on the gap
+between them, and a spring closes it (A. Hansbo, P. Hansbo and M. G. Larson, ESAIM: M2AN 37 (2003) 495).
 """
 
 from dataclasses import dataclass, replace
@@ -21,12 +21,12 @@ from solvers.elasticity.patch_compliance import PatchCompliance
 from solvers.elasticity.strain import stiffness_matrix
 from solvers.errors import SolverError
 
-_SPRING = 10.0  #: Of the seam, over the block's modulus and the depth of its elements there.
+_SPRING = 10.0  #: Stiffness of the seam's spring per area, over the block's modulus by its elements' thickness there.
 _CHUNK = 4_000_000  #: Numbers of elements' matrices that are worked out together.
 
 
 def condense_meshed(meshed: BodyMesh, material: Elastic) -> CondensedBody:
-    """Condense a meshed body, held at its surface "grip", or in its host. SolverError where nothing holds it."""
+    """Condense a meshed body, held at its surface "grip" or in its host. SolverError if nothing holds it."""
     if meshed.host is None:
         return condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding)
     joined = Joined.of(meshed, material)
@@ -42,15 +42,17 @@ def condense_meshed(meshed: BodyMesh, material: Elastic) -> CondensedBody:
 
 @dataclass(frozen=True)
 class Joined:
-    """A block and its host as one system."""
+    """The stiffness of a block of b nodes and its host as one system."""
 
-    stiffness: csr_matrix  #: (3 n, 3 n) of the b nodes of the block and the others, those of the host.
+    stiffness: csr_matrix  #: (3 n, 3 n) in N/mm; the first b nodes are the block's, the others the host's.
     free: IntArray  #: Nodes that are not held.
-    block: int  #: b.
+    block: int  #: Number b of the block's nodes.
 
     @classmethod
     def of(cls, meshed: BodyMesh, material: Elastic) -> "Joined":
-        """Of a body whose own material is given; its other parts have theirs. SolverError where nothing holds it."""
+        """The system of a meshed body; material: the body's own; its other parts have theirs. SolverError if nothing
+        holds it.
+        """
         host = meshed.host
         if host is None or not len(host.held):
             raise SolverError("nothing holds the body; name a surface that is held")
@@ -67,7 +69,7 @@ class Joined:
 
 
 def _seam_stiffness(block: HexMesh, host: Host, materials: tuple[Elastic, ...]) -> csr_matrix:
-    """What the seam adds to the stiffness (3 n, 3 n) of both."""
+    """Contribution (3 n, 3 n) of the seam to the joint stiffness."""
     seam, kind = host.seam, ELEMENT_KINDS[8]
     nodes = block.cells[seam.cells]
     slopes = kind.slopes(seam.local)
@@ -121,7 +123,7 @@ def _of_block(mesh: HexMesh, part: IntArray, materials: tuple[Elastic, ...]) -> 
 
 
 def _of_host(host: Host, materials: tuple[Elastic, ...]) -> csr_matrix:
-    """Stiffness of the host's nodes, each element's with the share of it that is kept."""
+    """Stiffness of the host's nodes; each element counts by its share outside the block."""
     shear = np.array([one.shear_modulus_MPa for one in materials])
     ratio = np.array([one.poissons_ratio for one in materials])
     lame = 2.0 * shear * ratio / (1.0 - 2.0 * ratio)
@@ -141,7 +143,7 @@ def _of_host(host: Host, materials: tuple[Elastic, ...]) -> csr_matrix:
 
 
 def _of_elements(host: Host, kind: ElementKind, cells: IntArray, lame: Array, shear: Array) -> Array:
-    """Stiffness (m, 3 k, 3 k) of elements (m, k) of Lamé's constants (m,)."""
+    """Stiffness matrices (m, 3 k, 3 k) of elements (m, k) with Lamé's constants (m,)."""
     slopes, volumes = host.solid.gradients(kind, cells)
     products = np.einsum("mqia,mqjb,mq->miajb", slopes, slopes, volumes, optimize=True)
     own = np.einsum("miaja->mij", products)

@@ -231,7 +231,7 @@ def _axis(table: Mapping[str, Any]) -> GradedAxis | RimGradedAxis | GivenAxis:
 
 
 def _as_tuples(value: Any) -> Any:
-    """Lists as JSON has them as the tuples that they were."""
+    """The value with all lists in it, at any depth, turned into tuples: JSON knows lists only."""
     return tuple(_as_tuples(each) for each in value) if isinstance(value, list) else value
 
 

@@ -50,7 +50,7 @@ class Counters:
     slip_between_nodes: float = nan
 
     def count(self, report: IncrementReport) -> None:
-        """Count one increment."""
+        """Add the iterations of one increment and keep its residuals where they are the worst."""
         self.increments += 1
         self.iterations += report.iterations
         self.worst("force_balance", report.force_error)

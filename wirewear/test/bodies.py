@@ -102,7 +102,7 @@ class Body(ABC):
     @property
     @abstractmethod
     def curvatures_per_mm(self) -> tuple[float, float]:
-        """One over the radii of its surface along its axis and across, 0 where it is straight."""
+        """Curvatures of its surface along its axis and across, one over the radii; 0 where it is straight."""
 
     @property
     def face(self) -> Face | None:

@@ -1,4 +1,4 @@
-"""Bodies from files as a study states them, and as they are meshed under a patch."""
+"""Bodies from mesh files: their keys in a study, and their geometry under a contact patch."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from wirewear.test import keys
 from wirewear.test.bodies import Body
 
 MM_PER_UNIT = {"m": 1e3, "cm": 10.0, "mm": 1.0, "um": 1e-3, "in": 25.4}
-_SMALLEST_mm, _LARGEST_mm = 0.05, 500.0  #: Of a body's largest extent.
+_SMALLEST_mm, _LARGEST_mm = 0.05, 500.0  #: Limits of a body's largest extent.
 _FALL = 0.2  #: How far the face may fall to the sides of the block under the contact, over its sharper radius.
 _ROOM, _DEEP = 1.5, 1.2  #: Extents of that block over the patch's half-width: to each side, and below.
 _PER_ELEMENT = 2.0  #: Its extents over the file's elements there, at least.
-_FINER = 0.6  #: Its largest elements over the file's.
-_SMALLER = 0.85  #: By which it is made smaller where it does not fit.
+_FINER = 0.6  #: Largest elements of the block over the file's.
+_SMALLER = 0.85  #: Factor by which the block is made smaller where it does not fit.
 _TURN = 0.6  #: By how much the normal may turn from one of the file's elements to the next, in radians.
 #: Poisson's ratio from which a body of tetrahedra of four nodes is too stiff.
 _LOCKS = 0.45
@@ -56,7 +56,7 @@ Place = Annotated[tuple[float, float, float], BeforeValidator(_checked_place)]
 
 
 class PartKeys(keys.OfMaterial):
-    """The material of a set of elements."""
+    """Keys of the material of a set of elements."""
 
     material: keys.MaterialName | None = Field(None, description="name of a material of the table")
     youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus")
@@ -64,7 +64,7 @@ class PartKeys(keys.OfMaterial):
 
 
 class MeshKeys(keys.Table):
-    """What a body from a file states of it."""
+    """Keys of a body from a mesh file."""
 
     file: str | None = Field(None, description="mesh of the body: gmsh's .msh or Abaqus' .inp", examples=["ball.msh"])
     unit: Annotated[str, PlainValidator(keys.one_of(*MM_PER_UNIT))] | None = Field(
@@ -101,7 +101,7 @@ MESH_KEYS = tuple(MeshKeys.model_fields)
 
 
 def source_of(stated: MeshKeys) -> MeshSource:
-    """What of the file makes the body."""
+    """The mesh file, sets and directions that these keys state."""
     return MeshSource(
         stated.file or "",
         stated.digest or "",
@@ -116,7 +116,7 @@ def source_of(stated: MeshKeys) -> MeshSource:
 
 
 def unfit_mesh(stated: MeshKeys, poissons_ratio: float) -> tuple[str, str] | None:
-    """The key and the reason for which a file makes no body, as the rest of a sentence; None where it does."""
+    """The key and the rest of a sentence on why a file cannot be used as a body; None if it can."""
     for key in ("file", "unit", "contact", "held"):
         if getattr(stated, key) is None:
             return key, f'is missing, but a body of shape "mesh" states it{_ALLOWED.get(key, "")}'
@@ -150,7 +150,7 @@ _ALLOWED = {"unit": f", one of {', '.join(MM_PER_UNIT)}"}
 
 @dataclass(frozen=True)
 class OwnBody(Body):
-    """A body from a file."""
+    """A body from a mesh file."""
 
     source: MeshSource
 
@@ -165,7 +165,9 @@ class OwnBody(Body):
     def geometry(
         self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
     ) -> BodyGeometry:
-        """The file's elements as they are where they resolve the contact, else a block in them."""
+        """The file's elements unchanged if they are a grid that resolves the contact; otherwise a block embedded in
+        them.
+        """
         grid = as_grid(self.source, self.bedding_N_per_mm3)
         wanted = (axial, transverse)
         if grid is not None and all(
@@ -190,7 +192,7 @@ class OwnBody(Body):
         )
 
     def _block(self, reach_mm: tuple[float, ...], element_mm: float) -> tuple[float, float, float]:
-        """Half-widths along and across and height of the block under a patch. Raises StudyError if none fits."""
+        """Half-widths (along, across) and height in mm of the block under a patch. Raises StudyError if none fits."""
         sharpest = max(self.curvatures_per_mm)
         fall = _FALL / sharpest if sharpest else inf
         widest = [sqrt(fall * (2.0 / curved - fall)) if curved else inf for curved in self.curvatures_per_mm]

@@ -118,7 +118,7 @@ class _Pad(Shape):
 
 @dataclass(frozen=True)
 class _FromFile(Shape):
-    """One whose mesh a file holds."""
+    """A shape that a mesh file defines."""
 
     needs: tuple[str, ...] = ()
 
@@ -132,7 +132,7 @@ class _FromFile(Shape):
         return own_surface(source_of(stated)).curvatures_per_mm
 
     def unfit(self, stated: ShapedBody) -> Inconsistency | None:
-        """A file that makes no body."""
+        """The key of a file that cannot be used as a body; None if it can."""
         problem = unfit_mesh(stated, stated.poissons_ratio)
         return None if problem is None else Inconsistency((problem[0],), problem[1])
 
