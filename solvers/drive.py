@@ -142,7 +142,10 @@ class Waveform:
         return falls, _Stroke(times[leaves : back + 1], places[leaves : back + 1], float(times[-1]))
 
     def times(self, places: Array, phases: Array) -> Array:
-        """Shares of the cycle (m,) at which it passes places (m,), at which a cosine would have the phases (m,)."""
+        """Shares of the cycle (m,) at which the displacement over its amplitude is `places` (m,).
+
+        phases: (m,) shares at which a cosine would be there, which tell the stroke: to -1 up to 0.5, back beyond.
+        """
         if not self.points:
             return phases
         falls, rises = self._strokes
@@ -318,7 +321,9 @@ class Drive:
         return found
 
     def bulk_at(self, times: Array) -> Array:
-        """Displacement gradients (m, 2, 2, 2) of the lower and the upper body's surface at shares (m,) of the cycle."""
+        """Displacement gradients (m, 2, 2, 2) at shares (m,) of the cycle, of the lower and the upper body's
+        surface.
+        """
         found = np.zeros((len(times), 2, 2, 2))
         for body, own in enumerate(self.bulk):
             found[:, body] = own.gradient(own.nominal(times))

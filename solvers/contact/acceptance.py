@@ -195,11 +195,10 @@ def accepted(
 def printed(
     problem: ContactProblem, wear: WearState, pairing: Pairing, yielding: YieldAtNodes, pressure: Array
 ) -> WearState:
-    """The wear state with the prints that pressures (k,) in MPa at paired nodes leave on both bodies, shared by
-    `problem.limit`.
+    """The wear state with the prints that pressures (k,) in MPa at paired nodes leave on both bodies.
 
-    The print on the secondary is spread over its elements; the primary takes the difference, so that the gaps at the
-    nodes become exactly those in which they bear their limits.
+    `problem.limit` says how a print is shared. The secondary's part is spread over its elements; the primary takes the
+    difference, so that the gaps at the nodes become exactly those in which they bear their pressure limits.
     """
     closure, _ = yielding.closure(pressure)
     own, other = wear.prints

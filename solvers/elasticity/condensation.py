@@ -258,7 +258,9 @@ def _eliminated(
 
 
 def hold(matrix: Array, held: BoolArray) -> None:
-    """Uncouple the held unknowns, among the first of the matrix, from all others in place, with 1 on the diagonal."""
+    """Set rows and columns of held unknowns to zero and their diagonal to 1, in place; held: (m,) for the matrix's
+    first m.
+    """
     which = np.flatnonzero(held)
     matrix[which] = 0.0
     matrix[:, which] = 0.0

@@ -66,7 +66,9 @@ class Parameter:
         )
 
     def value(self, coordinate: float) -> float:
-        """The value at a coordinate, within the parameter's range."""
+        """The value at a coordinate (a standard normal deviate under what is expected), within the parameter's
+        range.
+        """
         low, high = self._ends()
         at = 0.5 * (low + high) + coordinate * (high - low) / (2.0 * _ENDS)
         if self.logarithmic:
@@ -74,7 +76,7 @@ class Parameter:
         return min(max(at, self.quantity.low), self.quantity.high)
 
     def coordinate(self, value: float) -> float:
-        """The coordinate of a value; inverse of `value`."""
+        """The coordinate (a standard normal deviate under what is expected) of a value; inverse of `value`."""
         low, high = self._ends()
         at = math.log(value) if self.logarithmic else value
         return (at - 0.5 * (low + high)) / (high - low) * 2.0 * _ENDS

@@ -143,7 +143,7 @@ def _shown(measurement: Measurement, name: str) -> str:
 
 
 def effects_json() -> list[dict[str, object]]:
-    """Every effect with its parameters, ready for JSON."""
+    """Every effect with its parameters as plain values for JSON."""
     return [_effect_json(effect) for effect in all_effects().values()]
 
 
@@ -200,8 +200,8 @@ def _multiple(item: Parameter) -> str:
 
 
 def effect_text(effect: EffectType) -> str:
-    """One effect in full: physics, parameters, signature, effects it can be confused with, and what
-    distinguishes them.
+    """A text on one effect: physics, parameters, signature, effects it can be confused with, and what distinguishes
+    them.
     """
     found = distinguished_by(effect)
     splitting = "; ".join(f"{m.what} ({effect.answer_to(m)})" for m in found) or "no further measurement that is known"

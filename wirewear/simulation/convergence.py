@@ -180,9 +180,9 @@ class RefinedSubject:
     finer: Callable[[Any, str], Mapping[Resolution, Callable[[float], Changes]]]
 
     def refined(self, study: AnyStudy[Any], fidelity: str) -> Any:
-        """The study with itself and its refinements as variants.
+        """A study whose variants are the given study and its refinements.
 
-        Raises StudyError if the study has variants of its own.
+        Raises StudyError if the given study has variants of its own.
         """
         settings: dict[str, Changes] = {BASE: {}} | {
             run: changes(factor)

@@ -50,8 +50,8 @@ class Ellipse:
     angle_rad: float
 
     def reach(self, axis_rad: float) -> float:
-        """Largest distance in mm from the centre along an axis: half of the bounding box. The angle is from the driven
-        body's axis.
+        """Half of the ellipse's extent in mm along an axis (its bounding box); the angle is from the driven body's
+        axis.
         """
         c, s = cos(axis_rad - self.angle_rad), sin(axis_rad - self.angle_rad)
         return hypot(self.major_mm * c, self.minor_mm * s)

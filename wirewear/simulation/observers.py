@@ -39,16 +39,16 @@ class Observer:
     """Called by a run; must not change anything. This one does nothing."""
 
     def stage(self, text: str) -> None:
-        """A part of the preparation begins; `text` names it."""
+        """Called when a part of the preparation begins, which `text` names."""
 
     def moved(self, moment: Moment) -> None:
-        """An increment is done."""
+        """Called after every increment."""
 
     def logged(self, result: RunResult) -> None:
-        """A loop has been measured, and everything so far is on disk."""
+        """Called when a loop has been measured and everything so far is on disk."""
 
     def note(self, sentence: str) -> None:
-        """Tell the user of the run this sentence."""
+        """Called with a sentence that the user of the run should read."""
 
 
 class ProgressBar(Observer):

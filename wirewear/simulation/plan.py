@@ -184,6 +184,9 @@ class PointMeshes(Meshes):
     ) -> MeshHistory | None:
         """The history with the stage for a contact that sticks in its middle or, once it slides, for the stroke; None
         if unchanged.
+
+        cycles: at which the current motion began, and now.  sticks: True if the middle stuck throughout the latest
+        cycle.
         """
         worn = state.wear.primary_volume_mm3 + state.wear.secondary_volume_mm3
         if self.sticking is None or history.stage != (0 if sticks else _STICKING):
@@ -243,8 +246,9 @@ class PlannedRun:
         return str(self.study.variant_name or self.study.name)
 
     def identified(self, plan: Mapping[str, Any]) -> Identity:
-        """The identity of a run with this plan, equal for runs that give the same result; only such a run can be
-        resumed.
+        """The identity of this run, equal for runs that give the same result; only such a run can be resumed.
+
+        plan: everything that the result depends on besides study, fidelity and code.
         """
         study = self.study
         asked = {"study": study.resolved(), "variant": study.variant_name, "fidelity": self.fidelity}

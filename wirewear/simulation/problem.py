@@ -107,11 +107,11 @@ class BothMeshes(Protocol):
 
     @property
     def moving(self) -> BodyGeometry:
-        """The driven body's."""
+        """Geometry of the driven body's mesh."""
 
     @property
     def fixed(self) -> BodyGeometry:
-        """The held body's."""
+        """Geometry of the held body's mesh."""
 
 
 def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], None]) -> solvers.ContactProblem:

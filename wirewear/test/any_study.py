@@ -123,7 +123,7 @@ class AnyStudy(Generic[Tables]):
 
     @property
     def driven(self) -> Self:
-        """The study with the drive as effects have changed it."""
+        """The study with conditions and blocks as its effects on the drive change them; itself without such effects."""
         conditions, blocks = as_driven(self.conditions, self.tables.programme, self.effects)
         if conditions is self.conditions:
             return self

@@ -238,7 +238,9 @@ def _phases(tables: CommonTables) -> Iterator[Inconsistency]:
 
 
 def _inner(tables: Table, kind: type[Any], *above: str) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """The tables of a class within others, each with the keys that lead to it."""
+    """All tables of the class `kind` nested in `tables`, each with the keys that lead to it, which begin with
+    `above`.
+    """
     for key, value in tables:
         if isinstance(value, kind):
             yield (*above, key), value

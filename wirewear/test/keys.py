@@ -46,7 +46,7 @@ def checked_text(value: object) -> str:
 
 
 def one_of(*words: str) -> Callable[[object], str]:
-    """A check for a key that takes one of a few words."""
+    """A function that returns a value that is one of these words, and raises ValueError for any other."""
     choice = " or ".join(f'"{word}"' for word in words)
 
     def check(value: object) -> str:

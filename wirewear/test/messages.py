@@ -124,7 +124,7 @@ def _missing_key(table: Keys, key: str, where: str, spelled: Spelling, model: ty
 
 
 def same_but_for_unit(key: str, name: str, unit: str) -> bool:
-    """True if `key` is `name` with another unit at its end, or none."""
+    """True if `key` is `name`, which ends in `unit`, with another unit or none at its end."""
     suffix = f"_{unit}"
     if not name.endswith(suffix):
         return False
@@ -139,7 +139,9 @@ def field_of(model: type[BaseModel], key: str) -> FieldInfo | None:
 
 
 def known_fields(table: Keys, model: type[BaseModel]) -> Mapping[str, FieldInfo]:
-    """The keys of a table within the tables of a model, with their fields; empty if it is not a table."""
+    """Keys and fields of the table at the keys `table`, from the top of a model's tables; empty if there is no
+    table.
+    """
     inner: type[BaseModel] | None = model
     # The place of a table in a list is no key.
     for key in (one for one in table if isinstance(one, str)):

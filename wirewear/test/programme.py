@@ -222,7 +222,7 @@ class HeldTarget:
 
 
 def held_by(conditions: object) -> HeldTarget | None:
-    """The figure that the drive holds; None if it holds its amplitude."""
+    """The figure that the drive holds in place of its amplitude, with its target; None if it holds its amplitude."""
     key = next(iter(held_keys(conditions)), None)
     return None if key is None else HeldTarget(key, float(getattr(conditions, key)))
 
