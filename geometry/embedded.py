@@ -241,7 +241,10 @@ def _lines(values: Array) -> Array:
 
 
 def as_grid(source: MeshSource, grip_stiffness_N_per_mm3: float | None) -> OwnGrid | None:
-    """The geometry that uses the file's elements unchanged; None unless their contact surface is a grid."""
+    """The geometry that uses the elements of a mesh file unchanged; None unless their contact surface is a grid.
+
+    grip_stiffness_N_per_mm3: stiffness of the grip per area; None if it is rigid.
+    """
     patch = grid_of(source)
     if patch is None:
         return None

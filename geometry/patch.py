@@ -112,7 +112,8 @@ class ContactPatch:
 
 
 def located(axial: Array, transverse: Array, places: Array) -> tuple[IntArray, Array, BoolArray]:
-    """Nodes and weights that interpolate a field on the grid of lines (n_a,) and (n_t,) at places (n, 2).
+    """Nodes and weights that interpolate a field bilinearly at places (n, 2) on a grid of increasing lines (n_a,) and
+    (n_t,).
 
     Returned as by `ContactPatch.locate`.
     """

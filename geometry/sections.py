@@ -60,6 +60,7 @@ def wire_section(
     """Mesh half of the cross-section of a wire or tube.
 
     half_lines_mm: (k,) grid lines of the contact patch across the wire, from 0; each becomes a node on the surface.
+    coarse_mm: largest element far from the contact.  bore_radius_mm: inner radius of a tube, 0 for a wire.
     finest_mm: the patch's smallest spacing along the wire; the uppermost layer's thickness follows from it where it is
     smaller than that across.
 
@@ -87,8 +88,9 @@ def block_section(
 ) -> tuple[Array, IntArray]:
     """Mesh half of a rectangular cross-section whose upper side carries the contact.
 
-    half_lines_mm: (k,) grid lines of the contact patch across, from 0. finest_mm: the patch's smallest spacing, from
-    which the uppermost layer's thickness follows. Returns points (n, 2) in mm as (y >= 0, z <= 0) and quads (m, 4).
+    half_lines_mm: (k,) grid lines of the contact patch across, from 0. coarse_mm: largest element far from the contact.
+    finest_mm: the patch's smallest spacing, from which the uppermost layer's thickness follows. Returns points (n, 2)
+    in mm as (y >= 0, z <= 0) and quads (m, 4).
     """
     section = _Quads()
     beside = half_width_mm - half_lines_mm[-1]

@@ -206,7 +206,9 @@ class Holder:
         return self.tangential_compliance_mm_per_N + self.rotational_compliance_rad_per_N_mm * self.pivot_height_mm**2
 
     def place_in_play_mm(self, holder_x_mm: float, tilt_rad: float, tangential_force_N: float) -> float:
-        """Position of the holder between the stops of its free play: its translation less that of the spring."""
+        """Position of the holder between the stops of its free play: its motion less those by tilt and by the spring's
+        force.
+        """
         spring = self.tangential_compliance_mm_per_N * tangential_force_N
         return holder_x_mm - self.pivot_height_mm * tilt_rad - spring
 

@@ -87,8 +87,9 @@ def take_step(
 ) -> JumpStep[State]:
     """Take one accepted step from `state` after `done` cycles.
 
-    attempt(state, done, size): tries a step, returns the state after it and the change of pressures. A step that does
-    not converge is cut. SolverError after too many rejections, NotConvergedError if a single cycle does not converge.
+    jump: size to try first.  milestones, end: cycles that no step passes over.  attempt(state, done, size): tries a
+    step, returns the state after it and the change of pressures. A step that does not converge is cut. SolverError
+    after too many rejections, NotConvergedError if a single cycle does not converge.
     """
     wanted, growth = jump, controller.largest_growth
     for _ in range(_MOST_REJECTIONS):

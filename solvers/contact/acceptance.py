@@ -159,6 +159,9 @@ def accepted(
     """The state after a converged increment, with wear and prints deposited on both surfaces, and the increment's
     report.
 
+    drive: displacement at its end.  cycles: number of times that its wear counts.  overlap_area, slip_share: as in
+    `ContactState`.  iterations, pairings: Newton steps and pairings that it took, for the report.
+
     Raises PatchLeftError if the contact has reached the edge of either patch.
     """
     pairing = system.pairing

@@ -218,8 +218,9 @@ def facing_offset(problem: ContactProblem, state: ContactState, drive: float, ho
 def faced(
     problem: ContactProblem, state: ContactState, nodes: IntArray, drive: float, holder_x: float, tilt: float
 ) -> Pairing:
-    """The pairing of nodes (k,) of the primary with the secondary, on the surfaces of a state, with regard to
-    its core.
+    """The pairing of nodes (k,) of the primary with the secondary, on the surfaces of a state, with regard to its core.
+
+    drive, holder_x, tilt: displacement of the lower body, position and tilt of the holder, mm and rad.
     """
     core = bool(state.core.any())
     offset, depths = facing_offset(problem, state, drive, holder_x), open_depths(problem, state)

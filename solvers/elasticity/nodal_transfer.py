@@ -30,7 +30,7 @@ class NodalTransfer(NamedTuple):
 
     @classmethod
     def single(cls, nodes: IntArray, weights: Array, size: int) -> NodalTransfer:
-        """The transfer with one patch node and its weight for each contact node, both (k,)."""
+        """The transfer with one of a patch's `size` nodes and its weight for each contact node, both (k,)."""
         return cls(np.arange(len(nodes) + 1), nodes, weights, size)
 
     @classmethod
@@ -99,7 +99,7 @@ def _entries(first: IntArray, columns: IntArray, rows: IntArray) -> IntArray:
 
 @compiled
 def weighted_sums(first: IntArray, columns: IntArray, weights: Array, field: Array, rows: IntArray) -> Array:
-    """Weighted sums (m, c) of a field (n, c) at the rows (m,) of a transfer."""
+    """Weighted sums (m, c) of a field (n, c) at the rows (m,) of a transfer with this first, columns and weights."""
     result = np.zeros((len(rows), field.shape[1]))
     for k in range(len(rows)):
         for entry in range(first[rows[k]], first[rows[k] + 1]):

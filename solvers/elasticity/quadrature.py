@@ -31,7 +31,8 @@ class GaussPoints(NamedTuple):
 def points_about(nodes: IntArray, along: GaussLines, across: GaussLines, turn: Array, offset_mm: Array) -> GaussPoints:
     """The Gauss points around nodes (k,) of a patch, at `turn @ (position - offset)` in the other body's axes.
 
-    turn: (2, 2) from the patch's axes to the other body's.  offset_mm: (2,) position of its origin in the patch's axes.
+    along, across: Gauss points on the patch's lines.  turn: (2, 2) from the patch's axes to the other body's.
+    offset_mm: (2,) position of its origin in the patch's axes.
     """
     found = _points(nodes, along.positions, across.positions, len(across.positions) + 1, turn, offset_mm)
     return GaussPoints(*found, CommonAxes.of(turn, offset_mm))
@@ -188,7 +189,10 @@ def _located(positions: Array, along: Array, across: Array) -> tuple[IntArray, A
 
 @compiled
 def field_at(field: Array, positions: Array, along: Array, across: Array) -> tuple[Array, BoolArray]:
-    """A patch's nodal field (n_a, n_t) at positions (g, 2) in its axes, and whether they lie on the patch, (g,)."""
+    """A patch's nodal field (n_a, n_t) at positions (g, 2) in its axes, and whether they lie on the patch, (g,).
+
+    along, across: (n_a,) and (n_t,) grid lines of the patch.
+    """
     step = np.array([0, 1]) if len(across) == 1 else np.array([0, 1, len(across), len(across) + 1])
     corner, weights, inside = _located(positions, along, across)
     values, flat = np.zeros(len(positions)), field.ravel()

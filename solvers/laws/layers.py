@@ -211,9 +211,10 @@ def receded(layers: Layers, depth_mm: Array, bare_mm: Array) -> Array:
 
 
 def friction_factor(upper: Layers, lower: Layers, local: LocalState) -> float | Array:
-    """Factor on the coefficient of friction, 1 or (k,), from the layers at the surface of both bodies at k nodes.
+    """Factor on the coefficient of friction, 1 or (k,), from the coatings of the upper and the lower body at k nodes.
 
-    Where both bodies have a layer with a factor there, the mean of both factors.
+    It depends on which coating is at the surface; where both bodies have one with a factor there, the mean of both
+    factors.
     """
     if not (upper or lower):
         return 1.0

@@ -95,7 +95,7 @@ class ChangesASeam(Protocol):
 
 
 def applied(effects: Iterable[ChangesASeam], seam: Seam, described: T, age: Age) -> T:
-    """A seam's description after all effects of this seam, one after the other."""
+    """The description `described` of a seam after all effects that change this seam, one after the other, at an age."""
     for effect in effects:
         if effect.seam is seam:
             described = effect.changed(described, age)

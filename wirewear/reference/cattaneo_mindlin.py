@@ -2,12 +2,13 @@
 
 Cattaneo 1938, Mindlin 1949, Mindlin & Deresiewicz 1953; Johnson, Contact Mechanics, 1985, sections 7.2 and 7.4.
 Reversals follow Masing's rule: after a reversal at (u*, Q*) the change of displacement is twice that of first loading
-at half the change of force. An index 1, as in u₁ or Q₁, denotes first loading.
+at half the change of force. Symbols: force_N is Q, reversal_force_N and force_amplitude_N are Q*, displacement_mm of
+the contact is u, radius_mm is r; an index 1, as in u₁ or Q₁, denotes first loading.
 
 In the fretting loop behind a rig's tangential spring, under constant friction and without wear, the drive displaces the
-moving body by δ; the rig takes Q/K_s of it, the contact the rest (N·mm = mJ). rig_stiffness_N_per_mm may be math.inf (a
-rigid rig). The formulas follow from the curve, the linear spring and Masing's rule, which a series of springs and
-sliders obeys exactly.
+moving body by δ = displacement_mm, at most by δa; the rig takes Q/K_s of it, the contact of stiffness K the rest (N·mm
+= mJ). rig_stiffness_N_per_mm is K_s and may be math.inf (a rigid rig). The formulas follow from the curve, the linear
+spring and Masing's rule, which a series of springs and sliders obeys exactly.
 """
 
 import math

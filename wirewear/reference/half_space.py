@@ -37,7 +37,7 @@ def hertz_stress(
     peak_pressure_MPa: float,
     poissons_ratio: float,
 ) -> Array:
-    """Stresses (..., 6) in MPa in a half-space under Hertz's pressure p0 √(1 − r²/a²).
+    """Stresses (..., 6) in MPa in a half-space under Hertz's pressure p0 √(1 − r²/a²), a being the contact's radius.
 
     Raises ValueError for a radius that is not positive, or a point above the surface.
     """

@@ -119,7 +119,7 @@ def hertz_line(normal_load_N_per_mm: float, radius_mm: float, modulus_MPa: float
 def relative_curvatures(
     first_radius_mm: float, second_radius_mm: float, crossing_angle_deg: float
 ) -> tuple[float, float, float]:
-    """Gap Ax² + By² of two crossed cylinders: (A, B, angle) with A ≤ B in 1/mm.
+    """Gap Ax² + By² of two cylinders of radii R1 and R2, crossed at the angle ω: (A, B, angle) with A ≤ B in 1/mm.
 
     The angle in rad is that of the x axis, the contact's major axis, from the first cylinder's axis. 4AB = sin²ω/(R1
     R2) (Johnson 1985, section 4.1).

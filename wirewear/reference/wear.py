@@ -85,10 +85,11 @@ def explicit_stability_limit(
 ) -> float:
     """Largest stable cycle jump of an explicit wear update, in cycles.
 
+    α is the energy wear coefficient, µ friction, E* the contact modulus, s = slip_per_update_mm the slip of one update.
     A ripple of wave number k changes the pressure by E*k/2 times its height, so one update multiplies it by 1 −
-    ΔN·αµs·E*k/2, which must stay above −1: ΔN < 4/(αµs·E*k). The shortest ripple of a line of nodes has k = π/h_mesh,
-    giving 4h/(παµE*s) (plane=True); the chequered ripple of a square grid has √2 times that k (plane=False). Raises
-    ValueError for an argument that is not positive.
+    ΔN·αµs·E*k/2, which must stay above −1: ΔN < 4/(αµs·E*k). The shortest ripple of a line of nodes has k = π/h, with h
+    the mesh size (plane=True); the chequered ripple of a square grid has √2 times that (plane=False). Raises ValueError
+    for an argument that is not positive.
     """
     require_positive(
         mesh_size_mm=mesh_size_mm,

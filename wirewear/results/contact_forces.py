@@ -71,8 +71,8 @@ def averaging(
 ) -> Iterator[csr_matrix]:
     """Sparse matrices that average nodal pressures about nodes: shares of a disc's area in the nodes' cells.
 
-    The nodes are those of a patch, or of its rectangle `along` by `across` if nothing outside carries load. Each matrix
-    has rows for some of the nodes, in order, and columns for all of them.
+    axial, transverse, length: as in `largest_means`.  along, across: a rectangle of the patch outside which nothing
+    carries load. Each matrix has rows for some nodes of the rectangle, in order, and columns for all of them.
     """
     a, t = _near(axial, along, length), _near(transverse, across, length)
     # Pairs of a node and a cell weighed at once, some 100 MB: wide discs pair every node with every cell of a scar.
@@ -251,8 +251,9 @@ def named_positions(phase: Array) -> dict[str, int]:
 
 
 def position_of(at: str | int, phase: Array, cycle: int) -> int:
-    """Index of a named position, or of a position given by its index. Raises ResultError if there is no such
-    position.
+    """Index of the position `at`, a name in POSITIONS or an index, in a cycle with phases (k,).
+
+    Raises ResultError if there is no such position; cycle: its number, for the message.
     """
     if isinstance(at, int) or at.isdecimal():
         if 0 <= int(at) < len(phase):

@@ -255,7 +255,8 @@ def converge(
 ) -> list[Converged]:
     """Run the study and its refinements, each in a folder of `output`, and extrapolate; complete runs there are read.
 
-    Raises StudyError if the study has variants of its own, and whatever `run_study` raises.
+    subject: POINTS or LINES. The other arguments are those of `run_study`. Raises StudyError if the study has variants
+    of its own, and whatever `run_study` raises.
     """
     results = run_study(
         subject.refined(study, fidelity),

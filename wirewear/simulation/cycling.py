@@ -158,6 +158,7 @@ def cycle_through(
 ) -> RunResult:
     """Simulate a test; with `resume` from its last checkpoint, if it has one.
 
+    record: an empty record of its kind.  store: where result and checkpoint are kept.  observer: hears of the progress.
     Raises RunError if the store holds another run's checkpoint, ResultError if the checkpoint is damaged, and
     SolverError if the contact did not converge, or left the fine patch; everything up to there is stored.
     """

@@ -117,7 +117,8 @@ class BothMeshes(Protocol):
 def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], None]) -> solvers.ContactProblem:
     """Mesh and condense (or load) both bodies, place them, and put the upper one on its rig.
 
-    Effects that depend on the age of the test are not included: see `problem_at`.
+    stage: called with the name of each part of the work. Effects that depend on the age of the test are not included:
+    see `problem_at`.
     """
     lower, upper = _placed(study, *condense_bodies(study, meshes, stage))
     stage("pressing the bodies together")
@@ -251,7 +252,9 @@ def fresh_state(problem: solvers.ContactProblem, study: Study) -> solvers.Contac
 def condense_bodies(
     study: Study, meshes: BothMeshes, stage: Callable[[str], None]
 ) -> tuple[solvers.CondensedBody, solvers.CondensedBody]:
-    """Mesh and condense the driven and the held body, or load them from the cache."""
+    """Mesh and condense the driven and the held body, or load them from the cache; stage: called with the name of each
+    part.
+    """
     driven, held = study.bodies
     stage(f"condensing the {called(driven.name)}")
     moving = condensed_body(meshes.moving, driven.material)

@@ -159,9 +159,10 @@ def evolution_row(
     done: float,
     jump: float,
 ) -> dict[str, float]:
-    """One row of the evolution from a closed loop without wear; scars are of the driven and the held body.
+    """One row of the evolution from a closed loop without wear, after `done` cycles, the last `jump` of them in one
+    jump.
 
-    pressures: the loop's, from `pressure_figures`.
+    scars: of the driven and the held body.  pressures: the loop's, from `pressure_figures`.
     """
     return {
         "cycle": done,
@@ -286,9 +287,10 @@ class Recorded(ABC):
         jump: float,
         held: HeldFigure | None,
     ) -> None:
-        """Record a closed loop without wear, with the scars where the study asks for them.
+        """Record a closed loop without wear after `done` cycles, with the scars where the study asks for them.
 
-        held: the figure that the drive holds in place of its amplitude in this block.
+        jump: size of the latest cycle jump.  held: the figure that the drive holds in place of its amplitude in this
+        block.
         """
         self._holder = self.holder_of(problem, trace)
         block = self.schedule.at(done)
@@ -332,6 +334,8 @@ class Recorded(ABC):
     def follows(self, problem: ContactProblem, state: ContactState, _done: float, _work_mJ: float) -> bool:
         """True if no loop is needed now: the energy has gone as interpolation between loops assumes, and no coating is
         nearly worn through.
+
+        _done, _work_mJ: cycles done, and friction work of the cycle there.
         """
         # Of the depth at which a layer ends: a loop is measured where it is that deep, so that its end is predicted
         # from near.
@@ -366,7 +370,7 @@ class Recorded(ABC):
         """Mesh sizes, steps and other values that followed from the study."""
 
     def result(self, status: str, message: str, history: MeshHistory) -> RunResult:
-        """The result so far."""
+        """The result so far, with this status and message, and the changes of meshes from the history."""
         tally = self.tally
         cycling_s, evolution = tally.cycling_s, Evolution.from_rows(self._rows)
         settings = self.settings(history) | layer_settings(self._study.layers) | borne_settings(self._study)

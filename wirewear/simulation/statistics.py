@@ -100,7 +100,7 @@ class Tally:
 
 
 def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, float]], accumulated_mJ: float) -> None:
-    """Update the qualities by the latest measured cycle, the last row of the evolution.
+    """Update the qualities in `counters` by the latest measured cycle; rows: those of the evolution, up to that cycle.
 
     accumulated_mJ: friction energy of all cycles so far.
     """
@@ -156,7 +156,10 @@ def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accu
 
 
 def bends(before: Energies, now: Energies) -> bool:
-    """True if the energy between two cycles differs from what interpolation between loops measured there would give."""
+    """True if the energy between two cycles differs from what interpolation between loops measured there would give.
+
+    before, now: number, friction work and friction energy so far of each cycle, see `Energies`.
+    """
     (start, per_cycle, worn), (end, later, total) = before, now
     expected = enclosed_energy((start, end), (per_cycle, later))
     # Of all friction energy so far: allowed difference of the energy between two loops from interpolation.

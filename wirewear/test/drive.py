@@ -151,8 +151,10 @@ class BulkTable(keys.Table):
 def bulk_of(
     bodies: Sequence[tuple[BulkTable | None, Elastic]], *, plane_strain: bool = False
 ) -> tuple[BulkStress, ...]:
-    """Bulk stresses of the driven and the held body, each given by its table and material; empty if neither
-    states any.
+    """Bulk stresses of the driven and the held body from the table and the material of each; empty if neither has a
+    table.
+
+    plane_strain: True for planar bodies.
     """
     if all(table is None for table, _ in bodies):
         return ()

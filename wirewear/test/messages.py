@@ -74,7 +74,9 @@ def telling_problem(error: ValidationError) -> ErrorDetails:
 
 
 def place(keys: Keys, where: str, spelled: Spelling) -> str:
-    """Where a key stands: ``in [wires] of study.toml``, ``in [[vary]] number 1 of sweep.toml``."""
+    """Where a key stands: ``in [wires] of study.toml``, ``in [[vary]] number 1 of sweep.toml``; keys: from the top to
+    it.
+    """
     if len(keys) > 2 and isinstance(keys[-2], int):
         return f"in [[{'.'.join(map(str, keys[:-2]))}]] number {keys[-2] + 1} of {where}"
     table = spelled(keys)
