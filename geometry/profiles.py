@@ -117,8 +117,8 @@ class Barrel:
         return np.asarray(k * x**2 / (1.0 + np.sqrt(1.0 - (k * x) ** 2)))
 
     def _circle(self, plane_mm: Array) -> tuple[Array, Array, Array, Array]:
-        """Points x and y (n,) in mm, kept short of the steep flank; the radius of the circle at x over that of the
-        thickest circle, (n,); and the height of the point above the axis of revolution over the latter, (n,).
+        """Four arrays (n,): x and y of the points in mm, kept short of the steep flank, and, over the thickest circle's
+        radius, the radius of the circle at x and the height of the point above the axis of revolution.
         """
         x, y = plane_mm.T
         k, across = self.curvature_along_per_mm, self.curvature_across_per_mm

@@ -264,8 +264,8 @@ def _bend(behind: _Step, ahead: _Step) -> float:
 
 
 def _trend(bends: Sequence[float], bend: float) -> float:
-    """Factor by which the force is expected to bend more in the next step than in this one, from 1 to
-    `_LARGEST_TREND`.
+    """Expected ratio of the bends in the next step and in this one, from 1 to `_LARGEST_TREND`; bends: of the steps
+    before.
     """
     return float(np.clip(bend / bends[-1], 1.0, _LARGEST_TREND)) if bends and bends[-1] > 0.0 else 1.0
 

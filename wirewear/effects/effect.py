@@ -284,8 +284,8 @@ class Effect(ABC, Generic[T]):
 
     @classmethod
     def expected(cls) -> dict[str, object]:
-        """Everything assumed about this effect before a record is seen, as plain numbers: what a diagnosis
-        depends on.
+        """Everything assumed about this effect before a record is seen, as plain numbers, from which a diagnosis
+        starts.
         """
         return {
             "prior_weight": cls.prior_weight,

@@ -58,8 +58,8 @@ def at_mid_stroke(drive: ArrayLike, pressure: ArrayLike) -> float:
     """Median of a pressure (k,) over the way near mid-stroke, from its values at the displacements (k,) of a closed
     loop.
 
-    It is interpolated linearly between increments; the median of the k values would be that of a single increment.
-    Mid-stroke is where the drive is within MID_STROKE of its amplitude.
+    Mid-stroke is where |displacement| is below MID_STROKE times the amplitude. Pressures are interpolated linearly
+    between increments; the median of the k values would be that of a single increment.
     """
     ends, values = np.asarray(drive, dtype=float), np.asarray(pressure, dtype=float)
     share = (np.arange(_PARTS) + 0.5)[:, None] / _PARTS

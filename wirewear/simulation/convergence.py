@@ -194,10 +194,10 @@ class RefinedSubject:
 
 
 def finer_point(study: Study, fidelity: str) -> Mapping[Resolution, Callable[[float], Changes]]:
-    """Changes of tables that refine a contact at a point: the mesh; with wear the positions and the jumps' tolerance,
-    too.
+    """For each resolution of a contact at a point, a function from a factor to the changes of tables that refine it by
+    that.
 
-    Jumps of a size that the study gives are not refined.
+    The mesh always; with wear also the positions and, unless the study gives the size of jumps, the jumps' tolerance.
     """
     plan, chosen = discretise(study, fidelity), study.fidelity(fidelity)
 
@@ -216,7 +216,10 @@ def finer_point(study: Study, fidelity: str) -> Mapping[Resolution, Callable[[fl
 
 
 def finer_line(study: LineStudy, fidelity: str) -> Mapping[Resolution, Callable[[float], Changes]]:
-    """Changes of tables that refine a line contact: mesh and increments; with wear the jumps' tolerance, too."""
+    """For each resolution of a line contact, a function from a factor to the changes of tables that refine it by that.
+
+    Mesh and increments always; with wear also the jumps' tolerance.
+    """
     tolerance, mesh = line_plan(study, fidelity).jump_tolerance, study.mesh
     finer: dict[Resolution, Callable[[float], Changes]] = {
         MESH: lambda factor: {"mesh": {"mesh_refinement": factor * mesh.mesh_refinement}},

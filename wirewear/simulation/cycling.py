@@ -84,8 +84,8 @@ class Ending:
     def _ends(self, key: str) -> tuple[float, float, float] | None:
         """Cycles at which a figure is expected to meet its stop, and both ends of an interval; None if not predictable.
 
-        The figure is taken to grow with the latest power of the cycles; the interval is by the power before and by one
-        that has changed further.
+        The figure is taken to grow with a power of the cycles: the latest exponent gives the best estimate, an earlier
+        one and one that has changed further give the interval.
         """
         course = [(done, figure) for done, figure in self.course.get(key, ()) if done >= 1.0 and figure > 0.0]
         if not course:
