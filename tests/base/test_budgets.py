@@ -11,7 +11,7 @@ from tests.synthetic_results import result
 from wirewear import RecordError, StudyError, load_study, record_of_result, run_study
 from wirewear.base import memory as budget
 from wirewear.simulation import simulate, write_meshes
-from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.workbench import write_line_meshes
 
 STUDIES = Path(__file__).parents[2] / "studies"
@@ -32,8 +32,8 @@ def memory(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
     return set_to
 
 
-def plan(fidelity: str = "standard", **settings: float) -> RunPlan:
-    return RunPlan.of(STUDY.changed({"fidelity": {fidelity: settings}}), fidelity)
+def plan(fidelity: str = "standard", **settings: float) -> PointRun:
+    return PointRun.of(STUDY.changed({"fidelity": {fidelity: settings}}), fidelity)
 
 
 def meshed(tmp_path: Path, element_um: float) -> None:
@@ -69,7 +69,7 @@ def test_jumps_without_end_are_refused() -> None:
         }
     )
     with pytest.raises(StudyError) as refused:
-        RunPlan.of(endless, "quick").require_affordable()
+        PointRun.of(endless, "quick").require_affordable()
     assert "asks for 100\u2009000\u2009000\u2009000 cycle jumps" in str(refused.value)
 
 

@@ -19,7 +19,7 @@ from wirewear.kinds import load_any_study
 from wirewear.records.importing import import_record
 from wirewear.records.importing.loop_sources import read_loops
 from wirewear.results import read_results as read_runs
-from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.store import CHECKPOINT_FILE_NAME, read_checkpoint
 from wirewear.sweeps import load_sweep
 from wirewear.sweeps.running import Journal
@@ -54,7 +54,7 @@ class Reader:
 def studied(folder: Path) -> object:
     """A study of wires, as far as its plan and what that takes."""
     study = parse_study((folder / "study.toml").read_text(encoding="utf-8", errors="surrogateescape"), "study.toml")
-    plans = [RunPlan.of(one, "quick") for one in [study.variant(name) for name in study.variant_names] or [study]]
+    plans = [PointRun.of(one, "quick") for one in [study.variant(name) for name in study.variant_names] or [study]]
     for plan in plans:
         plan.require_affordable()
     return plans

@@ -34,7 +34,7 @@ def _begin(*_: object, **__: object) -> Any:
 BEGINNING = dict.fromkeys(
     (
         "wirewear.simulation.runs:cycle_through",
-        "wirewear.simulation.plan:condense_bodies",
+        "wirewear.simulation.point_runs:condense_bodies",
         "wirewear.diagnosis.fit.sensor_calibration:contact_problem",
         "wirewear.simulation.runs:run_side_by_side",
         "wirewear.base.engine:LocalProcesses.done",

@@ -21,7 +21,8 @@ from wirewear.results import Evolution, RunResult
 from wirewear.simulation import Observer, convergence, discretise
 from wirewear.simulation.discretisation import unknowns
 from wirewear.simulation.expected_contact import Ellipse, patch_axes, scar_ellipse
-from wirewear.simulation.plan import RunPlan, mesh_stages, spare_stages
+from wirewear.simulation.plan import mesh_stages, spare_stages
+from wirewear.simulation.point_runs import PointRun
 from wirewear.test import Study
 from wirewear.test.fidelity import WIRE_LEVELS
 
@@ -215,7 +216,7 @@ BLOCKS = "".join(
 
 
 def test_each_block_has_meshes_for_what_slips_in_it_while_the_contact_is_fresh() -> None:
-    meshes = RunPlan.of(parse_study(MINIMAL + BLOCKS, "study"), "quick").meshes
+    meshes = PointRun.of(parse_study(MINIMAL + BLOCKS, "study"), "quick").meshes
     assert meshes.sticking is not None
     first = meshes.first()
     assert meshes.every[first.stage] == meshes.sticking

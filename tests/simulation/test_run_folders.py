@@ -16,7 +16,7 @@ from wirewear.base import cache
 from wirewear.base.cache import CONDENSATION_CODE, RUN_CODE, Identity, code_hash, digest
 from wirewear.base.locks import LOCK_FILE_NAME, occupied
 from wirewear.results import RESULT_FILE_NAME, read_results
-from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.store import RunFolder
 
 ROOT = Path(__file__).parents[2]
@@ -38,7 +38,7 @@ def simulated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Labels of the runs that were simulated; each leaves figures made up instead."""
     labels = []
 
-    def run_cycles(plan: RunPlan, folder: RunFolder, _observer: object, *, resume: bool) -> RunResult:
+    def run_cycles(plan: PointRun, folder: RunFolder, _observer: object, *, resume: bool) -> RunResult:
         labels.append(plan.label)
         folder.begin()
         made = synthetic_results.result(variant=plan.study.variant_name)

@@ -12,7 +12,7 @@ from tests.simulation.coarse_runs import COARSE, VARIANTS, Recorder, coarse
 from wirewear import Study, parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import run_study
-from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.store import CHECKPOINT_FILE_NAME
 
 pytestmark = pytest.mark.seconds
@@ -83,7 +83,7 @@ def leave_complete_runs(study: Study, output: Path, *names: str) -> None:
     """Result files as the complete runs of these variants leave them, with figures of their own."""
     for name in names:
         result = synthetic_results.result(variant=name)
-        identity = RunPlan.of(study.variant(name), "quick").identity
+        identity = PointRun.of(study.variant(name), "quick").identity
         write_result(
             output / name / RESULT_FILE_NAME, replace(result, settings={**result.settings, "identity": str(identity)})
         )

@@ -27,7 +27,7 @@ from wirewear.results import BODIES, RunResult
 from wirewear.results.flat import profiles_table, scars_table
 from wirewear.simulation import run_study, simulate
 from wirewear.simulation.line_model import bodies_stiffness_N_per_mm2
-from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.problem import measured
 from wirewear.test import LineStudy, Study, load_study, study_from_tables
 from wirewear.test.study import read_study
@@ -122,7 +122,7 @@ def test_a_ball_that_measures_as_a_larger_one_touches_as_that_one() -> None:
     bulge = surface_of((x, x), lambda x, y: 5e-4 * (x**2 + y**2) * (1.0 / larger_mm - 1.0 / BALL_RADIUS_mm))
     contact: dict[str, Any] = deepcopy(BALL)
     contact["bodies"]["ball"]["surface"] = bulge.model_dump(exclude_none=True)
-    meshes = RunPlan.of(study(contact, wear=None, fidelity={}), "standard").meshes
+    meshes = PointRun.of(study(contact, wear=None, fidelity={}), "standard").meshes
     problem = meshes.problem(meshes.first(), lambda _: None)
     state, report = press(problem, unloaded_state(problem))
     load = POINTS["conditions"]["normal_load_N"]

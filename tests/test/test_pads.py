@@ -14,7 +14,7 @@ from wirewear.base.errors import StudyError
 from wirewear.results import RunResult
 from wirewear.simulation import run_study, simulate
 from wirewear.simulation.discretisation import discretise
-from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.point_runs import PointRun
 from wirewear.test import LineStudy, study_from_tables
 from wirewear.test.study import read_study
 
@@ -167,7 +167,7 @@ def test_a_turned_arc_touches_as_hertz_says_and_a_turned_rounded_flat_as_ciavare
 def test_a_pressed_pin_with_rounded_edges_has_sneddons_radius_approach_and_middle() -> None:
     face, load = RoundedFlat(0.5, 1.0), POINTS["conditions"]["normal_load_N"]
     asked = study(pad(face_half_width_mm=0.5, edge_radius_mm=1.0), wear=None, fidelity={})
-    meshes = RunPlan.of(asked, "standard").meshes
+    meshes = PointRun.of(asked, "standard").meshes
     problem = meshes.problem(meshes.first(), lambda _: None)
     state, report = press(problem, unloaded_state(problem))
     exact = reference.turned_contact(face, load, STEEL_MODULUS, 1.0)

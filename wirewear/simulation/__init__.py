@@ -1,8 +1,8 @@
 """Simulated tests of any contact: `run_study` runs a study; the other names are for scripts that go beneath a run.
 
-A run is a `plan` (meshes, steps, milestones) that `cycling` goes through in cycle jumps; `recorded` and `runs` say what
-is kept of it, `store` where. `workbench` offers the parts to scripts that press and move bodies themselves. Files for
-line contacts alone are `line_model` and `line_runs`.
+A run is planned (meshes, steps, milestones) by `point_runs` or `line_runs` and goes through `cycling` in cycle jumps;
+`recorded` says what is kept of it, `store` where. `workbench` offers the parts to scripts that press and move bodies
+themselves. Beneath plans stand `plan` (meshes of contacts at a point) and `line_model`.
 """
 
 from typing import TYPE_CHECKING
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from wirewear.simulation.discretisation import discretise
     from wirewear.simulation.line_model import bodies_stiffness_N_per_mm2, line_plan
     from wirewear.simulation.observers import Moment, Observer, ProgressBar
-    from wirewear.simulation.plan import require_affordable_wires
+    from wirewear.simulation.point_runs import require_affordable_wires
     from wirewear.simulation.problem import contact_problem
     from wirewear.simulation.runs import ObserverOf, needed_memory, run_study, simulate
     from wirewear.simulation.workbench import write_line_meshes, write_meshes

@@ -6,12 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geometry import BodyGeometry
 from geometry.arrays import Array, IntArray
-from solvers import ContactProblem, ContactState, CycleTrace, PlacedBody
+from solvers import ContactProblem, ContactState, CycleTrace
 from solvers.stress.interior import forces_on_bodies
 from wirewear.results import ContactForces, largest_means
-from wirewear.simulation.plan import RunPlan
 
 MID_STROKE = 35.0 / 60.0  # Mid-stroke is where the drive is within this share of its amplitude: 35 µm of 60.
 _PARTS = 32  # Of the way between two positions.
@@ -69,21 +67,6 @@ def at_mid_stroke(drive: ArrayLike, pressure: ArrayLike) -> float:
     order = np.argsort(between)
     passed = np.cumsum(way[order])
     return float(between[order][np.searchsorted(passed, 0.5 * passed[-1])])
-
-
-def forces_of(problem: ContactProblem, trace: CycleTrace, cycle: int, plan: RunPlan) -> tuple[ContactForces, ...]:
-    """Contact forces on the driven and the held body in a traced cycle; empty if the study asks for none."""
-    study = plan.study
-    stage = next(
-        stage
-        for stage in plan.meshes.every
-        if _is_of(stage.moving, problem.lower) and _is_of(stage.fixed, problem.upper)
-    )
-    made_of: tuple[dict[str, Any], dict[str, Any]] = (
-        {"geometry": stage.moving, "material": study.bodies[0].material},
-        {"geometry": stage.fixed, "material": study.bodies[1].material},
-    )
-    return forces_on(problem, trace, cycle, study.log.contact_states, plan.discretisation.bodies, made_of)
 
 
 def forces_on(
@@ -147,10 +130,3 @@ def positions(trace: CycleTrace, count: int) -> IntArray:
         places = np.linspace(drive[first], drive[end], within)[1:-1]
         between |= {first + int(np.argmin(np.abs(stroke - place))) for place in places}
     return np.asarray(order[sorted(named | between)])
-
-
-def _is_of(geometry: BodyGeometry, body: PlacedBody) -> bool:
-    patch = body.patch
-    return np.array_equal(geometry.axial.lines(), patch.axial_mm) and np.array_equal(
-        geometry.transverse.lines(), patch.transverse_mm
-    )

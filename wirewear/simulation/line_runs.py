@@ -108,6 +108,10 @@ class LineRun(PlannedRun):
         """The plan of a study at a fidelity; StudyError if it cannot be meshed."""
         return cls(study, fidelity, line_plan(study, fidelity))
 
+    def recorder(self) -> LineRunRecord:
+        """What records the run."""
+        return LineRunRecord(self)
+
     @property
     def computed(self) -> LineStudy:
         return self.study.of_length(1.0)

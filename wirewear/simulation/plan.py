@@ -1,70 +1,33 @@
-"""The plan of a run of a contact at a point: resolution, meshes, measured cycles, and the memory and jumps that it
-needs.
+"""Pairs of meshes of a contact at a point that serve one after another, and what all planned runs share.
 
 A stage is a pair of meshes that serves while the scar grows from one half-width to another.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import ceil, log
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
-from geometry import BodyGeometry, GeometryError
+from geometry import BodyGeometry
 from solvers import ContactProblem, ContactState
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
-from wirewear.base.errors import StudyError, counted
-from wirewear.base.memory import free_memory
-from wirewear.results.flat import TIME_SERIES_FILES
+from wirewear.base.errors import StudyError
 from wirewear.simulation.control import held_of
 from wirewear.simulation.cycler import FrettingTest, Motion
-from wirewear.simulation.discretisation import (
-    Discretisation,
-    ElementSizes,
-    affordable_meshes,
-    discretise,
-    follows,
-    unknowns,
-)
+from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, follows
 from wirewear.simulation.expected_contact import ExpectedContact
-from wirewear.simulation.problem import (
-    condense_bodies,
-    contact_problem,
-    fresh_state,
-    laws_of,
-    problem_at,
-    too_much,
-    with_nodes_moved,
-    worn_depths,
-)
-from wirewear.simulation.sliding_onset import point_sticks
+from wirewear.simulation.problem import contact_problem, laws_of, with_nodes_moved, worn_depths
 from wirewear.simulation.store import Meshes, MeshHistory, Report
 from wirewear.test import Study
-from wirewear.test.consistency import default_loop_cycles
-from wirewear.test.fidelity import WIRE_LEVELS, level_of
 
 #: Growth of the scar's half-width that one mesh is to serve.
 _GROWTH_PER_STAGE = 1.8
 _MOST_SPARE = 3
 _LEAST_GROWTH = 1.1
 _STICKING = -1  # The stage for a fresh contact that sticks in its middle.
-
-
-#: Files that `wirewear show` and `report` make in a run's folder; here, since importing the drawing takes long.
-PICTURES = (
-    "report.html",
-    *(
-        f"pictures/{name}.{ending}"
-        for name in ("loops", "evolution", "scars_from_above", "contact*", "scar_series*", "sections", "scars_3d")
-        for ending in ("png", "svg", "pdf")
-    ),
-    "pictures/loop_and_scar*.gif",
-)
-MOST_JUMPS = 1_000_000  #: Cycle jumps that a run may take: at some tenths of a second each, days.
-_COARSER = 1.1
 
 
 @dataclass(frozen=True)
@@ -277,162 +240,3 @@ class PlannedRun:
         motions = {own.block: moved(own.study) for own in stretches}
         ends = tuple((float(own.end), motions[own.block]) for own in stretches)
         return FrettingTest(ends, meshes, milestones, tolerance, explicit_jump_cycles, self.computed.tables.stop)
-
-
-@dataclass(frozen=True)
-class RunPlan(PlannedRun):
-    """A planned run of a contact at a point."""
-
-    study: Study
-    discretisation: Discretisation
-    meshes: PointMeshes
-
-    derived: ClassVar[tuple[str, ...]] = (*TIME_SERIES_FILES, *PICTURES)
-
-    @classmethod
-    def of(cls, study: Study, fidelity: str) -> "RunPlan":
-        """The plan of a study at a fidelity. Raises StudyError if the study cannot be discretised."""
-        driven = study.driven
-        largest, regimes = driven.envelope, [point_sticks(own.study) for own in driven.schedule.stretches]
-        discretisation = discretise(largest, fidelity, sticks=all(regimes))
-        stages = mesh_stages(largest, fidelity, discretisation)
-        spare = spare_stages(largest, fidelity, discretisation, stages[-1])
-        moves = level_of(WIRE_LEVELS, fidelity).move_nodes_at_stages or study.mesh.move_nodes_at_stages
-        sticking = sticking_stage(largest, fidelity, discretisation)
-        meshes = PointMeshes(driven, discretisation.expected, stages, spare, sticking, regimes[0], moves)
-        return cls(study, fidelity, discretisation, meshes)
-
-    @property
-    def test(self) -> FrettingTest:
-        """The test as `cycle_through` simulates it."""
-        sizes, wear = self.discretisation, self.study.wear
-
-        def motion(own: Study) -> dict[str, Any]:
-            return {
-                "increments": sizes.increments_per_cycle,
-                "wear_increments": sizes.increments_per_wear_cycle,
-                "follows_force": own.fidelity(self.fidelity).increments_per_cycle is None,
-                "fresh": lambda problem: fresh_state(problem, own),
-                "aged": lambda problem, age: problem_at(problem, own, age),
-            }
-
-        jump = wear.explicit_jump_cycles if wear else None
-        return self.tested(motion, self.meshes, self.milestones, sizes.jump_tolerance, jump)
-
-    @property
-    def logged_cycles(self) -> tuple[int, ...]:
-        """Cycles whose loop and scars are recorded."""
-        return self.study.log.loop_cycles or default_loop_cycles(self.study.conditions.cycles)
-
-    @property
-    def pressure_length_mm(self) -> float:
-        """Diameter of the discs over which mean pressures are taken: the study's, or else that of the fresh contact.
-
-        Worn bodies touch in a band across the motion. Elements across the motion are nearly as large as this diameter,
-        so means over smaller discs would be those of single elements (docs/accuracy.md).
-        """
-        stated = self.study.log.pressure_length_um
-        return 2.0 * self.discretisation.hertz.contact_radius_mm if stated is None else 1e-3 * stated
-
-    @property
-    def milestones(self) -> tuple[float, ...]:
-        """Cycles at which the loop is measured: those to be logged, and those of the series 1, 2, 5, 10, ... that
-        differ from each of them by at least the fidelity's ratio.
-        """
-        spacing, logged = level_of(WIRE_LEVELS, self.fidelity).loop_spacing, self.logged_cycles
-        between = (
-            cycle
-            for cycle in default_loop_cycles(self.study.conditions.cycles)
-            if all(max(cycle / other, other / cycle) >= spacing for other in logged)
-        )
-        return tuple(float(cycle) for cycle in sorted({*logged, *between, self.study.conditions.cycles}))
-
-    @cached_property
-    def identity(self) -> Identity:
-        return self.identified(
-            {
-                "discretisation": asdict(self.discretisation),
-                "meshes": [asdict(stage) for stage in self.meshes.stages],
-                "milestones": self.milestones,
-            }
-        )
-
-    @property
-    def needed_memory(self) -> float:
-        """Bytes that a run takes at least."""
-        sizes = [(unknowns(stage.moving), unknowns(stage.fixed)) for stage in self.meshes.stages]
-        # Of every logged cycle: four fields on both patches.
-        logged = len(self.logged_cycles) * max(8.0 * 4 * sum(pair) / 3.0 for pair in sizes)
-        return max(_of_pair(*pair) for pair in sizes) + logged
-
-    def require_affordable(self) -> None:
-        """Raise StudyError, with what would fit, if the run takes more memory than is free or more than MOST_JUMPS
-        cycle jumps.
-        """
-        jump = self.study.wear.explicit_jump_cycles if self.study.wear else None
-        cycles = self.study.conditions.cycles
-        if jump is not None and cycles / jump > MOST_JUMPS:
-            raise StudyError(
-                f"explicit_jump_cycles = {jump:g} in [wear] asks for {counted(cycles / jump)} cycle jumps, which take "
-                f'months: give at least {cycles / MOST_JUMPS:.2g}, or update = "implicit", whose jumps grow with the '
-                "cycles."
-            )
-        needed, free = self.needed_memory, free_memory()
-        if needed > free:
-            most = max(max(unknowns(stage.moving), unknowns(stage.fixed)) for stage in self.meshes.stages)
-            raise too_much(_at(self.study, self.fidelity), most // 3, needed, free, _what_fits(self, free))
-
-    def prepare(self, stage: Report) -> None:
-        """Condense the bodies once and keep them, since variants mostly share them."""
-        for meshes in self.meshes.stages:
-            condense_bodies(self.study, meshes, stage)
-
-
-def require_affordable_wires(study: Study, fidelity: str, meshes: Discretisation) -> None:
-    """Raise StudyError, with what would fit, if the compliances of both bodies take more memory than is free."""
-    sizes = (unknowns(meshes.moving), unknowns(meshes.fixed))
-    needed, free = _of_pair(*sizes), free_memory()
-    if needed > free:
-        asked_um = 1e3 * meshes.fixed.transverse.fine_mm
-        remedy = _size_that_fits(study, fidelity, asked_um, free)
-        raise too_much(_at(study, fidelity), max(sizes) // 3, needed, free, remedy)
-
-
-def _at(study: Study, fidelity: str) -> str:
-    return f"{study.name!r} at {fidelity} fidelity"
-
-
-def _of_pair(moving: int, fixed: int) -> float:
-    """Bytes for bodies with these numbers of unknowns: for compliances stored by quarters and one being computed, or
-    for a mesh being made.
-    """
-    largest = max(moving, fixed)
-    compliances = 8.0 / 4.0 * (moving**2 + fixed**2 + largest**2)
-    # That gmsh takes for every node of a patch, with all that lies beneath it; measured.
-    return max(compliances, 230e3 * largest / 3.0)
-
-
-def _what_fits(plan: RunPlan, free: float) -> str:
-    if len(plan.logged_cycles) > 100:
-        return "log fewer cycles, or mesh coarser"
-    return _size_that_fits(plan.study, plan.fidelity, 1e3 * plan.discretisation.fixed.transverse.fine_mm, free)
-
-
-def _size_that_fits(study: Study, fidelity: str, asked_um: float, free: float) -> str:
-    try:
-        element_um = _fitting(lambda size: _memory_of(study, fidelity, size), asked_um, free)
-    except (GeometryError, StudyError):  # larger elements do not make a mesh
-        return "this needs a machine with more memory"
-    return f"give contact_mesh_um = {element_um:.2g} or more in [fidelity.{fidelity}]"
-
-
-def _memory_of(study: Study, fidelity: str, element_um: float) -> float:
-    sizes = discretise(study.changed({"fidelity": {fidelity: {"contact_mesh_um": element_um}}}), fidelity)
-    return _of_pair(unknowns(sizes.moving), unknowns(sizes.fixed))
-
-
-def _fitting(memory_of: Callable[[float], float], element_um: float, free: float) -> float:
-    """The first of growing element sizes in µm whose meshes take no more than `free` bytes."""
-    while memory_of(element_um) > free:
-        element_um *= _COARSER
-    return element_um

@@ -11,23 +11,17 @@ from queue import Empty, Queue
 from threading import Event
 from typing import Any, TypeVar
 
-import numpy as np
-
-from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
 from wirewear.base.ending import end_with_parent
 from wirewear.base.engine import Done, Engine, LocalProcesses, results_of
 from wirewear.base.errors import LostTaskError, RunError, StudyError
 from wirewear.base.memory import free_memory
 from wirewear.base.writing import prepared_folder
-from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, ContactForces, RunResult, Scar
-from wirewear.simulation.contact_forces import forces_of
+from wirewear.results import RESULT_FILE_NAME, RunResult
 from wirewear.simulation.cycling import cycle_through
-from wirewear.simulation.line_runs import LineRun, LineRunRecord
+from wirewear.simulation.line_runs import LineRun
 from wirewear.simulation.observers import Moment, Observer
-from wirewear.simulation.plan import RunPlan
-from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings, scars_of
-from wirewear.simulation.statistics import bends
-from wirewear.simulation.store import Found, MeshHistory, RunFolder, RunStore, occupied_by_runs
+from wirewear.simulation.point_runs import PointRun
+from wirewear.simulation.store import Found, RunFolder, RunStore, occupied_by_runs
 from wirewear.test import AnyStudy, LineStudy, Study
 from wirewear.test.any_study import alone
 
@@ -187,82 +181,8 @@ def _report(found: Found, observer: Observer) -> None:
         observer.note(found.note)
 
 
-class PointRecord(Recorded):
-    """The record of one run of a contact at a point."""
-
-    length_mm = None
-
-    def __init__(self, plan: RunPlan) -> None:
-        """An empty record, before the run."""
-        super().__init__(plan.study, plan.fidelity, plan.pressure_length_mm)
-        self.plan = plan
-        self.contact_kind, self.bodies = plan.study.contact_kind, plan.discretisation.bodies
-
-    def restore(self, before: RunResult, done: float) -> None:
-        """Take over what an interrupted run had recorded up to cycle `done`."""
-        super().restore(before, done)
-        # A run that had done its last cycle measures its holder no more.
-        self._holder = {name: value for name, value in before.settings.items() if name.startswith(MEASURED)}
-
-    def pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
-        """Record the fresh contact under the normal load alone."""
-        super().pressed(problem, state, report)
-        self.tally.fresh |= {
-            "fresh_approach_um": -1e3 * state.holder_z,
-            "fresh_contact_radius_um": 1e3 * (report.contact_area / np.pi) ** 0.5,
-        }
-
-    def holder_of(self, problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
-        """The holder's stiffnesses and play as a measured loop shows them."""
-        return holder_settings(problem, trace)
-
-    def follows(self, problem: ContactProblem, state: ContactState, done: float, work_mJ: float) -> bool:
-        """True if no loop is needed now: the energy since the latest loop has gone as interpolation assumes; see
-        `Recorded`.
-        """
-        last = self._rows[-1]
-        if not super().follows(problem, state, done, work_mJ):
-            return False
-        if self.schedule.at(last["cycle"]) is not self.schedule.at(done):
-            return True  # a loop of another block says nothing of this one's
-        since = (last["cycle"], last["dissipated_energy_mJ"], 1e3 * last["accumulated_energy_J"])
-        return not bends(since, (done, work_mJ, state.wear.energy_mJ))
-
-    def logs(self, cycle: int, done: float) -> bool:
-        """True for the cycles that the plan logs, and for the last."""
-        return self.ends or cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles
-
-    def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
-        """Scars of the driven and the held body."""
-        return scars_of(problem, trace, cycle, self.plan.study)
-
-    def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
-        """Contact forces on both bodies, with geometry and material of their meshes."""
-        return forces_of(problem, trace, cycle, self.plan)
-
-    def tables(self) -> dict[str, Any]:
-        """The resolved study."""
-        return self.plan.study.resolved()
-
-    def settings(self, history: MeshHistory) -> dict[str, Any]:
-        """Settings of the discretisation, of the fresh contact, of the measured holder and of the meshes used."""
-        plan, counters = self.plan, self.tally.counters
-        return {
-            **plan.discretisation.settings(),
-            PRESSURE_LENGTH: 1e3 * plan.pressure_length_mm,
-            **self.tally.fresh,
-            **self._holder,
-            "mesh_changes": list(history.changes),
-            "mesh_stages": [1e3 * stage.to_half_width_mm for stage in plan.meshes.stages],
-            "increments": counters.increments,
-            "simulated_cycles": counters.simulated_cycles,
-            "mean_iterations_per_increment": counters.iterations / max(counters.increments, 1.0),
-            "identity": str(plan.identity),
-        }
-
-
 @singledispatch
-def plan_of(study: AnyStudy[Any], fidelity: str) -> Any:
+def plan_of(study: AnyStudy[Any], fidelity: str) -> PointRun | LineRun:
     """The plan of a study's run.
 
     Raises StudyError if the study cannot be discretised, or is of a kind without bodies to simulate.
@@ -272,23 +192,13 @@ def plan_of(study: AnyStudy[Any], fidelity: str) -> Any:
 
 
 @plan_of.register
-def _(study: Study, fidelity: str) -> RunPlan:
-    return RunPlan.of(study, fidelity)
+def _(study: Study, fidelity: str) -> PointRun:
+    return PointRun.of(study, fidelity)
 
 
 @plan_of.register
 def _(study: LineStudy, fidelity: str) -> LineRun:
     return LineRun.of(study, fidelity)
-
-
-@singledispatch
-def recorder_of(plan: Any) -> Recorded:
-    """The empty record for a planned run."""
-    raise TypeError(plan)
-
-
-recorder_of.register(RunPlan, PointRecord)
-recorder_of.register(LineRun, LineRunRecord)
 
 
 def run_study(
@@ -353,7 +263,7 @@ def simulate(study: AnyStudy[Any], *, fidelity: str = "standard", observer: Obse
     """
     plan = plan_of(alone(study, 'take one of them, as in study.variant("{first}")'), fidelity)
     plan.require_affordable()
-    return cycle_through(plan.test, recorder_of(plan), RunStore(plan.identity), observer or Observer(), resume=False)
+    return cycle_through(plan.test, plan.recorder(), RunStore(plan.identity), observer or Observer(), resume=False)
 
 
 def needed_memory(study: AnyStudy[Any], fidelity: str) -> float:
@@ -361,6 +271,6 @@ def needed_memory(study: AnyStudy[Any], fidelity: str) -> float:
     return float(plan_of(study, fidelity).needed_memory)
 
 
-def run_cycles(plan: Any, folder: RunFolder, observer: Observer, *, resume: bool) -> RunResult:
+def run_cycles(plan: PointRun | LineRun, folder: RunFolder, observer: Observer, *, resume: bool) -> RunResult:
     """Simulate a planned run in its folder, from its last checkpoint with `resume`; raises as `cycle_through`."""
-    return cycle_through(plan.test, recorder_of(plan), folder, observer, resume=resume)
+    return cycle_through(plan.test, plan.recorder(), folder, observer, resume=resume)

@@ -22,7 +22,7 @@ from wirewear.base.writing import in_one_step, writing
 from wirewear.results.scar import called
 from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.line_model import line_plan, require_affordable_lines
-from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.problem import contact_problem
 from wirewear.test import LineStudy, Study
 
@@ -45,7 +45,7 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
     from wirewear.pictures import body_meshes, save, surface_fields
     from wirewear.pictures.supports import supports
 
-    run = RunPlan.of(study, fidelity)
+    run = PointRun.of(study, fidelity)
     run.require_affordable()
     first, *others = run.meshes.stages
     last = others[-1] if others else first

@@ -1,0 +1,300 @@
+"""Planned runs of contacts at a point: what they mesh, measure and record, and the memory and jumps that they need."""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from geometry import BodyGeometry, GeometryError
+from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, PlacedBody
+from wirewear.base.cache import Identity
+from wirewear.base.errors import StudyError, counted
+from wirewear.base.memory import free_memory
+from wirewear.results import PRESSURE_LENGTH, ContactForces, RunResult, Scar
+from wirewear.results.flat import TIME_SERIES_FILES
+from wirewear.simulation.contact_forces import forces_on
+from wirewear.simulation.cycler import FrettingTest
+from wirewear.simulation.discretisation import Discretisation, discretise, unknowns
+from wirewear.simulation.plan import PlannedRun, PointMeshes, mesh_stages, spare_stages, sticking_stage
+from wirewear.simulation.problem import condense_bodies, fresh_state, problem_at, too_much
+from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings, scars_of
+from wirewear.simulation.sliding_onset import point_sticks
+from wirewear.simulation.statistics import bends
+from wirewear.simulation.store import MeshHistory, Report
+from wirewear.test import Study
+from wirewear.test.consistency import default_loop_cycles
+from wirewear.test.fidelity import WIRE_LEVELS, level_of
+
+#: Files that `wirewear show` and `report` make in a run's folder; here, since importing the drawing takes long.
+PICTURES = (
+    "report.html",
+    *(
+        f"pictures/{name}.{ending}"
+        for name in ("loops", "evolution", "scars_from_above", "contact*", "scar_series*", "sections", "scars_3d")
+        for ending in ("png", "svg", "pdf")
+    ),
+    "pictures/loop_and_scar*.gif",
+)
+MOST_JUMPS = 1_000_000  #: Cycle jumps that a run may take: at some tenths of a second each, days.
+_COARSER = 1.1
+
+
+@dataclass(frozen=True)
+class PointRun(PlannedRun):
+    """A planned run of a contact at a point."""
+
+    study: Study
+    discretisation: Discretisation
+    meshes: PointMeshes
+
+    derived: ClassVar[tuple[str, ...]] = (*TIME_SERIES_FILES, *PICTURES)
+
+    @classmethod
+    def of(cls, study: Study, fidelity: str) -> "PointRun":
+        """The plan of a study at a fidelity. Raises StudyError if the study cannot be discretised."""
+        driven = study.driven
+        largest, regimes = driven.envelope, [point_sticks(own.study) for own in driven.schedule.stretches]
+        discretisation = discretise(largest, fidelity, sticks=all(regimes))
+        stages = mesh_stages(largest, fidelity, discretisation)
+        spare = spare_stages(largest, fidelity, discretisation, stages[-1])
+        moves = level_of(WIRE_LEVELS, fidelity).move_nodes_at_stages or study.mesh.move_nodes_at_stages
+        sticking = sticking_stage(largest, fidelity, discretisation)
+        meshes = PointMeshes(driven, discretisation.expected, stages, spare, sticking, regimes[0], moves)
+        return cls(study, fidelity, discretisation, meshes)
+
+    def recorder(self) -> "PointRunRecord":
+        """What records the run."""
+        return PointRunRecord(self)
+
+    @property
+    def test(self) -> FrettingTest:
+        """The test as `cycle_through` simulates it."""
+        sizes, wear = self.discretisation, self.study.wear
+
+        def motion(own: Study) -> dict[str, Any]:
+            return {
+                "increments": sizes.increments_per_cycle,
+                "wear_increments": sizes.increments_per_wear_cycle,
+                "follows_force": own.fidelity(self.fidelity).increments_per_cycle is None,
+                "fresh": lambda problem: fresh_state(problem, own),
+                "aged": lambda problem, age: problem_at(problem, own, age),
+            }
+
+        jump = wear.explicit_jump_cycles if wear else None
+        return self.tested(motion, self.meshes, self.milestones, sizes.jump_tolerance, jump)
+
+    @property
+    def logged_cycles(self) -> tuple[int, ...]:
+        """Cycles whose loop and scars are recorded."""
+        return self.study.log.loop_cycles or default_loop_cycles(self.study.conditions.cycles)
+
+    @property
+    def pressure_length_mm(self) -> float:
+        """Diameter of the discs over which mean pressures are taken: the study's, or else that of the fresh contact.
+
+        Worn bodies touch in a band across the motion. Elements across the motion are nearly as large as this diameter,
+        so means over smaller discs would be those of single elements (docs/accuracy.md).
+        """
+        stated = self.study.log.pressure_length_um
+        return 2.0 * self.discretisation.hertz.contact_radius_mm if stated is None else 1e-3 * stated
+
+    @property
+    def milestones(self) -> tuple[float, ...]:
+        """Cycles at which the loop is measured: those to be logged, and those of the series 1, 2, 5, 10, ... that
+        differ from each of them by at least the fidelity's ratio.
+        """
+        spacing, logged = level_of(WIRE_LEVELS, self.fidelity).loop_spacing, self.logged_cycles
+        between = (
+            cycle
+            for cycle in default_loop_cycles(self.study.conditions.cycles)
+            if all(max(cycle / other, other / cycle) >= spacing for other in logged)
+        )
+        return tuple(float(cycle) for cycle in sorted({*logged, *between, self.study.conditions.cycles}))
+
+    @cached_property
+    def identity(self) -> Identity:
+        return self.identified(
+            {
+                "discretisation": asdict(self.discretisation),
+                "meshes": [asdict(stage) for stage in self.meshes.stages],
+                "milestones": self.milestones,
+            }
+        )
+
+    @property
+    def needed_memory(self) -> float:
+        """Bytes that a run takes at least."""
+        sizes = [(unknowns(stage.moving), unknowns(stage.fixed)) for stage in self.meshes.stages]
+        # Of every logged cycle: four fields on both patches.
+        logged = len(self.logged_cycles) * max(8.0 * 4 * sum(pair) / 3.0 for pair in sizes)
+        return max(_of_pair(*pair) for pair in sizes) + logged
+
+    def require_affordable(self) -> None:
+        """Raise StudyError, with what would fit, if the run takes more memory than is free or more than MOST_JUMPS
+        cycle jumps.
+        """
+        jump = self.study.wear.explicit_jump_cycles if self.study.wear else None
+        cycles = self.study.conditions.cycles
+        if jump is not None and cycles / jump > MOST_JUMPS:
+            raise StudyError(
+                f"explicit_jump_cycles = {jump:g} in [wear] asks for {counted(cycles / jump)} cycle jumps, which take "
+                f'months: give at least {cycles / MOST_JUMPS:.2g}, or update = "implicit", whose jumps grow with the '
+                "cycles."
+            )
+        needed, free = self.needed_memory, free_memory()
+        if needed > free:
+            most = max(max(unknowns(stage.moving), unknowns(stage.fixed)) for stage in self.meshes.stages)
+            raise too_much(_at(self.study, self.fidelity), most // 3, needed, free, _what_fits(self, free))
+
+    def prepare(self, stage: Report) -> None:
+        """Condense the bodies once and keep them, since variants mostly share them."""
+        for meshes in self.meshes.stages:
+            condense_bodies(self.study, meshes, stage)
+
+
+class PointRunRecord(Recorded):
+    """The record of one run of a contact at a point."""
+
+    length_mm = None
+
+    def __init__(self, plan: PointRun) -> None:
+        """An empty record, before the run."""
+        super().__init__(plan.study, plan.fidelity, plan.pressure_length_mm)
+        self.plan = plan
+        self.contact_kind, self.bodies = plan.study.contact_kind, plan.discretisation.bodies
+
+    def restore(self, before: RunResult, done: float) -> None:
+        """Take over what an interrupted run had recorded up to cycle `done`."""
+        super().restore(before, done)
+        # A run that had done its last cycle measures its holder no more.
+        self._holder = {name: value for name, value in before.settings.items() if name.startswith(MEASURED)}
+
+    def pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
+        """Record the fresh contact under the normal load alone."""
+        super().pressed(problem, state, report)
+        self.tally.fresh |= {
+            "fresh_approach_um": -1e3 * state.holder_z,
+            "fresh_contact_radius_um": 1e3 * (report.contact_area / np.pi) ** 0.5,
+        }
+
+    def holder_of(self, problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
+        """The holder's stiffnesses and play as a measured loop shows them."""
+        return holder_settings(problem, trace)
+
+    def follows(self, problem: ContactProblem, state: ContactState, done: float, work_mJ: float) -> bool:
+        """True if no loop is needed now: the energy since the latest loop has gone as interpolation assumes; see
+        `Recorded`.
+        """
+        last = self._rows[-1]
+        if not super().follows(problem, state, done, work_mJ):
+            return False
+        if self.schedule.at(last["cycle"]) is not self.schedule.at(done):
+            return True  # a loop of another block says nothing of this one's
+        since = (last["cycle"], last["dissipated_energy_mJ"], 1e3 * last["accumulated_energy_J"])
+        return not bends(since, (done, work_mJ, state.wear.energy_mJ))
+
+    def logs(self, cycle: int, done: float) -> bool:
+        """True for the cycles that the plan logs, and for the last."""
+        return self.ends or cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles
+
+    def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
+        """Scars of the driven and the held body."""
+        return scars_of(problem, trace, cycle, self.plan.study)
+
+    def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
+        """Contact forces on both bodies, with geometry and material of their meshes."""
+        return forces_of(problem, trace, cycle, self.plan)
+
+    def tables(self) -> dict[str, Any]:
+        """The resolved study."""
+        return self.plan.study.resolved()
+
+    def settings(self, history: MeshHistory) -> dict[str, Any]:
+        """Settings of the discretisation, of the fresh contact, of the measured holder and of the meshes used."""
+        plan, counters = self.plan, self.tally.counters
+        return {
+            **plan.discretisation.settings(),
+            PRESSURE_LENGTH: 1e3 * plan.pressure_length_mm,
+            **self.tally.fresh,
+            **self._holder,
+            "mesh_changes": list(history.changes),
+            "mesh_stages": [1e3 * stage.to_half_width_mm for stage in plan.meshes.stages],
+            "increments": counters.increments,
+            "simulated_cycles": counters.simulated_cycles,
+            "mean_iterations_per_increment": counters.iterations / max(counters.increments, 1.0),
+            "identity": str(plan.identity),
+        }
+
+
+def forces_of(problem: ContactProblem, trace: CycleTrace, cycle: int, plan: PointRun) -> tuple[ContactForces, ...]:
+    """Contact forces on the driven and the held body in a traced cycle; empty if the study asks for none."""
+    study = plan.study
+    stage = next(
+        stage
+        for stage in plan.meshes.every
+        if _is_of(stage.moving, problem.lower) and _is_of(stage.fixed, problem.upper)
+    )
+    made_of: tuple[dict[str, Any], dict[str, Any]] = (
+        {"geometry": stage.moving, "material": study.bodies[0].material},
+        {"geometry": stage.fixed, "material": study.bodies[1].material},
+    )
+    return forces_on(problem, trace, cycle, study.log.contact_states, plan.discretisation.bodies, made_of)
+
+
+def _is_of(geometry: BodyGeometry, body: PlacedBody) -> bool:
+    patch = body.patch
+    return np.array_equal(geometry.axial.lines(), patch.axial_mm) and np.array_equal(
+        geometry.transverse.lines(), patch.transverse_mm
+    )
+
+
+def require_affordable_wires(study: Study, fidelity: str, meshes: Discretisation) -> None:
+    """Raise StudyError, with what would fit, if the compliances of both bodies take more memory than is free."""
+    sizes = (unknowns(meshes.moving), unknowns(meshes.fixed))
+    needed, free = _of_pair(*sizes), free_memory()
+    if needed > free:
+        asked_um = 1e3 * meshes.fixed.transverse.fine_mm
+        remedy = _size_that_fits(study, fidelity, asked_um, free)
+        raise too_much(_at(study, fidelity), max(sizes) // 3, needed, free, remedy)
+
+
+def _at(study: Study, fidelity: str) -> str:
+    return f"{study.name!r} at {fidelity} fidelity"
+
+
+def _of_pair(moving: int, fixed: int) -> float:
+    """Bytes for bodies with these numbers of unknowns: for compliances stored by quarters and one being computed, or
+    for a mesh being made.
+    """
+    largest = max(moving, fixed)
+    compliances = 8.0 / 4.0 * (moving**2 + fixed**2 + largest**2)
+    # That gmsh takes for every node of a patch, with all that lies beneath it; measured.
+    return max(compliances, 230e3 * largest / 3.0)
+
+
+def _what_fits(plan: PointRun, free: float) -> str:
+    if len(plan.logged_cycles) > 100:
+        return "log fewer cycles, or mesh coarser"
+    return _size_that_fits(plan.study, plan.fidelity, 1e3 * plan.discretisation.fixed.transverse.fine_mm, free)
+
+
+def _size_that_fits(study: Study, fidelity: str, asked_um: float, free: float) -> str:
+    try:
+        element_um = _fitting(lambda size: _memory_of(study, fidelity, size), asked_um, free)
+    except (GeometryError, StudyError):  # larger elements do not make a mesh
+        return "this needs a machine with more memory"
+    return f"give contact_mesh_um = {element_um:.2g} or more in [fidelity.{fidelity}]"
+
+
+def _memory_of(study: Study, fidelity: str, element_um: float) -> float:
+    sizes = discretise(study.changed({"fidelity": {fidelity: {"contact_mesh_um": element_um}}}), fidelity)
+    return _of_pair(unknowns(sizes.moving), unknowns(sizes.fixed))
+
+
+def _fitting(memory_of: Callable[[float], float], element_um: float, free: float) -> float:
+    """The first of growing element sizes in µm whose meshes take no more than `free` bytes."""
+    while memory_of(element_um) > free:
+        element_um *= _COARSER
+    return element_um
