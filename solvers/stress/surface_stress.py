@@ -8,7 +8,7 @@ remains of the elements' field is smooth: the body's size, its curvature, its gr
 elements around a point only: farther away elements resolve them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -54,6 +54,9 @@ class SurfaceStress:
     material: Elastic
     #: Thickness of the uppermost elements in mm, and the factor by which it grows from layer to layer.
     layers: tuple[float, float]
+    #: Distances (x, y) from the middle in mm at which elements that shrink towards a rim are as those that correct.
+    place_mm: tuple[float, float] = (np.inf, np.inf)
+    _elsewhere: dict[tuple[float, float], "SurfaceStress"] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(cls, wire: BodyMesh, material: Elastic) -> "SurfaceStress":
@@ -63,7 +66,8 @@ class SurfaceStress:
     @cached_property
     def lines(self) -> tuple[Array, Array]:
         """Evenly spaced lines along and across, in mm, of the window in which stresses are corrected."""
-        return even_lines(self.patch.axial_mm), even_lines(self.patch.transverse_mm)
+        along, across = self.place_mm
+        return even_lines(self.patch.axial_mm, along), even_lines(self.patch.transverse_mm, across)
 
     @property
     def spacing_mm(self) -> tuple[float, float]:
@@ -122,10 +126,28 @@ class SurfaceStress:
         plane = force_N.reshape(*patch.shape, 3)
         for axis, lines in enumerate((patch.axial_mm, patch.transverse_mm)):
             plane = np.moveaxis(unspread(lines, np.moveaxis(plane, axis, 0)), 0, axis)
-        frames = _frames(self.window_normals)
+        window = self._at_trailing_edge(force_N)
+        frames = _frames(window.window_normals)
         # Of a tilted surface there is more than of the plane beneath it.
-        local = np.einsum("ijab,ijb->ija", frames, self.on_lines(plane)) * frames[..., 2, 2, None]
-        return LoadedSurface(self, local)
+        local = np.einsum("ijab,ijb->ija", frames, window.on_lines(plane)) * frames[..., 2, 2, None]
+        return LoadedSurface(window, local)
+
+    def _at_trailing_edge(self, force_N: Array) -> "SurfaceStress":
+        """This surface, its elements being taken for those where the shear of forces (n, 3) ends: the tension is
+        largest there.
+        """
+        places = np.abs(self.patch.grid()[np.abs(force_N[:, 2]) > _LOADED * np.abs(force_N[:, 2]).max(initial=0.0)])
+        shear = np.abs(force_N[:, :2].sum(axis=0))
+        if not len(places) or not shear.any():
+            return self
+        ends = places.max(axis=0) * shear / np.linalg.norm(shear)
+        along, across = (
+            float(lines[np.searchsorted(lines, end, side="right") - 1])
+            for lines, end in zip((self.patch.axial_mm, self.patch.transverse_mm), ends, strict=True)
+        )
+        if (along, across) not in self._elsewhere:
+            self._elsewhere[along, across] = replace(self, place_mm=(along, across), _elsewhere={})
+        return self._elsewhere[along, across]
 
 
 @dataclass(frozen=True, eq=False)
@@ -278,14 +300,18 @@ def alike(lines: Array) -> slice:
     return slice(first, last + 1)
 
 
-def even_lines(lines: Array) -> Array:
+def even_lines(lines: Array, place_mm: float = np.inf) -> Array:
     """Lines of a grid about its middle between which elements are alike; where elements shrink away from the middle,
-    towards the rim of a contact that sticks, evenly spaced ones over all of it, as near as the nearest.
+    towards the rim of a contact that sticks, evenly spaced ones over all of it, as near as those at a place, or as the
+    nearest.
     """
     spacing = np.diff(lines)
     finest = float(spacing.min())
     if finest > (1.0 - _ALIKE) * spacing[len(spacing) // 2]:
         return lines[alike(lines)]
+    if place_mm < lines[-1]:
+        cell = int(np.searchsorted(lines, place_mm, side="right"))
+        finest = float(spacing[max(cell - 2, 0) : cell].min())
     return np.linspace(lines[0], lines[-1], 2 * round(0.5 * (lines[-1] - lines[0]) / finest) + 1)
 
 
