@@ -32,8 +32,8 @@ from wirewear.simulation import simulate
 from wirewear.simulation.control import HeldFigure, amplitude_from
 from wirewear.simulation.cycling import FIGURES, Ending
 from wirewear.simulation.runs import run_study
+from wirewear.test.conditions import Stop
 from wirewear.test.programme import held_keys
-from wirewear.test.tables import Stop
 
 STEEL_WIRES = Path(__file__).parents[2] / "studies" / "steel_wires" / "study.toml"
 ON_A_RIG = (

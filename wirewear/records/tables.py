@@ -14,8 +14,8 @@ from wirewear.records.test_tables import Metadata, OfRecord, OfTest
 from wirewear.results.scar import WIRES, called
 from wirewear.test import keys
 from wirewear.test.bodies import Body, unworn_stiffness_N_per_um
+from wirewear.test.conditions import Asked, HolderTable
 from wirewear.test.keys import Inconsistency
-from wirewear.test.tables import Asked, HolderTable
 from wirewear.test.wires import BothWires, Wires
 
 DRIVES = ("sensor", "stroke")

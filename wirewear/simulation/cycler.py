@@ -12,7 +12,7 @@ from wirewear.simulation.control import AmplitudeSearch, HeldFigure, amplitude_f
 from wirewear.simulation.measures import Probe
 from wirewear.simulation.statistics import Tally
 from wirewear.simulation.store import Meshes
-from wirewear.test.tables import Stop
+from wirewear.test.conditions import Stop
 
 #: Called at every increment: the state after it, and the cycles done before the jump that it belongs to.
 Watch = Callable[[solvers.ContactState, float], None]

@@ -20,7 +20,7 @@ from wirewear.simulation.observers import Observer, moment_of
 from wirewear.simulation.problem import standing_out
 from wirewear.simulation.recorded import Recorded
 from wirewear.simulation.store import Checkpoint, MeshHistory, RunStore
-from wirewear.test.tables import Stop
+from wirewear.test.conditions import Stop
 
 #: The latest exponent of a figure is taken over the cycles since their number was less by this factor.
 _BACK = 2.0

@@ -30,12 +30,12 @@ from wirewear.simulation.expected_contact import wear_factors
 from wirewear.simulation.problem import laws_of, measured, too_much
 from wirewear.simulation.sliding_onset import SlidingOnset, expected_to_stick
 from wirewear.simulation.yielding import pressure_limit, spread_by_yield
+from wirewear.test.conditions import HolderTable
 from wirewear.test.faces import Face, WIDEST_mm, half_width_of
 from wirewear.test.fidelity import LINE_LEVELS, level_of
 from wirewear.test.programme import held_by
 from wirewear.test.study import LineStudy
 from wirewear.test.surfaces import StatedSurface
-from wirewear.test.tables import HolderTable
 
 # Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 5.0

@@ -11,8 +11,8 @@ from wirewear.test.fidelity import FIDELITIES
 if TYPE_CHECKING:
     from wirewear.test.any_study import AnyStudy
     from wirewear.test.bodies import Body
+    from wirewear.test.conditions import FidelitySettings
     from wirewear.test.study import LineStudy, Study, load_study, parse_study, study_from_tables
-    from wirewear.test.tables import FidelitySettings
 
 __all__ = [
     "FIDELITIES", "AnyStudy", "Body", "FidelitySettings", "LineStudy", "Study", "load_study", "parse_study",

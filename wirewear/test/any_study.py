@@ -15,13 +15,14 @@ from solvers import Drive, FrictionLaw, WearLaw
 from wirewear.base.errors import StudyError, as_sentence, counted, shown
 from wirewear.base.notebook import notebook_table
 from wirewear.effects import Effect, effects_of_tables
+from wirewear.test.conditions import Log
 from wirewear.test.consistency import checked_tables, default_loop_cycles, inconsistency
 from wirewear.test.keys import Table, merged, values_in_no_variant
 from wirewear.test.life import LifeTable, material_of_body
 from wirewear.test.messages import validated
 from wirewear.test.programme import Schedule, as_driven, placed, worked_cycles
 from wirewear.test.surfaces import LayerTable
-from wirewear.test.tables import CommonTables, Log
+from wirewear.test.tables import CommonTables
 
 LOGGED = "log.loop_cycles"  #: The key that is adapted to the length of the test unless a study states it.
 

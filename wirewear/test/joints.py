@@ -14,9 +14,10 @@ from wirewear.base.errors import Quantity
 from wirewear.effects import Seam
 from wirewear.test import keys
 from wirewear.test.bodies import BodiesByOptions, StatedBodies
+from wirewear.test.conditions import Asked, DrivenConditions, FrictionTable
 from wirewear.test.keys import Inconsistency
 from wirewear.test.surfaces import LayerTable
-from wirewear.test.tables import Asked, CommonTables, DrivenConditions, FrictionTable, StatesItsKind
+from wirewear.test.tables import CommonTables, StatesItsKind
 from wirewear.test.template import Template
 
 Stroke = Annotated[float, PlainValidator(Quantity("um", 0.1, 1e5))]

@@ -13,12 +13,13 @@ from wirewear.base.errors import Quantity, RecordError, StudyError
 from wirewear.effects import Seam
 from wirewear.test import keys
 from wirewear.test.bodies import BodiesByOptions, MountedBody, StatedBodies, yield_of
+from wirewear.test.conditions import DrivenConditions, FrictionTable
 from wirewear.test.drive import bulk_of
 from wirewear.test.faces import FACE_KEYS, PadFace, PadFaceOrFile
 from wirewear.test.keys import Inconsistency
 from wirewear.test.lengths import GROWING, given_length_mm, key_of_whole, lengthened, whole_test
 from wirewear.test.surfaces import LayerTable, layers_of
-from wirewear.test.tables import CommonTables, DrivenConditions, FrictionTable, StatesItsKind
+from wirewear.test.tables import CommonTables, StatesItsKind
 from wirewear.test.template import Template
 
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]

@@ -14,21 +14,13 @@ from wirewear.base.files import parsed_toml, read_toml
 from wirewear.base.recognising import Held, require_no_other
 from wirewear.test.any_study import AnyStudy
 from wirewear.test.bodies import Body
+from wirewear.test.conditions import Conditions, Contact, FidelitySettings, HolderTable, Mesh, Wear
 from wirewear.test.consistency import checked_tables
 from wirewear.test.fidelity import FIDELITIES, level_of
 from wirewear.test.joints import JointConditions, JointContact, JointTables
 from wirewear.test.kinds import kind_named
 from wirewear.test.lines import LineConditions, LineContactTable, LineMeshing, LineTables, LineWear, Pad, Specimen
-from wirewear.test.tables import (
-    Conditions,
-    Contact,
-    ContactTables,
-    FidelitySettings,
-    HolderTable,
-    Mesh,
-    StudyTables,
-    Wear,
-)
+from wirewear.test.tables import ContactTables, StudyTables
 from wirewear.test.wires import Wires
 
 FILE_KEYS = ("profile_file", "file")  #: Keys that name a file.

@@ -20,7 +20,7 @@ from wirewear.records.values import stated_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
 from wirewear.test import AnyStudy, LineStudy, Study
 from wirewear.test.bodies import Gap
-from wirewear.test.tables import Wear
+from wirewear.test.conditions import Wear
 
 Result = TypeVar("Result")
 
