@@ -25,6 +25,7 @@ from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
 from solvers.elasticity import condensation
+from solvers.elasticity.embedding import Joined
 from solvers.elasticity.strain import TENSOR_PLACES, IntegrationPoints, stiffness_matrix
 from solvers.errors import SolverError
 
@@ -237,6 +238,31 @@ class Interior:
         if self.bedding is not None and not np.allclose(self.bedding[image], self.bedding, rtol=1e-12, atol=0.0):
             return None
         return image
+
+
+@dataclass
+class EmbeddedInterior(Interior):
+    """A block of our own elements in a body from a file, which is held in its host: see `solvers.elasticity.embedding`.
+
+    Its `mesh` is the block's, of which alone it gives displacements.
+    """
+
+    joined: Joined = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        self._images = {}
+
+    def displacements(self, nodes: IntArray, forces: Array) -> Array:
+        """Displacements (s, n, 3) in mm of the block's nodes in s states, by forces (s, k, 3) in N on nodes (k,)."""
+        size = self.joined.stiffness.shape[0]
+        with threadpool_limits(limits=1, user_api="blas"):
+            if () not in self._factors:
+                none_held = np.zeros((1, size), dtype=bool)
+                (self._factors[()],) = factorised(self.joined.stiffness, self.joined.free, 3, none_held)
+            loads = np.zeros((len(forces), size // 3, 3))
+            loads[:, nodes] = forces
+            moved = self._factors[()].solved(loads.reshape(len(forces), -1).T)
+        return np.ascontiguousarray(moved.T.reshape(loads.shape)[:, : self.joined.block])
 
 
 def forces_on_bodies(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:

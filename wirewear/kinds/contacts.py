@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from wirewear.base.errors import StudyError
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -34,7 +36,7 @@ class Contacts(ABC):
         """How stresses inside the bodies are computed and drawn."""
 
     @abstractmethod
-    def write_meshes(self, study: Any, fidelity: str, folder: Path) -> list[Path]:
+    def write_meshes(self, study: Any, fidelity: str, folder: Path, ending: str) -> list[Path]:
         """Write and draw the meshes of both bodies into a folder; return the files."""
 
     @abstractmethod
@@ -75,10 +77,10 @@ class AtAPoint(Contacts):
 
         return INSIDE_POINTS
 
-    def write_meshes(self, study: Any, fidelity: str, folder: Path) -> list[Path]:
+    def write_meshes(self, study: Any, fidelity: str, folder: Path, ending: str) -> list[Path]:
         from wirewear.simulation import write_meshes
 
-        return write_meshes(study, fidelity, folder)
+        return write_meshes(study, fidelity, folder, ending)
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
         """Write the scars of each run over the cycles, for ParaView."""
@@ -125,7 +127,9 @@ class AlongALine(Contacts):
 
         return INSIDE_LINES
 
-    def write_meshes(self, study: Any, fidelity: str, folder: Path) -> list[Path]:
+    def write_meshes(self, study: Any, fidelity: str, folder: Path, ending: str) -> list[Path]:
+        if ending != "vtu":
+            raise StudyError("meshes of line contacts are written as .vtu alone: leave --format out.")
         from wirewear.simulation import write_line_meshes
 
         return write_line_meshes(study, fidelity, folder)

@@ -1,5 +1,6 @@
 """Parts of a simulation for scripts that go beneath a run: meshes, also as files, condensation, single increments."""
 
+from functools import partial
 from pathlib import Path
 
 from geometry import BodyMesh, Cylinder, Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, build_body, build_planar
@@ -25,6 +26,7 @@ from wirewear.simulation.line_model import line_plan, require_affordable_lines
 from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.problem import contact_problem
 from wirewear.test import LineStudy, Study
+from wirewear.test.own_bodies import OwnBody
 
 __all__ = [
     "BodyMesh", "ContactProblem", "ContactState", "Cylinder", "Discretisation", "Elastic", "Flat", "GradedAxis",
@@ -34,7 +36,7 @@ __all__ = [
 ]  # fmt: skip
 
 
-def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
+def write_meshes(study: Study, fidelity: str, folder: Path, ending: str = "vtu") -> list[Path]:
     """Mesh both bodies; write a mesh file of each, such as moving.vtu (surfaces as point data), mesh.png and
     boundary_conditions.png to a folder; return the files.
 
@@ -43,6 +45,7 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
     GeometryError if the mesh is distorted, and ResultError if the files cannot be written.
     """
     from wirewear.pictures import body_meshes, save, surface_fields
+    from wirewear.pictures.own_body import own_body
     from wirewear.pictures.supports import supports
 
     run = PointRun.of(study, fidelity)
@@ -52,15 +55,23 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
     meshed = build_body(last.moving), build_body(last.fixed)
     names = run.discretisation.bodies
     fresh = build_body(first.moving) if others else None
+    files: list[Path] = []
     with writing(ResultError, f"cannot write meshes to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         for name, body in zip(names, meshed, strict=True):
-            with in_one_step(folder / f"{name}.vtu") as partial:
-                body.mesh.write(partial, surface_fields(body))
+            files.append(folder / f"{name}.{ending}")
+            with in_one_step(files[-1]) as unfinished:
+                body.mesh.write(unfinished, surface_fields(body) if ending == "vtu" else None)
     spoken, angle = (called(names[0]), called(names[1])), study.crossing_angle_deg
     picture = save(lambda: body_meshes(*meshed, angle, spoken, fresh), folder / "mesh.png")
     held = save(lambda: supports(study, *meshed), folder / "boundary_conditions.png")
-    return [*(folder / f"{name}.vtu" for name in names), picture, held]
+    pictures = [picture, held]
+    for body, mesh, name in zip(study.bodies, meshed, spoken, strict=True):
+        if isinstance(body, OwnBody):
+            extents = mesh.geometry.axial.half_extent_mm, mesh.geometry.transverse.half_extent_mm
+            drawn = partial(own_body, body.source, extents, name)
+            pictures.append(save(drawn, folder / f"{body.name}_of_file.png"))
+    return [*files, *pictures]
 
 
 def write_line_meshes(study: LineStudy, fidelity: str, folder: Path) -> list[Path]:

@@ -171,7 +171,7 @@ class OwnBody(Body):
         grid = as_grid(self.source, self.bedding_N_per_mm3)
         wanted = (axial, transverse)
         if grid is not None and all(
-            own.half_extent_mm >= asked.half_extent_mm * (1.0 - 1e-6) and own.fine_mm <= asked.fine_mm * (1.0 + 1e-6)
+            own.half_extent_mm >= asked.half_extent_mm * (1.0 - 1e-6) and own.finest_mm <= asked.finest_mm * (1.0 + 1e-6)
             for own, asked in zip((grid.axial, grid.transverse), wanted, strict=True)
         ):
             return grid

@@ -265,15 +265,23 @@ def _refuse(given: bool, sentence: str) -> None:
 @click.argument("study_path", metavar="STUDY.toml", type=Given())
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--output", metavar="DIR", type=OutputFolder(), help="Mesh folder.  [default: runs/<study>/mesh]")
+@click.option(
+    "--format",
+    "ending",
+    type=click.Choice(("vtu", "msh", "inp")),
+    default="vtu",
+    show_default=True,
+    help="VTK's, gmsh's with physical groups, or Abaqus' with element sets.",
+)
 @most_memory
 @paper
-def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
-    """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
+def mesh(study_path: Path, fidelity: str, output: Path | None, ending: str) -> None:
+    """Mesh both bodies of a study, write the meshes to files and draw them and what holds them."""
     from wirewear.kinds import contacts_of, load_any_study
 
     folder = usable_folder(output or default_output(study_path) / "mesh")
     study = load_any_study(study_path)
     with busy("meshing and drawing"):
-        written = list(contacts_of(study).write_meshes(study, fidelity, folder))
+        written = list(contacts_of(study).write_meshes(study, fidelity, folder, ending))
     for path in written:
         click.echo(path)
