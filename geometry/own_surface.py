@@ -31,6 +31,7 @@ _LEAST_MEAN = 0.3  #: Mean normal of a surface that faces one way; that of half 
 _SEEN = 0.5  #: Faces are fitted whose normal's share along the outward direction is at least this.
 _NODES = 60  #: Nodes nearest to the first contact through which a face is fitted at first.
 _STRAIGHT = 1e-6  #: Curvature times the surface's size below which it counts as straight.
+_STRAIGHTER = 1e-3  #: Share of the larger curvature below which a paraboloid does not show where it is highest.
 _EXACT = 1e-7  #: Distance of nodes from a barrel over the surface's size below which it is the face.
 _TWISTED = 2e-3  #: Share of the largest curvature that may be a twist about the axes.
 _HOLLOW = 1e-3  #: Share of the largest curvature below which a hollow one counts as straight.
@@ -75,7 +76,7 @@ class FittedFace:
         height = self.barrel.height(plane_mm)
         if not len(self.off_mm):
             return height
-        return np.asarray(height + self._off(plane_mm) - self._at_origin)
+        return np.asarray(height + self._off(plane_mm))
 
     def slope(self, plane_mm: Array) -> Array:
         """Gradient (n, 2) of the height at plane points (n, 2): the barrel's, plus the interpolated part's by
@@ -99,10 +100,6 @@ class FittedFace:
         beside = np.isnan(found)
         found[beside] = nearest(plane_mm[beside])
         return np.asarray(found)
-
-    @cached_property
-    def _at_origin(self) -> float:
-        return float(self._off(np.zeros((1, 2)))[0])
 
     @cached_property
     def _interpolated(self) -> tuple[CloughTocher2DInterpolator, NearestNDInterpolator]:
@@ -135,6 +132,20 @@ class OwnSurface:
     def element_mm(self) -> float:
         """Size of the elements around the point of first contact."""
         return self.element_within(0.0)
+
+    @property
+    def turn_rad(self) -> float:
+        """Largest angle between the file's faces that meet where it touches first."""
+        nearest = self.nodes[np.linalg.norm(self.solid.points[self.nodes], axis=1).argmin()]
+        about = self.triangles[(self.triangles == nearest).any(axis=1)]
+        about = (
+            about
+            if len(about)
+            else self.triangles[(self.solid.points[self.triangles] ** 2).sum(axis=(1, 2)).argsort()[:4]]
+        )
+        normals = _normals(self.solid.points, about)
+        normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+        return float(np.arccos(np.clip(normals @ normals.T, -1.0, 1.0)).max())
 
     def element_within(self, reach_mm: float) -> float:
         """Size in mm of the largest elements within `reach_mm` of the first contact, or of the eight nearest (90th
@@ -190,8 +201,11 @@ def own_surface(source: MeshSource) -> OwnSurface:
     local = (points - origin) @ axes.T
     off = local[nodes, 2] - barrel.height(local[nodes, :2])
     largest = float(np.abs(off).max())
-    exact = largest <= _EXACT * scale
-    face = FittedFace(barrel, local[nodes, :2], np.zeros(0) if exact else off)
+    face = FittedFace(barrel, local[nodes, :2], np.zeros(0))
+    if largest > _EXACT * scale:
+        face = FittedFace(barrel, local[nodes, :2], off)
+        rise = np.array([0.0, 0.0, float(face.height(np.zeros((1, 2)))[0])])
+        face, local, origin = FittedFace(barrel, local[nodes, :2], off - rise[2]), local - rise, origin + rise @ axes
     return OwnSurface(solid.moved(local), face, origin, axes, triangles, nodes, largest)
 
 
@@ -279,7 +293,7 @@ def _apex(nodes: Array, start: Array, axes: Array, scale: float, *, moves: bool)
         values, vectors = np.linalg.eigh(form)
         step = np.zeros(2)
         for value, vector in zip(values, vectors.T, strict=True):
-            if value > _STRAIGHT / scale:
+            if value > max(_STRAIGHT / scale, _STRAIGHTER * values[1]):
                 step += np.clip((vector @ found[1:3]) / value, -0.2 * scale, 0.2 * scale) * vector
         height = found[0] + found[1:3] @ step - 0.5 * step @ form @ step
         origin = origin + np.array([*step, height]) @ axes
@@ -337,7 +351,7 @@ def _barrel(nodes: Array, scale: float, *, moves: bool) -> tuple[Barrel, Array]:
     found = least_squares(
         missed, start, x_scale=np.array([0.01, 0.01, 0.01, 0.1, 0.1]), xtol=1e-15, ftol=1e-15, gtol=1e-15
     ).x
-    curved = np.where(np.abs(found[3:]) < 1e-7, 0.0, found[3:])
+    curved = np.where(np.abs(found[3:]) < max(_EXACT, 1e-5 * np.abs(found[3:]).max()), 0.0, found[3:])
     largest = np.abs(curved).max()
     if (curved < -max(_HOLLOW * largest, _STRAIGHT)).any():
         raise GeometryError(

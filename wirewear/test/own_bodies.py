@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import degrees, inf, sqrt
 from typing import Annotated, Any
 
 import numpy as np
@@ -25,7 +25,7 @@ _ROOM, _DEEP = 1.5, 1.2  #: Extents of that block over the patch's half-width: t
 _PER_ELEMENT = 2.0  #: Its extents over the file's elements there, at least.
 _FINER = 0.6  #: Largest elements of the block over the file's.
 _SMALLER = 0.85  #: Factor by which the block is made smaller where it does not fit.
-_TURN = 0.6  #: By how much the normal may turn from one of the file's elements to the next, in radians.
+_TURN = 0.35  #: By how much the normal may turn from one of the file's faces to the next, in radians.
 #: Poisson's ratio from which a body of tetrahedra of four nodes is too stiff.
 _LOCKS = 0.45
 
@@ -137,10 +137,10 @@ def unfit_mesh(stated: MeshKeys, poissons_ratio: float) -> tuple[str, str] | Non
             f"holds tetrahedra of 4 nodes, which are far too stiff at a Poisson's ratio above {_LOCKS:g}: mesh it with "
             "tetrahedra of 10 nodes, or with hexahedra"
         )
-    if (turn := own.element_mm * max(own.curvatures_per_mm)) > _TURN:
+    if (turn := own.turn_rad) > _TURN:
         return "file", (
-            f"is too coarse under the contact: its elements of {own.element_mm:.3g} mm there turn by {turn:.2g} rad "
-            f"from one to the next, but must be at most {_TURN / max(own.curvatures_per_mm):.3g} mm"
+            f"is too coarse under the contact: its faces there turn by {degrees(turn):.0f}° from one to the next, but "
+            f"must by at most {degrees(_TURN):.0f}°: elements of {own.element_mm * _TURN / turn:.2g} mm would do"
         )
     return None
 
@@ -171,7 +171,8 @@ class OwnBody(Body):
         grid = as_grid(self.source, self.bedding_N_per_mm3)
         wanted = (axial, transverse)
         if grid is not None and all(
-            own.half_extent_mm >= asked.half_extent_mm * (1.0 - 1e-6) and own.finest_mm <= asked.finest_mm * (1.0 + 1e-6)
+            own.half_extent_mm >= asked.half_extent_mm * (1.0 - 1e-6)
+            and own.finest_mm <= asked.finest_mm * (1.0 + 1e-6)
             for own, asked in zip((grid.axial, grid.transverse), wanted, strict=True)
         ):
             return grid

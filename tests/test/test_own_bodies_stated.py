@@ -1,0 +1,149 @@
+"""What a study says of a body from a file that cannot be taken: one sentence each, with what would be right."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from wirewear import StudyError
+from wirewear.kinds import load_any_study
+
+STUDY = """
+format = 1
+name = "own"
+kind = "point-contact"
+[contact]
+friction = 0.6
+[conditions]
+normal_load_N = 20.0
+displacement_amplitude_um = 5.0
+frequency_Hz = 10.0
+cycles = 2
+[bodies.lower]
+shape = "flat"
+youngs_modulus_MPa = 210000.0
+poissons_ratio = 0.3
+[bodies.upper]
+shape = "mesh"
+file = "{file}"
+unit = "{unit}"
+contact = "{contact}"
+held = "{held}"
+youngs_modulus_MPa = 210000.0
+poissons_ratio = 0.3
+{more}
+"""
+N = 6  #: Elements along each edge of the block.
+Lines = tuple[list[list[float]], list[list[int]]]
+
+
+def block(height: Callable[[np.ndarray, np.ndarray], np.ndarray], wide: float = 4.0) -> Lines:
+    """Nodes and hexahedra of a block on z = 0 with a face of that height."""
+    steps = np.linspace(-0.5 * wide, 0.5 * wide, N + 1)
+    x, y, share = np.meshgrid(steps, steps, np.linspace(0.0, 1.0, N + 1), indexing="ij")
+    number = np.arange((N + 1) ** 3).reshape(x.shape) + 1
+    n = number
+    corners = [n[:-1, :-1, :-1], n[1:, :-1, :-1], n[1:, 1:, :-1], n[:-1, 1:, :-1]]
+    corners += [n[:-1, :-1, 1:], n[1:, :-1, 1:], n[1:, 1:, 1:], n[:-1, 1:, 1:]]
+    points = np.stack([x, y, share * height(x, y)], axis=-1).reshape(-1, 3)
+    return points.tolist(), np.stack(corners, axis=-1).reshape(-1, 8).tolist()
+
+
+def ball(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return np.asarray(np.sqrt(100.0 - x**2 - y**2) - 7.0)
+
+
+def written(folder: Path, lines: Lines, kind: str = "C3D8") -> Path:
+    points, cells = lines
+    top = [k for k in range(1, len(points) + 1) if k % (N + 1) == 0]
+    bottom = [k for k in range(1, len(points) + 1) if k % (N + 1) == 1]
+    text = ["*NODE", *(f"{k}, {x!r}, {y!r}, {z!r}" for k, (x, y, z) in enumerate(points, 1))]
+    text += [f"*ELEMENT, TYPE={kind}, ELSET=body", *(f"{k}, {', '.join(map(str, c))}" for k, c in enumerate(cells, 1))]
+    text += ["*NSET, NSET=face", ", ".join(map(str, top)), "*NSET, NSET=back", ", ".join(map(str, bottom))]
+    (file := folder / "own.inp").write_text("\n".join(text), encoding="utf-8")
+    return file
+
+
+def study(folder: Path, file: Path, **stated: str) -> Any:
+    named = {"unit": "mm", "contact": "face", "held": "back", "more": ""} | stated
+    (path := folder / "study.toml").write_text(STUDY.format(file=file.name, **named), encoding="utf-8")
+    return load_any_study(path)
+
+
+def test_a_ball_of_hexahedra_is_known_by_its_radius(tmp_path: Path) -> None:
+    _, upper = study(tmp_path, written(tmp_path, block(ball))).bodies
+    np.testing.assert_allclose(upper.curvatures_per_mm, 0.1, rtol=1e-6)
+
+
+def test_a_face_that_is_no_barrel_passes_through_the_files_nodes(tmp_path: Path) -> None:
+    waved = block(lambda x, y: ball(x, y) + 2e-4 * np.cos(3.0 * x) * np.cos(2.0 * y))
+    _, upper = study(tmp_path, written(tmp_path, waved)).bodies
+    own = upper.own
+    places = own.solid.points[own.nodes]
+    np.testing.assert_allclose(own.face.height(places[:, :2]), places[:, 2], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("stated", "said"),
+    [
+        ({"contact": "top"}, "it has no set 'top' of the contact surface, but 'face', 'back'"),
+        ({"held": "rear"}, "it has no set 'rear' of the held surface"),
+        ({"unit": "m"}, r"unit.*is 'm', by which the body measures 4000 × 4000 × 3000 mm, but its largest extent must"),
+        ({"unit": "furlong"}, "unit.*must be"),
+        ({"more": "half_width_mm = 3.0"}, "half_width_mm"),
+        ({"more": "outward = [0, 0, 0]"}, r"outward.*must be a direction"),
+        ({"more": "[bodies.upper.parts.core]\nmaterial = 'steel'"}, "core"),
+    ],
+    ids=["no contact", "not held", "metres", "unknown unit", "of a block", "no direction", "no such part"],
+)
+def test_what_does_not_fit_the_file_is_said(tmp_path: Path, stated: dict[str, str], said: str) -> None:
+    with pytest.raises(StudyError, match=said) as refused:
+        study(tmp_path, written(tmp_path, block(ball)), **stated)
+    assert "\n" not in str(refused.value)
+
+
+def turned(lines: Lines) -> Lines:
+    points, cells = lines
+    return points, [[*cell[4:], *cell[:4]] for cell in cells]
+
+
+def flattened(lines: Lines) -> Lines:
+    points, cells = lines
+    points[cells[0][6] - 1] = points[cells[0][0] - 1]
+    return points, cells
+
+
+def torn(lines: Lines) -> Lines:
+    points, cells = lines
+    first = len(points)
+    points += [[x + 50.0, y, z] for x, y, z in (points[k - 1] for k in cells[0])]
+    return points, [*cells, list(range(first + 1, first + 9))]
+
+
+@pytest.mark.parametrize(
+    ("spoiled", "said"),
+    [
+        (turned(block(ball)), "turned inside out"),
+        (flattened(block(ball)), "inside out|without volume"),
+        (torn(block(ball)), "consists of 2 parts that share no nodes"),
+        (block(lambda x, y: 5.0 + 0.02 * (x**2 + y**2)), "hollow"),
+        (block(lambda x, y: np.exp(-0.5 * (x**2 + y**2)) + 1.0), "is too coarse under the contact"),
+        (([[0.0, 0.0, 0.0]] * 7, []), "no solid elements"),
+    ],
+    ids=["inverted", "degenerate", "two parts", "hollow", "too coarse", "no elements"],
+)
+def test_a_bad_mesh_is_refused_in_one_sentence(tmp_path: Path, spoiled: Lines, said: str) -> None:
+    with pytest.raises(StudyError, match=said) as refused:
+        study(tmp_path, written(tmp_path, spoiled))
+    assert "\n" not in str(refused.value)
+
+
+def test_a_file_that_is_no_mesh_is_refused(tmp_path: Path) -> None:
+    (file := tmp_path / "own.stl").write_text("solid", encoding="utf-8")
+    with pytest.raises(StudyError, match=r"must be gmsh's \.msh or Abaqus' \.inp"):
+        study(tmp_path, file)
+    with pytest.raises(StudyError, match=re.escape("cannot be read (No such file or directory)")):
+        study(tmp_path, tmp_path / "none.msh")
