@@ -48,6 +48,9 @@ DRAWN = {
     "inside.png": (_STEEL, "wirewear fields runs/pictures/steel --cycle 100  # fields/section_0000100_016.png"),
     "mechanism.png": ("python studies/rope_wires/mechanism.py --output runs/pictures/mechanism  # mechanism.png",),
     "mesh.png": (f"{_MESH}  # mesh.png",),
+    "own_bodies.png": (
+        "wirewear mesh studies/own_body/study.toml --output runs/pictures/own_body  # upper_of_file.png",
+    ),
     "partial_slip.png": (
         "python -m studies.benchmarks.partial_slip --output runs/pictures/partial_slip  # partial_slip.png",
     ),

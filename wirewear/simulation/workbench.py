@@ -66,11 +66,11 @@ def write_meshes(study: Study, fidelity: str, folder: Path, ending: str = "vtu")
     picture = save(lambda: body_meshes(*meshed, angle, spoken, fresh), folder / "mesh.png")
     held = save(lambda: supports(study, *meshed), folder / "boundary_conditions.png")
     pictures = [picture, held]
-    for body, mesh, name in zip(study.bodies, meshed, spoken, strict=True):
-        if isinstance(body, OwnBody):
+    for stated, mesh, name in zip(study.bodies, meshed, spoken, strict=True):
+        if isinstance(stated, OwnBody):
             extents = mesh.geometry.axial.half_extent_mm, mesh.geometry.transverse.half_extent_mm
-            drawn = partial(own_body, body.source, extents, name)
-            pictures.append(save(drawn, folder / f"{body.name}_of_file.png"))
+            drawn = partial(own_body, stated.source, extents, name)
+            pictures.append(save(drawn, folder / f"{stated.name}_of_file.png"))
     return [*files, *pictures]
 
 

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
 from matplotlib.tri import Triangulation
 
 from geometry import BodyGeometry, BodyMesh, Elastic, GeometryError, build_body
 from geometry.arrays import Array, IntArray
-from solvers.elasticity.strain import hydrostatic, principal, turned, von_mises
+from solvers.elasticity.embedding import Joined
+from solvers.elasticity.strain import hydrostatic, integration_points, principal, turned, von_mises
+from solvers.stress.interior import EmbeddedInterior
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
 from wirewear.stress.state import InnerState, Inside, SolvedBody
@@ -26,6 +28,22 @@ class WornBody(SolvedBody[BodyMesh]):
     """A wire, or another body of a contact at a point."""
 
     corrected = SurfaceStress
+
+    @classmethod
+    def of(cls, meshed: BodyMesh, material: Elastic) -> Self:
+        """As of any body; the block of a body from a file with the factors of both.
+        Raises GeometryError if other materials lie in the block.
+        """
+        if meshed.host is None:
+            return super().of(meshed, material)
+        if meshed.host.block_part.any():
+            raise GeometryError(
+                "stresses are computed of bodies from files that are of one material under their contact: name parts "
+                "of other materials farther from it"
+            )
+        held, joined = meshed.mesh.surface_nodes("grip"), Joined.of(meshed, material)
+        interior = EmbeddedInterior(meshed.mesh, material, held, joined=joined)
+        return cls(meshed, material, interior, integration_points(meshed.mesh))
 
 
 @dataclass(frozen=True, eq=False)

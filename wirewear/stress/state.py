@@ -11,13 +11,12 @@ from scipy.sparse import csr_matrix, diags
 from scipy.spatial import cKDTree
 from threadpoolctl import threadpool_limits
 
-from geometry import BodyMesh, ContactPatch, Elastic, GeometryError, PlanarMesh, QuadMesh
+from geometry import BodyMesh, ContactPatch, Elastic, PlanarMesh, QuadMesh
 from geometry.arrays import Array, IntArray
 from solvers.drive import section_stress
-from solvers.elasticity.embedding import Joined
 from solvers.elasticity.placement import rotation_to_world
 from solvers.elasticity.strain import IntegrationPoints, integration_points, scattered
-from solvers.stress.interior import EmbeddedInterior, Interior
+from solvers.stress.interior import Interior
 from solvers.stress.line_surface_stress import LineSurfaceStress
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
@@ -54,16 +53,7 @@ class SolvedBody(Generic[M]):
     def of(cls, meshed: M, material: Elastic) -> Self:
         """With its factors; held rigidly where it has no bedding."""
         held = meshed.mesh.surface_nodes("grip") if meshed.bedding is None else np.zeros(0, dtype=np.int64)
-        if isinstance(meshed, BodyMesh) and meshed.host is not None:
-            if meshed.host.block_part.any():
-                raise GeometryError(
-                    "stresses are computed of bodies from files that are of one material under their contact: name "
-                    "parts of other materials farther from it"
-                )
-            joined = Joined.of(meshed, material)
-            interior: Interior = EmbeddedInterior(meshed.mesh, material, held, joined=joined)
-        else:
-            interior = Interior(meshed.mesh, material, held, meshed.bedding)
+        interior = Interior(meshed.mesh, material, held, meshed.bedding)
         return cls(meshed, material, interior, integration_points(meshed.mesh))
 
     @property
