@@ -1,4 +1,4 @@
-"""Names of array types for signatures; the docstrings of functions give the shapes."""
+"""Names of array types for signatures. The docstrings of functions give the shapes."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""Motion of the lower body in increments as short as Newton's method needs them; each pairs the surfaces first.
+"""Motion of the lower body in increments as short as Newton's method needs them. Each pairs the surfaces first.
 
 An increment pairs the surfaces at a predicted position of the holder and solves the contact conditions; it repeats both
 until the holder stays where the surfaces were paired. Drive is the displacement of the lower body along x. The core is

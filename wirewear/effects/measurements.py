@@ -1,4 +1,4 @@
-"""Further measurements beyond a record's loops; two effects are distinguished by one that would show different
+"""Further measurements beyond a record's loops. Two effects are distinguished by one that would show different
 answers.
 """
 

@@ -1,4 +1,4 @@
-"""The effects of the library and of installed packages, by name; also as a table for the terminal and as JSON."""
+"""The effects of the library and of installed packages, by name, as a table for the terminal and as JSON."""
 
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches

@@ -1,4 +1,4 @@
-"""Columns of numbers in CSV files, with their allowed ranges; errors name line and column."""
+"""Columns of numbers in CSV files, with their allowed ranges. Errors name line and column."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Checks of single loops of a record. Each check yields remarks on what it finds; a channel is one recorded signal."""
+"""Checks of single loops of a record. Each check yields remarks on what it finds. A channel is one recorded signal."""
 
 from collections.abc import Iterator
 from typing import Literal

@@ -1,4 +1,4 @@
-"""Simulated tests of any contact: `run_study` runs a study; the other names are for scripts that go beneath a run.
+"""Simulated tests of any contact: `run_study` runs a study, and the other names are for scripts that go beneath a run.
 
 A run is planned (meshes, steps, milestones) by `point_runs` or `line_runs` and goes through `cycling` in cycle jumps;
 `recorded` says what is kept of it, `store` where. `workbench` offers the parts to scripts that press and move bodies

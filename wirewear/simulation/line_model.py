@@ -1,4 +1,4 @@
-"""Meshes, steps and the contact problem of a line contact's study; lengths in mm, forces and energies per mm of
+"""Meshes, steps and the contact problem of a line contact's study. Lengths in mm, forces and energies per mm of
 length.
 """
 

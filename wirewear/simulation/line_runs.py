@@ -1,4 +1,4 @@
-"""Runs of line contacts: planned and recorded for one millimetre, in plane strain; cycles and solvers are those of any
+"""Runs of line contacts: planned and recorded for one millimetre, in plane strain. Cycles and solvers are those of any
 run.
 """
 

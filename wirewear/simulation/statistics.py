@@ -1,4 +1,4 @@
-"""Counters of a run: increments, cycles, time and the worst residuals; and its qualities, from measured loops."""
+"""Counters of a run (increments, cycles, time, worst residuals) and its qualities, from measured loops."""
 
 import time
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Where a run keeps its result and its checkpoint: in a folder, or nowhere; and the meshes that it goes through.
+"""Where a run keeps its result and its checkpoint: in a folder, or nowhere, with the meshes that it goes through.
 
 The checkpoint is the state of an unfinished run, enough to go on as if it had not been interrupted.
 """

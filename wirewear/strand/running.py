@@ -1,4 +1,4 @@
-"""Runs of a strand's contacts by the engine of sweeps; interrupted runs are continued by the same command."""
+"""Runs of a strand's contacts by the engine of sweeps. Interrupted runs are continued by the same command."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

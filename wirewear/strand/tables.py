@@ -1,4 +1,4 @@
-"""Tables of a rope's file: construction, load, bending, friction; every key with its range and meaning."""
+"""Tables of a rope's file: construction, load, bending and friction, every key with its range and meaning."""
 
 from collections.abc import Sequence
 from pathlib import Path

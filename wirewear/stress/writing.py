@@ -1,4 +1,4 @@
-"""Fields of a cycle as files: one VTU a body and position, a PVD over them, pictures; strengths as a table and maps."""
+"""Fields of a cycle as files (a VTU per body and position, a PVD over them, pictures), strengths as table and maps."""
 
 from collections.abc import Sequence
 from functools import partial

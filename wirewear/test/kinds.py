@@ -1,4 +1,4 @@
-"""Kinds of tests: the data that distinguish them; everything else follows from the types of their tables."""
+"""Kinds of tests: the data that distinguish them. Everything else follows from the types of their tables."""
 
 from __future__ import annotations
 

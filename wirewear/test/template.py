@@ -1,4 +1,4 @@
-"""New study files for users: every key with its meaning; keys that are left to the program appear as comments."""
+"""New study files for users: every key with its meaning. Keys that are left to the program appear as comments."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field

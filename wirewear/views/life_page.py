@@ -1,4 +1,4 @@
-"""Lives of bodies as sentences, JSON, pictures and an HTML page. The sum is Miner's sum of damage; a crack
+"""Lives of bodies as sentences, JSON, pictures and an HTML page. The sum is Miner's sum of damage. A crack
 begins at 1.
 """
 

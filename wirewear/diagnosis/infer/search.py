@@ -1,4 +1,4 @@
-"""The search for causes: all effects alone, then pairs; what a further record of the same rig adds; what is left.
+"""The search for causes: all effects alone, then pairs, with what a further record of the same rig adds.
 
 What a record leaves open of an explanation's parameters is what is expected of them when the next one is looked at
 (sequential Bayes, by Laplace's approximation), so that an explanation must hold on both with the same parameters.

@@ -1,4 +1,4 @@
-"""The contact at one logged loop of a nominal run; how a drive passes its stroke in time."""
+"""The contact at one logged loop of a nominal run, and the course of its drive's motion in time."""
 
 from __future__ import annotations
 
