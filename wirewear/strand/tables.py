@@ -13,6 +13,7 @@ from wirewear.base.recognising import Held, require_no_other
 from wirewear.strand.construction import AskedLayer, Fibre, Layer, RopeWire, Strand
 from wirewear.strand.helix import Hand
 from wirewear.test import keys
+from wirewear.test.bodies import YIELDS, YieldingKeys
 from wirewear.test.life import LifeTable
 from wirewear.test.messages import validated
 
@@ -34,11 +35,9 @@ Fibres = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
 Tension = Annotated[float, PlainValidator(Quantity("N", 1e-2, 1e8))]
 TensionAmplitude = Annotated[float, PlainValidator(Quantity("N", 0.0, 1e8))]
 BendingRadius = Annotated[float, PlainValidator(Quantity("mm", 1.0, 1e7))]
-YieldStress = Annotated[float, PlainValidator(Quantity("MPa", 1.0, 1e4))]
 Bending = Annotated[Literal["reversed", "pulsating"], PlainValidator(keys.one_of("reversed", "pulsating"))]
 
 _RADIUS = "radius of its centre line; without it where it comes to rest on what is below, or on its neighbours"
-_YIELD = "yield stress, above which contacts are said to be plastic"
 
 
 class _OwnMaterial(keys.OfMaterial):
@@ -47,18 +46,11 @@ class _OwnMaterial(keys.OfMaterial):
     material: keys.MaterialName | None = Field(None, description="name of their material, in place of its constants")
     youngs_modulus_MPa: keys.YoungsModulus | None = Field(None, description="Young's modulus")
     poissons_ratio: keys.PoissonsRatio | None = Field(None, description="Poisson's ratio")
-    yield_stress_MPa: YieldStress | None = Field(None, description=_YIELD)
+    yield_stress_MPa: keys.YieldStress | None = Field(None, description=YIELDS)
 
 
-class AllWires(keys.OfMaterial):
+class AllWires(YieldingKeys):
     """Material of all wires that state none of their own."""
-
-    material: keys.MaterialName | None = Field(
-        None, description="name of a material of the table, in place of its constants", examples=["steel"]
-    )
-    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[200000.0])
-    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
-    yield_stress_MPa: YieldStress | None = Field(None, description=_YIELD)
 
     def wire(self, diameter_mm: float, own: _OwnMaterial) -> RopeWire:
         """Wire of this diameter, with its own constants where it states any."""

@@ -39,8 +39,8 @@ class StatedBody(keys.Table):
     bulk: BulkTable | None = Field(None, description=BULK)
 
 
-class MaterialKeys(keys.OfMaterial):
-    """Keys of a material, elastic or yielding."""
+class YieldingKeys(keys.OfMaterial):
+    """Keys of a material, elastic or yielding without a stated hardening."""
 
     material: keys.MaterialName | None = Field(
         None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
@@ -48,11 +48,16 @@ class MaterialKeys(keys.OfMaterial):
     youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
     poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
     yield_stress_MPa: keys.YieldStress | None = Field(None, description=YIELDS)
-    hardening_modulus_MPa: keys.Hardening | None = Field(None, description=HARDENS)
 
     @property
     def elastic(self) -> Elastic:
         return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
+
+
+class MaterialKeys(YieldingKeys):
+    """Keys of a material of a body that is simulated."""
+
+    hardening_modulus_MPa: keys.Hardening | None = Field(None, description=HARDENS)
 
 
 class SurfaceKeys(StatedBody):
