@@ -1,5 +1,7 @@
 """Bodies from files: what is read of them, and how they give way under their patch."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,8 @@ from geometry.embedded import EmbeddedGeometry, as_grid
 from geometry.mesh_files import digest_of
 from geometry.own_surface import MeshSource, own_surface
 from solvers.elasticity.condensation import condense
-from solvers.elasticity.embedding import condense_meshed
+from solvers.elasticity.embedding import Joined, condense_meshed
+from solvers.stress.interior import EmbeddedInterior
 
 STEEL = Elastic(210e3, 0.3)
 AXIS = GradedAxis(0.05, 0.1, 0.1, 0.2)
@@ -54,4 +57,19 @@ def test_a_block_embedded_in_a_files_elements_gives_way_as_one_fine_mesh(written
     found = condense_meshed(embedded, STEEL)
     np.testing.assert_allclose(
         under_hertz(found.patch, found.compliance), under_hertz(built.patch, built.compliance), rtol=0.01
+    )
+
+
+@pytest.mark.seconds
+def test_inside_an_embedded_block_the_patch_moves_as_its_compliance_says(tmp_path: Path) -> None:
+    build_body(BLOCK).mesh.write(file := tmp_path / "ball.msh")
+    source = MeshSource(str(file), digest_of(str(file)), 1.0, "contact", "grip")
+    axis = GradedAxis(0.1, 0.1, 0.1, 0.2)
+    meshed = build_body(EmbeddedGeometry(CURVED, CURVED, 0.5, 0.5, 0.5, axis, axis, 0.25, source=source))
+    nodes = meshed.patch.nodes.ravel()
+    force = np.random.default_rng(1).normal(size=(1, len(nodes), 3))
+    interior = EmbeddedInterior(meshed.mesh, STEEL, nodes[:0], joined=Joined.of(meshed, STEEL))
+    moved = interior.displacements(nodes, force)[0, nodes].ravel()
+    np.testing.assert_allclose(
+        moved, condense_meshed(meshed, STEEL).compliance @ force.ravel(), atol=1e-7 * abs(moved).max()
     )

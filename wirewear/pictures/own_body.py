@@ -49,10 +49,19 @@ def _rendered(own: OwnSurface, source: MeshSource) -> Any:
         plotter: Any = pyvista.Plotter(off_screen=True, window_size=[PIXELS, PIXELS])
         plotter.set_background("white")
         named = {source.contact: PATCH_COLOUR, source.held: GRIP_COLOUR}
-        plotter.add_mesh(_faces(own, own.solid.boundary), color=MOVING_COLOUR, show_edges=True, edge_color=EDGE_COLOUR)
+        plotter.add_mesh(
+            _faces(own, own.solid.boundary),
+            color=MOVING_COLOUR,
+            show_edges=True,
+            edge_color=EDGE_COLOUR,
+            ambient=0.3,
+            diffuse=0.7,
+        )
         for each, colour in named.items():
             shown = _faces(own, own.solid.faces_of(each))
-            actor = plotter.add_mesh(shown, color=colour, show_edges=True, edge_color=EDGE_COLOUR)
+            actor = plotter.add_mesh(
+                shown, color=colour, show_edges=True, edge_color=EDGE_COLOUR, ambient=0.3, diffuse=0.7
+            )
             actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
             actor.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(-2.0, -2.0)
         for direction, colour in zip(np.eye(3), _AXES.values(), strict=True):
