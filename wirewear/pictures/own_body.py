@@ -54,14 +54,11 @@ def _rendered(own: OwnSurface, source: MeshSource) -> Any:
             color=MOVING_COLOUR,
             show_edges=True,
             edge_color=EDGE_COLOUR,
-            ambient=0.3,
-            diffuse=0.7,
+            lighting=False,
         )
         for each, colour in named.items():
             shown = _faces(own, own.solid.faces_of(each))
-            actor = plotter.add_mesh(
-                shown, color=colour, show_edges=True, edge_color=EDGE_COLOUR, ambient=0.3, diffuse=0.7
-            )
+            actor = plotter.add_mesh(shown, color=colour, show_edges=True, edge_color=EDGE_COLOUR, lighting=False)
             actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
             actor.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(-2.0, -2.0)
         for direction, colour in zip(np.eye(3), _AXES.values(), strict=True):

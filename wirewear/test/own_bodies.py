@@ -21,7 +21,7 @@ from wirewear.test.bodies import Body
 MM_PER_UNIT = {"m": 1e3, "cm": 10.0, "mm": 1.0, "um": 1e-3, "in": 25.4}
 _SMALLEST_mm, _LARGEST_mm = 0.05, 500.0  #: Limits of a body's largest extent.
 _FALL = 0.2  #: How far the face may fall to the sides of the block under the contact, over its sharper radius.
-_ROOM, _DEEP = 1.5, 1.2  #: Extents of that block over the patch's half-width: to each side, and below.
+_ROOM, _DEEP = 3.0, 3.0  #: Extents of that block over the patch's half-width: to each side, and below.
 _PER_ELEMENT = 2.0  #: Its extents over the file's elements there, at least.
 _FINER = 0.6  #: Largest elements of the block over the file's.
 _SMALLER = 0.85  #: Factor by which the block is made smaller where it does not fit.
