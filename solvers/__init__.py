@@ -11,7 +11,7 @@ from geometry.lazy import loaded_late
 if TYPE_CHECKING:
     from solvers.adaptive_loop import closed_adaptive_cycle
     from solvers.contact import ContactProblem, advance, press, unloaded_state
-    from solvers.contact.problem import misaligned
+    from solvers.contact.problem import misaligned, stuck_share
     from solvers.contact_state import ContactState, DriveTiming, Guide, Holder, IncrementReport, WearState
     from solvers.drive import BulkStress, Drive, LoadCycle, Waveform, trapezoidal, triangular
     from solvers.elasticity.body import Compliance, ContactBody
@@ -80,7 +80,7 @@ __all__ = [
     "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "bare_depth", "bulk_work", "change_by_work",
     "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened",
     "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error", "mirrored_prints", "misaligned",
-    "move_stuck", "place", "press", "remeshed", "restarted", "run_cycle", "settled", "sticks_throughout",
+    "move_stuck", "place", "press", "remeshed", "restarted", "run_cycle", "settled", "sticks_throughout", "stuck_share",
     "symmetry_of", "take_step", "traced_quarter", "transferred", "transferred_wear", "trapezoidal", "triangular",
     "unloaded_state", "wear_laws",
 ]  # fmt: skip

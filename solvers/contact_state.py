@@ -71,6 +71,8 @@ class ContactState:
     core: BoolArray
     pressed_ahead: float  #: drive less holder_x when the bodies were pressed together.
     slip_share: Array  #: (n,) slip of the primary's nodes over the last increment over the drive's signed motion.
+    #: (n,) what friction bears at nodes over its law, see `solvers.wear_step.grip`; (0,) where it is the law's alone.
+    grip: Array = field(default_factory=lambda: np.ones(0))
     load_share: float = 1.0  #: Normal load, without the loading spring's part, over the test's normal load.
     #: (2, 2, 2) displacement gradients of the lower and the upper body's surface by their bulk stress, each in its
     #: body's axes, see `BulkStress.gradient`.

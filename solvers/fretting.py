@@ -216,9 +216,10 @@ def restarted(
     the surfaces before a jump would let it move by what they have lost. Slopes of the worn surface beside it must not
     turn its normals during pressing either: radial tractions would be left at its edge, which would slip sooner.
     """
-    blank = replace(unloaded_state(problem), wear=state.wear, core=state.core, bulk=drive.mean_bulk)
+    blank = unloaded_state(problem)
+    blank = replace(blank, wear=state.wear, core=state.core, bulk=drive.mean_bulk, holder_z=state.holder_z)
     pressed, _ = press(problem, blank)
-    pressed = replace(pressed, pressed_z=state.pressed_z)
+    pressed = replace(pressed, pressed_z=state.pressed_z, grip=state.grip)
     path = _cosine_stroke(drive, -_side(state), increments).from_middle
     return _follow(problem, pressed, path, 0.0, watch, None)[0]
 

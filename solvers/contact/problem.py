@@ -332,7 +332,10 @@ def law_at(
         problem.cycle,
         problem.fields,
     )
-    return replace(problem.law_at(local), within=within_elements(problem, [state], np.zeros(len(nodes), dtype=int)))
+    law = problem.law_at(local)
+    if len(state.grip):
+        law = replace(law, coefficient=law.coefficient * state.grip[nodes])
+    return replace(law, within=within_elements(problem, [state], np.zeros(len(nodes), dtype=int)))
 
 
 def within_elements(problem: ContactProblem, states: Sequence[ContactState], position: IntArray) -> WithinElements:
@@ -352,6 +355,17 @@ def sliding_force(problem: ContactProblem, state: ContactState) -> float:
     pressure = state.traction[:, 2]
     within = within_elements(problem, [state], np.zeros(len(pressure), dtype=np.int64))
     return float(problem.surface.areas @ replace(problem.law, within=within).limit(pressure))
+
+
+def stuck_share(problem: ContactProblem, state: ContactState) -> float:
+    """How far the core of a contact at a point reaches that sticks at the end of a first loading, of its axes; 0 where
+    nothing does.
+
+    Friction is its limit less what the load on the core would have as its limit in a contact by itself (Jäger; Mindlin
+    and Deresiewicz 1953), and that load goes with the cube of its reach.
+    """
+    limit, force = sliding_force(problem, state), np.linalg.norm(state.primary_force.sum(axis=0)[:2])
+    return max(1.0 - float(force) / limit, 0.0) ** (1.0 / 3.0) if state.core.any() else 0.0
 
 
 def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairing, traction: Array) -> LayersAtNodes:

@@ -10,6 +10,7 @@ from solvers.contact_state import ContactState, Guide
 from solvers.drive import Drive
 from solvers.fretting import CycleTrace, Watch, restarted, sticks_throughout, traced_cycle
 from solvers.wear_path import sliding_increments
+from solvers.wear_step.grip import grip_of_core
 from solvers.wear_step.orbits import Position
 from solvers.wear_step.places import worn_places
 from solvers.wear_step.symmetry import Mirror, Symmetry, mirrored, with_images
@@ -37,9 +38,13 @@ def closed_trace(
     """
     mirror, start = symmetry.half_cycle, state
     guide = None if guide is None else with_images(guide, mirror)
+    sticks = drive.steady and bool(state.core.any())
+    if sticks:
+        start = replace(start, grip=grip_of_core(problem, start, symmetry.across))
+        start, guide = restarted(problem, start, drive, increments, watch), None
     for cycle in range(_MOST_CYCLES):
         end, trace = traced_cycle(problem, start, drive, increments, half=mirror is not None, watch=watch, guide=guide)
-        if cycle == 0 and sticks_throughout(start, end):
+        if cycle == 0 and not sticks and sticks_throughout(start, end):
             start, guide = restarted(problem, start, drive, increments, watch), None
             continue
         image = end if mirror is None else mirrored(end, mirror)

@@ -152,7 +152,7 @@ WORN = "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n"
 @pytest.mark.parametrize("wear", ["", WORN])
 def test_a_contact_that_sticks_in_its_middle_has_elements_that_shrink_towards_its_rim(fidelity: str, wear: str) -> None:
     level, plan = WIRE_LEVELS[fidelity], discretise(parse_study(STICKING + wear, "study"), fidelity)
-    elements = round(1.25 * level.per_sticking_radius if wear else level.to_rim)
+    elements = round(level.to_rim_worn if wear else level.to_rim)
     rim = plan.hertz.contact_radius_mm
     for axis in (axis for wire in (plan.moving, plan.fixed) for axis in (wire.axial, wire.transverse)):
         lines = axis.half_lines()
@@ -162,7 +162,7 @@ def test_a_contact_that_sticks_in_its_middle_has_elements_that_shrink_towards_it
         assert within[-1] < 0.7 * within[0] < rim / elements
         assert 1.25 * rim < lines[-1] < 1.7 * rim
     assert plan.coarsening == 1.0
-    assert plan.increments_per_wear_cycle == 16
+    assert plan.increments_per_wear_cycle == 8
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from geometry import BodyGeometry, GradedAxis, Layering, RimGradedAxis
 from wirewear.base.errors import StudyError
 from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit
 from wirewear.results.scar import called
+from wirewear.simulation.core_lines import fitted_to_core
 from wirewear.simulation.expected_contact import (
     Ellipse,
     ExpectedContact,
@@ -83,9 +84,9 @@ class Discretisation:
         }
 
 
-def discretise(study: Study, fidelity: str, *, sticks: bool | None = None) -> Discretisation:
+def discretise(study: Study, fidelity: str, *, sticks: bool | None = None, core: float | None = None) -> Discretisation:
     """Meshes and steps of a study at a level of fidelity; sticks: True if the contact sticks in its middle, None to
-    find out.
+    find out; core: how large that is, see `ElementSizes`.
 
     Raises StudyError if the fine patch would not fit on a body, or the contact would leave it during the stroke.
     """
@@ -122,6 +123,7 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None) -> Di
         outer_mm=None if chosen.outer_mesh_um is None else chosen.outer_mesh_um * finer_mm,
         sticks=expected.sticks and follows(study, fidelity) and expected.face is None,
         stuck_margin=_STUCK_MARGIN if study.wear is None else _WORN_MARGIN,
+        core=core,
     )
     moving, fixed, coarsening = affordable_meshes(study, sizes, level)
     increments = chosen.increments_per_cycle or level.increments_per_cycle
@@ -187,6 +189,9 @@ class ElementSizes:
     #: Whether the contact sticks in its middle; its patch then reaches beyond the rim by this factor alone.
     sticks: bool = False
     stuck_margin: float = _STUCK_MARGIN
+    #: Of the contact's axes: those of the core that sticks, whose area its nodes are then to have; None where the
+    #: lines need not fit it.
+    core: float | None = None
 
 
 def unknowns(body: BodyGeometry) -> int:
@@ -289,6 +294,9 @@ def _graded_to_rim(contact: Ellipse, axis_rad: float, margin: float, level: Wire
 def _geometry(body: Body, axes: PatchAxes, sizes: ElementSizes, level: WireLevel, motion_rad: float) -> BodyGeometry:
     narrowest = min(sizes.contact.chord(axis.angle_rad) for axis in (axes.axial, axes.transverse))
     axial, transverse = (_graded(axis, narrowest, sizes, level, motion_rad) for axis in (axes.axial, axes.transverse))
+    if sizes.core is not None and isinstance(axial, RimGradedAxis) and isinstance(transverse, RimGradedAxis):
+        core = sizes.contact.enlarged(sizes.core)
+        axial, transverse = fitted_to_core((axial, transverse), core, axes.axial.angle_rad)
     per_radius = level.per_contact_radius if sizes.contact_mm is None else narrowest / sizes.contact_mm
     # Elements a radius, over those to the rim, for which layers resolve the depth below.
     per_radius = 0.6 * level.to_rim if sizes.sticks else per_radius

@@ -4,7 +4,7 @@ A stage is a pair of meshes that serves while the scar grows from one half-width
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import ceil, log
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from geometry import BodyGeometry
-from solvers import ContactProblem, ContactState
+from solvers import ContactProblem, ContactState, stuck_share
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import StudyError
 from wirewear.simulation.control import held_of
@@ -95,6 +95,19 @@ def sticking_stage(study: Study, fidelity: str, plan: Discretisation) -> MeshSta
     return MeshStage(fresh_mm, 1.05 * fresh_mm, sticking.moving, sticking.fixed) if fits else None
 
 
+def core_stages(study: Study, fidelity: str, plan: Discretisation) -> Callable[[float], MeshStage] | None:
+    """Meshes by the share of the fresh contact's axes that sticks, for annuli that wear; None where none do."""
+    if study.wear is None or plan.expected.face is not None or not follows(study, fidelity):
+        return None
+    fresh_mm = plan.expected.fresh.major_mm
+
+    def stage(core: float) -> MeshStage:
+        sticking = discretise(study, fidelity, sticks=True, core=core)
+        return MeshStage(fresh_mm, fresh_mm, sticking.moving, sticking.fixed)
+
+    return stage
+
+
 @dataclass(frozen=True)
 class PointMeshes(Meshes):
     """The meshes that a run of a contact at a point goes through, and when it takes the next."""
@@ -105,8 +118,11 @@ class PointMeshes(Meshes):
     spare: tuple[MeshStage, ...] = ()  #: Further stages, taken where the contact leaves the planned ones.
     sticking: MeshStage | None = None  #: Stage -1, taken while the contact is fresh and sticks in its middle.
     begins_sticking: bool = False  #: Whether the contact is expected to stick in its middle in the first cycles.
+    #: Meshes for an annulus that wears about a core of a share of the fresh contact's axes, None without any.
+    for_core: Callable[[float], MeshStage] | None = None
     #: Whether the nodes of every stage but the first are moved into the worn surface when it begins.
     move_nodes_at_stages: bool = False
+    fits: dict[float, MeshStage] = field(default_factory=dict, compare=False)  #: Those so far, by that share.
 
     @property
     def every(self) -> tuple[MeshStage, ...]:
@@ -124,7 +140,10 @@ class PointMeshes(Meshes):
 
     def problem(self, history: MeshHistory, report: Report) -> ContactProblem:
         """The contact problem on the meshes of a history."""
-        problem = contact_problem(self.study, self.every[history.stage], report)
+        meshes = self.every[history.stage]
+        if history.core is not None and self.for_core is not None:
+            meshes = self.fits[history.core] = self.fits.get(history.core) or self.for_core(history.core)
+        problem = contact_problem(self.study, meshes, report)
         if history.moved is None:
             return problem
         return with_nodes_moved(problem, self.study, self.every[history.stage], history.moved, report)[0]
@@ -135,7 +154,7 @@ class PointMeshes(Meshes):
         if stage == len(self.stages) + len(self.spare):
             return None
         change = {"cycle": cycle, "half_width_um": 1e3 * self.every[stage].from_half_width_mm}
-        return replace(history, stage=stage, moved=None, changes=(*history.changes, change))
+        return replace(history, stage=stage, moved=None, core=None, changes=(*history.changes, change))
 
     def outgrown(self, history: MeshHistory, state: ContactState, cycle: float) -> MeshHistory | None:
         """The history with the next stage in use if the scar has outgrown the present one; else None."""
@@ -159,6 +178,14 @@ class PointMeshes(Meshes):
         if sticks and (back or self.expected.scar_half_width_mm(worn) > self.sticking.to_half_width_mm):
             return None
         return self.next_stage(replace(history, stage=_STICKING - 1 if sticks else _STICKING), now)
+
+    def fitted(self, history: MeshHistory, problem: ContactProblem, state: ContactState, /) -> MeshHistory | None:
+        """Once, on meshes for what slips about a core."""
+        sticking = history.stage == (0 if self.expected.sticks else _STICKING)
+        if self.for_core is None or not sticking or history.core is not None:
+            return None
+        core = stuck_share(problem, state)
+        return replace(history, core=core) if 0.0 < core < 1.0 else None
 
     def moved_nodes(
         self, history: MeshHistory, problem: ContactProblem, state: ContactState, cycle: float, report: Report

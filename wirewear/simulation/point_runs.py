@@ -17,7 +17,7 @@ from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.cycler import FrettingTest
 from wirewear.simulation.discretisation import Discretisation, discretise, unknowns
-from wirewear.simulation.plan import PlannedRun, PointMeshes, mesh_stages, spare_stages, sticking_stage
+from wirewear.simulation.plan import PlannedRun, PointMeshes, core_stages, mesh_stages, spare_stages, sticking_stage
 from wirewear.simulation.problem import condense_bodies, fresh_state, problem_at, too_much
 from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings, scars_of
 from wirewear.simulation.sliding_onset import point_sticks
@@ -61,7 +61,8 @@ class PointRun(PlannedRun):
         spare = spare_stages(largest, fidelity, discretisation, stages[-1])
         moves = level_of(WIRE_LEVELS, fidelity).move_nodes_at_stages or study.mesh.move_nodes_at_stages
         sticking = sticking_stage(largest, fidelity, discretisation)
-        meshes = PointMeshes(driven, discretisation.expected, stages, spare, sticking, regimes[0], moves)
+        cores = core_stages(largest, fidelity, discretisation)
+        meshes = PointMeshes(driven, discretisation.expected, stages, spare, sticking, regimes[0], cores, moves)
         return cls(study, fidelity, discretisation, meshes)
 
     def recorder(self) -> "PointRunRecord":
@@ -233,7 +234,7 @@ def forces_of(problem: ContactProblem, trace: CycleTrace, cycle: int, plan: Poin
     study = plan.study
     stage = next(
         stage
-        for stage in plan.meshes.every
+        for stage in (*plan.meshes.every, *plan.meshes.fits.values())
         if _is_of(stage.moving, problem.lower) and _is_of(stage.fixed, problem.upper)
     )
     made_of: tuple[dict[str, Any], dict[str, Any]] = (

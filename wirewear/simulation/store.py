@@ -41,6 +41,8 @@ class MeshHistory:
     #: Depths in mm by which the surface nodes of the lower and the upper body have been moved; None if they have not.
     moved: tuple[Array, Array] | None = None
     changes: tuple[dict[str, float], ...] = ()  #: Changes of the meshes, each with its cycle.
+    #: Of the fresh contact's axes: those of the core that sticks, which the mesh lines fit; None where they need not.
+    core: float | None = None
 
 
 class Meshes(ABC):
@@ -70,6 +72,12 @@ class Meshes(ABC):
 
         cycles: at which the current motion began, and now; such meshes are left and taken again at most once during a
         motion.
+        """
+        return None
+
+    def fitted(self, _history: MeshHistory, _problem: ContactProblem, _state: ContactState, /) -> MeshHistory | None:
+        """The history with meshes whose lines fit the core that sticks at the end of the first loading; None where they
+        do, or need not.
         """
         return None
 
@@ -111,7 +119,7 @@ def _fill(file: h5py.File, checkpoint: Checkpoint) -> None:
     file.attrs["counters"] = json.dumps(checkpoint.counters)
     file.attrs["done"] = checkpoint.done
     file.attrs["next_jump"] = checkpoint.next_jump
-    file.attrs["meshes"] = json.dumps({"stage": checkpoint.meshes.stage, "changes": checkpoint.meshes.changes})
+    file.attrs["meshes"] = json.dumps({name: getattr(checkpoint.meshes, name) for name in ("stage", "changes", "core")})
     if checkpoint.meshes.moved is not None:
         write_arrays(file, dict(zip(("moved_on_moving", "moved_on_fixed"), checkpoint.meshes.moved, strict=True)))
     _write(file.create_group("state"), checkpoint.state, skip="wear")
@@ -140,7 +148,9 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
             state=ContactState(wear=wear, **_read(file["state"])),
             guide=Guide(**_read(file["guide"])) if "guide" in file else None,
             counters=json.loads(file.attrs["counters"]),
-            meshes=MeshHistory(meshes["stage"], (moved[0], moved[1]) if moved else None, tuple(meshes["changes"])),
+            meshes=MeshHistory(
+                meshes["stage"], (moved[0], moved[1]) if moved else None, tuple(meshes["changes"]), meshes.get("core")
+            ),
             identity=str(file.attrs["identity"]),
         )
 

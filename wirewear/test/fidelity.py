@@ -12,8 +12,8 @@ Level = TypeVar("Level")
 
 FIDELITIES = ("quick", "standard", "fine")
 
-_RIM_SHARE_WORN = 0.7  #: The `rim_share` of these elements.
-STICKING_INCREMENTS = 16  #: Increments of a cycle that only wears, around a middle that sticks for good.
+_RIM_SHARE_WORN = 0.6  #: The `rim_share` of contacts that wear.
+STICKING_INCREMENTS = 8  #: Increments of a cycle that only wears, around a middle that sticks for good.
 
 
 def level_of(levels: Mapping[str, Level], name: str) -> Level:
@@ -40,6 +40,7 @@ class WireLevel:
     #: Elements from the middle to the rim of a contact that sticks in its middle, smaller towards the rim: its patch
     #: need hold little beside it, and the annulus that slips is narrow (docs/partial_slip.md).
     to_rim: float
+    to_rim_worn: float  #: The same where the annulus wears: many cycles are followed, on lines that fit the core.
 
     #: The `share` of `RimGradedAxis`, by which element sizes fall towards the rim. Since whole nodes slip, it is chosen
     #: so that the area of the nodes within a circle is nearest to the circle's (docs/partial_slip.md).
@@ -59,10 +60,9 @@ class WireLevel:
         """The level for a contact whose middle sticks for good, which needs few positions; wears: whether the test has
         wear.
         """
-        # Elements to the rim of a contact that sticks in its middle and wears, over those of even size.
         return replace(
             self,
-            to_rim=1.25 * self.per_sticking_radius if wears else self.to_rim,
+            to_rim=self.to_rim_worn if wears else self.to_rim,
             rim_share=_RIM_SHARE_WORN if wears else self.rim_share,
             per_contact_radius=self.per_sticking_radius,
             wear_increments=min(self.wear_increments, STICKING_INCREMENTS / self.increments_per_cycle),
@@ -78,6 +78,7 @@ class WireLevel:
             along_motion=self.along_motion / factor,
             across_motion=self.across_motion / factor,
             to_rim=self.to_rim / factor,
+            to_rim_worn=self.to_rim_worn / factor,
         )
 
 
@@ -88,6 +89,7 @@ WIRE_LEVELS = {
         along_motion=18.0,
         across_motion=6.3,
         to_rim=12.0,
+        to_rim_worn=8.0,
         rim_share=0.6,
         increments_per_cycle=32,
         wear_increments=1.0,
@@ -101,6 +103,7 @@ WIRE_LEVELS = {
         along_motion=30.0,
         across_motion=8.0,
         to_rim=18.0,
+        to_rim_worn=12.0,
         rim_share=0.55,
         increments_per_cycle=40,
         wear_increments=1.0,
@@ -114,6 +117,7 @@ WIRE_LEVELS = {
         along_motion=42.0,
         across_motion=11.0,
         to_rim=24.0,
+        to_rim_worn=18.0,
         rim_share=0.65,
         increments_per_cycle=64,
         wear_increments=1.0,

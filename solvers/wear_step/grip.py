@@ -1,0 +1,41 @@
+"""What friction bears at the nodes of a core that sticks, on a mesh.
+
+Where wear has taken the load from all else, a core is a punch: at its edge pressure and friction both rise without
+bound, at one ratio all along it (on a circle or an ellipse: Mindlin, J. Appl. Mech. 16 (1949) 259). Nodes at the edge
+have either by a few hundredths too large or too small, by how the mesh lies, and would come to slip where nothing does.
+So friction is compared with the pressure node by node as the mesh has them of a punch that is moved and of one that is
+pressed. Over the core that leaves friction as it is.
+"""
+
+import numpy as np
+
+from geometry.arrays import Array
+from solvers.contact import ContactProblem
+from solvers.contact.problem import faced
+from solvers.contact_state import ContactState
+from solvers.wear_step.influence import Influences
+from solvers.wear_step.symmetry import Mirror
+
+
+def grip_of_core(problem: ContactProblem, state: ContactState, across: Mirror | None) -> Array:
+    """Factors (n,) on friction at the primary's nodes, 1 beside the core; those of the state where it is the same."""
+    if len(state.grip) and np.array_equal(state.grip != 1.0, state.core):
+        return state.grip
+    nodes = np.flatnonzero(state.core)
+    pairing = faced(problem, state, nodes, state.drive, state.holder_x, state.holder_tilt)
+    side = problem.primary.node_positions[nodes, 1]
+    rows = np.flatnonzero(side > -1e-10) if across else np.arange(len(nodes))
+    influences = Influences((problem.primary, problem.secondary), [pairing], [rows], across)
+    influences.know(np.ones(len(rows), dtype=bool))
+    moved = influences.dense(0)
+    weights = pairing.areas[rows]
+    if across:
+        weights = weights * np.where(across.primary[nodes[rows]] == nodes[rows], 1.0, 2.0)
+    pressure = np.linalg.solve(moved[:, 2, :, 2], np.ones(len(rows)))
+    friction = np.linalg.solve(moved[:, 0, :, 0], np.ones(len(rows)))
+    own = (friction / (weights @ friction)) / (pressure / (weights @ pressure))
+    grip = np.ones(len(state.core))
+    grip[nodes[rows]] = own
+    if across:
+        grip[across.primary[nodes[rows]]] = own
+    return grip
