@@ -276,13 +276,13 @@ friction = 0.62 => frction = 0.62\ncolour = 1
     unknown key 'frction' in [contact] of s.toml: did you mean 'friction'? Unknown key 'colour' in [contact] of s.toml:
     the keys known there are friction, friction_law, plasticity, formulation, primary_wire.
 friction = 0.62 => friction = 0,62
-    s.toml is not valid TOML: expected newline or end of document after a statement (at line 15, column 13); the decimal
+    s.toml is not valid TOML: expected newline or end of document after a statement (at line 14, column 13); the decimal
     sign is a point: friction = 0.62.
 normal_load_N = 2.0 => normal_load_N = 2.0 N
-    s.toml is not valid TOML: expected newline or end of document after a statement (at line 10, column 21); the unit
+    s.toml is not valid TOML: expected newline or end of document after a statement (at line 9, column 21); the unit
     stands in the key's name: normal_load_N = 2.0.
 kind = "crossed-wires" => kind = crossed-wires
-    s.toml is not valid TOML: invalid value (at line 4, column 8); a text stands in quotes: kind = "crossed-wires".
+    s.toml is not valid TOML: invalid value (at line 1, column 8); a text stands in quotes: kind = "crossed-wires".
 displacement_amplitude_um = 60.0 => displacement_amplitude_um = 600.0
     displacement_amplitude_um in [conditions] of s.toml is 600 µm, but must not exceed the smallest diameter, 450 µm.
 [contact] => [log]\nloop_cycles = [1, 0]\n[contact]

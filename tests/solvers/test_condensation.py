@@ -144,7 +144,7 @@ def test_a_wire_comes_back_from_the_cache_as_it_was_kept(tmp_path: Path, monkeyp
     def forbidden(*_: object) -> None:
         raise AssertionError("the wire was condensed again")
 
-    monkeypatch.setattr(wires, "condense", forbidden)
+    monkeypatch.setattr(wires, "condense_meshed", forbidden)
     kept = wires.condensed_body(geometry, STEEL, tmp_path)
     assert np.array_equal(kept.compliance, made.compliance)
     assert np.array_equal(kept.patch.nodes, made.patch.nodes)
