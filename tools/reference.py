@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 import wirewear
 from studies.blind.commands import exam
 from wirewear.app.cli import cli
-from wirewear.base.errors import UNIT_SYMBOLS, Quantity, unit_of, words_of
+from wirewear.base.units import UNIT_SYMBOLS, Quantity, unit_of, words_of
 from wirewear.effects import Parameter, all_effects
 from wirewear.records.contact_tables import RECORDS, LineRecordTables
 from wirewear.records.importing.mapping import LineMapping

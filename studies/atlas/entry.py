@@ -16,8 +16,8 @@ from polars.exceptions import PolarsError
 from pydantic import BaseModel, ConfigDict
 
 from wirewear import StudyError
-from wirewear.base.errors import as_sentence
 from wirewear.base.files import read_toml
+from wirewear.base.words import as_sentence
 from wirewear.test.messages import validated
 
 ENTRIES = Path(__file__).parent

@@ -19,9 +19,10 @@ from studies.blind.generators.sizes import drawn_parameters
 from studies.blind.sealing import fingerprint, new_key_file, opened, read_key_file, salted, sealed
 from wirewear.base.cache import RUN_CODE, code_hash
 from wirewear.base.engine import Engine, LocalProcesses
-from wirewear.base.errors import RunError, counted
+from wirewear.base.errors import RunError
 from wirewear.base.locks import occupied
 from wirewear.base.memory import free_disk, size_text
+from wirewear.base.words import counted
 from wirewear.base.writing import json_text, write_bytes, writing
 
 #: What records come from.

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from wirewear import lives
-from wirewear.base.errors import counted
+from wirewear.base.words import counted
 from wirewear.pictures import style
 from wirewear.simulation import simulate
 from wirewear.stress.damage import Damage, Initiation

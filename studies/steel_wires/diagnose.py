@@ -19,8 +19,8 @@ from matplotlib.typing import LineStyleType
 
 from wirewear import read_record
 from wirewear.app.cli.study_script import StudyScript, wide_console
-from wirewear.base.errors import counted
 from wirewear.base.verdicts import Finding, finding_table
+from wirewear.base.words import counted
 from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose
 from wirewear.diagnosis.infer.shrink import physical_gap

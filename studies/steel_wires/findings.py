@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wirewear.base.errors import counted
 from wirewear.base.verdicts import Finding
+from wirewear.base.words import counted
 from wirewear.results import RunResult, Scar
 
 from .pair import DISTORTED, EARLY, LATE, WIRES, Pair, analysed, value_of

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.base.delimited import read_delimited
-from wirewear.base.errors import RecordError, as_sentence, shown
+from wirewear.base.errors import RecordError
+from wirewear.base.words import as_sentence, shown
 from wirewear.reference import Elastic
 from wirewear.test.materials import material_named
 

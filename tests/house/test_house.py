@@ -236,7 +236,7 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 #: What the house may weigh (tools/house.py): what 1.0.0 weighs and 3 % of slack. Looked at when a version is made.
 BUDGETS = {
     "lines of geometry, solvers and wirewear": 77_600,
-    "lines of wirewear": 61_000,
+    "lines of wirewear": 61_800,
     "lines of studies": 17_100,
     "lines of tests": 32_700,
     "files of geometry, solvers and wirewear": 384,

@@ -40,6 +40,7 @@ CONDENSATION_CODE = (
 #: What a run comes from.
 RUN_CODE = (
     "geometry", "solvers", "wirewear/base/course.py", "wirewear/effects", "wirewear/loops", "wirewear/base/errors.py",
+    "wirewear/base/units.py", "wirewear/base/words.py",
     "wirewear/reference", "wirewear/results", "wirewear/simulation", "wirewear/test",
 )  # fmt: skip
 ALL_CODE = ("geometry", "solvers", "wirewear")  #: The whole program.

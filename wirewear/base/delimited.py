@@ -20,7 +20,7 @@ import numpy as np
 
 from geometry.arrays import Array, IntArray
 from wirewear.base.blocks import counts_in, is_comment, numbered
-from wirewear.base.errors import RecordError, shown
+from wirewear.base.errors import RecordError
 from wirewear.base.files import read_bytes, utf8
 from wirewear.base.naming import MISSING
 from wirewear.base.spreadsheets import (
@@ -33,6 +33,7 @@ from wirewear.base.spreadsheets import (
     sheets_of,
     workbook_text,
 )
+from wirewear.base.words import shown
 
 _UTF8 = "utf-8"
 

@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
-from wirewear.base.errors import WirewearError, shown
+from wirewear.base.errors import WirewearError
+from wirewear.base.words import shown
 
 #: What the table of a record and the file of a result are called.
 TABLE_FILE_NAME, RESULT_FILE_NAME = "experiment.toml", "result.h5"

@@ -8,7 +8,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wirewear.base.errors import counted
+from wirewear.base.words import counted
 
 if TYPE_CHECKING:
     import jinja2

@@ -10,9 +10,10 @@ from pathlib import Path
 from geometry.arrays import Array
 from wirewear.base import delimited
 from wirewear.base.blocks import COLUMNS, blocks_of, is_comment, numbering
-from wirewear.base.errors import FIELD_UNITS, RecordError
+from wirewear.base.errors import RecordError
 from wirewear.base.naming import KNOWN_UNITS, MISSING, WORDS, encoding_of, usual_unit
 from wirewear.base.spreadsheets import UNCOMPUTED, Sheet, left_out, sheet_text, workbook_text
+from wirewear.base.units import FIELD_UNITS
 
 FIRST_LINES = 200  #: Lines that are looked at: headers of profilometers and controllers have some eighty.
 FEWEST_ALONE = 16  #: Numbers below one another that are a profile's heights, and no notes.

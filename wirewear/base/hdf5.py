@@ -18,9 +18,10 @@ import numpy as np
 from h5py import h5d, h5p, h5s, h5t
 from numpy.typing import ArrayLike
 
-from wirewear.base.errors import WirewearError, counted
+from wirewear.base.errors import WirewearError
 from wirewear.base.files import read_bytes
 from wirewear.base.memory import MOST_EXPANSION
+from wirewear.base.words import counted
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _SEAL = re.compile(rb"\nwirewear sha256 ([0-9a-f]{64})\n\Z")

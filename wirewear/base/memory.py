@@ -6,7 +6,8 @@ import shutil
 from contextlib import suppress
 from pathlib import Path
 
-from wirewear.base.errors import WirewearError, counted
+from wirewear.base.errors import WirewearError
+from wirewear.base.words import counted
 
 MOST_MEMORY_GB = "WIREWEAR_MOST_MEMORY_GB"  #: Gigabytes that may be used whatever is free; see `most_memory`.
 

@@ -10,7 +10,7 @@ import unicodedata
 from collections.abc import Sequence
 from pathlib import Path
 
-from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH
+from wirewear.base.units import FIELD_UNITS, UNITS_PER_LENGTH
 
 #: Letters that are no other letter with an accent, and yet are written as one.
 _LETTERS = str.maketrans({"ł": "l", "ø": "o", "đ": "d", "ı": "i", "æ": "ae", "œ": "oe"})

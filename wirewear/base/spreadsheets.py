@@ -9,8 +9,9 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from wirewear.base.errors import RecordError, counted
+from wirewear.base.errors import RecordError
 from wirewear.base.memory import free_memory, require_room
+from wirewear.base.words import counted
 
 MOST_ROWS, MOST_COLUMNS = 1_048_576, 16_384  #: Of a sheet, in any spreadsheet program.
 

@@ -2,7 +2,8 @@
 
 from dataclasses import asdict, dataclass
 
-from wirewear.base.errors import RecordError, counted
+from wirewear.base.errors import RecordError
+from wirewear.base.words import counted
 from wirewear.comparison.differences import (
     Difference,
     LoopPair,

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.arrays import Array
-from wirewear.base.errors import RecordError, counted
+from wirewear.base.errors import RecordError
+from wirewear.base.words import counted
 from wirewear.base.writing import temporary_folder
 from wirewear.diagnosis.answer import Confirmed, Estimate, estimates
 from wirewear.diagnosis.calibration import constants

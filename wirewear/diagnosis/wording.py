@@ -8,9 +8,9 @@ from itertools import combinations
 from math import floor, inf, log10
 from typing import Any
 
-from wirewear.base.errors import unit_of, words_of
 from wirewear.base.frame import figure
 from wirewear.base.notebook import notebook_table
+from wirewear.base.units import unit_of, words_of
 from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate, Partial, Remaining, Verdict
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import Fit

@@ -6,7 +6,8 @@ law, wear law, specimens, drive or sensors.
 
 from typing import Any
 
-from wirewear.base.errors import Quantity, renamed
+from wirewear.base.errors import renamed
+from wirewear.base.units import Quantity
 from wirewear.effects.effect import COLUMNS, AnyEffect, Chain, Effect, Size, UnforeseenError
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, parameter

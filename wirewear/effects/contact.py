@@ -8,7 +8,7 @@ from geometry.arrays import Array
 from solvers import RoughLayer, ThirdBody
 from wirewear.base import kinds
 from wirewear.base.course import Course
-from wirewear.base.errors import Quantity
+from wirewear.base.units import Quantity
 from wirewear.effects import measurements
 from wirewear.effects.effect import Chain, Effect
 from wirewear.effects.parameter import added, cycles_of_change, exponent, form, limit_um, order, parameter, part, share

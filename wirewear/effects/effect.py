@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from solvers import Holder, WearRates
-from wirewear.base.errors import StudyError, renamed, shown
+from wirewear.base.errors import StudyError, renamed
+from wirewear.base.words import shown
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, plain
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Control, Loading, Seam, Specimens

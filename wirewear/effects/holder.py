@@ -7,7 +7,7 @@ from math import radians
 
 from solvers import Holder
 from wirewear.base import kinds
-from wirewear.base.errors import Quantity
+from wirewear.base.units import Quantity
 from wirewear.effects import measurements
 from wirewear.effects.effect import Effect
 from wirewear.effects.parameter import RIGID, parameter

@@ -10,7 +10,8 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from wirewear.base.errors import Quantity, StudyError
+from wirewear.base.errors import StudyError
+from wirewear.base.units import Quantity
 
 RIGID = "rigid"  #: Stands for an infinite stiffness in files.
 Stated = Mapping[str, float]  #: Numbers that a study states, by their keys, such as "contact.friction".

@@ -9,7 +9,8 @@ from math import isinf
 from rich.table import Table
 
 from solvers.laws.plugins import installed
-from wirewear.base.errors import StudyError, shown
+from wirewear.base.errors import StudyError
+from wirewear.base.words import shown
 from wirewear.effects import contact, holder, measurements, sensors, wear
 from wirewear.effects.effect import AnyEffect, Effect
 from wirewear.effects.measurements import Measurement

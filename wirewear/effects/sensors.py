@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from wirewear.base.errors import Quantity
+from wirewear.base.units import Quantity
 from wirewear.effects import measurements
 from wirewear.effects.effect import Effect
 from wirewear.effects.parameter import choice, parameter

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from solvers import OxygenSupply, WearRates
 from wirewear.base import kinds
 from wirewear.base.course import Course
-from wirewear.base.errors import Quantity
+from wirewear.base.units import Quantity
 from wirewear.effects.effect import Chain, Effect
 from wirewear.effects.measurements import CLEANED_SCARS, INTERRUPTED_SCARS, LOWER_FREQUENCY, OTHER_STROKE, SCAR_MAPS
 from wirewear.effects.parameter import cycles_of_change, exponent, form, order, parameter

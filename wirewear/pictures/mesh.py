@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from geometry import BodyMesh
 from geometry.arrays import Array
-from wirewear.base.errors import counted
+from wirewear.base.words import counted
 from wirewear.pictures.style import INK, WIDTH_in, new_figure, panel_letters, round_below
 
 IntArray = NDArray[np.int_]

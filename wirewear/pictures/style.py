@@ -21,7 +21,8 @@ from matplotlib.typing import ColorType, LineStyleType
 
 from geometry.arrays import Array
 from wirewear.base import frame
-from wirewear.base.errors import ResultError, counted
+from wirewear.base.errors import ResultError
+from wirewear.base.words import counted
 from wirewear.base.writing import in_one_step, writing
 
 GREY = "#8a8a8a"

@@ -7,8 +7,9 @@ from rich.console import Group
 from rich.padding import Padding
 from rich.text import Text
 
-from wirewear.base.errors import RecordError, counted
+from wirewear.base.errors import RecordError
 from wirewear.base.files import TABLE_FILE_NAME
+from wirewear.base.words import counted
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.loops.figures import regime_of
 from wirewear.records import course_checks, loop_checks, swap_checks

@@ -8,7 +8,8 @@ import numpy as np
 
 from geometry.arrays import Array, IntArray
 from wirewear.base.delimited import CSV, DelimitedLayout, DelimitedText, Numbers, read_delimited
-from wirewear.base.errors import RecordError, shown
+from wirewear.base.errors import RecordError
+from wirewear.base.words import shown
 
 
 @dataclass(frozen=True)

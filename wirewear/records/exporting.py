@@ -11,9 +11,10 @@ import numpy as np
 
 from geometry import Flat, Profile
 from geometry.arrays import Array
-from wirewear.base.errors import RecordError, counted
+from wirewear.base.errors import RecordError
 from wirewear.base.files import TABLE_FILE_NAME
 from wirewear.base.memory import free_memory, size_text
+from wirewear.base.words import counted
 from wirewear.base.writing import prepared_folder, require_absent, write_csv, writing
 from wirewear.loops import LoopError, LoopFigures, Sensor, analyse_loop
 from wirewear.records.contact_tables import RECORDS, AnyTables

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
-from wirewear.base.errors import FIELD_UNITS, RecordError
+from wirewear.base.errors import RecordError
+from wirewear.base.units import FIELD_UNITS
 from wirewear.records.values import MeasuredLoop
 from wirewear.test.lengths import extent_of
 

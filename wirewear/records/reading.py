@@ -16,9 +16,10 @@ from pydantic import BaseModel, ValidationError
 
 from geometry.arrays import Array, BoolArray
 from wirewear.base import kinds
-from wirewear.base.errors import RecordError, shown
+from wirewear.base.errors import RecordError
 from wirewear.base.files import TABLE_FILE_NAME, parsed_toml, read_bytes, read_text, read_toml, require_within
 from wirewear.base.recognising import Held, require_no_other
+from wirewear.base.words import shown
 from wirewear.base.writing import set_aside
 from wirewear.records.columns import Column, ColumnTable, read_columns
 from wirewear.records.contact_tables import RECORDS, AnyTables

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
-from wirewear.base.errors import counted
+from wirewear.base.words import counted
 from wirewear.loops import LoopFigures
 from wirewear.loops.drive import uneven
 from wirewear.loops.noise import clipped, noises, outside_neighbours, sample_noise, step_of

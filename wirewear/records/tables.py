@@ -7,7 +7,9 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, PlainValidator
 
 from wirewear.base import kinds
-from wirewear.base.errors import Quantity, RecordError, shown
+from wirewear.base.errors import RecordError
+from wirewear.base.units import Quantity
+from wirewear.base.words import shown
 from wirewear.records.scars import MeasuredScar
 from wirewear.records.surfaces import SCARS
 from wirewear.records.test_tables import Metadata, OfRecord, OfTest

@@ -8,7 +8,9 @@ from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
 
 from pydantic import Field, PlainValidator
 
-from wirewear.base.errors import Quantity, RecordError, shown
+from wirewear.base.errors import RecordError
+from wirewear.base.units import Quantity
+from wirewear.base.words import shown
 from wirewear.records.surfaces import WornSurfaces
 from wirewear.test.bodies import StatedBodies
 from wirewear.test.keys import FORMAT, Table, checked_format, checked_text, one_of

@@ -15,7 +15,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from geometry.arrays import Array
-from wirewear.base.errors import ResultError, unit_of, words_of
+from wirewear.base.errors import ResultError
+from wirewear.base.units import unit_of, words_of
 from wirewear.base.writing import in_one_step, require_absent, write_bytes, write_csv, writing
 from wirewear.results.scar import FIELD_COLUMNS, Scar, noun_of
 from wirewear.results.values import LOOP_COLUMNS, Loop, RunResult, extensive, scaled

@@ -9,7 +9,8 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from wirewear.base.errors import ResultError, counted
+from wirewear.base.errors import ResultError
+from wirewear.base.words import counted
 from wirewear.results import RunResult
 from wirewear.results.health import flagged, limit_of, remedies
 from wirewear.results.values import PRESSURE_LENGTH

@@ -16,7 +16,8 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.laws.layers import SurfaceLayer, bare_depth, work_through
 from wirewear.base import kinds
-from wirewear.base.errors import NoColumnError, ResultError, StudyError, as_sentence, counted
+from wirewear.base.errors import NoColumnError, ResultError, StudyError
+from wirewear.base.words import as_sentence, counted
 from wirewear.effects import Age, Seam, applied, effects_of_tables
 from wirewear.loops import LoopSignals, Sensor
 from wirewear.results.contact_forces import ContactForces

@@ -13,7 +13,7 @@ from math import log
 from threadpoolctl import threadpool_limits
 
 from solvers import ContactProblem, ContactState, JumpController, JumpStep, PatchLeftError, SolverError, take_step
-from wirewear.base.errors import counted
+from wirewear.base.words import counted
 from wirewear.results import RunResult
 from wirewear.simulation.cycler import Cycler, FrettingTest, Motion
 from wirewear.simulation.observers import Observer, moment_of

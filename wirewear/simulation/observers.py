@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 
 from solvers import ContactState
-from wirewear.base.errors import counted
+from wirewear.base.words import counted
 from wirewear.results import RunResult
 
 

@@ -10,8 +10,9 @@ import numpy as np
 from geometry import BodyGeometry, GeometryError
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, PlacedBody
 from wirewear.base.cache import Identity
-from wirewear.base.errors import StudyError, counted
+from wirewear.base.errors import StudyError
 from wirewear.base.memory import free_memory
+from wirewear.base.words import counted
 from wirewear.results import PRESSURE_LENGTH, ContactForces, RunResult, Scar
 from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.contact_forces import forces_on

@@ -24,8 +24,9 @@ from wirewear.base.cache import (
     mark_used,
     not_kept,
 )
-from wirewear.base.errors import StudyError, counted
+from wirewear.base.errors import StudyError
 from wirewear.base.memory import size_text
+from wirewear.base.words import counted
 from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results.scar import called

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from geometry import Elastic
-from wirewear.base.errors import StudyError, counted
+from wirewear.base.errors import StudyError
+from wirewear.base.words import counted
 from wirewear.strand.construction import Strand
 from wirewear.strand.contacts import Bend, LoadedWire, SheaveGroove, contacts_of
 from wirewear.strand.estimates import ContactEstimate, estimates

@@ -7,9 +7,10 @@ from typing import Annotated, Literal
 from pydantic import Field, PlainValidator
 
 from geometry import Elastic
-from wirewear.base.errors import Quantity, StudyError
+from wirewear.base.errors import StudyError
 from wirewear.base.files import read_toml
 from wirewear.base.recognising import Held, require_no_other
+from wirewear.base.units import Quantity
 from wirewear.strand.construction import AskedLayer, Fibre, Layer, RopeWire, Strand
 from wirewear.strand.helix import Hand
 from wirewear.test import keys

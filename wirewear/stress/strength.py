@@ -13,7 +13,8 @@ from geometry import Elastic
 from geometry.arrays import Array, IntArray
 from solvers.elasticity.strain import von_mises
 from solvers.stress.interior import CycleImage, Interior, all_at_nodes
-from wirewear.base.errors import ResultError, counted
+from wirewear.base.errors import ResultError
+from wirewear.base.words import counted
 from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.stress.bodies import INSIDE_POINTS

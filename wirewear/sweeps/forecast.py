@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wirewear.base.errors import WirewearError, counted
+from wirewear.base.errors import WirewearError
 from wirewear.base.memory import size_text
+from wirewear.base.words import counted
 from wirewear.simulation import needed_memory
 from wirewear.sweeps.sweep import Sweep, SweepRow
 

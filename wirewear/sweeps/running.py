@@ -16,9 +16,10 @@ import numpy as np
 
 from wirewear.base.cache import Identity, digest
 from wirewear.base.engine import Engine
-from wirewear.base.errors import EngineError, LostTaskError, RunError, StudyError, counted
+from wirewear.base.errors import EngineError, LostTaskError, RunError, StudyError
 from wirewear.base.locks import occupied
 from wirewear.base.memory import free_disk, free_memory, size_text
+from wirewear.base.words import counted
 from wirewear.base.writing import prepared_folder, write_text, writing
 from wirewear.sweeps.forecast import Forecast, forecast, pilots, sizes_of
 from wirewear.sweeps.sweep import Sweep, SweepRow, run_case

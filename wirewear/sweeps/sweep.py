@@ -18,9 +18,10 @@ from scipy.stats import qmc
 from geometry.arrays import Array
 from solvers.jit_cache import working_cpu_s
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
-from wirewear.base.errors import StudyError, WirewearError, counted
+from wirewear.base.errors import StudyError, WirewearError
 from wirewear.base.files import read_toml
 from wirewear.base.recognising import Held, require_no_other
+from wirewear.base.words import counted
 from wirewear.base.writing import prepared_folder
 from wirewear.effects import effect_named
 from wirewear.kinds import contacts_of, load_any_study

@@ -4,7 +4,8 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
-from wirewear.base.errors import Quantity, shown
+from wirewear.base.units import Quantity
+from wirewear.base.words import shown
 from wirewear.test import FIDELITIES
 from wirewear.test.keys import CheckedFlag, NamedTable, Table, checked_text, one_of
 

@@ -12,8 +12,9 @@ from functools import cached_property, partial
 from typing import Any, Generic, Self, TypeVar
 
 from solvers import Drive, FrictionLaw, WearLaw
-from wirewear.base.errors import StudyError, as_sentence, counted, shown
+from wirewear.base.errors import StudyError
 from wirewear.base.notebook import notebook_table
+from wirewear.base.words import as_sentence, counted, shown
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.test.conditions import Log
 from wirewear.test.consistency import checked_tables, default_loop_cycles, inconsistency

@@ -10,7 +10,8 @@ from pydantic import Field, PlainSerializer, PlainValidator
 
 from geometry import Elastic
 from solvers import BulkStress, Drive, LoadCycle, SolverError, Waveform, trapezoidal, triangular
-from wirewear.base.errors import Quantity, shown
+from wirewear.base.units import Quantity
+from wirewear.base.words import shown
 from wirewear.test import keys
 
 _POINTS = "points"

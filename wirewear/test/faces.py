@@ -9,7 +9,9 @@ from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from geometry import Cylinder, GeometryError, RoundedFlat, TabledProfile
 from wirewear.base import kinds
-from wirewear.base.errors import Quantity, RecordError, shown
+from wirewear.base.errors import RecordError
+from wirewear.base.units import Quantity
+from wirewear.base.words import shown
 from wirewear.test.keys import Table, pairs_of
 
 Face = Cylinder | RoundedFlat | TabledProfile

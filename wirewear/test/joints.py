@@ -10,7 +10,7 @@ from pydantic import Field, PlainValidator
 from geometry import Elastic
 from solvers import Drive, WearRates
 from wirewear.base import kinds
-from wirewear.base.errors import Quantity
+from wirewear.base.units import Quantity
 from wirewear.effects import Seam
 from wirewear.test import keys
 from wirewear.test.bodies import BodiesByOptions, StatedBodies

@@ -15,7 +15,8 @@ from pydantic.fields import FieldInfo
 from solvers import FrictionLaw, SolverError, WearLaw
 from solvers.laws.friction_law import friction_law
 from solvers.laws.wear_law import wear_law
-from wirewear.base.errors import Quantity, finite_number, shown
+from wirewear.base.units import Quantity, finite_number
+from wirewear.base.words import shown
 from wirewear.effects import Effect, effects_of_tables, tables_of_effects
 from wirewear.test.materials import material_named
 

@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal, Self, cast
 
 from pydantic import Field, PlainValidator
 
-from wirewear.base.errors import Quantity, StudyError
+from wirewear.base.errors import StudyError
+from wirewear.base.units import Quantity
 from wirewear.test import keys
 from wirewear.test.materials import material_named, materials
 

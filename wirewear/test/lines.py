@@ -9,7 +9,8 @@ from pydantic import Field, PlainValidator
 from geometry import Elastic, PlanarGeometry
 from solvers import Coulomb, Drive, EnergyLaw, WearLaw, WearRates
 from wirewear.base import kinds
-from wirewear.base.errors import Quantity, RecordError, StudyError
+from wirewear.base.errors import RecordError, StudyError
+from wirewear.base.units import Quantity
 from wirewear.effects import Seam
 from wirewear.test import keys
 from wirewear.test.bodies import BodiesByOptions, MountedBody, StatedBodies, yield_of

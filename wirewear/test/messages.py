@@ -9,7 +9,9 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from wirewear.base.errors import UNIT_NAMES, WirewearError, as_sentence, shown, words_of
+from wirewear.base.errors import WirewearError
+from wirewear.base.units import UNIT_NAMES, words_of
+from wirewear.base.words import as_sentence, shown
 from wirewear.test.keys import quantity_of, table_of
 from wirewear.test.tables import StudyTables
 

@@ -14,7 +14,8 @@ from geometry import BodyGeometry, GeometryError, GradedAxis, Layering, RimGrade
 from geometry.embedded import EmbeddedGeometry, as_grid, block_fits
 from geometry.mesh_files import digest_of
 from geometry.own_surface import MeshSource, OwnSurface, own_surface
-from wirewear.base.errors import StudyError, shown
+from wirewear.base.errors import StudyError
+from wirewear.base.words import shown
 from wirewear.test import keys
 from wirewear.test.bodies import Body
 

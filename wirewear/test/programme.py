@@ -13,7 +13,7 @@ from typing import Annotated, Any, Generic, Self, TypeVar
 
 from pydantic import Field, PlainValidator
 
-from wirewear.base.errors import counted, shown
+from wirewear.base.words import counted, shown
 from wirewear.effects import Age, Control, Seam, applied
 from wirewear.effects.seams import ChangesASeam
 from wirewear.test import keys

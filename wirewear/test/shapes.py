@@ -13,7 +13,7 @@ from pydantic import Field, PlainValidator
 
 from geometry import TabledProfile
 from geometry.own_surface import own_surface
-from wirewear.base.errors import Quantity
+from wirewear.base.units import Quantity
 from wirewear.test import keys
 from wirewear.test.bodies import BlockBody, Body, MountedBody, Wire
 from wirewear.test.faces import FACE_KEYS, Extent, Face, PadFaceOrFile, size_of

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any, ClassVar, Self, cast
 
 from wirewear.base import kinds
-from wirewear.base.errors import StudyError, shown
+from wirewear.base.errors import StudyError
 from wirewear.base.files import parsed_toml, read_toml
 from wirewear.base.recognising import Held, require_no_other
+from wirewear.base.words import shown
 from wirewear.test.any_study import AnyStudy
 from wirewear.test.bodies import Body
 from wirewear.test.conditions import Conditions, Contact, FidelitySettings, HolderTable, Mesh, Wear

@@ -16,7 +16,9 @@ from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from geometry.arrays import Array
 from solvers import SurfaceLayer
-from wirewear.base.errors import FIELD_UNITS, Quantity, RecordError, shown
+from wirewear.base.errors import RecordError
+from wirewear.base.units import FIELD_UNITS, Quantity
+from wirewear.base.words import shown
 from wirewear.test import keys
 from wirewear.test.keys import Table, one_of
 

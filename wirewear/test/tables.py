@@ -10,7 +10,7 @@ from pydantic import Field, PlainValidator, model_validator
 from geometry import Elastic
 from solvers import Drive, FrictionLaw, Holder, WearLaw, WearRates
 from wirewear.base import kinds
-from wirewear.base.errors import shown
+from wirewear.base.words import shown
 from wirewear.test import keys
 from wirewear.test.bodies import Body, Wire, yield_of
 from wirewear.test.conditions import (

@@ -8,8 +8,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from wirewear.base import kinds
-from wirewear.base.errors import UNIT_SYMBOLS
 from wirewear.base.files import spelled
+from wirewear.base.units import UNIT_SYMBOLS
 from wirewear.test.keys import Table, quantity_of, table_of
 from wirewear.test.tables import StudyTables
 

@@ -7,7 +7,8 @@ from typing import Annotated, Any
 
 from pydantic import AliasChoices, BeforeValidator, Field
 
-from wirewear.base.errors import AssumedWarning, shown
+from wirewear.base.errors import AssumedWarning
+from wirewear.base.words import shown
 from wirewear.test import keys
 from wirewear.test.bodies import (
     OPEN,

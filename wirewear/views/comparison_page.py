@@ -12,7 +12,8 @@ from rich.text import Text
 
 from geometry.arrays import Array
 from wirewear.base import frame
-from wirewear.base.errors import RecordError, counted
+from wirewear.base.errors import RecordError
+from wirewear.base.words import counted
 from wirewear.base.writing import json_text, write_csv, write_text, writing
 from wirewear.comparison.comparison import BEYOND, RecordComparison
 from wirewear.comparison.differences import (

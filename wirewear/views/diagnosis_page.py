@@ -15,9 +15,11 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base import frame
-from wirewear.base.errors import ResultError, counted, unit_of, words_of
+from wirewear.base.errors import ResultError
 from wirewear.base.files import with_checksum
 from wirewear.base.frame import numbers
+from wirewear.base.units import unit_of, words_of
+from wirewear.base.words import counted
 from wirewear.base.writing import finite, json_text, write_text, writing
 from wirewear.diagnosis.answer import program
 from wirewear.diagnosis.infer.shrink import Shrink

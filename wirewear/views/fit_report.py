@@ -6,8 +6,10 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from wirewear.base.errors import UNIT_SYMBOLS, RecordError, counted
+from wirewear.base.errors import RecordError
 from wirewear.base.files import TABLE_FILE_NAME, parsed_toml, read_text, table_of, toml_text
+from wirewear.base.units import UNIT_SYMBOLS
+from wirewear.base.words import counted
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.diagnosis.fit.fit import CheckedRun, stated_by
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest

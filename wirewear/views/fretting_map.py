@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullLocator
 
 from geometry.arrays import Array
-from wirewear.base.errors import unit_of, words_of
 from wirewear.base.frame import figure as written
+from wirewear.base.units import unit_of, words_of
 from wirewear.comparison.mapped_tests import MappedTest
 from wirewear.comparison.maps import fresh_contact, slides, transition
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, new_figure, panel_letters

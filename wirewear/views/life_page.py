@@ -16,7 +16,8 @@ from matplotlib.figure import Figure
 
 from geometry.arrays import Array
 from wirewear.base import frame
-from wirewear.base.errors import ResultError, counted
+from wirewear.base.errors import ResultError
+from wirewear.base.words import counted
 from wirewear.base.writing import json_text, write_csv, write_text, writing
 from wirewear.pictures.style import INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save, svg
 from wirewear.stress.life import BodyLife

@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from geometry.arrays import Array
-from wirewear.base.errors import counted
+from wirewear.base.words import counted
 from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError, LoopFigures, Measured, StickSlip, analyse_loop
 from wirewear.loops.figures import regime_of

@@ -11,8 +11,9 @@ from rich.table import Table
 from rich.text import Text
 
 from wirewear.base import frame
-from wirewear.base.errors import ResultError, counted
+from wirewear.base.errors import ResultError
 from wirewear.base.frame import figure, number, numbers
+from wirewear.base.words import counted
 from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.comparison.mapped_tests import REGIMES, MappedTest, lines_of
 from wirewear.comparison.maps import TRANSITION, FreshContact, RegressionLine, tension_lines, transition

@@ -9,8 +9,9 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base import frame
-from wirewear.base.errors import ResultError, counted
+from wirewear.base.errors import ResultError
 from wirewear.base.frame import DEPTH_SHADES, VARIANT_COLOURS, figure, number, numbers
+from wirewear.base.words import counted
 from wirewear.base.writing import json_text, write_text, writing
 from wirewear.comparison.maps import (
     LOADS,

@@ -14,8 +14,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Ellipse
 
 from wirewear.base import frame
-from wirewear.base.errors import ResultError, counted, unit_of, words_of
+from wirewear.base.errors import ResultError
 from wirewear.base.frame import figure as written
+from wirewear.base.units import unit_of, words_of
+from wirewear.base.words import counted
 from wirewear.base.writing import json_text, write_csv, write_text, writing
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, new_figure, save, svg
 from wirewear.strand.construction import Fibre, RopeWire, Strand

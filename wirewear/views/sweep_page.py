@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.base import frame
-from wirewear.base.errors import ResultError, counted, unit_of, words_of
+from wirewear.base.errors import ResultError
 from wirewear.base.frame import figure as written
+from wirewear.base.units import unit_of, words_of
+from wirewear.base.words import counted
 from wirewear.base.writing import in_one_step, write_csv, write_text, writing
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, svg
 from wirewear.sweeps.indices import Index, indices

@@ -9,7 +9,8 @@ from rich import box
 from rich.table import Table
 
 from wirewear.base import frame
-from wirewear.base.errors import ResultError, unit_of, words_of
+from wirewear.base.errors import ResultError
+from wirewear.base.units import unit_of, words_of
 from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.pictures.loop import draw_loop, draw_loop_band, name_axes
 from wirewear.pictures.style import VARIANT_COLOURS, cycle_name, new_figure, svg

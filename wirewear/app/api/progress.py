@@ -10,7 +10,7 @@ from html import escape
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from wirewear.base.errors import counted
+from wirewear.base.words import counted
 from wirewear.simulation import Moment, Observer, ProgressBar
 
 if TYPE_CHECKING:

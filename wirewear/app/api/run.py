@@ -8,8 +8,10 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wirewear.base.errors import ResultError, counted, unit_of, words_of
+from wirewear.base.errors import ResultError
 from wirewear.base.notebook import notebook_table
+from wirewear.base.units import unit_of, words_of
+from wirewear.base.words import counted
 from wirewear.results import RunResult, write_result
 from wirewear.results import read_result as read_plain
 from wirewear.results import read_results as read_all_plain

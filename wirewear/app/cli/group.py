@@ -18,10 +18,11 @@ import click
 from click.core import ParameterSource
 from click.decorators import FC
 
-from wirewear.base.errors import Quantity, RunError, WirewearError, show_warnings_plainly
+from wirewear.base.errors import RunError, WirewearError, show_warnings_plainly
 from wirewear.base.files import TABLE_FILE_NAME
 from wirewear.base.memory import MOST_MEMORY_GB
 from wirewear.base.recognising import example
+from wirewear.base.units import Quantity
 from wirewear.base.writing import usable_file, usable_folder, why_not_written
 
 #: What can be said of a command that was interrupted.

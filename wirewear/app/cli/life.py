@@ -9,7 +9,8 @@ import click
 
 from wirewear.app.cli.group import Finite, Given, OutputFolder, busy, cli, default_output, paper
 from wirewear.app.cli.stress import BODY, asked_bodies
-from wirewear.base.errors import ResultError, StudyError, counted
+from wirewear.base.errors import ResultError, StudyError
+from wirewear.base.words import counted
 from wirewear.base.writing import usable_folder
 from wirewear.test import FIDELITIES
 

@@ -9,9 +9,10 @@ import click
 
 from wirewear.app.cli.group import Given, OutputFile, busy, cli, given
 from wirewear.base import kinds
-from wirewear.base.errors import RecordError, StudyError, as_sentence
+from wirewear.base.errors import RecordError, StudyError
 from wirewear.base.files import parsed_toml
 from wirewear.base.recognising import Held, recognised, require_no_other
+from wirewear.base.words import as_sentence
 from wirewear.base.writing import is_special, prepared_folder, usable_file, write_text
 from wirewear.kinds import any_study
 

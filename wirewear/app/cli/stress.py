@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from wirewear.app.cli.group import STRENGTH, Finite, OutputFolder, cli, paper
-from wirewear.base.errors import ResultError, counted
+from wirewear.base.errors import ResultError
+from wirewear.base.words import counted
 from wirewear.base.writing import usable_folder
 from wirewear.results import POSITIONS
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wirewear.app.cli import group
-from wirewear.base.errors import counted
+from wirewear.base.words import counted
 from wirewear.base.writing import json_text
 from wirewear.test import FIDELITIES
 

@@ -21,8 +21,9 @@ from threading import RLock, Thread
 import click
 
 from wirewear.app.cli.group import cli
-from wirewear.base.errors import RunError, WirewearError, as_sentence, shown
+from wirewear.base.errors import RunError, WirewearError
 from wirewear.base.recognising import Held, recognised
+from wirewear.base.words import as_sentence, shown
 from wirewear.base.writing import prepared_folder
 
 FILES, MAPPING, RECORD, RESULT = "files", "mapping.toml", "record", "result"

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtrit
 
-from wirewear.base.errors import RecordError, counted
+from wirewear.base.errors import RecordError
+from wirewear.base.words import counted
 from wirewear.diagnosis.fit.values import FittedParameter
 from wirewear.loops import LoopError, LoopFigures, Measured
 from wirewear.loops.figures import Sticking, regime_of

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
-from wirewear.base.errors import UNIT_SYMBOLS
 from wirewear.base.notebook import notebook_table
+from wirewear.base.units import UNIT_SYMBOLS
 from wirewear.records import AnyRecord
 from wirewear.test import AnyStudy
 
@@ -24,7 +24,7 @@ class FittedParameter:
 
     value: float
     interval95: tuple[float, float]
-    unit: str  #: A key of `wirewear.base.errors.UNIT_SYMBOLS`.
+    unit: str  #: A key of `wirewear.base.units.UNIT_SYMBOLS`.
     repeats: int  #: Number of tests that it is based on.
 
     @classmethod

@@ -12,7 +12,8 @@ from typing import Any, TypeVar
 
 from solvers import Archard, EnergyLaw, SolverError
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
-from wirewear.base.errors import RecordError, ResultError, RunError, StudyError, counted
+from wirewear.base.errors import RecordError, ResultError, RunError, StudyError
+from wirewear.base.words import counted
 from wirewear.base.writing import temporary_folder, write_bytes
 from wirewear.diagnosis.calibration import constants
 from wirewear.records import AnyRecord

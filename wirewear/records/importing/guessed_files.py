@@ -11,10 +11,11 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout
-from wirewear.base.errors import FIELD_UNITS, RecordError
+from wirewear.base.errors import RecordError
 from wirewear.base.files import DELIMITERS
 from wirewear.base.guessing import GuessedLayout, guessed_layout
 from wirewear.base.naming import UNIT_OF, recognised, units_of
+from wirewear.base.units import FIELD_UNITS
 from wirewear.records.importing.guessed_columns import (
     EVOLUTION_KEYS,
     LOOP_KEYS,

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from wirewear.base.errors import RecordError, as_sentence
+from wirewear.base.errors import RecordError
 from wirewear.base.files import toml_text
+from wirewear.base.words import as_sentence
 from wirewear.records.importing.guessed_columns import GuessedFile
 from wirewear.records.importing.guessed_conditions import Touching, body_of, conditions_of, listed, map_source, scars_of
 from wirewear.records.importing.guessed_files import joined, listed_once, looked_into, mapped_columns

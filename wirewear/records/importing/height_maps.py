@@ -16,9 +16,10 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout, DelimitedText, contents_of, fields_of, read_delimited
-from wirewear.base.errors import FIELD_UNITS, RecordError
+from wirewear.base.errors import RecordError
 from wirewear.base.guessing import GuessedLayout, guessed_layout
 from wirewear.base.memory import require_room
+from wirewear.base.units import FIELD_UNITS
 from wirewear.records.importing.text_reader import DAMAGED_FILE_ERRORS, reason_of
 from wirewear.records.importing.x3p import read_x3p
 

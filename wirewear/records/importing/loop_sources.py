@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.base.delimited import CSV
-from wirewear.base.errors import FIELD_UNITS, RecordError, nearest, shown
+from wirewear.base.errors import RecordError
 from wirewear.base.files import DELIMITERS, TABLE_FILE_NAME
 from wirewear.base.guessing import GuessedLayout, NoTableError, guessed_layout
 from wirewear.base.naming import states_factor
 from wirewear.base.recognising import Held, require_no_other
+from wirewear.base.units import FIELD_UNITS
+from wirewear.base.words import nearest, shown
 from wirewear.loops.cleaning import FEWEST_SAMPLES
 from wirewear.loops.clock import read_clock
 from wirewear.loops.cycles import split_cycles

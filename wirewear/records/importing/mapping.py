@@ -6,8 +6,9 @@ from typing import Annotated, Any, Generic
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
-from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
 from wirewear.base.files import DELIMITERS, is_encoding_of_text
+from wirewear.base.units import FIELD_UNITS, UNITS_PER_LENGTH, Quantity
+from wirewear.base.words import shown
 from wirewear.records.contact_tables import Bodies, BodiesTest, JointTest, LineTest
 from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.loggers import readers

@@ -17,9 +17,10 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout, DelimitedText, read_delimited
-from wirewear.base.errors import RecordError, nearest, shown
+from wirewear.base.errors import RecordError
 from wirewear.base.files import read_text
 from wirewear.base.recognising import Held, require_no_other
+from wirewear.base.words import nearest, shown
 from wirewear.test.bodies import OPEN
 
 _OPEN_LINE = re.compile(r"^\s*(\w+) *=[^#\n]*[\"']\?[\"']")

@@ -11,7 +11,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from geometry.arrays import Array
-from wirewear.base.errors import RecordError, shown
+from wirewear.base.errors import RecordError
+from wirewear.base.words import shown
 
 INDEX = "main.xml"
 
