@@ -5,6 +5,7 @@ A stage is a pair of meshes that serves while the scar grows from one half-width
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import pairwise
 from math import ceil, log
 from typing import Any
@@ -99,13 +100,13 @@ def core_stages(study: Study, fidelity: str, plan: Discretisation) -> Callable[[
     """Meshes by the share of the fresh contact's axes that sticks, for annuli that wear; None where none do."""
     if study.wear is None or plan.expected.face is not None or not follows(study, fidelity):
         return None
-    fresh_mm = plan.expected.fresh.major_mm
+    # Runs in other processes take their plan along, so this is no function within a function.
+    return partial(_core_stage, study, fidelity, plan.expected.fresh.major_mm)
 
-    def stage(core: float) -> MeshStage:
-        sticking = discretise(study, fidelity, sticks=True, core=core)
-        return MeshStage(fresh_mm, fresh_mm, sticking.moving, sticking.fixed)
 
-    return stage
+def _core_stage(study: Study, fidelity: str, fresh_mm: float, core: float) -> MeshStage:
+    sticking = discretise(study, fidelity, sticks=True, core=core)
+    return MeshStage(fresh_mm, fresh_mm, sticking.moving, sticking.fixed)
 
 
 @dataclass(frozen=True)
