@@ -37,6 +37,7 @@ class Worn:
     depth_um: float = 5.0
     lines: int = 81
     steep: float = 5.0
+    bow_um: float = 0.0  #: Along x, at the map's ends.
 
     @property
     def flat(self) -> bool:
@@ -66,7 +67,8 @@ class Worn:
         square = y**2 if self.kind == "crossed-wires" else x[:, None] ** 2 + y**2
         shape = 0.0 * depth if self.flat else np.sqrt(radius**2 - square) - radius
         tilted = 12.0 + 0.01 * x[:, None] * (self.kind != "ball-on-flat" or self.flat)
-        height = shape + tilted - depth + NOISE_um * random.standard_normal(depth.shape)
+        bow = self.bow_um * (2.0 * x[:, None] / self.width_um) ** 2
+        height = shape + tilted + bow - depth + NOISE_um * random.standard_normal(depth.shape)
         wild = random.permutation(height.size)[:spikes]
         height.flat[wild] += np.resize([60.0, -40.0, 104.0], spikes)
         height[random.random(height.shape) < missing] = np.nan
@@ -99,6 +101,8 @@ PROFILE = Worn("cylinder-on-flat", "specimen", 1000.0, 0.8, "box", lines=401)
         (FLAT, 0, 0.0),
         (Worn("ball-on-flat", "flat", 800.0, 0.85, "box"), 12, 0.2),
         (Worn("ball-on-flat", "flat", 800.0, 0.7, "across"), 0, 0.0),
+        (Worn("ball-on-flat", "ball", 900.0, 0.5, "box", depth_um=1.5, bow_um=0.1), 0, 0.0),
+        (Worn("ball-on-flat", "ball", 900.0, 0.65, "across", depth_um=1.5, bow_um=-0.1), 0, 0.0),
         (WIRE, 6, 0.0),
         (PROFILE, 0, 0.0),
         (Worn("cylinder-on-flat", "specimen", 1000.0, 0.85, "box", lines=401), 5, 0.0),
@@ -117,6 +121,12 @@ def test_it_is_said_where_hardly_any_of_a_map_is_unworn(tmp_path: Path) -> None:
     _, found, notes = imported(path)
     assert abs(found / volume - 1.0) > 0.03
     assert any("map that reaches farther" in note for note in notes)
+
+
+def test_form_that_is_likely_but_not_certain_counts_in_how_well_a_volume_is_known(tmp_path: Path) -> None:
+    worn = Worn("ball-on-flat", "flat", 900.0, 0.75, "across", depth_um=1.5, bow_um=0.1)
+    _, _, notes = imported(worn.written(tmp_path)[0])
+    assert any("shows the worn volume within" in note for note in notes)
 
 
 @pytest.mark.parametrize("worn", [Worn("ball-on-flat", "ball", 900.0, 0.2, form=1.005), WIRE], ids=["ball", "wire"])

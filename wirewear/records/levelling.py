@@ -409,7 +409,10 @@ def _judged(surface: Surface, places: Array, height: Array, found: Array, unworn
         deviation = max(means.fitted(found.size)[2], 0.1 * FINEST_um)
         covariance = np.linalg.pinv(means.slopes.T @ means.slopes / deviation**2 + np.diag(flatness))
         lever = jacobian(surface, found, flat[:, :: max(height.size // MOST_POINTS, 1)], whole)[1].mean(axis=0)
-        doubt = float(np.sqrt(lever @ covariance @ lever))
+        # Form that is likely, but not certain enough to be taken off, is in doubt as a whole.
+        likely = lever @ covariance @ means.slopes.T @ means.rest / deviation**2
+        left_out = float(likely - lever[: found.size] @ means.fitted(found.size)[0])
+        doubt = float(np.hypot(np.sqrt(lever @ covariance @ lever), left_out))
         if (farther := _farther(surface, places, height, found, unworn)) is not None:
             doubt = max(doubt, abs(float(lever[: found.size] @ (farther - found))) / CERTAIN)
         doubt *= _cell(places) * height.size

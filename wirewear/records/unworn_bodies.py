@@ -43,7 +43,7 @@ class RoundSurface:
     """Body that is round or straight along and across its axis, under a map of half sizes (2,) in µm.
 
     Placing: level, shift (if round) or tilt (if straight) along and across, and rotation of an axis. Forms: curvature
-    if round, for a ball also its change outwards; bending if straight.
+    if round, for a ball also its change outwards and its difference along and across; bending if straight.
     """
 
     curvatures_per_mm: tuple[float, float]
@@ -57,7 +57,7 @@ class RoundSurface:
     @property
     def forms(self) -> int:
         along, across = self.curvatures_per_mm
-        return 2 if along != across or along else 3
+        return 2 if along != across else 4 if along else 3
 
     @cached_property
     def scales(self) -> Array:
@@ -86,7 +86,7 @@ class RoundSurface:
     def curvatures(self, parameters: Array) -> Array:
         """Curvatures (2,) along and across in 1/mm, including the deviation in shape."""
         k, half = np.array(self.curvatures_per_mm), np.array(self.half_um)
-        form = np.zeros(3)
+        form = np.zeros(4)
         form[: max(parameters.size - self.placing, 0)] = parameters[self.placing :]
         if k[0] == k[1] > 0.0:
             form[1] = form[0] = form[0] / 2.0
@@ -97,7 +97,7 @@ class RoundSurface:
         stated, near = np.array(self.curvatures_per_mm), np.array(parameters)
         if self.placing == 3 and stated.all() and near.size == self.placing + self.forms:
             # The radius that comes nearest over the map, not that of the crown.
-            near[-2] += OF_SECOND_ORDER * near[-1]
+            near[self.placing] += OF_SECOND_ORDER * near[self.placing + 1]
         found = self.curvatures(near)
         one = int(np.argmax(np.abs(found - stated) * np.array(self.half_um) ** 2))
         if not stated[one]:
@@ -117,10 +117,13 @@ class RoundSurface:
         k = self.curvatures(parameters)
         face = Barrel(*np.where(straight, 0.0, np.maximum(k, 0.1 * np.array(self.curvatures_per_mm))))
         bows = -5e-4 * np.where(straight, k, 0.0) @ beside**2
-        if self.placing == 3 and not straight.any() and parameters.size == self.placing + self.forms:
-            bows = bows - parameters[-1] * (np.sum(beside**2, axis=0) / np.sum(np.square(self.half_um))) ** 2
-        if straight.all() and parameters.size == self.placing + self.forms:
-            bows = bows - parameters[-1] * np.prod(beside / np.array(self.half_um)[:, None], axis=0)
+        whole, (u, v) = parameters.size == self.placing + self.forms, beside / np.array(self.half_um)[:, None]
+        if whole and self.placing == 3 and not straight.any():
+            outwards, unlike, twist = parameters[self.placing + 1 :]
+            outer = np.sum(beside**2, axis=0) / np.sum(np.square(self.half_um))
+            bows = bows - outwards * outer**2 - unlike * (u**2 - v**2) - twist * u * v
+        if whole and straight.all():
+            bows = bows - parameters[-1] * u * v
         return np.asarray(level + tilt @ at + 1e3 * face.height(1e-3 * beside.T) + bows)
 
     def _placed(self, parameters: Array) -> Array:
