@@ -153,7 +153,7 @@ class SolidMesh:
                 what = "turned inside out" if shape[worst] < -LEAST_SHAPE else "without volume"
                 raise GeometryError(
                     f"{len(bad)} of its {len(cells)} elements ({kind.name}) are {what} or nearly flat, the worst at "
-                    f"({place}) mm: number nodes as the format says, and mesh anew without slivers"
+                    f"({place}) mm: number nodes as the format says, and mesh it again without slivers"
                 )
         count, sizes = self._loose_parts()
         if count > 1:
