@@ -83,7 +83,7 @@ class SpreadPressure:
 
     @property
     def area_mm2(self) -> float:
-        """Area of the contact."""
+        """Area in mm² on which elements are pressed."""
         return float(self.parts_mm2.sum())
 
     @cached_property

@@ -98,6 +98,12 @@ def cholesky_factor(matrix: Array) -> Array:
     return np.asarray(factor)
 
 
+def inverse(matrix: Array) -> Array:
+    """Inverse (n, n) of the stiffness in a matrix's lower triangle; SolverError as of `cholesky_factor`."""
+    lower, _ = lapack.dpotri(cholesky_factor(matrix), lower=1, overwrite_c=1)
+    return np.asarray(np.tril(lower) + np.tril(lower, -1).T)
+
+
 def _matrix_block(matrix: csr_matrix, nodes: IntArray, d: int) -> Array:
     where = unknowns_of(nodes, d)
     return np.asarray(matrix[where][:, where].toarray(order="F"))
@@ -391,8 +397,7 @@ def compliance_of(piece: Piece, patch: ContactPatch, schurs: list[Array]) -> Pat
     unknowns = (3 * piece.contact[:, None] + np.arange(3)).ravel()
     parts = np.empty((len(schurs), len(unknowns), len(unknowns)))
     for part, held in zip(parts, piece.held[:, unknowns], strict=True):
-        inverse, _ = lapack.dpotri(cholesky_factor(schurs.pop(0)), lower=1, overwrite_c=1)
-        part[...] = np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)
+        part[...] = inverse(schurs.pop(0))
         part[held, held] = 0.0
     return PatchCompliance.of_parities(patch.shape, piece.planes, parts)
 

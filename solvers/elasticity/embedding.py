@@ -8,7 +8,6 @@ between them, and a spring closes it (A. Hansbo, P. Hansbo and M. G. Larson, ESA
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import lapack
 from scipy.sparse import block_diag, coo_matrix, csr_matrix, diags, identity, kron
 from threadpoolctl import threadpool_limits
 
@@ -16,8 +15,7 @@ from geometry import BodyMesh, Elastic, HexMesh
 from geometry.arrays import Array, IntArray
 from geometry.elements import ELEMENT_KINDS, ElementKind
 from geometry.host import Host
-from solvers.elasticity.condensation import CondensedBody, cholesky_factor, condense, schur_complements
-from solvers.elasticity.patch_compliance import PatchCompliance
+from solvers.elasticity.condensation import CondensedBody, condense, inverse, schur_complements
 from solvers.elasticity.strain import stiffness_matrix
 from solvers.errors import SolverError
 
@@ -35,9 +33,7 @@ def condense_meshed(meshed: BodyMesh, material: Elastic) -> CondensedBody:
         free = np.setdiff1d(joined.free, kept)
         none_held = np.zeros((1, joined.stiffness.shape[0]), dtype=bool)
         (schur,) = schur_complements(joined.stiffness, kept, free, 3, none_held)
-        inverse, _ = lapack.dpotri(cholesky_factor(schur), lower=1, overwrite_c=1)
-    whole = np.tril(inverse) + np.tril(inverse, -1).T
-    return CondensedBody(meshed.patch, PatchCompliance(meshed.patch.shape, (), whole[None]))
+        return CondensedBody.whole(meshed.patch, inverse(schur))
 
 
 @dataclass(frozen=True)

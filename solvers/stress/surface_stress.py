@@ -262,7 +262,7 @@ def corrected_nodes(size: Array, spacing_mm: tuple[float, ...]) -> BoolArray:
 
 @lru_cache(maxsize=8)
 def _stencil(along_mm: float, across_mm: float, first_layer_mm: float, growth: float, nu: float) -> Array:
-    """As a `SurfaceStress` has it, of elements of that size under layers that grow from the first by a factor."""
+    """The `SurfaceStress.stencil` of elements of that size, mm, under layers that grow from the first by a factor."""
     result: Array = lattice_error(along_mm, across_mm, first_layer_mm, growth, nu).copy()
     size, middle = result.shape[0], result.shape[0] // 2
     places = np.argwhere(np.ones((size, size))).astype(float)
@@ -279,7 +279,7 @@ def _stencil(along_mm: float, across_mm: float, first_layer_mm: float, growth: f
 def _waves(
     along_mm: float, across_mm: float, first_layer_mm: float, growth: float, nu: float, rows: int, columns: int
 ) -> tuple[tuple[int, int], ComplexArray]:
-    """As a `SurfaceStress` has them, whose window has so many rows and columns."""
+    """Shape of the transform and the stencil's transform for a window of so many rows and columns of elements."""
     stencil = _stencil(along_mm, across_mm, first_layer_mm, growth, nu)
     size = tuple(next_fast_len(len(stencil) + lines - 1, real=True) for lines in (rows, columns))
     return (size[0], size[1]), np.fft.rfft2(stencil, size, axes=(0, 1))

@@ -1,13 +1,12 @@
 """Runs on a coarse mesh, and observers that interrupt them."""
 
-from tests.studies import steel_wires
+from tests import studies
 from wirewear import Study, parse_study
 from wirewear.results import RunResult
 from wirewear.simulation import Moment, Observer
 
-COARSE = f"""{steel_wires("coarse wires", amplitude_um=20.0, cycles=300)}[wear]
-energy_wear_coefficient_mm3_per_J = 3.0e-5
-moving_share = 0.3
+_FIRST = studies.COARSE.replace("cycles = 1\n", "cycles = 300\n").replace("per_cycle = 40", "per_cycle = 16")
+COARSE = f"""{_FIRST}{studies.WEARING}moving_share = 0.3
 [holder]
 tangential_stiffness_N_per_mm = 167.0
 normal_spring_stiffness_N_per_mm = 1.0
@@ -15,11 +14,6 @@ normal_spring_stiffness_N_per_mm = 1.0
 loop_cycles = [1, 100, 300]
 [mesh]
 scar_half_width_um = 36.0
-[fidelity.quick]
-contact_mesh_um = 9.0
-outer_mesh_um = 18.0
-increments_per_cycle = 16
-jump_tolerance = 0.3
 """
 
 

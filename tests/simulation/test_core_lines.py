@@ -7,14 +7,12 @@ import numpy as np
 import pytest
 
 from geometry import RimGradedAxis
-from tests.studies import steel_wires
+from tests.studies import WEARING, steel_wires
 from wirewear.simulation.core_lines import fitted_to_core
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.expected_contact import Ellipse
 from wirewear.simulation.plan import core_stages
 from wirewear.test import parse_study
-
-WEAR = "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n"
 
 
 @pytest.mark.parametrize("elements", [8, 12, 18])
@@ -34,7 +32,7 @@ def test_the_nodes_within_a_core_have_its_area(elements: int, share: float, long
 
 
 def test_meshes_for_a_core_go_with_the_plan_of_a_run_to_other_processes() -> None:
-    study = parse_study(steel_wires("wires", amplitude_um=1.0, cycles=10) + WEAR, "study.toml")
+    study = parse_study(steel_wires("wires", amplitude_um=1.0, cycles=10) + WEARING, "study.toml")
     cores = core_stages(study, "quick", discretise(study, "quick"))
     assert cores is not None
     assert pickle.loads(pickle.dumps(cores))(0.5) == cores(0.5)

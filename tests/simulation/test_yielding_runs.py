@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.studies import line_study
 from wirewear.reference import first_yield_ratio
 from wirewear.results import RunResult, read_result, write_result
 from wirewear.simulation import simulate
@@ -109,19 +110,12 @@ def test_contacts_that_yield_all_over_press_as_far_and_as_deep_as_finite_element
 
 
 def test_a_line_contact_far_beyond_first_yield_is_pressed_on_a_patch_that_holds_it() -> None:
-    steel = {"youngs_modulus_MPa": 208_000.0, "poissons_ratio": 0.3}
-    tables = {
-        "format": 1,
-        "name": "line",
-        "kind": "line-contact",
-        "pad": {"radius_mm": 5.0, "yield_stress_MPa": 400.0} | steel,
-        "specimen": steel,
-        "conditions": {
-            "normal_load_N_per_mm": 1000.0, "displacement_amplitude_um": 0.5, "frequency_Hz": 1.0, "cycles": 1,
-        },
-        "contact": {"friction": 0.0},
-    }  # fmt: skip
-    result = simulate(study_from_tables(tables, "line.toml"), fidelity="quick")
+    steel, drive = {"youngs_modulus_MPa": 208_000.0}, {"displacement_amplitude_um": 0.5, "cycles": 1}
+    study = line_study(
+        pad={"radius_mm": 5.0, "yield_stress_MPa": 400.0} | steel, specimen=steel, wear=None, log=None, mesh=None,
+        conditions=drive | {"normal_load_N_per_mm": 1000.0}, contact={"friction": 0.0},
+    )  # fmt: skip
+    result = simulate(study, fidelity="quick")
     assert 1000.0 / result.settings["fresh_first_yield_load_N"] == pytest.approx(14.1, rel=0.01)
     largest, limit = (float(result.settings[f"fresh_{key}_MPa"]) for key in ("max_pressure", "pressure_limit"))
     assert limit < largest < 1.03 * limit

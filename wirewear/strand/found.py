@@ -7,7 +7,6 @@ from math import isfinite, isnan, nan
 from pathlib import Path
 from typing import Any
 
-from geometry import Elastic
 from wirewear.base.errors import StudyError
 from wirewear.base.words import counted
 from wirewear.strand.construction import Strand
@@ -85,7 +84,7 @@ def strand_contacts(rope: str | Path | dict[str, object]) -> RopeContacts:
                 f"its own radius, {0.5 * made.diameter_mm:.4g} mm."
             )
         curvatures = (1.0 / c.bending_radius_mm, -1.0 / sheave.groove_radius_mm)
-        groove = SheaveGroove(Elastic(sheave.youngs_modulus_MPa, sheave.poissons_ratio), curvatures)
+        groove = SheaveGroove(sheave.elastic, curvatures)
     bend = Bend(
         c.curvature_amplitude_per_mm,
         c.bending == "pulsating",

@@ -14,7 +14,7 @@ from wirewear.base.units import Quantity
 from wirewear.strand.construction import AskedLayer, Fibre, Layer, RopeWire, Strand
 from wirewear.strand.helix import Hand
 from wirewear.test import keys
-from wirewear.test.bodies import YIELDS, YieldingKeys
+from wirewear.test.bodies import YIELDS, ElasticKeys, YieldingKeys
 from wirewear.test.life import LifeTable
 from wirewear.test.messages import validated
 
@@ -122,13 +122,10 @@ class RopeWear(keys.Table):
     )
 
 
-class Sheave(keys.OfMaterial):
+class Sheave(ElasticKeys):
     """Sheave that the rope is bent over."""
 
     groove_radius_mm: Radius = Field(description="radius of the groove across the rope")
-    material: keys.MaterialName | None = Field(None, description="name of its material, in place of its constants")
-    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[200000.0])
-    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
 
 
 class RopeTables(keys.NamedTable):

@@ -39,19 +39,24 @@ class StatedBody(keys.Table):
     bulk: BulkTable | None = Field(None, description=BULK)
 
 
-class YieldingKeys(keys.OfMaterial):
-    """Keys of a material, elastic or yielding without a stated hardening."""
+class ElasticKeys(keys.OfMaterial):
+    """Keys of an elastic material."""
 
     material: keys.MaterialName | None = Field(
         None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
     )
     youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
     poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
-    yield_stress_MPa: keys.YieldStress | None = Field(None, description=YIELDS)
 
     @property
     def elastic(self) -> Elastic:
         return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
+
+
+class YieldingKeys(ElasticKeys):
+    """Keys of a material, elastic or yielding without a stated hardening."""
+
+    yield_stress_MPa: keys.YieldStress | None = Field(None, description=YIELDS)
 
 
 class MaterialKeys(YieldingKeys):

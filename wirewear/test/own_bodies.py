@@ -17,7 +17,7 @@ from geometry.own_surface import MeshSource, OwnSurface, own_surface
 from wirewear.base.errors import StudyError
 from wirewear.base.words import shown
 from wirewear.test import keys
-from wirewear.test.bodies import Body
+from wirewear.test.bodies import Body, ElasticKeys
 
 MM_PER_UNIT = {"m": 1e3, "cm": 10.0, "mm": 1.0, "um": 1e-3, "in": 25.4}
 _SMALLEST_mm, _LARGEST_mm = 0.05, 500.0  #: Limits of a body's largest extent.
@@ -56,14 +56,6 @@ Direction = Annotated[tuple[float, float, float], BeforeValidator(_checked_direc
 Place = Annotated[tuple[float, float, float], BeforeValidator(_checked_place)]
 
 
-class PartKeys(keys.OfMaterial):
-    """Keys of the material of a set of elements."""
-
-    material: keys.MaterialName | None = Field(None, description="name of a material of the table")
-    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus")
-    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio")
-
-
 class MeshKeys(keys.Table):
     """Keys of a body from a mesh file."""
 
@@ -82,7 +74,7 @@ class MeshKeys(keys.Table):
     at_mm: Place | None = Field(
         None, description="place in the file, in mm, that touches first; without it the outermost one"
     )
-    parts: Mapping[str, PartKeys] = Field(
+    parts: Mapping[str, ElasticKeys] = Field(
         {}, description="sets of elements of another material than the body's own, each with it"
     )
     digest: str | None = Field(None, description="of the file's contents, noted when it was read")
