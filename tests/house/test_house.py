@@ -235,11 +235,11 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): what 1.0.0 weighs and 3 % of slack. Looked at when a version is made.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 77_600,
-    "lines of wirewear": 61_800,
+    "lines of geometry, solvers and wirewear": 79_600,
+    "lines of wirewear": 62_900,
     "lines of studies": 17_100,
-    "lines of tests": 32_700,
-    "files of geometry, solvers and wirewear": 384,
+    "lines of tests": 33_700,
+    "files of geometry, solvers and wirewear": 390,
     "rooms of wirewear": 20,
     "arrows between rooms": 110,
     "questions for the kind of contact": 0,
