@@ -233,7 +233,7 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
         upward(tree(tmp_path, attic="import wirewear", effects="from wirewear.attic.part import it"))
 
 
-#: What the house may weigh (tools/house.py): what 1.0.0 weighs and 3 % of slack. Looked at when a version is made.
+#: What the house may weigh (tools/house.py): its weight when a version is made, with 3 % of slack for the next one.
 BUDGETS = {
     "lines of geometry, solvers and wirewear": 79_600,
     "lines of wirewear": 62_900,
