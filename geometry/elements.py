@@ -1,4 +1,5 @@
-"""Kinds of solid elements that mesh files hold: their shape functions, faces and integration points.
+"""Kinds of elements: their shape functions, faces and integration points; solid ones as mesh files hold, and the
+quadrilateral.
 
 Nodes are numbered as in Abaqus and VTK: corners first, then the middles of edges, of faces, and of the element. The
 reference hexahedron is [-1, 1]³, the tetrahedron has its corners at the origin and on the axes, the prism is the
@@ -38,14 +39,16 @@ _IN_TETRAHEDRON = 0.25 - 0.05 * np.sqrt(5.0)  #: Coordinate of the four points t
 
 @dataclass(frozen=True, eq=False)
 class ElementKind:
-    """One kind of element with n nodes and q integration points."""
+    """One kind of element with n nodes and q integration points; it has d = 3 reference coordinates, or two if it is
+    plane.
+    """
 
     name: str
     corners: int
-    nodes: Array  #: (n, 3) in the reference element.
-    exponents: IntArray  #: (n, 3) exponents of the monomials that make up the shape functions.
+    nodes: Array  #: (n, d) in the reference element.
+    exponents: IntArray  #: (n, d) exponents of the monomials that make up the shape functions.
     faces: tuple[tuple[int, ...], ...]  #: Corners of each face, ordered so that it faces outwards.
-    points: Array  #: (q, 3) integration points in the reference element.
+    points: Array  #: (q, d) integration points in the reference element.
     weights: Array  #: (q,) integration weights.
 
     @property
@@ -65,13 +68,13 @@ class ElementKind:
         return tuple(found)
 
     def shapes(self, at: Array) -> Array:
-        """Values (..., n) of the shape functions at reference points (..., 3)."""
+        """Values (..., n) of the shape functions at reference points (..., d)."""
         return self._monomials(at, self.exponents) @ self._coefficients
 
     def slopes(self, at: Array) -> Array:
-        """Derivatives (..., n, 3) of the shape functions by reference coordinates, at reference points (..., 3)."""
+        """Derivatives (..., n, d) of the shape functions by reference coordinates, at reference points (..., d)."""
         found = []
-        for axis in range(3):
+        for axis in range(self.nodes.shape[1]):
             lower = self.exponents.copy()
             lower[:, axis] = np.maximum(lower[:, axis] - 1, 0)
             found.append((self._monomials(at, lower) * self.exponents[:, axis]) @ self._coefficients)
@@ -99,7 +102,7 @@ class ElementKind:
 
     @cached_property
     def middle(self) -> Array:
-        """Mean (3,) of the reference element's corners."""
+        """Mean (d,) of the reference element's corners."""
         return np.asarray(self.nodes[: self.corners].mean(axis=0))
 
     @cached_property
@@ -178,5 +181,17 @@ def _prisms() -> list[ElementKind]:
     return kinds
 
 
-#: By the number of nodes, of which no two kinds have as many.
+#: Solid ones by the number of nodes, of which no two have as many.
 ELEMENT_KINDS: dict[int, ElementKind] = {len(kind.nodes): kind for kind in (*_hexahedra(), *_tetrahedra(), *_prisms())}
+BRICK = ELEMENT_KINDS[8]
+
+#: Of four nodes, [-1, 1]² in reference coordinates.
+QUADRILATERAL = ElementKind(
+    "quadrilateral of 4 nodes",
+    4,
+    BRICK.nodes[:4, :2],
+    np.array(list(product(range(2), repeat=2))),
+    ((0, 1), (1, 2), (2, 3), (3, 0)),
+    BRICK.nodes[:4, :2] / np.sqrt(3.0),
+    np.ones(4),
+)

@@ -14,7 +14,7 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
 from geometry.body import LEAST_SCALED_JACOBIAN, BodyGeometry, BodyMesh, swept_body
-from geometry.elements import ELEMENT_KINDS
+from geometry.elements import BRICK, QUADRILATERAL
 from geometry.errors import GeometryError
 from geometry.grading import GivenAxis, Layering
 from geometry.host import BlockSeam, Host
@@ -122,25 +122,22 @@ class EmbeddedGeometry(BlockGeometry):
 
 def _seam(block: HexMesh, solid: SolidMesh) -> BlockSeam:
     """Integration points on the sides and the back of a block, with their places in the file's mesh."""
-    kind = ELEMENT_KINDS[8]
     x, w = np.polynomial.legendre.leggauss(_POINTS)
-    u, v = (each.ravel() for each in np.meshgrid(x, x, indexing="ij"))
-    shares = 0.25 * np.stack([(1 - u) * (1 - v), (1 + u) * (1 - v), (1 + u) * (1 + v), (1 - u) * (1 + v)], axis=-1)
-    along_u = 0.25 * np.stack([v - 1, 1 - v, 1 + v, -1 - v], axis=-1)
-    along_v = 0.25 * np.stack([u - 1, -1 - u, 1 + u, 1 - u], axis=-1)
+    on_face = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
+    shares, slopes = QUADRILATERAL.shapes(on_face), QUADRILATERAL.slopes(on_face)
     wanted = {tuple(row) for row in np.sort(block.surfaces["grip"], axis=1).tolist()}
     cells, local, areas = [], [], []
-    for face in kind.faces:
+    for face in BRICK.faces:
         corners = block.cells[:, list(face)]
         near = np.flatnonzero(np.isin(corners, block.surface_nodes("grip")).all(axis=1))
         own = near[[tuple(row) in wanted for row in np.sort(corners[near], axis=1).tolist()]]
         at = block.points[corners[own]]
         cells.append(own)
-        local.append(np.tile(shares @ kind.nodes[list(face)], (len(own), 1, 1)))
-        normal = np.cross(np.einsum("qc,fci->fqi", along_u, at), np.einsum("qc,fci->fqi", along_v, at))
+        local.append(np.tile(shares @ BRICK.nodes[list(face)], (len(own), 1, 1)))
+        normal = np.cross(*np.einsum("qck,fci->kfqi", slopes, at))
         areas.append(normal * np.outer(w, w).ravel()[:, None])
     cell, where, area = np.concatenate(cells), np.concatenate(local), np.concatenate(areas)
-    places = np.einsum("fqc,fci->fqi", kind.shapes(where), block.points[block.cells[cell]])
+    places = np.einsum("fqc,fci->fqi", BRICK.shapes(where), block.points[block.cells[cell]])
     size = np.linalg.norm(area, axis=2).sum(axis=1)
     depth = HexMesh(block.points, block.cells[cell], {}).cell_volumes() / size
     return BlockSeam(cell, where, area, depth, solid.located(places.reshape(-1, 3)))

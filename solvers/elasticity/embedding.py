@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from geometry import BodyMesh, Elastic, HexMesh
 from geometry.arrays import Array, IntArray
-from geometry.elements import ELEMENT_KINDS, ElementKind
+from geometry.elements import BRICK, ElementKind
 from geometry.host import Host
 from solvers.elasticity.condensation import CondensedBody, condense, inverse, schur_complements
 from solvers.elasticity.strain import stiffness_matrix
@@ -66,9 +66,9 @@ class Joined:
 
 def _seam_stiffness(block: HexMesh, host: Host, materials: tuple[Elastic, ...]) -> csr_matrix:
     """Contribution (3 n, 3 n) of the seam to the joint stiffness."""
-    seam, kind = host.seam, ELEMENT_KINDS[8]
+    seam = host.seam
     nodes = block.cells[seam.cells]
-    slopes = kind.slopes(seam.local)
+    slopes = BRICK.slopes(seam.local)
     jacobian = np.einsum("fni,fqnj->fqij", block.points[nodes], slopes)
     slopes = slopes @ np.linalg.inv(jacobian)
     of_cells = [materials[number] for number in host.block_part[seam.cells]]
@@ -99,7 +99,7 @@ def _seam_stiffness(block: HexMesh, host: Host, materials: tuple[Elastic, ...]) 
         shape=shape,
     ).tocsr()
     points = np.arange(size.size)
-    own = kind.shapes(seam.local)
+    own = BRICK.shapes(seam.local)
     parts = [(np.repeat(points, 8), np.repeat(nodes, q, axis=0).ravel(), own.ravel())]
     for places, of_host, shapes in seam.places.weights:
         parts.append((np.repeat(places, of_host.shape[1]), b + of_host.ravel(), -shapes.ravel()))

@@ -22,6 +22,7 @@ import numpy as np
 
 from geometry import Elastic, HexMesh
 from geometry.arrays import Array, ComplexArray, IntArray
+from geometry.elements import BRICK
 from solvers.elasticity.strain import integration_points
 from solvers.jit_cache import compiled
 
@@ -32,7 +33,7 @@ _REACH = 6.0  #: The correction reaches so many of the larger elements.
 _ALIASES = 4  #: Shorter waves beneath those that a lattice resolves, which a cell's uniform traction contains.
 _NEGLIGIBLE = 1e-3  #: Shares of a wave that are left out.
 #: Corners of a brick along each axis, in the order of its nodes; the first four are below.
-_CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+_CORNERS = (BRICK.nodes + 1.0) / 2.0
 
 _ONE, _TWO = np.uint64(1), np.uint64(2)  # Of the type that indices have in the innermost loop.
 

@@ -18,6 +18,7 @@ from scipy.sparse import bmat, coo_matrix, csr_matrix, diags
 
 from geometry import Elastic, HexMesh, QuadMesh
 from geometry.arrays import Array, IntArray
+from geometry.elements import BRICK, QUADRILATERAL, ElementKind
 from solvers.errors import SolverError
 
 if TYPE_CHECKING:
@@ -26,10 +27,6 @@ if TYPE_CHECKING:
 
 _SKFEM_CORNERS = [0, 4, 3, 1, 7, 5, 2, 6]  # scikit-fem numbers the corners of a hexahedron differently from VTK.
 
-_CORNERS = {
-    8: np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]),
-    4: np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]),
-}
 _TRIED, _NEWTON = 3, 6  #: Cells tried for a place, and steps to its local coordinates.
 _BESIDE = 2.0  #: Local coordinates are kept within this.
 TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and columns of the six components.
@@ -187,17 +184,16 @@ class IntegrationPoints:
 
 
 def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:
-    corners = _CORNERS[mesh.cells.shape[1]]
-    d = corners.shape[1]
-    at = corners / np.sqrt(3.0)
-    shapes = _shapes(at, corners)
-    slopes = np.stack([_slope(at, corners, k) for k in range(d)], axis=-1)
+    kind = _kind(mesh)
+    count, d = kind.nodes.shape
+    at = kind.nodes / np.sqrt(3.0)
+    slopes = kind.slopes(at)
     jacobian = np.einsum("mci,qck->mqik", mesh.points[mesh.cells], slopes, optimize=True)
     volumes = np.linalg.det(jacobian)
     local = slopes @ np.linalg.inv(jacobian)
-    gradients = np.zeros((*volumes.shape, len(corners), 3))
+    gradients = np.zeros((*volumes.shape, count, 3))
     gradients[..., [0, 1, 2] if d == 3 else [0, 2]] = local
-    return IntegrationPoints(mesh, gradients, np.abs(volumes), shapes)
+    return IntegrationPoints(mesh, gradients, np.abs(volumes), kind.shapes(at))
 
 
 def interpolation(mesh: HexMesh | QuadMesh, places: Array) -> csr_matrix:
@@ -206,37 +202,27 @@ def interpolation(mesh: HexMesh | QuadMesh, places: Array) -> csr_matrix:
     """
     from scipy.spatial import cKDTree
 
-    corners = _CORNERS[mesh.cells.shape[1]].astype(np.float64)
-    count, d = corners.shape
+    kind = _kind(mesh)
+    count, d = kind.nodes.shape
     at = mesh.points[mesh.cells]
     # Long thin cells are found by points inside them; of those near, the one that holds the place best is taken.
-    inside = np.einsum("qc,mcd->mqd", _shapes(0.5 * corners, corners), at).reshape(-1, d)
+    inside = np.einsum("qc,mcd->mqd", kind.shapes(0.5 * kind.nodes), at).reshape(-1, d)
     tried = cKDTree(inside).query(places, k=_TRIED)[1] // count
     nodes = at[tried]
     local = np.zeros((*tried.shape, d))
     for _ in range(_NEWTON):
-        shapes = _shapes(local, corners)
-        slopes = np.stack([_slope(local, corners, k) for k in range(d)], axis=-1)
-        missed = places[:, None] - np.einsum("ptc,ptcd->ptd", shapes, nodes)
-        jacobian = np.einsum("ptcd,ptck->ptdk", nodes, slopes, optimize=True)
+        missed = places[:, None] - np.einsum("ptc,ptcd->ptd", kind.shapes(local), nodes)
+        jacobian = np.einsum("ptcd,ptck->ptdk", nodes, kind.slopes(local), optimize=True)
         local = np.clip(local + np.linalg.solve(jacobian, missed[..., None])[..., 0], -_BESIDE, _BESIDE)
     best = np.abs(local).max(axis=-1).argmin(axis=1)
     chosen = np.arange(len(places))
-    weights, columns = _shapes(local[chosen, best], corners), mesh.cells[tried[chosen, best]]
+    weights, columns = kind.shapes(local[chosen, best]), mesh.cells[tried[chosen, best]]
     rows = np.repeat(chosen, count)
     return csr_matrix((weights.ravel(), (rows, columns.ravel())), shape=(len(places), len(mesh.points)))
 
 
-def _shapes(local: Array, corners: Array) -> Array:
-    """Shape functions (..., c) at local coordinates (..., d), each in [-1, 1]."""
-    return np.asarray((1.0 + corners * local[..., None, :]).prod(axis=-1) / 2.0 ** corners.shape[1])
-
-
-def _slope(local: Array, corners: Array, axis: int) -> Array:
-    """Derivatives (..., c) of the shape functions along one local axis, at local coordinates (..., d)."""
-    factors = 1.0 + corners * local[..., None, :]
-    factors[..., axis] = corners[:, axis]
-    return np.asarray(factors.prod(axis=-1) / 2.0 ** corners.shape[1])
+def _kind(mesh: HexMesh | QuadMesh) -> ElementKind:
+    return QUADRILATERAL if isinstance(mesh, QuadMesh) else BRICK
 
 
 def tensors(components: Array) -> Array:

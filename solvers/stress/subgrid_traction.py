@@ -28,6 +28,7 @@ from scipy.ndimage import binary_dilation, convolve1d, distance_transform_edt, g
 
 from geometry import Elastic, HexMesh
 from geometry.arrays import Array, BoolArray
+from geometry.elements import BRICK
 from solvers.elasticity.strain import IntegrationPoints, integration_points
 from solvers.jit_cache import compiled
 
@@ -38,7 +39,7 @@ _PERIOD = 41
 _DEPTH = 24.0  #: How deep the lattice reaches, in elements.
 _ALIASES = 12  #: Shorter waves beneath those that the lattice resolves, which a bilinear traction contains.
 #: Corners of a brick along each axis, in the order of its nodes.
-_CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+_CORNERS = (BRICK.nodes + 1.0) / 2.0
 _OF_TRACTION = ((2, 2), (4, 1), (5, 0))  #: Stress components that are the traction itself: zz, yz, xz of z, y, x.
 
 
