@@ -15,8 +15,6 @@ import numpy as np
 
 from geometry.arrays import Array, IntArray
 
-_ON_FACE = 1e-9  #: Distance from a face's plane within which a reference node lies on it.
-
 #: Points and weights on the reference triangle that integrate polynomials of degree 2 and 4 (Dunavant 1985).
 _TRIANGLE = {
     2: (np.array([[1 / 6, 1 / 6], [2 / 3, 1 / 6], [1 / 6, 2 / 3]]), np.full(3, 1 / 6)),
@@ -63,7 +61,7 @@ class ElementKind:
         for face in self.faces:
             a, b, c = self.nodes[list(face[:3])]
             beside = (self.nodes - a) @ np.cross(b - a, c - a)
-            others = np.setdiff1d(np.flatnonzero(np.abs(beside) < _ON_FACE), face)
+            others = np.setdiff1d(np.flatnonzero(np.abs(beside) < 1e-9), face)
             found.append(np.concatenate([np.array(face), others]))
         return tuple(found)
 

@@ -30,7 +30,6 @@ _LEAST_SHARE = 1e-8  #: Least share of an element's stiffness that is kept, so t
 #: over the elements' size.
 _BEYOND = 0.15
 _POINTS = 3  #: Points each way of a face of the block at which it hangs on the file's elements.
-_ON_LINE = 1e-6  #: Distance of a node from a grid's line over the grid's extent.
 
 
 @dataclass(frozen=True)
@@ -234,7 +233,8 @@ def grid_of(source: MeshSource) -> ContactPatch | None:
 def _lines(values: Array) -> Array:
     """Increasing values that differ from the one before by more than round-off."""
     ordered = np.sort(values)
-    return ordered[np.diff(ordered, prepend=-np.inf) > _ON_LINE * float(np.ptp(ordered))]
+    # Nodes so near a line of the grid, over its extent, lie on it.
+    return ordered[np.diff(ordered, prepend=-np.inf) > 1e-6 * float(np.ptp(ordered))]
 
 
 def as_grid(source: MeshSource, grip_stiffness_N_per_mm3: float | None) -> OwnGrid | None:

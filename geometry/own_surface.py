@@ -27,14 +27,9 @@ if TYPE_CHECKING:
 
 Vector = tuple[float, float, float]
 
-_LEAST_MEAN = 0.3  #: Mean normal of a surface that faces one way; that of half a ball is 0.5.
-_SEEN = 0.5  #: Faces are fitted whose normal's share along the outward direction is at least this.
 _NODES = 60  #: Nodes nearest to the first contact through which a face is fitted at first.
 _STRAIGHT = 1e-6  #: Curvature times the surface's size below which it counts as straight.
-_STRAIGHTER = 1e-3  #: Share of the larger curvature below which a paraboloid does not show where it is highest.
 _EXACT = 1e-7  #: Distance of nodes from a barrel over the surface's size below which it is the face.
-_TWISTED = 2e-3  #: Share of the largest curvature that may be a twist about the axes.
-_HOLLOW = 1e-3  #: Share of the largest curvature below which a hollow one counts as straight.
 _ROUND = 0.05  #: Difference of curvatures, over the larger, from which one of them shows the axis.
 _STEPS = 30
 
@@ -186,7 +181,8 @@ def own_surface(source: MeshSource) -> OwnSurface:
     outward = _outward(solid, triangles, source)
     normals = _normals(solid.points, triangles)
     size = np.linalg.norm(normals, axis=1)
-    triangles = triangles[normals @ outward >= _SEEN * size]
+    # Faces are fitted whose normal's share along the outward direction is at least this.
+    triangles = triangles[normals @ outward >= 0.5 * size]
     corners = np.unique(triangles)
     nodes = solid.nodes_between(corners)
     points = solid.points
@@ -237,7 +233,8 @@ def _outward(solid: SolidMesh, triangles: IntArray, source: MeshSource) -> Array
     normals = _normals(solid.points, triangles)
     mean = normals.sum(axis=0) / np.linalg.norm(normals, axis=1).sum()
     length = float(np.linalg.norm(mean))
-    if length < _LEAST_MEAN:
+    # The mean normal of half a ball is 0.5.
+    if length < 0.3:
         raise GeometryError(
             f"its set {source.contact!r} faces all ways round, so its normal is not known: state it, as in "
             "outward = [0, 0, 1]"
@@ -293,7 +290,8 @@ def _apex(nodes: Array, start: Array, axes: Array, scale: float, *, moves: bool)
         values, vectors = np.linalg.eigh(form)
         step = np.zeros(2)
         for value, vector in zip(values, vectors.T, strict=True):
-            if value > max(_STRAIGHT / scale, _STRAIGHTER * values[1]):
+            # With a smaller share of the larger curvature a paraboloid does not show where it is highest.
+            if value > max(_STRAIGHT / scale, 1e-3 * values[1]):
                 step += np.clip((vector @ found[1:3]) / value, -0.2 * scale, 0.2 * scale) * vector
         height = found[0] + found[1:3] @ step - 0.5 * step @ form @ step
         origin = origin + np.array([*step, height]) @ axes
@@ -319,7 +317,8 @@ def _principal(axes: Array, form: Array, source: MeshSource) -> Array:
         turn = np.round(turn) if np.abs(turn - np.round(turn)).max() < 2e-3 else turn
         x = turn @ axes[:2]
         return np.stack([x, np.cross(axes[2], x), axes[2]])
-    if abs(form[0, 1]) > max(_TWISTED * np.abs(values).max(), 5e-2 * (values[1] - values[0])):
+    # So much of the largest curvature may be a twist about the axes.
+    if abs(form[0, 1]) > max(2e-3 * np.abs(values).max(), 5e-2 * (values[1] - values[0])):
         if abs(form[0, 0] - form[1, 1]) < 1e-12:
             return axes
         better = ", ".join(f"{value:.4g}" for value in turn @ axes[:2])
@@ -353,7 +352,8 @@ def _barrel(nodes: Array, scale: float, *, moves: bool) -> tuple[Barrel, Array]:
     ).x
     curved = np.where(np.abs(found[3:]) < max(_EXACT, 1e-5 * np.abs(found[3:]).max()), 0.0, found[3:])
     largest = np.abs(curved).max()
-    if (curved < -max(_HOLLOW * largest, _STRAIGHT)).any():
+    # A hollow curvature below this share of the largest counts as straight.
+    if (curved < -max(1e-3 * largest, _STRAIGHT)).any():
         raise GeometryError(
             f"its contact surface is hollow, of radius {scale / abs(float(curved.min())):.4g} mm: bodies at a point "
             "are round or flat"

@@ -16,10 +16,7 @@ import numpy as np
 from geometry.arrays import Array, IntArray
 from geometry.grading import Layering, graded_layers
 
-#: Least radius of the core and its corner angle, as fractions of the wire's radius and in rad.
-_LEAST_RING_RADIUS = 0.5
-_CORE_RADIUS = 0.35
-_LEAST_CORNER_ANGLE = 0.25 * pi
+_LEAST_CORNER_ANGLE = 0.25 * pi  #: Of a wire's core.
 #: Longest bricks around a tube over its wall: they make a thin ring 5 % too stiff in bending, a tube with a load at a
 #: point 1 % (19.05 mm, wall 1.09 mm).
 _COARSE_PER_WALL = 1.0 / 3.0
@@ -78,7 +75,7 @@ def wire_section(
         _, angles, edge = columns.through(angles, radius_mm, bore_radius_mm, first, _UNJOINED["tube"])
         _rings(section, edge, _ring_angles(float(angles[-1]), coarse_mm / radius_mm))
     else:
-        row, angles, edge, _ = columns.down(angles, radius_mm, first, _LEAST_RING_RADIUS * radius_mm)
+        row, angles, edge, _ = columns.down(angles, radius_mm, first, 0.5 * radius_mm)
         _rings_and_core(section, row, edge, angles, radius_mm, coarse_mm)
     return section.below(radius_mm)
 
@@ -218,7 +215,7 @@ def _rings_and_core(
     """Add rings of elements from the columns' outer edge to the wire's back, and the core inside them."""
     columns = len(row) - 1
     corner = float(angles[-1])
-    rim = _CORE_RADIUS * radius
+    rim = 0.35 * radius
     half_width, top, bottom = rim * sin(corner), rim * cos(corner), -rim * sin(pi / 4)
     ring_angles = _ring_angles(corner, coarse / radius, columns)
     sides = len(ring_angles) - columns - 1

@@ -23,8 +23,6 @@ _TRIED, _NEWTON, _BESIDE = (
     8,
     3.0,
 )  #: Cells tried for a place; Newton steps to its reference coordinates; their limit.
-_NEAR = 1e-3  #: A place so little beyond a cell, over the cell's size, is taken to lie in it.
-_BESIDE_BOX = 0.1  #: A cell that is tried has the place in its box, or so little beside it, over the box's size.
 _CHUNK = 2_000_000  #: Numbers of places times cells that are looked at together.
 
 
@@ -186,7 +184,8 @@ class SolidMesh:
         near = np.asarray(self._tree.query(places, k=min(_TRIED, self.size))[1]).reshape(len(places), -1)
         pairs = np.column_stack([np.repeat(np.arange(len(places)), near.shape[1]), near.ravel()])
         low, high = self._boxes
-        margin = _BESIDE_BOX * (high - low).max(axis=1, keepdims=True)
+        # A cell that is tried has the place in its box, or so little beside it.
+        margin = 0.1 * (high - low).max(axis=1, keepdims=True)
         at = places[pairs[:, 0]]
         held = (at >= (low - margin)[pairs[:, 1]]).all(axis=1) & (at <= (high + margin)[pairs[:, 1]]).all(axis=1)
         pairs = pairs[held]
@@ -200,7 +199,8 @@ class SolidMesh:
                     beyond = np.linalg.norm(nearest - wanted, axis=1) * (kind.outside(at) > 0.0)
                     _keep_best(part, beyond, at, cell, best, local)
             if search == 0:
-                pairs = self._boxed(places, np.flatnonzero(best > _NEAR * self.edges_mm[cell]))
+                # A place so little beyond a cell, over the cell's size, is taken to lie in it.
+                pairs = self._boxed(places, np.flatnonzero(best > 1e-3 * self.edges_mm[cell]))
         shapes = []
         for (kind, cells), first in zip(kinds, starts, strict=False):
             rows = np.flatnonzero((cell >= first) & (cell < first + len(cells)))

@@ -22,17 +22,11 @@ from solvers.fretting import CycleTrace, Watch, closed_cycle, last_stroke, settl
 from solvers.wear_path import forced_path
 from solvers.wear_step.symmetry import Mirror, kept_by, mirrored, symmetry_of
 
-#: Allowed distance of the force from the straight lines between increments, over the friction force.
-LOOP_TOLERANCE = 3e-3
-# A loop whose half height is less than its largest force is thin: its area needs a straighter force. Below this share
-# it is followed no better.
-_LEAST_OPENING = 0.002
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
 _CLOSURE = 2e-3
 _MOST_REPEATS = 4
 # Of the stroke: the first step after a reversal, and one below which nothing is refined.
 _FIRST_STEP, _SMALLEST_STEP = 1.0 / 1000.0, 1.0 / 8000.0
-_LARGEST_TREND = 4.0
 _SAFETY, _LARGEST_GROWTH, _LARGEST_CUT = 0.8, 2.0, 0.2
 # What was thought right, or is given by the way out, is only taken again when it is wrong by more than this factor.
 _PATIENCE = 2.0
@@ -46,7 +40,7 @@ def closed_adaptive_cycle(
     watch: Watch | None = None,
     guide: Guide | None = None,
     settling_increments: int | None = None,
-    tolerance: float = LOOP_TOLERANCE,
+    tolerance: float = 3e-3,
     moved: CycleTrace | None = None,
 ) -> tuple[ContactState, CycleTrace]:
     """A closed loop without wear, as from `closed_cycle`, but with increments short where the force bends.
@@ -72,7 +66,8 @@ def closed_adaptive_cycle(
     friction = sliding_force(problem, state)
     largest, way = float(np.abs(trace.tangential_force).max()), np.abs(np.diff(trace.drive, prepend=trace.start.drive))
     # Of a rectangular loop that is its half height.
-    opening = max(trace.friction_work / float(way.sum()), _LEAST_OPENING * largest)
+    # The area of a thin loop needs a straighter force; of one that opens less, no straighter still.
+    opening = max(trace.friction_work / float(way.sum()), 0.002 * largest)
     # Of the normal load: loops of less force than this are followed no better than loops of so much, whether they lack
     # friction or move in free play. The remaining force is how pressures tilt on the elements, which no step resolves.
     height, least = min(friction, largest, opening), 3e-3 * float(trace.normal_force.max())
@@ -264,10 +259,8 @@ def _bend(behind: _Step, ahead: _Step) -> float:
 
 
 def _trend(bends: Sequence[float], bend: float) -> float:
-    """Expected ratio of the bends in the next step and in this one, from 1 to `_LARGEST_TREND`; bends: of the steps
-    before.
-    """
-    return float(np.clip(bend / bends[-1], 1.0, _LARGEST_TREND)) if bends and bends[-1] > 0.0 else 1.0
+    """Expected ratio of the bends in the next step and in this one, from 1 to 4; bends: of the steps before."""
+    return float(np.clip(bend / bends[-1], 1.0, 4.0)) if bends and bends[-1] > 0.0 else 1.0
 
 
 def _force(state: ContactState) -> float:

@@ -26,11 +26,6 @@ _MOST_REPEATS = 4
 Watch = Callable[[ContactState, IncrementReport], None]  #: Called after every increment.
 
 
-# Forces below this share of the largest show nothing of a spring.
-_LEAST_FORCE = 0.05
-_LEAST_SHARE_OF_LOAD = 1e-6
-
-
 @dataclass(frozen=True)
 class CycleTrace:
     """A simulated cycle, or part of one, of n increments; arrays (n,) hold values at the ends of increments."""
@@ -297,10 +292,11 @@ def measured_holder(problem: ContactProblem, states: Sequence[ContactState]) -> 
     """
     holder = problem.holder
     force = np.array([state.primary_force[:, 0].sum() for state in states])
-    least = _LEAST_SHARE_OF_LOAD * holder.normal_load_N
+    least = 1e-6 * holder.normal_load_N
     if not force.min() < -least < least < force.max():
         raise SolverError("the holder's elements can only be measured from states with forces in both directions")
-    loaded = np.abs(force) > _LEAST_FORCE * float(np.abs(force).max())
+    # Lower forces show nothing of a spring.
+    loaded = np.abs(force) > 0.05 * float(np.abs(force).max())
     tilt = np.array([state.holder_tilt for state in states])
     moved = np.array([state.holder_x for state in states])
     translation = moved - holder.pivot_height_mm * tilt

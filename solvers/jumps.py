@@ -16,9 +16,6 @@ State = TypeVar("State")
 
 _SAFETY = 0.9
 _MOST_REJECTIONS = 12
-# Share of the size of a step that did not converge that is tried next.
-_CUT_BACK = 0.35
-_GROWTH_AFTER_FAILURE = 1.5
 
 
 @dataclass(frozen=True)
@@ -100,7 +97,7 @@ def take_step(
             if size <= 1.0:
                 raise
             # The next steps approach the size that failed with care.
-            wanted, growth = _CUT_BACK * size, _GROWTH_AFTER_FAILURE
+            wanted, growth = 0.35 * size, 1.5
             continue
         following = min(controller.following(change, size, done + size), growth * size)
         if controller.accepted(change, size, done):

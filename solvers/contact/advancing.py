@@ -29,17 +29,10 @@ from solvers.contact_state import ContactState, FirstGuess, IncrementReport
 from solvers.elasticity.compliance import displacement_at
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 
-# The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's
-# error is of second order in that distance.
-_PAIRING_TOLERANCE = 0.01
-_MOST_PAIRINGS = 12
 _PRINTED = 1e-4  # Prints have settled when they change by no more than this share of the holder's height.
 _FOLLOWED = 6  # Pairings in which friction follows the speed of sliding.
 
-# Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
-_CANDIDATE_MARGIN = 1.15
 _LEAST, _FEW = 12, 128  # Nodes searched at the least, and how many are put in order at first to find them.
-_MOST_CUTS = 8
 _BRACKET, _HEIGHT_TOLERANCE = 1.25, 1e-8  # Of heights at which surfaces that yield bear the load.
 
 
@@ -167,7 +160,8 @@ def solve_increment(
     Raises IncrementFailedError if no solution was found, LostContactError where nothing touches, and PatchLeftError if
     the contact has reached the edge of either patch.
     """
-    tolerance, areas, begins = _PAIRING_TOLERANCE * problem.smallest_element, problem.surface.areas, state
+    # The pairing is renewed when the holder has moved by more: the gap's error is of second order in that distance.
+    tolerance, areas, begins = 0.01 * problem.smallest_element, problem.surface.areas, state
     holder_x = _predicted_holder_position(problem, state, drive) if expected is None else expected.holder_x
     tilt = state.holder_tilt + problem.holder.tilt_per_motion_rad_per_mm * (holder_x - state.holder_x)
     gap = vertical_gaps(problem, state, drive, holder_x)
@@ -178,10 +172,10 @@ def solve_increment(
         nodes = active = np.flatnonzero(gap + state.holder_z < 0.0)
     else:
         # The scar's shape changes less than the height at which it is met: guess the overlap by its area.
-        nodes = _either(len(gap), active, _closest(gap, areas, _CANDIDATE_MARGIN * like.overlap_area))
+        nodes = _either(len(gap), active, _closest(gap, areas, 1.15 * like.overlap_area))
     height, iterations, before, slip_share = state.holder_z, 0, paired_before(problem, state), state.slip_share
     images = images_across(problem, state)
-    for pairings in range(1, _MOST_PAIRINGS + 1):
+    for pairings in range(1, 13):
         if not len(nodes):
             raise LostContactError("the bodies have lost contact")
         nodes = nodes if images is None else _either(len(gap), nodes, images[nodes])
@@ -434,7 +428,7 @@ def advance(
             current, report = solve_increment(problem, current, place, cycles, expected=expected)
         except IncrementFailedError as failure:
             pieces *= 2
-            if pieces > 2**_MOST_CUTS:
+            if pieces > 256:
                 if _may_part(problem, current, drive, failure):
                     current, report = _parted_or_met(problem, current, drive)
                     return current, [*reports, report]

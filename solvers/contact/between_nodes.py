@@ -26,7 +26,6 @@ from solvers.stress.subgrid_traction import SubgridTraction, fitted_square, refi
 _ACROSS, _FEWEST, _MOST = 72, 2, 8
 _AROUND = 4  #: Nodes without pressure about the contact that are looked at.
 _MOVED, _HALVINGS = 0.25, 20  #: How far the edge is moved at most, in elements, and how exactly.
-_OFF = 0.06  #: Uncertainty of the edge's position in elements, from Hertz's ellipses on meshes of all levels.
 _LARGEST = 1.5  #: Largest allowed ratio of an integral over elements and the sum over nodes, either way.
 
 
@@ -141,13 +140,14 @@ class SpreadPressure:
 
     @cached_property
     def edge_error(self) -> float:
-        """Half the relative error of the contact's area: the share swept if the edge moves by `_OFF` elements.
+        """Half the relative error of the contact's area: the share swept if the edge moves by 0.06 elements.
 
         Each line of samples crosses the edge twice: for convex contacts the crossings along both axes add up to 4/π of
-        the perimeter (Cauchy-Crofton). For an ellipse along the grid the result is `_OFF` over its half-width in
+        the perimeter (Cauchy-Crofton). For an ellipse along the grid the result is 0.06 over its half-width in
         elements.
         """
-        return _OFF * pi / 8.0 * self.samples * len(self.edge_mm) / max(len(self.pressure_MPa), 1)
+        # Uncertainty of the edge's position in elements, from Hertz's ellipses on meshes of all levels.
+        return 0.06 * pi / 8.0 * self.samples * len(self.edge_mm) / max(len(self.pressure_MPa), 1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,8 +29,6 @@ from solvers.elasticity.strain import stiffness_matrix
 from solvers.errors import SolverError
 from solvers.jit_cache import compiled
 
-_MOST_TREES = 4
-
 
 @dataclass(frozen=True)
 class Substructure:
@@ -129,7 +127,7 @@ def divided(graph: csr_matrix, nodes: IntArray) -> Substructure:
     """
     key = sha256(b"".join(np.ascontiguousarray(one).data for one in (graph.indptr, graph.indices, nodes))).digest()
     if key not in _TREES:
-        while len(_TREES) >= _MOST_TREES:
+        while len(_TREES) >= 4:
             del _TREES[next(iter(_TREES))]
         _TREES[key] = _bisected(graph, nodes)
     return _TREES[key]

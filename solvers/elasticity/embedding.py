@@ -19,7 +19,6 @@ from solvers.elasticity.condensation import CondensedBody, condense, inverse, sc
 from solvers.elasticity.strain import stiffness_matrix
 from solvers.errors import SolverError
 
-_SPRING = 10.0  #: Stiffness of the seam's spring per area, over the block's modulus by its elements' thickness there.
 _CHUNK = 4_000_000  #: Numbers of elements' matrices that are worked out together.
 
 
@@ -106,7 +105,8 @@ def _seam_stiffness(block: HexMesh, host: Host, materials: tuple[Elastic, ...]) 
     row, column, value = (np.concatenate([part[k] for part in parts]) for k in range(3))
     gap = kron(coo_matrix((value, (row, column)), shape=(size.size, n)), identity(3), format="csr")
     area = diags(np.repeat(size.ravel(), 3))
-    spring = _SPRING * ((lame + 2.0 * shear) / seam.depth_mm)[:, None] * size
+    # The seam's spring per area, over the block's modulus by its elements' thickness there.
+    spring = 10.0 * ((lame + 2.0 * shear) / seam.depth_mm)[:, None] * size
     work = gap.T @ area @ pulled
     return csr_matrix(gap.T @ diags(np.repeat(spring.ravel(), 3)) @ gap - work - work.T)
 

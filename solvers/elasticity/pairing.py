@@ -22,8 +22,6 @@ from solvers.elasticity.placement import PlacedBody
 from solvers.elasticity.quadrature import at_points, field_at, integrals, points_about
 from solvers.jit_cache import compiled
 
-_GAUSS_POINTS = 5
-
 
 @dataclass(frozen=True)
 class PrimarySurface:
@@ -77,7 +75,7 @@ class Pairing:
 def primary_surface(body: PlacedBody) -> PrimarySurface:
     """Set up the quadrature on the patch of the body that carries the tractions."""
     patch = body.patch
-    along, across = (gauss_lines(lines, _GAUSS_POINTS) for lines in (patch.axial_mm, patch.transverse_mm))
+    along, across = (gauss_lines(lines, 5) for lines in (patch.axial_mm, patch.transverse_mm))
     nodes = np.arange(patch.size)
     points = points_about(nodes, along, across, np.eye(2), np.zeros(2))
     own = integrals(nodes, points, along, across, patch, np.zeros(patch.shape), np.zeros((patch.size, 2)))

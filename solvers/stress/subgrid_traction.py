@@ -196,14 +196,10 @@ def _projected(bricks: list[_Brick], moved: list[ComplexArray]) -> ComplexArray:
 _LOADED = 0.05  #: Nodes with less than this share of the largest pressure are outside.
 #: Width of the fits' weights, in elements, and the weight of nodes that share elements with unloaded ones.
 _WIDTH = 2.5
-_AT_EDGE = 0.2
 _BEYOND = 3  #: The square is continued so many elements beyond the contact.
 #: An edge lies no farther out than one element: squares beyond are below zero by this share of the largest one within
 #: so many elements.
 _OUTSIDE, _NEAREST = 0.3, 4
-#: Curvatures that the nodes do not show are small, by this share of the other terms' weight.
-_UNDETERMINED = 1e-6
-_FORCE_WIDTH = 2.0
 _MOST_SCALED = 2.0
 _SAMPLES = 4
 _HALVINGS = 40
@@ -235,7 +231,7 @@ class SubgridTraction:
         return np.asarray(_edge(self.square))
 
 
-def fitted_square(pressure: Array, trust_at_edge: float = _AT_EDGE) -> Array:
+def fitted_square(pressure: Array, trust_at_edge: float = 0.2) -> Array:
     """Square (n_a, n_t) of pressures at nodes, some of them positive, as it is fitted: negative outside the contact.
 
     trust_at_edge: weight of nodes that share elements with unloaded ones.
@@ -269,7 +265,8 @@ def _fitted(square: Array, loaded: BoolArray, trust_at_edge: float) -> Array:
     around = binary_dilation(loaded, structure=around_one, iterations=_BEYOND)
     near = binary_dilation(loaded, structure=around_one)
     chosen = matrix[around]
-    chosen += _UNDETERMINED * chosen[:, :1, :1] * np.diag([0.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+    # Curvatures that the nodes do not show are small.
+    chosen += 1e-6 * chosen[:, :1, :1] * np.diag([0.0, 1.0, 1.0, 1.0, 1.0, 1.0])
     result = np.zeros(square.shape)
     result[around] = np.linalg.solve(chosen, right[around][..., None])[:, 0, 0]
     width = 2 * _NEAREST + 1
@@ -301,7 +298,7 @@ def _scale(square: Array, pressure: Array) -> Array:
     hat = 1.0 - np.abs(np.arange(1 - _SAMPLES, _SAMPLES)) / _SAMPLES
     carried = _summed(fine, hat / _SAMPLES, hat / _SAMPLES)[::_SAMPLES, ::_SAMPLES]
     line = np.array([1.0, 4.0, 1.0]) / 6.0
-    is_, should = (_smoothed(each, _FORCE_WIDTH) for each in (carried, _summed(pressure, line, line)))
+    is_, should = (_smoothed(each, 2.0) for each in (carried, _summed(pressure, line, line)))
     ratio = np.divide(should, is_, out=np.ones_like(is_), where=is_ > 1e-6 * is_.max())
     return np.asarray(np.clip(ratio, 1.0 / _MOST_SCALED, _MOST_SCALED))
 

@@ -33,10 +33,7 @@ _ALIKE = 0.02  #: Elements are alike that differ by no more than this share.
 _REACH = 8.0
 _DIRECTIONS = 48
 _DISTANCES = 48
-#: Share of the largest traction that counts there: those found from nodal forces fade beyond a contact, to 0.04 within
-#: two and a half elements.
-_ENDING = 0.1
-_LOADED = 1e-6
+_LOADED = 1e-6  #: Share of the largest traction that counts as some.
 #: Places along each side of a cell at which its square is tried, and the share of its range by which it may be higher.
 _SAMPLED, _ROOM = 4, 0.1
 #: What differs from its mirror image by no more than this share is its own: its stresses are computed on one side.
@@ -252,7 +249,8 @@ def corrected_nodes(size: Array, spacing_mm: tuple[float, ...]) -> BoolArray:
     # Points no farther from loaded nodes than so many elements are corrected.
     near = away <= 5.0 * max(spacing_mm)
     # Where the contact leaves these elements, or ends at their very end, its tractions between the nodes are not known.
-    cut = size > _ENDING * size.max(initial=0.0)
+    # Tractions found from nodal forces fade beyond a contact, to 0.04 within two and a half elements.
+    cut = size > 0.1 * size.max(initial=0.0)
     cut[(slice(2, -2),) * size.ndim] = False
     if cut.any():
         # Nor are those nearer than so many elements to where a contact leaves the elements that are alike.

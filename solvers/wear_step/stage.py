@@ -48,8 +48,6 @@ _FOLLOWED = 8
 # by no more than the second.
 _SETTLED, _SETTLED_LAYERS = 1e-3, 1e-6
 
-# Relative motion of the bodies over an increment, as a share of the largest, below which slip is not rescaled.
-_LEAST_MOTION = 0.05
 _LEAST_STRETCH, _LARGEST_STRETCH = 0.5, 2.0
 
 
@@ -290,7 +288,8 @@ def _carried(
     sign = -1.0 if cycle.half else 1.0
     moved = np.array([position.moved for position in cycle.positions])
     moves = np.array([position.moves for position in cycle.positions])
-    least = _LEAST_MOTION * float(np.abs(moved).max())
+    # Where the bodies move by less, slip is not rescaled.
+    least = 0.05 * float(np.abs(moved).max())
     for k in map(int, np.flatnonzero(np.abs(moved) <= least)):
         # Where the contact sticks, the holder stands as it stood before, whatever friction could bear.
         shift[k] = shift[k - 1] if k else sign * shift[-1]

@@ -33,9 +33,6 @@ _STAGE = 1.0 - 0.5**0.5
 # Of a pressure before the step: less than the first share after the first stage counts as fading, more than the second
 # as lasting.
 _FADED, _LASTS = 0.25, 0.5
-# Wear work that fading pressures lose is given to lasting ones until that changes by less than this share.
-_BALANCED = 2e-3
-_MOST_BALANCES = 3
 
 #: The problem after so many cycles and so much friction energy (mJ).
 ProblemAt = Callable[[float, float], ContactProblem]
@@ -45,7 +42,6 @@ ProblemAt = Callable[[float, float], ContactProblem]
 # less than the whole step taken again for one that was missing: of the 23 jumps of steel wires in 100 000 cycles 6 were
 # with 3, 3 with 4, and 2 with 5.
 _MARGIN = 5.0
-_MOST_SEARCHES = 6
 
 
 @dataclass(frozen=True)
@@ -73,9 +69,10 @@ def two_stages(
     rising = (rest - own) * _rise(traced, first.pressure)
     last_for = _on_fronts(late, cycle, cycles - rest * lasting, rising, first.pressure)
     last, ahead = first, np.zeros_like(lasting)
-    for _ in range(_MOST_BALANCES):
+    # Wear work that fading pressures lose is given to lasting ones.
+    for _ in range(3):
         balanced = rest * lasting * _taken_over(early, cycle, lasting, first.wear_work, last.wear_work)
-        if np.abs(balanced - ahead).max() <= _BALANCED * rest:
+        if np.abs(balanced - ahead).max() <= 2e-3 * rest:
             break
         ahead = balanced
         between = worn_by(early, cycle.orbits, cycle.wear, first.works, ahead)[0]
@@ -219,7 +216,7 @@ def jump_cycles(
     passed = stops_of(start, trace, symmetry.half_cycle)
     nodes = [_with_images(facing_nodes(problem, stop.state, _MARGIN), across) for stop in passed]
     work = symmetry.strokes * trace.friction_work
-    for _ in range(_MOST_SEARCHES):
+    for _ in range(6):
         kept, cycle = _cycle(problem, start.wear, passed, nodes, symmetry, work)
         stages = two_stages(problem_at, cycle, start, trace, done, cycles)
         wear = printed_by(stages.problem, cycle, symmetry, stages.wear, stages.last.pressure)

@@ -59,8 +59,6 @@ LEAST_DISPERSION = _KNOWN.number("least_dispersion")
 #: Explanations less probable than this are not listed.
 LEAST_LISTED = _KNOWN.number("least_listed")
 
-_SEED = 20200715
-
 
 def diagnose(
     record: AnyRecord,
@@ -146,7 +144,7 @@ def judged(
     best = explained if relevance.relevant else found.none
     own = {member for name in best.names for member in weighed.class_of(name)}
     wrong = max((one for one in found.singles if one.names[0] not in own), key=lambda one: one.merit, default=None)
-    shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, _SEED)
+    shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, 20200715)
     remainder: Remaining | None = None
     if best.names and not shrink.supports:
         weighed = weighed.refuted(best.names)

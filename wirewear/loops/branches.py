@@ -16,9 +16,7 @@ from geometry.arrays import Array
 from wirewear.loops.cleaning import CleanLoop
 
 PLATEAU_SHARE = 0.85  # the last part of a branch may hook upwards and says nothing about the onset of sliding
-LATEST_ONSET = 0.95
 SHARES = np.array([0.0, 0.08, 0.2, 0.45, 0.7, 1.0])  # of a Mindlin contact in the travel of micro-slip, as searched
-FEWEST_SLIDING = 3
 
 #: A force that has turned within the first share of a branch, of which a fit says that sliding begins after the second,
 #: and whose medians over thirds of the branch are no farther apart than the third, rings.
@@ -181,7 +179,7 @@ class MicroSlip:
 def slides_visibly(course: tuple[Branch, MicroSlip]) -> bool:
     """True if a plateau was found and has at least three samples."""
     branch, slip = course
-    return slip.slides and int(np.count_nonzero(branch.travel_um > slip.travel_um)) >= FEWEST_SLIDING
+    return slip.slides and int(np.count_nonzero(branch.travel_um > slip.travel_um)) >= 3
 
 
 def split_branches(loop: CleanLoop) -> tuple[Branch, Branch]:
@@ -270,7 +268,7 @@ def _search(branch: Branch, onsets: Array, order: int, share: float = PLATEAU_SH
         height_N=rise,
         plateau_slope_N_per_um=float(ends[1] - ends[0]) / (last - onset) if order else 0.0,
         misfit=float(misfit[shape, best]),
-        slides=onset < LATEST_ONSET * length,
+        slides=onset < 0.95 * length,
         length_um=length,
         plateau=tuple(float(c) for c in coefficients),
         shape=int(shape),

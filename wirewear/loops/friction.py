@@ -29,10 +29,6 @@ BEYOND_NOISE = 5.0
 #: way.
 SAMPLES_OF_MEAN, BEHIND_NOISES, BEHIND_STEPS, BEHIND_SHARE = 5, 4.0, 1.5, 0.002
 
-FRICTION_SHARE = 0.75
-STIFFNESS_SHARE = 0.05
-SHIFTINGS = 3
-
 
 @dataclass(frozen=True)
 class Plateau:
@@ -250,18 +246,18 @@ def _geometry_independent(
 
     Both share φ, straight in x; the scar's slope θ, of either sign, is a polynomial in x whose degree minimises
     Schwarz's criterion. Sharing keeps the walls of the scar out of φ and halves its scatter. The stiffness is known to
-    STIFFNESS_SHARE only, so both directions may be shifted against each other: where there are walls, they tell.
+    5 % only, so both directions may be shifted against each other: where there are walls, they tell.
     """
     if loop.normal_force_N is None:
         return None
-    near = [np.abs(part.slip_position_um - middle) <= FRICTION_SHARE * half_range for part in plateaus]
+    near = [np.abs(part.slip_position_um - middle) <= 0.75 * half_range for part in plateaus]
     if min(int(np.count_nonzero(inside)) for inside in near) < 5:
         return None
     ratio = np.concatenate([part.ratio[inside] for part, inside in zip(plateaus, near, strict=True)])
     position = np.concatenate([part.slip_position_um[inside] for part, inside in zip(plateaus, near, strict=True)])
     sign = np.repeat([1.0, -1.0], [int(np.count_nonzero(inside)) for inside in near])
     force = float(np.mean(np.concatenate([part.force_N for part in plateaus])))
-    likely_shift = STIFFNESS_SHARE * abs(force) / stiffness_N_per_um / half_range
+    likely_shift = 0.05 * abs(force) / stiffness_N_per_um / half_range
     fit = _friction_angle(np.arctan(ratio), (position - middle) / half_range, sign, likely_shift)
     friction = float(np.tan(fit.coefficients[0]))
     deviation = (1.0 + friction**2) * float(np.sqrt(fit.covariance[0, 0]))
@@ -283,7 +279,7 @@ def _friction_angle(angle: Array, x: Array, sign: Array, likely_shift: float) ->
     degree = degrees[best_fit(designs, angle)]
     fit = fit_linear(designs[degrees.index(degree)], angle)
     shift = 0.0
-    for _ in range(SHIFTINGS if likely_shift > 0.0 and degree > 0 else 0):
+    for _ in range(3 if likely_shift > 0.0 and degree > 0 else 0):
         at = x - sign * shift
         theta = np.polynomial.Polynomial(fit.coefficients[2 : degree + 3])
         slope = theta.deriv()(at)

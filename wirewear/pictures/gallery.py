@@ -38,7 +38,6 @@ DASHES: tuple[LineStyleType, LineStyleType] = (0, (5, 1.5)), "-"
 
 WIDEST, THINNEST = 1.1, 0.7  #: Line widths of the first and the last loop, as shares of other lines'.
 FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100  #: Milliseconds of a frame and of the last one; dots per inch.
-HEIGHT_in = 3.2
 FOLDER_NAME = "pictures"
 
 
@@ -278,7 +277,7 @@ def _frame(result: RunResult, cycle: int, cycles: Sequence[int]) -> Figure:
     scars = [result.scar(one, result.bodies[1]) for one in cycles]
     half_x, half_y = (1.25 * half for half in worn_half_extent(scars))
     norm = Normalize(0.0, max(scar.max_depth_um for scar in scars) or 1.0)
-    figure = style.new_figure(HEIGHT_in)
+    figure = style.new_figure(3.2)
     left, right = figure.subplots(1, 2)
     curves = {one: smooth_loop(result.loop(one)) for one in cycles}
     draw_loop(left, *curves[cycles[0]], color=style.GREY, linewidth=0.9)

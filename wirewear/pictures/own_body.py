@@ -12,7 +12,6 @@ from geometry.own_surface import MeshSource, OwnSurface, own_surface
 from wirewear.pictures.mesh import EDGE_COLOUR, GRIP_COLOUR, MOVING_COLOUR, PATCH_COLOUR, PIXELS
 from wirewear.pictures.style import WIDTH_in, new_figure, panel_letters
 
-_LINES = 61  #: At which the deviation is drawn, each way.
 _AXES = {"x": "#b03030", "y": "#2f7d32", "z": "#2453a6"}  #: Colours of the body's axes.
 
 
@@ -78,7 +77,7 @@ def _faces(own: OwnSurface, faces: tuple[Any, ...]) -> Any:
 
 
 def _draw_deviation(axes: Axes, own: OwnSurface, half_extents_mm: tuple[float, float]) -> None:
-    along, across = (np.linspace(-half, half, _LINES) for half in half_extents_mm)
+    along, across = (np.linspace(-half, half, 61) for half in half_extents_mm)
     off = 1e3 * _file_heights_off(own, along, across)
     largest = max(float(np.nanmax(np.abs(off))), 1e-6)
     drawn = axes.pcolormesh(

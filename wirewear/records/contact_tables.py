@@ -23,6 +23,8 @@ from wirewear.test.lengths import stated_length_mm, whole_test
 from wirewear.test.lines import Extent, Pad, PadAndSpecimen, Specimen, WearOfBodies
 from wirewear.test.points import TwoBodies
 
+_FORCE = "friction_force_N"
+
 
 class RecordContact(keys.Table):
     """The kind and length of a line contact."""
@@ -278,9 +280,6 @@ class BodiesRecord(PointRecordTables, BodiesTest[Bodies], Generic[Bodies]):
 
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
         return data | {"bodies": self.model_dump(mode="json", exclude_none=True)["bodies"]}
-
-
-_FORCE = "friction_force_N"
 
 
 class ContactOfJoint(JointStiffness):

@@ -18,7 +18,6 @@ from wirewear.results.scar import SCAR_FIGURES, Scar, called, scar_figures
 WIDEST = 3  #: Widest gap along a line that is bridged, in points: reflexes and dirt; what is wider, `check` shows.
 SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0  #: Distance of a scar map's points, and unworn margin around the scar.
 FEWEST_LEVELLED, OFF_ZERO = 100, 0.1  #: Fewer points show no zero, nor is it known better than a share of the noise.
-LEAST_FILLED = 0.25  #: A map of which fewer points are given than this share of its grid is no grid.
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,8 +205,8 @@ def grid_of(repeat: int, x_um: Array, y_um: Array, level_um: Array) -> tuple[Arr
     repeat: for the message.
     """
     lines = np.unique(x_um).size, np.unique(y_um).size
-    # Before a grid is made of them: points at random would need a huge one.
-    if min(lines) < 2 or x_um.size < LEAST_FILLED * lines[0] * lines[1]:
+    # Before a grid is made of them: points at random would need a huge one, of which they fill hardly any.
+    if min(lines) < 2 or x_um.size < 0.25 * lines[0] * lines[1]:
         raise RecordError(
             f"the {x_um.size} points of repeat {repeat} lie on {lines[0]} × {lines[1]} lines, which is no grid."
         )

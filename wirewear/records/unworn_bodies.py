@@ -16,9 +16,6 @@ from wirewear.test.faces import Face
 
 ALIKE = 1e-3  #: A radius that differs by less is the stated one.
 
-#: Of a bow of fourth order so much is one of second order, by the least squares of a parabola over a square.
-OF_SECOND_ORDER = 0.76
-
 
 class Surface(Protocol):
     """Unworn surfaces of a body: `placing` parameters give its position, `forms` further ones its deviation in shape.
@@ -97,7 +94,8 @@ class RoundSurface:
         stated, near = np.array(self.curvatures_per_mm), np.array(parameters)
         if self.placing == 3 and stated.all() and near.size == self.placing + self.forms:
             # The radius that comes nearest over the map, not that of the crown.
-            near[self.placing] += OF_SECOND_ORDER * near[self.placing + 1]
+            # What a bow of fourth order has of second order, by the least squares of a parabola over a square.
+            near[self.placing] += 0.76 * near[self.placing + 1]
         found = self.curvatures(near)
         one = int(np.argmax(np.abs(found - stated) * np.array(self.half_um) ** 2))
         if not stated[one]:

@@ -76,7 +76,6 @@ COLUMN_MEANINGS = {
 }
 T = TypeVar("T")
 STATUSES = ("complete", "running", "failed")
-NEAREST_CYCLE_FACTOR = 2.0  #: A logged cycle stands for a wanted one if neither is more than this many times the other.
 
 #: Columns of loops that results of earlier versions lack, of wires or of line contacts.
 _LATER_OF_LOOPS = ("normal_force_N", "friction_work_mJ", "tilt_deg")
@@ -239,9 +238,7 @@ class Evolution(Mapping[str, Array]):
         return len(self.columns)
 
     def at(self, cycle: float) -> dict[str, float]:
-        """The row measured nearest to `cycle`, which must lie within a factor of NEAREST_CYCLE_FACTOR; otherwise
-        ResultError.
-        """
+        """The row measured nearest to `cycle`, which must lie within a factor of two; otherwise ResultError."""
         cycles = [int(c) for c in self["cycle"]]
         index = cycles.index(_nearest_cycle(cycle, cycles, "evolution"))
         return {name: float(column[index]) for name, column in self.items()}
@@ -390,7 +387,7 @@ class RunResult:
         return [SurfaceLayer(1e-3 * thickness_um, factor) for thickness_um, factor in stated]
 
     def loop(self, cycle: float) -> Loop:
-        """The loop logged nearest to `cycle`, within a factor of NEAREST_CYCLE_FACTOR; otherwise ResultError naming the
+        """The loop logged nearest to `cycle`, within a factor of two; otherwise ResultError naming the
         logged ones.
         """
         return _nearest(cycle, self.loops, lambda loop: loop.cycle, "loops")
@@ -439,7 +436,7 @@ def _nearest_cycle(cycle: float, logged: Sequence[int], what: str) -> int:
         low, high = sorted((max(cycle, 0.5), max(other, 0.5)))
         return high / low
 
-    if not logged or distance(nearest := min(logged, key=distance)) > NEAREST_CYCLE_FACTOR:
+    if not logged or distance(nearest := min(logged, key=distance)) > 2.0:
         names = ", ".join(counted(c) for c in sorted(set(logged))) or "none"
         raise ResultError(f"{what}: nothing is logged near cycle {cycle:g}; logged cycles are: {names}")
     return nearest

@@ -15,7 +15,6 @@ from wirewear.test import AnyStudy
 from wirewear.test.programme import held_by
 
 WITHIN = 1e-3  #: A drive is corrected until what it holds is met within this share.
-MOST_CORRECTIONS = 30
 _LEAST, _MOST = 0.3, 3.0  # Of an amplitude: those to be tried next.
 _SLOW = 0.5  # A correction is slow if it leaves more of what was lacking, or of that interval.
 _PROBED, _GROWS = 1e-3, 1.3  # Of the largest amplitude, by which a contact is moved at first; from try to try.
@@ -97,7 +96,7 @@ class AmplitudeSearch:
         lacking, self._tries = held.target - found, self._tries + 1
         if abs(lacking) <= WITHIN * held.target:
             return None
-        if self._tries > MOST_CORRECTIONS:
+        if self._tries > 30:
             raise SolverError(
                 f"no amplitude was found at which the drive holds {held.key} = {held.target:g}: at "
                 f"{1e3 * amplitude_mm:.4g} um it comes to {found:.4g} {held.unit}"

@@ -22,9 +22,6 @@ from wirewear.simulation.recorded import Recorded
 from wirewear.simulation.store import Checkpoint, MeshHistory, RunStore
 from wirewear.test.conditions import Stop
 
-#: The latest exponent of a figure is taken over the cycles since their number was less by this factor.
-_BACK = 2.0
-
 FIGURES: Mapping[str, Callable[[ContactState], float]] = {
     "depth_um": lambda state: 1e3 * max(float(depth.max()) for depth in state.wear.depths),
     "worn_volume_mm3": lambda state: state.wear.primary_volume_mm3 + state.wear.secondary_volume_mm3,
@@ -91,7 +88,8 @@ class Ending:
         if not course:
             return None
         done, figure = course[-1]
-        earlier = [next((at for at in reversed(course) if at[0] <= done / _BACK**k), None) for k in (1, 2)]
+        # The latest exponent is that since half as many cycles.
+        earlier = [next((at for at in reversed(course) if at[0] <= done / 2.0**k), None) for k in (1, 2)]
         if earlier[0] is None or earlier[1] is None:
             return None
         late, early = _slope(earlier[0], course[-1]), _slope(earlier[1], earlier[0])

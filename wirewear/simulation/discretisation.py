@@ -24,13 +24,7 @@ from wirewear.test.fidelity import WIRE_LEVELS, WireLevel, level_of
 
 #: The predicted scar is enlarged by this factor to give the finely meshed patch.
 SCAR_MARGIN = 1.2
-_FRESH_MARGIN = 2.4
-_FINE_MARGIN = 1.15
 
-# Outside the scar elements grow by the first factor from one to the next, up to the second times those inside.
-_GROWTH_BESIDE = 1.3
-_LARGEST_BESIDE = 2.5
-_COARSENING_STEP = 1.05
 
 # Extent of the patch over that of a contact that sticks in its middle, without wear and with it, which widens it.
 _STUCK_MARGIN, _WORN_MARGIN = 1.3, 1.6
@@ -208,7 +202,7 @@ def affordable_meshes(study: Study, sizes: ElementSizes, level: WireLevel) -> tu
     coarsening = 1.0
     moving, fixed = geometries(study, sizes, level)
     while sizes.contact_mm is None and max(unknowns(moving), unknowns(fixed)) > level.most_unknowns:
-        coarsening *= _COARSENING_STEP
+        coarsening *= 1.05
         moving, fixed = geometries(study, sizes, level.coarser(coarsening))
     return moving, fixed, coarsening
 
@@ -246,7 +240,7 @@ def _with_equal_travel(*bodies: PatchAxes) -> tuple[PatchAxes, ...]:
 def needed_reach_mm(axis: PatchAxis, contact: Ellipse, scar: Ellipse | None) -> float:
     """Half-extent along an axis that a patch must have in addition to the contact's travel."""
     reach = contact.reach(axis.angle_rad)
-    fresh = _FRESH_MARGIN * reach
+    fresh = 2.4 * reach
     return fresh if scar is None else max(fresh, SCAR_MARGIN * (scar.reach(axis.angle_rad) + 0.5 * reach))
 
 
@@ -276,10 +270,11 @@ def _graded(
         within = max(fine, sizes.widening * _scar_element_mm(scar, motion_rad, angle, level))
     half = axis.travel_mm + sizes.widening * needed_reach_mm(axis, contact, scar)
     if sizes.fresh or scar is None:
-        finely = axis.travel_mm + _FINE_MARGIN * contact.reach(angle)
+        finely = axis.travel_mm + 1.15 * contact.reach(angle)
         return GradedAxis(fine, min(finely, half), within, half)
     scarred = axis.travel_mm + sizes.widening * scar.reach(angle)
-    return GradedAxis(within, min(scarred, half), _LARGEST_BESIDE * within, half, _GROWTH_BESIDE)
+    # Outside the scar elements grow by 1.3 from one to the next, up to 2.5 times those inside.
+    return GradedAxis(within, min(scarred, half), 2.5 * within, half, 1.3)
 
 
 def _graded_to_rim(contact: Ellipse, axis_rad: float, margin: float, level: WireLevel) -> RimGradedAxis:

@@ -39,7 +39,6 @@ from wirewear.test.surfaces import StatedSurface
 
 # Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 5.0
-_LEAST_MIDDLE = 0.25
 
 _MARGIN, _UNWORN_MARGIN, _STUCK_MARGIN = 1.3, 1.15, 1.6
 
@@ -98,7 +97,7 @@ def middle_of(face: RoundedFlat, reach_mm: float, moved_mm: float = 0.0) -> floa
     """Half-width in mm of the part of a flat contact away from both edges, even when the contact has moved by
     `moved_mm`.
     """
-    return max(face.half_width_mm - reach_mm - moved_mm, _LEAST_MIDDLE * face.half_width_mm)
+    return max(face.half_width_mm - reach_mm - moved_mm, 0.25 * face.half_width_mm)
 
 
 @dataclass(frozen=True)

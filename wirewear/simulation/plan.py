@@ -26,7 +26,6 @@ from wirewear.test import Study
 
 #: Growth of the scar's half-width that one mesh is to serve.
 _GROWTH_PER_STAGE = 1.8
-_MOST_SPARE = 3
 _LEAST_GROWTH = 1.1
 _STICKING = -1  # The stage for a fresh contact that sticks in its middle.
 
@@ -59,11 +58,11 @@ def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[Mesh
 def spare_stages(study: Study, fidelity: str, plan: Discretisation, last: MeshStage) -> tuple[MeshStage, ...]:
     """Further stages, for contacts that leave the last planned one, as over soft layers or under changing loads.
 
-    At most _MOST_SPARE that fit on the bodies; none if the study gives sizes of its own or asks not to follow the scar.
+    At most three that fit on the bodies; none if the study gives sizes of its own or asks not to follow the scar.
     """
     stages: list[MeshStage] = []
     width, growth = last.to_half_width_mm, _GROWTH_PER_STAGE
-    while follows(study, fidelity) and len(stages) < _MOST_SPARE and growth > _LEAST_GROWTH:
+    while follows(study, fidelity) and len(stages) < 3 and growth > _LEAST_GROWTH:
         try:
             stages.append(_stage(study, plan, width, growth * width, fresh=False))
             width *= growth

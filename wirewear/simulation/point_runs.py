@@ -39,7 +39,6 @@ PICTURES = (
     "pictures/loop_and_scar*.gif",
 )
 MOST_JUMPS = 1_000_000  #: Cycle jumps that a run may take: at some tenths of a second each, days.
-_COARSER = 1.1
 
 
 @dataclass(frozen=True)
@@ -298,5 +297,5 @@ def _memory_of(study: Study, fidelity: str, element_um: float) -> float:
 def _fitting(memory_of: Callable[[float], float], element_um: float, free: float) -> float:
     """The first of growing element sizes in µm whose meshes take no more than `free` bytes."""
     while memory_of(element_um) > free:
-        element_um *= _COARSER
+        element_um *= 1.1
     return element_um

@@ -25,8 +25,6 @@ from wirewear.simulation.store import Found, RunFolder, RunStore, occupied_by_ru
 from wirewear.test import AnyStudy, LineStudy, Study
 from wirewear.test.any_study import alone
 
-_POLL_s = 0.1
-
 LOST_PROCESS = (
     "a process that simulated was ended from outside, perhaps because memory ran out: --resume goes on, with fewer "
     "--jobs in less memory."
@@ -104,7 +102,7 @@ def _done_until(stop: Event, engine: Engine, tasks: Sequence[Callable[[], Made]]
 def _deliver(mailbox: Queue[Any], observers: Sequence[Observer]) -> None:
     try:
         while True:
-            index, kind, item = mailbox.get(timeout=_POLL_s)
+            index, kind, item = mailbox.get(timeout=0.1)
             getattr(observers[index], kind)(item)
     except Empty:
         return

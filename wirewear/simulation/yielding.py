@@ -9,7 +9,6 @@ from wirewear.test import AnyStudy, Study
 from wirewear.test.bodies import hertz_of
 
 STRAIN = "fresh_indentation_strain"  #: Name in results of 0.2 a/R of the fresh contact of bodies that yield.
-_STRAIN = 0.2  #: Strain of an indentation over a/R (Tabor, The Hardness of Metals (1951)).
 _ALIKE = 1e-6  #: Yield stresses that differ by less, relative, are equal.
 
 
@@ -47,8 +46,8 @@ def pressure_limit(
         overlap_mm=pressure_MPa * minor / modulus,
         upper_share=0.5 if alike else float(softer == held),
         hardening_MPa=hardening,
-        # Of Hertz' contacts a/R is about 1.6 p0/E*, of lines 2 p0/E*.
-        first_yield_strain=_STRAIN * (1.57 if power > 2.0 else 2.0) * ratio * stress / modulus,
+        # The strain is 0.2 a/R (Tabor, The Hardness of Metals (1951)); a/R about 1.6 p0/E*, of lines 2 p0/E*.
+        first_yield_strain=0.2 * (1.57 if power > 2.0 else 2.0) * ratio * stress / modulus,
     )
 
 

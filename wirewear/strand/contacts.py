@@ -16,7 +16,6 @@ from wirewear.strand.construction import Fibre, RopeWire, Strand
 from wirewear.strand.helix import DoubleHelix, between_deg, crossing_spacing_mm, radial_share, valley_shares
 
 ContactSort = Literal["crossing", "line", "side by side", "crown", "sheave"]
-FLATTEST_deg = 5.0  #: Wires that cross at less lie along each other; no study crosses them either.
 
 
 @dataclass(frozen=True)
@@ -352,8 +351,9 @@ class _Bent:
 
 
 def _points_or_line(contact: WireContact) -> WireContact:
-    """Separate contact points where wires cross; the line contact unchanged if they cross at less than FLATTEST_deg."""
-    if contact.angle_deg < FLATTEST_deg:
+    """Separate contact points where wires cross; the line contact unchanged if they cross at less than 5°."""
+    # Wires that cross at less lie along each other; no study crosses them either.
+    if contact.angle_deg < 5.0:
         return contact
     spacing = contact.spacing_mm
     return replace(contact, load_N=contact.load_N * spacing, per_axial_mm=contact.per_axial_mm / spacing, is_line=False)

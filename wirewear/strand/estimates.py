@@ -21,7 +21,6 @@ from wirewear.test.life import LifeTable
 #: Peak pressure over yield stress at first yield of a round contact and of a line (von Mises; Johnson, Contact
 #: Mechanics, 1985, section 4.2), between them by the ratio of the ellipse's axes.
 _YIELD_ROUND, _YIELD_LINE = 1.60, 1.79
-FULLY = 2.0  #: Peak pressures above so many times that of first yield are said to be far beyond it.
 _PLACES = 400
 
 

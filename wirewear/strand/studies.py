@@ -10,7 +10,7 @@ from wirewear.base.files import toml_text
 from wirewear.base.writing import write_text, writing
 from wirewear.kinds import any_study
 from wirewear.strand.contacts import LoadedWire, degrees_of
-from wirewear.strand.estimates import FULLY, ContactEstimate
+from wirewear.strand.estimates import ContactEstimate
 from wirewear.strand.tables import RopeTables
 from wirewear.test import LineStudy, Study
 
@@ -125,7 +125,7 @@ def _written(found: Sequence[ContactEstimate], rope: RopeTables, folder: Path) -
 def notes(found: ContactEstimate) -> list[str]:
     """Sentences on a contact whose estimates need caution: it yields, arches, or lies on a sheave."""
     contact, said = found.contact, []
-    if found.yield_ratio > FULLY:
+    if found.yield_ratio > 2.0:
         said.append(
             f"{contact.name}: far beyond yield. The elastic peak pressure, {found.peak_pressure_MPa:.0f} MPa, is "
             f"{found.yield_ratio:.2g} times that of first yield: the estimates are of wires that do not flow; the "

@@ -18,6 +18,8 @@ from wirewear.test.bodies import YIELDS, ElasticKeys, YieldingKeys
 from wirewear.test.life import LifeTable
 from wirewear.test.messages import validated
 
+_RADIUS = "radius of its centre line; without it where it comes to rest on what is below, or on its neighbours"
+
 
 class _LayQuantity(Quantity):
     """A length whose message on a negative value explains that its sign is not the direction of lay."""
@@ -37,8 +39,6 @@ Tension = Annotated[float, PlainValidator(Quantity("N", 1e-2, 1e8))]
 TensionAmplitude = Annotated[float, PlainValidator(Quantity("N", 0.0, 1e8))]
 BendingRadius = Annotated[float, PlainValidator(Quantity("mm", 1.0, 1e7))]
 Bending = Annotated[Literal["reversed", "pulsating"], PlainValidator(keys.one_of("reversed", "pulsating"))]
-
-_RADIUS = "radius of its centre line; without it where it comes to rest on what is below, or on its neighbours"
 
 
 class _OwnMaterial(keys.OfMaterial):

@@ -11,14 +11,13 @@ from wirewear.test.life import LifeTable
 
 #: Radii of the area and of the volume over the critical distance (Bellett et al., Int. J. Fatigue 27 (2005) 1103).
 _RADII = (1.32, 1.54)
-_GAUSS = 5
 
 
 def kernel_of(table: LifeTable, *, plane: bool) -> Callable[[float], tuple[Array, Array]]:
     """Over what stresses are averaged about a point so deep: places (k, 3) in mm, beside it and in depth, weights."""
     distance = 1e-3 * table.distance_um
     stated = table.averaging_length_um or (None if distance else table.grain_um)
-    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
+    nodes, weights = np.polynomial.legendre.leggauss(5)
     if stated is None and (table.averaging == "point" or distance == 0.0):
         return lambda depth: (np.array([[0.0, 0.0, depth + 0.5 * distance]]), np.ones(1))
     if stated is None and table.averaging == "line":

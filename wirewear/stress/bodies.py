@@ -19,8 +19,6 @@ from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
 from wirewear.stress.state import InnerState, Inside, SolvedBody
 
-#: A section lies so far beside its plane [µm]: mirror planes are full of faces that would be cut twice.
-_BESIDE_um = 1e-4
 T = TypeVar("T")
 
 
@@ -138,7 +136,8 @@ class Section:
 def section(grid: pyvista.UnstructuredGrid, axis: int, at_um: float, field: str = "von_mises_MPa") -> Section:
     """The cut through a mesh where a coordinate, 0 (x) or 1 (y), has that value; along it runs the other one."""
     normal = np.eye(3)[axis]
-    origin = tuple(normal * (at_um + _BESIDE_um))
+    # Mirror planes are full of faces that would be cut twice.
+    origin = tuple(normal * (at_um + 1e-4))
     cut = grid.slice(normal=tuple(normal), origin=origin, generate_triangles=False)
     values = np.asarray(cut.point_data[field]) if cut.n_points else np.zeros(0)
     return fanned(np.asarray(cut.points)[:, [1 - axis, 2]], values, cut.irregular_faces if cut.n_cells else ())

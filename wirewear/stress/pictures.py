@@ -36,10 +36,6 @@ _LEVELS = 11
 _AROUND = 2.2
 _ARROWS = 12  #: Arrows of shear across the contact, at most.
 _PIXELS = 1100
-#: Edges of bodies sharper than this are drawn.
-_SHARP_deg = 40.0
-_FRAME_DPI = 90
-_FRAME_ms = 160
 
 
 def draw_section(states: Sequence[BodyState]) -> Figure:
@@ -156,10 +152,10 @@ def animate_cycle(moments: Sequence[Sequence[BodyState]], path: Path, tracked: T
             colours = ScalarMappable(Normalize(0.0, largest), STRESS_COLOURS)
             figure.colorbar(colours, ax=axes, label="von Mises stress [MPa]")
             image = BytesIO()
-            figure.savefig(image, format="png", dpi=_FRAME_DPI)
+            figure.savefig(image, format="png", dpi=90)
             frames.append(Image.open(image).convert("P", palette=Image.Palette.ADAPTIVE))
     result = BytesIO()
-    frames[0].save(result, format="GIF", save_all=True, append_images=frames[1:], duration=_FRAME_ms, loop=0)
+    frames[0].save(result, format="GIF", save_all=True, append_images=frames[1:], duration=160, loop=0)
     with writing(ResultError, f"cannot write the animation {path}"):
         write_bytes(path, result.getvalue())
     return path
@@ -268,7 +264,7 @@ def _rendered(
                 lighting=False,
             )
             # Without light, colours are those of the colour bar; edges give the bodies their shape.
-            outside = kept.extract_surface(algorithm="dataset_surface").extract_feature_edges(_SHARP_deg)
+            outside = kept.extract_surface(algorithm="dataset_surface").extract_feature_edges(40.0)
             plotter.add_mesh(outside, color=INK, line_width=2.0)
         plotter.enable_parallel_projection()
         plotter.view_vector((-0.35, -1.0, 0.25), viewup=(0.0, 0.0, 1.0))

@@ -17,7 +17,6 @@ _DIRECTIONS = 240
 
 #: Angles by which planes are tilted about the best one so far, rad.
 _TILTS = (0.08, 0.04, 0.02, 0.01)
-_BALL_STEPS = 60
 _AT_ONCE = 64  #: Stress histories whose planes are searched at once: what is made of them stays in a processor's cache.
 
 #: A parameter (n, k) of stress tensors (s, n, 3, 3) over a cycle on planes of k normals each, (n, k, 3).
@@ -73,7 +72,7 @@ def crossland(history: Array) -> Crossland:
     path[..., 3:] *= np.sqrt(2.0)
     centre = 0.5 * (path.max(axis=0) + path.min(axis=0))
     radius = np.full(path.shape[1], np.inf)
-    for k in range(_BALL_STEPS):
+    for k in range(60):
         distance = np.linalg.norm(path - centre, axis=-1)
         farthest = distance.argmax(axis=0)
         points = np.arange(path.shape[1])

@@ -42,7 +42,6 @@ _MAPS = {
 
 #: What surrounds the panels of strengths, in inches: left of all, right of each, above all, below each, bars below all.
 _LEFT_in, _BESIDE_in, _ABOVE_in, _UNDER_in, _BAR_in, _FOOT_in = 0.75, 0.5, 0.55, 0.6, 0.08, 0.5
-_TALLEST_in = 3.0
 _LEVELS = 11
 
 
@@ -211,7 +210,7 @@ def _panels(wide_um: float, tall_um: Sequence[float]) -> tuple[Figure, Any, list
     Their places are fixed: to search for a layout takes several times as long as to draw it.
     """
     column = (WIDTH_in - _LEFT_in) / len(_MAPS)
-    scale = min((column - _BESIDE_in) / wide_um, _TALLEST_in / max(tall_um))
+    scale = min((column - _BESIDE_in) / wide_um, 3.0 / max(tall_um))
     height = _ABOVE_in + sum(scale * tall + _UNDER_in for tall in tall_um) + _BAR_in + _FOOT_in
     figure = new_figure(height, arranged=False)
 

@@ -11,10 +11,6 @@ from wirewear.base.words import counted
 from wirewear.simulation import needed_memory
 from wirewear.sweeps.sweep import Sweep, SweepRow
 
-#: CPU time grows by this power of the unknowns where the first runs do not show it; measured, docs/accuracy.md.
-POWER = 1.3
-
-
 POWERS = (0.0, 2.5)  #: Powers beyond these come from runs that are too alike in size to show it.
 
 
@@ -89,7 +85,8 @@ def time_text(seconds: float) -> str:
 
 def _power(sizes: np.ndarray, cpu_s: np.ndarray) -> float:
     if np.ptp(np.log(sizes)) < np.log(1.3):
-        return POWER
+        # They do not show it; measured, docs/accuracy.md.
+        return 1.3
     return float(np.clip(np.polyfit(np.log(sizes), np.log(cpu_s), 1)[0], *POWERS))
 
 

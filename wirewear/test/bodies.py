@@ -22,7 +22,6 @@ from wirewear.test.drive import BULK, BulkTable
 from wirewear.test.faces import Face, half_width_of
 from wirewear.test.surfaces import LAYERS, LayerTable, StatedSurface
 
-_COARSE_PER_DIAMETER = 0.155
 #: How far a block's face falls to its sides over its sharper radius: a ball's corner, at 0.85 radii, is still meshed
 #: soundly.
 _FALL = 0.2
@@ -31,6 +30,9 @@ Found = TypeVar("Found")
 
 YIELDS = "stress at which its material yields in tension; without it the body stays elastic"
 HARDENS = "rise of that stress per plastic strain; without it the stress stays"
+
+
+OPEN = "?"  #: Placeholder in a guessed file for values that only the user knows.
 
 
 class StatedBody(keys.Table):
@@ -159,9 +161,6 @@ def yield_of(body: Body | MaterialKeys) -> tuple[float, float] | None:
     return None if body.yield_stress_MPa is None else (body.yield_stress_MPa, body.hardening_modulus_MPa or 0.0)
 
 
-OPEN = "?"  #: Placeholder in a guessed file for values that only the user knows.
-
-
 @dataclass(frozen=True)
 class BodiesByOptions:
     """Bodies stated by options of a command: their tables in a mapping, remarks on assumptions, and the bodies if
@@ -234,7 +233,7 @@ class Wire(Body):
             length,
             axial,
             transverse,
-            _COARSE_PER_DIAMETER * self.diameter_mm,
+            0.155 * self.diameter_mm,
             grip_half_angle_rad=0.5 * radians(self.grip_angle_deg),
             grip_half_length_mm=None if self.grip_length_mm is None else 0.5 * self.grip_length_mm,
             grip_stiffness_N_per_mm3=self.bedding_N_per_mm3,

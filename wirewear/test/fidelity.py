@@ -12,9 +12,6 @@ Level = TypeVar("Level")
 
 FIDELITIES = ("quick", "standard", "fine")
 
-_RIM_SHARE_WORN = 0.6  #: The `rim_share` of contacts that wear.
-STICKING_INCREMENTS = 8  #: Increments of a cycle that only wears, around a middle that sticks for good.
-
 
 def level_of(levels: Mapping[str, Level], name: str) -> Level:
     """The settings of a level of fidelity. Raises StudyError if there is no such level."""
@@ -63,9 +60,10 @@ class WireLevel:
         return replace(
             self,
             to_rim=self.to_rim_worn if wears else self.to_rim,
-            rim_share=_RIM_SHARE_WORN if wears else self.rim_share,
+            rim_share=0.6 if wears else self.rim_share,
             per_contact_radius=self.per_sticking_radius,
-            wear_increments=min(self.wear_increments, STICKING_INCREMENTS / self.increments_per_cycle),
+            # Around a middle that sticks for good, eight do.
+            wear_increments=min(self.wear_increments, 8 / self.increments_per_cycle),
             sticking=True,
         )
 

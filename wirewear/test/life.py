@@ -30,7 +30,6 @@ _MEDIANS = {
     "fatigue_ductility_exponent": -0.59,
     "scatter_decades": 0.5,
 }
-_MEDIAN_STRENGTH = 1.5
 ENDURANCE_cycles = 1e12  #: Where none is stated: no test has lasted so long.
 TENSILE_STRENGTH = "tensile_strength_MPa"
 CURVE_KEYS = (
@@ -94,7 +93,7 @@ class LifeTable(keys.Table):
         stated = known | self.model_dump(exclude_none=True, exclude_unset=True)
         strength = stated.get(TENSILE_STRENGTH)
         if strength is not None and not any(stated.get(key) for key in CURVE_KEYS):
-            estimated = {CURVE_KEYS[0]: _MEDIAN_STRENGTH * float(cast("float", strength)), **_MEDIANS}
+            estimated = {CURVE_KEYS[0]: 1.5 * float(cast("float", strength)), **_MEDIANS}
             stated = estimated | stated
         return self.model_validate(stated)
 

@@ -23,12 +23,14 @@ MM_PER_UNIT = {"m": 1e3, "cm": 10.0, "mm": 1.0, "um": 1e-3, "in": 25.4}
 _SMALLEST_mm, _LARGEST_mm = 0.05, 500.0  #: Limits of a body's largest extent.
 _FALL = 0.2  #: How far the face may fall to the sides of the block under the contact, over its sharper radius.
 _ROOM, _DEEP = 3.0, 3.0  #: Extents of that block over the patch's half-width: to each side, and below.
-_PER_ELEMENT = 2.0  #: Its extents over the file's elements there, at least.
 _FINER = 0.6  #: Largest elements of the block over the file's.
 _SMALLER = 0.85  #: Factor by which the block is made smaller where it does not fit.
 _TURN = 0.35  #: By how much the normal may turn from one of the file's faces to the next, in radians.
 #: Poisson's ratio from which a body of tetrahedra of four nodes is too stiff.
 _LOCKS = 0.45
+
+
+_ALLOWED = {"unit": f", one of {', '.join(MM_PER_UNIT)}"}
 
 
 def _checked_direction(value: object) -> tuple[float, float, float]:
@@ -138,9 +140,6 @@ def unfit_mesh(stated: MeshKeys, poissons_ratio: float) -> tuple[str, str] | Non
     return None
 
 
-_ALLOWED = {"unit": f", one of {', '.join(MM_PER_UNIT)}"}
-
-
 @dataclass(frozen=True)
 class OwnBody(Body):
     """A body from a mesh file."""
@@ -190,7 +189,8 @@ class OwnBody(Body):
         sharpest = max(self.curvatures_per_mm)
         fall = _FALL / sharpest if sharpest else inf
         widest = [sqrt(fall * (2.0 / curved - fall)) if curved else inf for curved in self.curvatures_per_mm]
-        least = _PER_ELEMENT * element_mm
+        # Its extents are at least so many of the file's elements there.
+        least = 2.0 * element_mm
         widths = [min(max(_ROOM * reach, least), wide) for reach, wide in zip(reach_mm, widest, strict=True)]
         height = max(_DEEP * max(reach_mm), least)
         narrowest = [reach / 0.9 for reach in reach_mm]

@@ -23,6 +23,17 @@ from wirewear.test.own_bodies import MESH_KEYS, MeshKeys, OwnBody, source_of, un
 Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
 
 
+#: Keys that some shapes have, with the reason why others do not.
+_OF_SOME = {
+    "diameter_mm": "but a {} has no diameter",
+    **dict.fromkeys(FACE_KEYS, "is of a pad, but a {} has diameters"),
+    **dict.fromkeys(MESH_KEYS, 'is of a body of shape "mesh", but a {} is meshed by the program'),
+    "diameter_along_mm": "belongs to a barrel and to no other shape",
+    "bore_mm": "belongs to a tube and to no other shape",
+    "held_at": 'is "ends", but a {} is held at its back and sides',
+}
+
+
 @dataclass(frozen=True)
 class Shape:
     """A shape: which of the keys that not all shapes have it takes, and the body it makes, by default a block."""
@@ -154,16 +165,6 @@ SHAPES: dict[str, Shape] = {
         PAD,
         _FromFile("mesh", note="of a file"),
     )
-}
-
-#: Keys that some shapes have, with the reason why others do not.
-_OF_SOME = {
-    "diameter_mm": "but a {} has no diameter",
-    **dict.fromkeys(FACE_KEYS, "is of a pad, but a {} has diameters"),
-    **dict.fromkeys(MESH_KEYS, 'is of a body of shape "mesh", but a {} is meshed by the program'),
-    "diameter_along_mm": "belongs to a barrel and to no other shape",
-    "bore_mm": "belongs to a tube and to no other shape",
-    "held_at": 'is "ends", but a {} is held at its back and sides',
 }
 
 

@@ -32,7 +32,6 @@ CONTACT_RADIUS_mm = 0.015
 CONTACT_MODULUS_MPa = reference.contact_modulus(STEEL, STEEL)
 #: Normal load that gives this radius to equal wires crossed at right angles.
 LOAD_N = 4.0 * CONTACT_MODULUS_MPa * CONTACT_RADIUS_mm**3 / (3.0 * RADIUS_mm)
-RIGHT_ANGLE_deg = 90.0
 
 _ANGLE_deg = 60.0
 _SMALL_RADIUS_mm = 0.6 * RADIUS_mm
@@ -73,7 +72,7 @@ def crossed(
     holder: Holder,
     *,
     friction: float = 0.0,
-    angle_deg: float = RIGHT_ANGLE_deg,
+    angle_deg: float = 90.0,
     wear: WearRates | None = None,
     primary_is_upper: bool = True,
 ) -> ContactProblem:

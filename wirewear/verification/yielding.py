@@ -15,6 +15,7 @@ from wirewear.verification.rows import Level, Row, compared
 _BALL = {"shape": "ball", "diameter_mm": 6.35, "youngs_modulus_MPa": 208_000.0, "poissons_ratio": 0.3}
 _FLAT = _BALL | {"shape": "flat", "yield_stress_MPa": 800.0}
 del _FLAT["diameter_mm"]
+_ON_FLAT = {"kind": "point-contact", "bodies": {"upper": _BALL, "lower": _FLAT}}
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,6 @@ def _wires(diameter_mm: float, modulus_MPa: float, poissons_ratio: float, yield_
     return {"kind": "crossed-wires", "wires": wire | {"yield_stress_MPa": yield_MPa}}
 
 
-_ON_FLAT = {"kind": "point-contact", "bodies": {"upper": _BALL, "lower": _FLAT}}
 CASES = (
     Pressed("Steel wires of 0.45 mm, 1 400 MPa, 2 N", _wires(0.45, 208_700.0, 0.3, 1400.0), 2.0, 2889.0, 16.2, 0.240),
     Pressed("Rope wires of 1 mm, 1 600 MPa, 50 N", _wires(1.0, 200_000.0, 0.3, 1600.0), 50.0, 3687.0, 69.3, 2.88),

@@ -63,7 +63,6 @@ IN_PART = "Gap explained in part", "open"  #: The same where known effects remov
 #: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
 PLACES, WITHIN = 60, 1.96
 DIRECTIONS = (1, -1)  #: Branches in the order of a course, by their direction.
-STRIP = 0.1  #: Share of the scar's width about its middle over which a section is averaged.
 MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
 CURVES = ("model", MODEL), ("explained", WITH)
 MOST_LOOPS = 12  #: Cycles whose loops are shown at most.
@@ -221,7 +220,8 @@ def measured_section(scars: Iterable[MeasuredScar]) -> list[tuple[Array, Array]]
         middle_x = float(weight.sum(axis=1) @ scar.x_um / weight.sum())
         middle_y = float(weight.sum(axis=0) @ scar.y_um / weight.sum())
         near = np.abs(scar.y_um - middle_y)
-        strip = near <= max(STRIP * float(np.ptp(scar.y_um)), float(near.min()))
+        # A section is averaged over this share of the scar's width about its middle.
+        strip = near <= max(0.1 * float(np.ptp(scar.y_um)), float(near.min()))
         found.append((scar.x_um - middle_x, depth[:, strip].mean(axis=1)))
     return found
 

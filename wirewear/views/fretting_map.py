@@ -31,7 +31,6 @@ MARKS = {
     "gross slip": (VARIANT_COLOURS[1], "s"),
 }
 COLOURED = ("dissipated_energy_mJ", VOLUME, LIFE)  #: Figures that are drawn over load and stroke, where they vary.
-LINE = 61  #: Loads of a boundary.
 
 
 def is_map(result: SweepResult) -> bool:
@@ -132,7 +131,7 @@ def _boundaries(axes: Axes, result: SweepResult, load: Array) -> None:
     contact = fresh_contact(result.sweep.study.resolved())
     if contact is None:
         return
-    at = transition(contact, np.geomspace(load.min() / 1.2, load.max() * 1.2, LINE))
+    at = transition(contact, np.geomspace(load.min() / 1.2, load.max() * 1.2, 61))
     soft = contact.rig_um_per_N > 0.0
     label = f"fresh contact{' and rig' if soft else ''}, closed form"
     axes.plot(at.test_um, at.normal_load_N, color=INK, linewidth=1.3, label=label)

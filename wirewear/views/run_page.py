@@ -51,7 +51,6 @@ _COURSES = {
 #: Points of a loop and of a section; lines of a surface along each side; scars at most.
 LOOP_POINTS, SECTION_POINTS, LINES, MOST_SCARS = 160, 161, 72, 8
 
-MARGIN = 1.25  #: Surfaces are shown to this many times the worn half-length.
 BEYOND = 4.0  #: The map of the material's response reaches beyond the test's displacement by this factor.
 DASHES = ("", "7 3", "2 2", "8 2 2 2", "4 2", "10 3")  #: Dashes that distinguish runs in SVG.
 
@@ -198,7 +197,7 @@ def _profiles(scars: Sequence[Scar]) -> Worn:
 
 def _maps(scars: Sequence[Scar]) -> Worn:
     """Depth maps of a point contact's scars on a common grid."""
-    reach = MARGIN * max(worn_half_extent(scars))
+    reach = 1.25 * max(worn_half_extent(scars))
     lines, x = np.linspace(-reach, reach, LINES), np.linspace(-reach, reach, SECTION_POINTS)
     smooth = [smooth_scar(scar) for scar in scars]
     depths = [scar.sampled(lines, lines) for scar in smooth]

@@ -34,8 +34,6 @@ MOST_CYCLES = 8  #: Cycles that are fitted at most: loops change slowly.
 _OF_SHELF = [list(FITTED).index(name) for name in ("slip_amplitude_um", "measured_stiffness_N_per_um")]
 
 
-SAMPLES = 128  #: Samples of a modelled loop, where it is compared with none that has a number of its own.
-
 #: Running-in counts where it lowers Schwarz's criterion by so much, and changes friction by this share.
 EVIDENCE, LEAST_CHANGE = 6.0, 0.03
 
@@ -277,7 +275,7 @@ def _fitted(states: WearStates, setup: SurrogateInputs, tests: LoopsOfTests, sta
 
 
 def figures_of_model(
-    states: WearStates, setup: SurrogateInputs, coordinates: Array, cycles: Array, samples: int = SAMPLES
+    states: WearStates, setup: SurrogateInputs, coordinates: Array, cycles: Array, samples: int = 128
 ) -> Array:
     """Figures (n, FITTED) of the fast model's loops at n cycles, with this number of samples, analysed as measured
     loops are.

@@ -28,9 +28,6 @@ NEAR_POINTS: tuple[NearPoint, ...] = get_args(NearPoint)
 USUAL_LOADS = (0.5, 1.0, 1.5)  #: Loads for which the default is taken, in shares of the study's own.
 SHARES = (0.25, 0.5, 0.75, 1.0)  #: Tangential forces, in shares of friction times normal load.
 _STICKING = 20.0  # So much that nothing slips, but for nodes at the very edge.
-# Travel for which the patch has room; stuck wires move by less against each other.
-_ROOM_um = 2.0
-_FIRST_STEP_mm = 1e-5
 
 FEWEST_MOTIONS = 4
 
@@ -47,7 +44,8 @@ class LoadedMotion:
 
 def _stuck(study: Study, largest_load_N: float, fidelity: str, stage: Callable[[str], None]) -> ContactProblem:
     """Contact problem of the study's fresh wires without slip, on a patch for the contact under the largest load."""
-    conditions = {"normal_load_N": largest_load_N, "displacement_amplitude_um": _ROOM_um, "approach_um": None}
+    # Travel for which the patch has room; stuck wires move by less against each other.
+    conditions = {"normal_load_N": largest_load_N, "displacement_amplitude_um": 2.0, "approach_um": None}
     still = study.changed({"conditions": conditions, "wear": None})
     meshes = discretise(still, fidelity)
     require_affordable_wires(still, fidelity, meshes)
@@ -62,7 +60,7 @@ def _loaded(
     base = _near(problem, pressed, near)
     rows: list[tuple[float, float, float]] = []
     for direction in (1.0, -1.0):
-        drive = direction * _FIRST_STEP_mm
+        drive = direction * 1e-5
         state, reports = advance(problem, pressed, drive, 0.0)
         for share in SHARES:
             # The stuck contact is linear but for the nodes at its edge.

@@ -54,9 +54,6 @@ SCALE = _OF_GATE.number("scale")
 #: Places and weights of a normal deviate, for means over it.
 _PLACES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(_OF_GATE.count("places"))
 
-#: Below it a chance has no digits left.
-_LEAST_P = 1e-300
-
 
 @dataclass(frozen=True)
 class Weighed:
@@ -277,7 +274,8 @@ def log_surprise(p_value: float) -> float:
 
     −e p ln p is the least that it leaves of a hypothesis (Sellke, Bayarri and Berger, Am. Stat. 55 (2001) 62, eq. 2).
     """
-    p = max(p_value, _LEAST_P)
+    # Below this a chance has no digits left.
+    p = max(p_value, 1e-300)
     return -log(-e * p * log(p)) if p < 1.0 / e else 0.0
 
 

@@ -36,7 +36,6 @@ _OF_CORNERS = constants("observe.corners")
 #: Numbers of corners that are tried (with more, lines cut little of a loop), and samples that a line has at least.
 FEWEST_CORNERS, MOST_CORNERS = _OF_CORNERS.count("fewest_corners"), _OF_CORNERS.count("most_corners")
 SAMPLES_A_LINE = _OF_CORNERS.count("samples_a_line")
-STEP = 2
 
 #: Lines with the right corners must beat those with corners half a line later by so many roots of their number, in
 #: log-likelihood: noise alone was seen to make four in one record of 171.
@@ -241,7 +240,7 @@ def corners_of(loops: Sequence[MeasuredLoop], frequency_Hz: float) -> int | None
         return np.array([lines.squares(mean, own) for mean, own in zip(channels, noise, strict=True)])
 
     samples, best, count = shares.size, 0.0, None
-    for corners in range(FEWEST_CORNERS, min(samples // SAMPLES_A_LINE, MOST_CORNERS) + 1, STEP):
+    for corners in range(FEWEST_CORNERS, min(samples // SAMPLES_A_LINE, MOST_CORNERS) + 1, 2):
         squares = left(corners)
         dispersion = np.maximum(squares / (samples - corners), 1.0)
         alike = dispersion[1] <= MOST_UNLIKE**2 * dispersion[0]

@@ -56,10 +56,6 @@ LIBRARY: tuple[type[Observable], ...] = (
     ProfileDepths,
 )
 
-#: Of a number's noise variance, what no other number shares: far below what any is known by, it keeps sums of shared
-#: noise regular.
-OWN_NOISE = 1e-6
-
 
 @dataclass(frozen=True, eq=False)
 class Features:
@@ -255,7 +251,8 @@ class Observations:
         if self.alike is None:
             return np.diag(deviations**2)
         shared = np.outer(deviations, deviations) * self.alike[repeat][np.ix_(seen, seen)]
-        return np.asarray(shared + np.diag(OWN_NOISE * deviations**2))
+        # A share that no other number has, far below what any is known by, keeps sums of shared noise regular.
+        return np.asarray(shared + np.diag(1e-6 * deviations**2))
 
 
 def reduce(record: AnyRecord, observables: Sequence[Observable] | None = None) -> Observations:

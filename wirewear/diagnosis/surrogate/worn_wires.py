@@ -19,9 +19,6 @@ from wirewear.results.scar import scar_figures
 #: From overlaps (k, y, s, x) to the pressures that they take, and their derivative.
 Pressing = Callable[[Array], tuple[Array, Array]]
 
-#: Half-columns of the grid, about.
-_COLUMNS = 16
-
 
 #: Share of the largest step that keeps an explicit wear law from oscillating, and largest growth of the volume.
 _STABLE, _GROWTH = 0.95, 0.3
@@ -49,7 +46,7 @@ class WornWires:
     @classmethod
     def unworn(cls, count: int, extent: float, along: float = 1.0) -> WornWires:
         """So many pairs of wires, on a grid that reaches so far across from the middle."""
-        places = max(round(_COLUMNS / extent * max(along, 1.0) ** 0.5), 4)
+        places = max(round(16 / extent * max(along, 1.0) ** 0.5), 4)
         step = 1.0 / places
         half, rows = (int(np.ceil(reach / step)) for reach in (extent / along**0.5, extent))
         x, y = step * np.arange(-half, half + 1.0), step * np.arange(rows + 1.0)
