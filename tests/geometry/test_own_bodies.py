@@ -61,11 +61,16 @@ def test_a_block_embedded_in_a_files_elements_gives_way_as_one_fine_mesh(written
 
 
 @pytest.mark.seconds
-def test_inside_an_embedded_block_the_patch_moves_as_its_compliance_says(tmp_path: Path) -> None:
-    build_body(BLOCK).mesh.write(file := tmp_path / "ball.msh")
-    source = MeshSource(str(file), digest_of(str(file)), 1.0, "contact", "grip")
+def test_inside_an_embedded_block_of_two_materials_the_patch_moves_as_its_compliance_says(tmp_path: Path) -> None:
+    mesh = build_body(BLOCK).mesh
+    mesh.write(file := tmp_path / "ball.inp")
+    deep = np.flatnonzero(mesh.points[mesh.cells].mean(axis=1)[:, 2] < -0.2) + 1
+    file.write_text(file.read_text() + "*ELSET, ELSET=core\n" + "\n".join(map(str, deep)))
+    parts = (("core", 70e3, 0.33),)
+    source = MeshSource(str(file), digest_of(str(file)), 1.0, "contact", "grip", parts=parts)
     axis = GradedAxis(0.1, 0.1, 0.1, 0.2)
     meshed = build_body(EmbeddedGeometry(CURVED, CURVED, 0.5, 0.5, 0.5, axis, axis, 0.25, source=source))
+    assert set(meshed.host.block_part) == {0, 1}  # type: ignore[union-attr]
     nodes = meshed.patch.nodes.ravel()
     force = np.random.default_rng(1).normal(size=(1, len(nodes), 3))
     interior = EmbeddedInterior(meshed.mesh, STEEL, nodes[:0], joined=Joined.of(meshed, STEEL))
