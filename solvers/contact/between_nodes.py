@@ -168,7 +168,7 @@ class WithinElements:
         return tuple(SpreadPressure.of(self.patch, pressure, self.fresh > 0.5) for pressure in self.pressures_MPa)
 
     def among(self, chosen: slice | IntArray) -> "WithinElements":
-        """The description of pressure at the chosen nodes alone."""
+        """The description of pressure at chosen nodes: `chosen` is an index or slice into the nodes of this object."""
         return WithinElements(self.patch, self.pressures_MPa, self.position[chosen], self.fresh)
 
     def share(self, friction: Friction) -> Array:

@@ -76,7 +76,7 @@ class Within(Protocol):
     """How pressure varies within the elements around k nodes; see `WithinElements`."""
 
     def among(self, chosen: slice | IntArray, /) -> "Within":
-        """The description of pressure at the chosen nodes alone."""
+        """The description of pressure at chosen nodes: `chosen` is an index or slice into the nodes of this object."""
 
     def share(self, friction: "Friction", /) -> float | Array:
         """Integral of a law's limit over the elements, divided by the limit at the nodal pressures: one number
@@ -111,7 +111,7 @@ class Friction:
         return not each.any() if isinstance(each, np.ndarray) else each == 0.0
 
     def among(self, chosen: slice | IntArray) -> "Friction":
-        """The friction of the chosen nodes alone."""
+        """The friction at chosen nodes: `chosen` is an index or slice into the nodes of this object."""
         each = self.coefficient
         within = None if self.within is None else self.within.among(chosen)
         local = None if self.local is None else self.local.among(chosen)

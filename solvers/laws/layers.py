@@ -121,7 +121,7 @@ class LayersAtNodes:
         return _sum(parts if self.yielding is None else [*parts, self.yielding.closure(pressure)])
 
     def among(self, nodes: IntArray) -> "LayersAtNodes":
-        """The layers at the chosen nodes alone."""
+        """The layers at chosen nodes: `nodes` are indices into the k nodes of this object."""
         yielding = None if self.yielding is None else self.yielding.among(nodes)
         return LayersAtNodes(self.layers, self.worn[nodes], self.old_displacement[nodes], yielding)
 
@@ -157,9 +157,9 @@ def _sum(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
 
 
 def open_share(layers: Sequence[ContactLayer]) -> float:
-    """Share of the worn depths that opens the gap, because no layer's debris fills it.
+    """Share of the worn depth by which wear opens the gap; debris that layers retain fills the rest.
 
-    SolverError if layers fill less than nothing or all of the depth.
+    Raises SolverError if the layers' retained fractions sum to less than 0, or to 1 or more.
     """
     filled = sum(layer.retained_fraction for layer in layers)
     if not 0.0 <= filled < 1.0:

@@ -70,7 +70,7 @@ class LocalState:
         return np.asarray(self.fields[name].at(self))
 
     def among(self, chosen: slice | IntArray) -> "LocalState":
-        """The local state at the chosen nodes alone."""
+        """The local state at chosen nodes: `chosen` is an index or slice into the k nodes of this object."""
         return replace(
             self,
             of_primary=lambda nodal: self.of_primary(nodal)[chosen],

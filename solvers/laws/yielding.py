@@ -34,7 +34,7 @@ class YieldAtNodes:
     rise_MPa_per_mm: Array
 
     def among(self, nodes: IntArray) -> "YieldAtNodes":
-        """The limits at the chosen nodes alone."""
+        """The limits at chosen nodes: `nodes` are indices into the k nodes of this object."""
         return YieldAtNodes(self.limit[nodes], self.rise_MPa_per_mm[nodes])
 
     def closure(self, pressure: Array) -> tuple[Array, Array]:

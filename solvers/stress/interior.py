@@ -87,8 +87,10 @@ def all_at_nodes(points: IntegrationPoints, values: Iterable[Array]) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class CycleImage:
-    """A mirror image of a body, or the body itself, in which states of a cycle are those of others, as the second half
-    of a stroke to and fro is the image of the first.
+    """A mirror that takes a body onto itself and some states of its cycle into others; also the identity, with no
+    mirror.
+
+    For example the second half of a stroke to and fro is the image of the first.
     """
 
     sides: Array  #: (3,) of ones, minus one of the axes about whose zero it is mirrored.
@@ -101,7 +103,11 @@ class CycleImage:
         return np.flatnonzero(self.source == np.arange(len(self.source)))
 
     def with_images(self, points_mm: Array) -> tuple[Array, IntArray]:
-        """Points (k, 2) of a patch and their images, and which of all these is each one's image."""
+        """The points (k, 2) in mm followed by their mirror images, and the index in that list of each entry's own
+        image.
+
+        If `sides` mirror nothing, the points alone, each its own image.
+        """
         count = np.arange(len(points_mm))
         if np.all(self.sides > 0.0):
             return points_mm, count

@@ -23,7 +23,7 @@ _LEAST_LOAD = 0.1
 
 
 class WearStop(NamedTuple):
-    """Where surfaces wear in a traced cycle."""
+    """An increment of a traced cycle at which surfaces wear."""
 
     state: ContactState
     begins: ContactState  #: From which the slip before it starts.
@@ -35,14 +35,20 @@ class WearStop(NamedTuple):
 
     @property
     def legs(self) -> tuple[tuple[ContactState, ContactState], ...]:
-        """From where to where the bodies slide before and after it, and its increment where that is not the former."""
+        """Pairs of states between which the bodies slide: before and after the stop, and its increment if it began
+        elsewhere.
+        """
         around = (self.begins, self.state), (self.state, self.ends)
         return around if self.approached is self.begins else (*around, (self.approached, self.state))
 
 
 def stops_of(start: ContactState, trace: CycleTrace, half_cycle: Mirror | None) -> tuple[WearStop, ...]:
-    """Stops of a closed cycle traced with the wear frozen from a state on, or of its first half where `half_cycle` maps
-    that onto the second.
+    """The increments of a traced closed cycle at which surfaces wear, each with the states between which it slides, in
+    order.
+
+    The cycle was traced with the worn depths held fixed. start: the state from which it was traced. half_cycle: the
+    mirror that maps the first half of the cycle onto the second; the trace, and the result, then cover the first half
+    only.
     """
     worn = trace.worn
     kept = np.arange(len(trace.states)) if worn is None else worn.increments

@@ -26,7 +26,8 @@ _SAME_DRIVE = 1e-9  # Drives closer than this, relative to the amplitude, are th
 class Mirror:
     """A map (x, y) -> (sign_x x, sign_y y) of the world that takes each body onto itself.
 
-    primary, secondary: (n,), where each patch node goes.  With sign_x = -1 the motion is reversed: half a cycle later.
+    primary, secondary: (n,) index of the patch node onto which each node of that body is mapped. With sign_x = -1 the
+    motion is reversed, so what happens at one time happens mirrored half a cycle later.
     """
 
     sign_x: float
@@ -117,7 +118,12 @@ def mirrored(state: ContactState, mirror: Mirror) -> ContactState:
 
 
 def with_images(guide: Guide, mirror: Mirror | None) -> Guide:
-    """A guide of half a cycle with the other half, which a mirror that reverses the motion makes of it."""
+    """A guide that covers the whole cycle, from one that may cover only one stroke.
+
+    mirror: the map that reverses the motion. The other stroke follows from it, half a cycle later: displacements along
+    x and tractions are mirrored, overlap areas kept. A guide of both strokes, or one without a mirror, is returned as
+    it is.
+    """
     falling = guide.phase <= 0.5
     if mirror is None or (falling.any() and not falling.all()):
         return guide

@@ -304,13 +304,16 @@ def show(
     moving: bool = False,
     drawn: Callable[[Sequence[RunResult]], Mapping[str, Callable[[], Figure]]] | None = None,
 ) -> list[Path]:
-    """Draw all pictures of the run or runs at `result_path` and return their paths.
+    """Write all pictures of the run or runs at `result_path`, a result file or a folder of runs, and return their
+    paths.
 
-    They go to `output_dir`, by default a folder `pictures` beside the result file or in the folder of variants. What an
-    unfinished run has not logged yet is left out. `ending` is png, svg or pdf; with `moving`, the loop and scar of each
-    run are also drawn as an animated GIF. `drawn` lists the pictures of results, by default those of contacts at a
-    point.
-    Raises ResultError if there is no readable result, none has logged anything to draw, or a picture cannot be written.
+    output_dir: by default a folder `pictures` beside the result file or in the folder of runs.
+    ending: png, svg or pdf.
+    moving: draw also loop and scar of each run over the cycles as an animated GIF.
+    drawn: given the results, returns the functions that draw them by picture name; by default those of point contacts.
+
+    What an unfinished run has not logged yet is left out. Raises ResultError if there is no readable result, nothing is
+    logged yet, or a picture cannot be written.
     """
     results = read_results(result_path)
     if drawn is None or moving:

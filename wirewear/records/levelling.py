@@ -224,11 +224,16 @@ class _Candidates:
 
     @cached_property
     def scales(self) -> Array:
-        """Trial distances within which points count as lying on a surface."""
+        """Trial distances in µm within which points count as lying on a surface."""
         return np.asarray(2.5 * self.sharp * 2.0 ** np.arange(np.log2(max(self.range / (10.0 * self.sharp), 2.0))))
 
     def best(self, random: np.random.Generator, count: int = DRAWN) -> tuple[Array, float, float]:
-        """Change of parameters (k,) and distance with the highest weight among `count` random ones, and that weight."""
+        """The best of many candidate surfaces: change of the parameters (k,), trial distance, and weight, the largest
+        of all.
+
+        count: number of random candidates, each through as many points as it has parameters; half through border
+        points.
+        """
         size, (_, k) = self.rest.size, self.slopes.shape
         at_border = np.flatnonzero(self.border)
         ends, anywhere = (random.integers(most, size=(count // 2, k)) for most in (at_border.size, size))

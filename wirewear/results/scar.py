@@ -215,7 +215,12 @@ class Scar:
 
     @property
     def flanks_um(self) -> tuple[float, float]:
-        """Distances along and across up to which pictures show the unworn surface; infinite where it is straight."""
+        """Distances in µm along and across the axis from the first contact up to which pictures show the unworn
+        surface.
+
+        They are 0.68 of the body's two radii, or 0.94 of a cylinder's radius; infinite in a direction in which it is
+        straight.
+        """
         radii = (500.0 * self.diameter_along_mm, self.radius_um)
         share = 0.94 if max(radii) == float("inf") else 0.68
         return share * radii[0], share * radii[1]

@@ -140,11 +140,13 @@ class Wear(keys.Table):
 
     @property
     def largest_factor(self) -> float:
-        """Largest factor on the coefficient in its variation."""
+        """Largest factor on the wear coefficient among `variation_points`; 1 without any."""
         return max((factor for _, factor in self.variation_points), default=1.0)
 
     def factor(self, cycles: float, energy_J: float) -> float:
-        """Factor on the coefficient after this number of cycles and this friction energy."""
+        """Factor on the wear coefficient after this number of cycles and this accumulated friction energy in J, from
+        `variation_points`.
+        """
         if self.variation == "none":
             return 1.0
         at, factors = zip(*self.variation_points, strict=True)

@@ -157,9 +157,11 @@ def sliding_rows(
     shares: tuple[float, ...] = _SHARES,
     of: str = "Mindlin",
 ) -> tuple[Row, ...]:
-    """Rows that compare two bodies in partial slip with the closed form; `bulk` is their bulk compliance in mm/N.
+    """Rows that compare a solved circular contact in partial slip with the closed form `exact`.
 
-    shares: tangential force amplitudes over µP.  of: name of the problem in the rows.
+    The first row is on the initial tangential compliance; for each force amplitude in `shares`, of the friction limit
+    µP, follow rows on stick radius, displacement and energy of a closed cycle. bulk: tangential compliance of the
+    bodies beyond half-spaces, mm/N. body: the condensed body of the problem. of: name of the theory in the rows.
     """
     pressed, _ = solvers.press(problem, solvers.unloaded_state(problem))
     rows = [_initial_compliance(problem, pressed, exact, bulk, of)]

@@ -123,7 +123,7 @@ class _OneSentence(click.ClickException):
     exit_code = 2
 
     def show(self, file: object = None) -> None:  # noqa: ARG002
-        """Print the sentence on standard error."""
+        """Print the message on standard error, after the program's name; `file` is ignored."""
         click.echo(f"wirewear: {self.message}", err=True)
 
 
@@ -142,7 +142,7 @@ class _Misused(_OneSentence):
         self._context = None if wrong_value else error.ctx
 
     def show(self, file: object = None) -> None:
-        """Print the usage and the sentence on standard error."""
+        """Print the command's usage, unless a value was wrong, and then the message, on standard error."""
         if self._context is not None:
             usage, path = self._context.get_usage(), self._context.command_path
             click.echo(f"{usage}\nTry '{path} --help' for help.\n", err=True)
@@ -304,7 +304,8 @@ def a_list(*names: str, form: str) -> Callable[[FC], FC]:
 
 @contextmanager
 def busy(doing: str, *, long: bool = False) -> Iterator[None]:
-    """Show on a terminal's standard error what is being done; elsewhere print it as a line if `long` is True.
+    """Context manager that shows on standard error what is being done: on a terminal meanwhile, elsewhere as a line if
+    `long`.
 
     Runs show their own progress: `wirewear.simulation.ProgressBar`.
     """

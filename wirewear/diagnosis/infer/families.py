@@ -61,7 +61,11 @@ class Family:
 
 @dataclass(frozen=True, eq=False)
 class Branches:
-    """A course's loops by branch, (n, 2, m) each, the scales of a distortion (amplitude, plateau force), the drive."""
+    """Computed loops split into their two branches, (n, 2, m) each, and what a distortion of unit size is measured in.
+
+    `y_um` and `p_N` are displacement and tangential force in the direction of travel; `amplitude_um` and `force_N`
+    (plateau force) scale the distortion; `motion` is how the drive moves in time.
+    """
 
     course: PredictedLoops
     y_um: Array
@@ -200,8 +204,9 @@ def force_after_play() -> Shape:
 
 
 def displacement_after_play(*, held: bool) -> Shape:
-    """Play of a given share of the amplitude in the displacement channel; `held`: the drive makes up for what is lost
-    at the tips.
+    """Shape of loops whose displacement is read behind free play; its size is half the play over the amplitude.
+
+    held: the drive holds the amplitude that is read, so the true one is larger by what the play takes.
     """
 
     def shape(b: Branches, size: float) -> PredictedLoops:
@@ -218,38 +223,49 @@ Share = Callable[[Branches], Array]
 
 
 def cubic(u: Array) -> Array:
-    """A cubic that bends the ends alone."""
+    """The third power of u: small in the middle, so that it bends the ends alone."""
     return np.asarray(u**3)
 
 
 def between_ends(power: int) -> Callable[[Array], Array]:
-    """A power less the one two below it, which is 0 at both ends."""
+    """The function u**power - u**(power - 2), which is 0 at both ends, u = ±1."""
     return lambda u: np.asarray(u**power - u ** (power - 2))
 
 
 def in_travel(power: int) -> Share:
-    """A power of x/A in the direction of travel, none of it in the mean: odd ones are against the motion at one end."""
+    """The function (x/A)**power less its mean over the stroke, x in the direction of travel, A the amplitude.
+
+    As added friction, an odd power acts against the motion at one end of each stroke and with it at the other.
+    """
     mean = 1.0 / (power + 1.0) if power % 2 == 0 else 0.0
     return lambda b: np.asarray(b.place**power - mean)
 
 
 def on_the_rig(power: int) -> Share:
-    """A power of x/A with the direction's sign: odd ones are more towards one end, even ones one way only."""
+    """The function (x/A)**power of branches, x in the direction of travel, with the sign of the travel.
+
+    It acts along a direction fixed in the rig: an odd power changes with the place along the stroke, the same on both
+    branches; an even power has the opposite sign on the branch back.
+    """
     return lambda b: np.asarray(_DIRECTIONS * b.place**power)
 
 
 def later(b: Branches) -> Array:
-    """The sine of twice the phase of a harmonic drive: more in the second half of either stroke."""
+    """The sine of twice the phase of a harmonic drive, (n, 2, m): added friction that is larger in the second half of a
+    stroke.
+    """
     return np.asarray(b.place * np.sqrt(np.maximum(1.0 - b.place**2, 0.0)))
 
 
 def fast(b: Branches) -> Array:
-    """The speed of a harmonic drive over its largest, with its sign."""
+    """The speed of a harmonic drive over its largest (n, 2, m), positive on the branch towards +x."""
     return np.asarray(_DIRECTIONS * np.sqrt(np.maximum(1.0 - b.place**2, 0.0)))
 
 
 def since(length: float) -> Shape:
-    """Friction that passes over some way after each reversal."""
+    """Shape of added friction that decays exponentially with the sliding since a reversal; length: over the
+    amplitude.
+    """
     return resisting(lambda b: np.asarray(np.exp(-b.slid / length)))
 
 

@@ -58,7 +58,7 @@ LEVEL = constants("infer.sets").number("level")
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What was found: the problem with its covariance around the best explanation, and all fits."""
+    """Result of the search for causes: the problem with its covariance at the best explanation, and all fits."""
 
     problem: Problem
     covariance: Covariance
@@ -70,7 +70,7 @@ class Search:
 
     @property
     def best(self) -> Fit:
-        """The explanation of highest evidence, none included."""
+        """The fit of largest log evidence, of no effect, single effects and pairs."""
         return max((self.none, *self.singles, *self.pairs), key=lambda one: one.merit)
 
     @property

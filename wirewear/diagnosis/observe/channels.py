@@ -223,12 +223,18 @@ class EvolutionFigure(Observable):
         return values, np.hypot(noise, np.sqrt(0.5) * self.missed(reading))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
-        """Error common to all repeats: another definition of the figure, and half the variance of `missed`."""
+        """Standard deviation (n,) of the error that all repeats of this figure share, in the column's unit.
+
+        It has two parts: another program may define the figure otherwise (`ERROR` of its usual size), and half the
+        variance of `missed`, whose other half is taken to differ from repeat to repeat.
+        """
         defined = ERROR * _usual_figures(reading, self.column, sites)
         return np.asarray(np.hypot(defined, np.sqrt(0.5) * self.missed(reading)))
 
     def missed(self, reading: Reading) -> float:  # noqa: ARG002
-        """Error in the column's unit by straight lines between few samples."""
+        """Standard deviation, in the column's unit, of the error that comes from joining few samples by straight lines;
+        by default 0.
+        """
         return 0.0
 
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:

@@ -234,9 +234,11 @@ def _on_grid(x: Array, y: Array) -> bool:
 
 
 def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict[str, Any], list[str]]:
-    """Columns of a mapping for a file, with open units where unstated, and sentences on them.
+    """Tables for the columns of a guessed file as a mapping states them, by key, and sentences on what the user must
+    look at.
 
-    per_length: forces and energies may be given per millimetre of a line contact.
+    A unit that the file does not state is left open for the user, with a sentence, except that times are taken for
+    seconds. per_length: the units of forces and energies may be per millimetre of a line contact.
     """
     columns: dict[str, Any] = {}
     remarks = [*text.remarks]
