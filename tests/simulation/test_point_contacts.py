@@ -15,6 +15,7 @@ from wirewear import parse_study, reference
 from wirewear.base.errors import AssumedWarning, StudyError
 from wirewear.results import RunResult, read_result
 from wirewear.simulation import discretise, run_study
+from wirewear.simulation.problem import held_is_primary
 from wirewear.sweeps.sweep import figures_of
 from wirewear.test import Study, study_from_tables
 from wirewear.test.bodies import Wire, hertz_of
@@ -183,6 +184,24 @@ def test_a_test_too_hard_for_a_small_ball_is_refused_before_it_is_meshed() -> No
     small = {"kind": "ball-on-flat", "bodies": {"ball": {"diameter_mm": 0.1, **STEEL}, "flat": STEEL}}
     with pytest.raises(StudyError, match="the ball is too small for this test"):
         discretise(study(small), "quick")
+
+
+DIFFERING: list[dict[str, Any]] = [
+    cylinder(60.0, diameter_mm=8.0), cylinder(60.0, youngs_modulus_MPa=110000.0), cylinder(80.0),
+    {"shape": "ball", "diameter_mm": 8.0, **STEEL},
+    cylinder(60.0, diameter_mm=8.0, yield_stress_MPa=900.0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("moving_share", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("upper", DIFFERING)
+def test_tractions_stay_on_the_same_of_two_bodies_when_they_are_exchanged(
+    upper: dict[str, Any], moving_share: float
+) -> None:
+    wear, lower = {"energy_wear_coefficient_mm3_per_J": 2e-5}, cylinder(20.0)
+    one = study(bodies(lower, upper), wear=wear | {"moving_share": moving_share})
+    other = study(bodies(upper, lower), wear=wear | {"moving_share": 1.0 - moving_share})
+    assert held_is_primary(one) != held_is_primary(other)
 
 
 @pytest.fixture(scope="module")

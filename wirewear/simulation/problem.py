@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from functools import lru_cache
-from math import radians
+from math import inf, radians, sin
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -32,6 +32,7 @@ from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results.scar import called
 from wirewear.simulation.yielding import limit_of_points
 from wirewear.test import AnyStudy, Study
+from wirewear.test.bodies import Body
 from wirewear.test.surfaces import StatedSurface
 
 
@@ -127,7 +128,7 @@ def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], Non
         upper=upper,
         lower=lower,
         **laws_of(study),
-        primary_is_upper=_held_is_primary(study),
+        primary_is_upper=held_is_primary(study),
         formulation=study.contact.formulation,
         limit=limit_of_points(study),
     )
@@ -162,12 +163,29 @@ def worn_depths(problem: solvers.ContactProblem, state: solvers.ContactState) ->
     return wear.primary_depth, wear.secondary_depth
 
 
-def _held_is_primary(study: Study) -> bool:
+def held_is_primary(study: Study) -> bool:
+    """True if the nodes of the held body carry the tractions, False for the driven one; bodies exchanged, the other."""
     limit = limit_of_points(study)
     if limit is not None and limit.upper_share in (0.0, 1.0):
         # The nodes that carry the tractions keep a print as it is, where the surface that faces them averages it.
         return limit.upper_share == 1.0
-    return study.contact.primary_wire == "fixed"
+    if study.contact.primary_wire != "auto":
+        return study.contact.primary_wire == "fixed"
+    driven_share = 0.5 if study.wear is None else study.wear.moving_share
+    driven, held = map(_precedence, study.bodies, (driven_share, 1.0 - driven_share))
+    return held >= driven
+
+
+def _precedence(body: Body, worn_share: float) -> tuple[float, ...]:
+    """What puts a body before the other as the primary, whichever of them is driven.
+
+    Wear of the primary is not spread over elements on its way: the body that wears more comes first, then one that the
+    contact stays with, then one that lies across the motion; softer ones come before stiffer ones.
+    """
+    across = sin(radians(body.axis_angle_deg)) ** 2 if body.has_axis else 0.0
+    leading = (1.0, inf) if body.face is not None else (0.0, sum(body.curvatures_per_mm))
+    order = worn_share, *leading, across, -body.youngs_modulus_MPa, -body.poissons_ratio
+    return tuple(float(f"{value:.9g}") for value in order)
 
 
 def _placed(
@@ -183,7 +201,7 @@ def _placed(
     fixed = measured(fixed, held.surface, held.axis_angle_deg, upper=True)
     lower = solvers.place(moving, upper=False, axis_angle_rad=-motion)
     upper = solvers.place(fixed, upper=True, axis_angle_rad=crossing - motion)
-    if _held_is_primary(study):
+    if held_is_primary(study):
         return lower, solvers.facing(upper, lower)
     return solvers.facing(lower, upper), upper
 

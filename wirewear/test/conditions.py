@@ -83,9 +83,12 @@ class Contact(FrictionTable):
     formulation: Annotated[Formulation, PlainValidator(keys.one_of("augmented-lagrangian", "penalty"))] = Field(
         "augmented-lagrangian", description='"augmented-lagrangian" (exact) or "penalty" (a thin elastic layer)'
     )
-    primary_wire: Annotated[Literal["fixed", "moving"], PlainValidator(keys.one_of("fixed", "moving"))] = Field(
-        "fixed",
-        description="the wire whose surface carries the contact tractions; where one yields alone, or first, it does",
+    primary_wire: Annotated[
+        Literal["auto", "fixed", "moving"], PlainValidator(keys.one_of("auto", "fixed", "moving"))
+    ] = Field(
+        "auto",
+        description='whose surface carries the contact tractions: "fixed", "moving", or "auto", by the physics; '
+        "where a body yields alone, or first, it does",
     )
 
 
