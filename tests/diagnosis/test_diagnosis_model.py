@@ -154,6 +154,14 @@ def test_the_worn_volume_is_the_coefficient_times_the_energy() -> None:
     assert course.volume_um3[-1] == pytest.approx(30.0 * energy, rel=0.01)
 
 
+def test_scars_grow_on_where_less_slip_or_more_wear_leads_beyond_the_nominal_run() -> None:
+    whole = states()
+    columns = {name: own[:-2] for name, own in vars(whole).items() if np.shape(own)[:1] == whole.volume_um3.shape}
+    expected, found = (simulate(one, nominal(), np.array([1e5])).scars for one in (whole, replace(whole, **columns)))
+    assert expected[:, 0].sum() > 4.0 * columns["volume_um3"][-1]
+    assert found == pytest.approx(expected, rel=0.1)
+
+
 def test_the_drive_holds_the_reading_or_the_true_stroke() -> None:
     gained = with_effect(nominal("sensor"), "displacement_gain", {"gain": 1.05})
     read = simulate(states(), gained, FIRST).displacement_um

@@ -345,8 +345,11 @@ def _half_reading(chain: Chain, x: Array, q: Array) -> Array:
 
 def _scars(states: WearStates, last: Chain, slip: Array, worn_under_um: Array) -> Array:
     """`SCAR_FIGURES` (k, 2, 4) of the moving and the fixed wire at a chain's moments (k,), by geometric similarity."""
-    row, share = _places(states, states.similar(last.worn_um3, slip))
+    similar = states.similar(last.worn_um3, slip)
+    row, share = _places(states, similar)
+    share = np.minimum(share, 1.0)
     figures = states.scars[row] + share[:, None, None] * (states.scars[row + 1] - states.scars[row])
+    figures *= np.maximum(similar / states.similarity[-1], 1.0)[:, None, None] ** states.scars_growth
     size = slip / np.interp(row + share, np.arange(states.slip_um.size), states.slip_um)
     scaled: Array = figures * size[:, None, None] ** np.array([4.0, 2.0, 1.0, 1.0])
     scaled *= 1.0 + last.retained_fraction[:, None, None] * _CONCENTRATION

@@ -40,6 +40,9 @@ if TYPE_CHECKING:
 
 _KNOWN = constants("model.wear_states")
 
+#: Powers of the worn volume with which `SCAR_FIGURES` of bodies grow that wear into one another.
+_CONFORMAL_GROWTH = np.array([1.0, 0.5, 0.25, 0.25])
+
 #: Standard deviations of the fast model's numerical freedoms: how far it and other solvers differ without a gap.
 NUMERICAL: Mapping[str, float] = constants("model.numerical.freedoms").all()
 
@@ -167,6 +170,15 @@ class WearStates:
     def log_similarity(self) -> Array:
         """Logarithms (n,) of the similarities and the least one."""
         return np.asarray(np.log(self.similarity + self.least_similarity))
+
+    @cached_property
+    def scars_growth(self) -> Array:
+        """Powers (2, 4) of the similarity with which the figures of scars grow beyond the last state."""
+        before = int(np.searchsorted(self.similarity, 0.5 * self.similarity[-1])) - 1
+        if before < 1 or not (self.scars[[before, -1]] > 0.0).all():
+            return np.broadcast_to(_CONFORMAL_GROWTH, self.scars.shape[1:])
+        grown, worn = (np.log(rows[-1] / rows[before]) for rows in (self.scars, self.similarity))
+        return np.asarray(grown / worn)
 
     @cached_property
     def _columns(self) -> Array:
