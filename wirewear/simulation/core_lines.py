@@ -1,14 +1,17 @@
-"""Mesh lines on which the nodes within a core that sticks have its area.
+"""Mesh lines on which the nodes within a core that sticks are as stiff as it.
 
 Whole nodes stick or slip: those within the core's outline stick. Where wear takes all pressure from the others, they
-carry everything, as a punch does whose area is the sum of theirs. What wears depends steeply on that: a hundredth of
-the radius is a tenth of the volume (docs/partial_slip.md).
+carry everything, as a punch does whose outline is that of their cells. What wears depends steeply on that: a hundredth
+of the radius is a tenth of the volume (docs/partial_slip.md).
 """
 
 from dataclasses import replace
-from math import pi
+from functools import lru_cache
+from math import pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
+from scipy.special import ellipk
 
 from geometry import RimGradedAxis
 from geometry.arrays import Array
@@ -21,11 +24,36 @@ _BEYOND = 0.02  #: Of an element: by how much nodes may lie beyond the outline a
 _MIDDLE = 1e-9  #: Of the outline: nodes as near to its middle lie there.
 #: Of an element: nodes nearer to the outline within and beyond it might slip or stick.
 _CLEAR = -0.12, 0.1
+#: Of a mean element of the core: by how much a punch of finite elements is larger than one of as many cells of even
+#: pressure that are held at their middles.
+_LARGER = 0.08
+_FITS = 1, 16  #: Of how many lines of nearly one area stiffness is found: of the core's area, then of the one it needs.
+
+_Lines = tuple[RimGradedAxis, RimGradedAxis]
 
 
-def fitted_to_core(
-    lines: tuple[RimGradedAxis, RimGradedAxis], core: Ellipse, axial_rad: float
-) -> tuple[RimGradedAxis, RimGradedAxis]:
+class _Cells(NamedTuple):
+    """Cells of the n nodes within an outline: their middles and sizes (n,) along both axes, in mm."""
+
+    x: Array
+    y: Array
+    wide: Array
+    high: Array
+    unclear: float  #: By how much nodes lie too near to the outline.
+
+    @property
+    def area(self) -> float:
+        """Their area in mm²."""
+        return float(self.wide @ self.high)
+
+    @property
+    def stiffness(self) -> float:
+        """What `punch_stiffness` is of a punch of finite elements that have these nodes."""
+        return punch_stiffness(*self[:4]) * (1.0 + _LARGER * sqrt(pi / len(self.x)))
+
+
+@lru_cache(maxsize=16)
+def fitted_to_core(lines: _Lines, core: Ellipse, axial_rad: float) -> _Lines:
     """Axial and transverse lines, both stretched alike within the patch, that fit a core best.
 
     core: its angle as that of the axial lines is from the driven body's axis.
@@ -39,12 +67,20 @@ def fitted_to_core(
         for stretch in stretches
         for share in _SHARES
     ]
-    misfits = [_misfit(axial, transverse, core, axial_rad) for axial, transverse in tried]
-    return tried[int(np.argmin(misfits))]
+    cells = [_within(axial, transverse, core, axial_rad) for axial, transverse in tried]
+    right = core.major_mm / float(ellipk(1.0 - (core.minor_mm / core.major_mm) ** 2))
+    fits: dict[int, float] = {}
+    area = pi * core.major_mm * core.minor_mm
+    for count in _FITS:
+        misfits = [abs(one.area / area - 1.0) + one.unclear for one in cells]
+        for place in np.argsort(misfits)[:count]:
+            stiffer = cells[place].stiffness / right
+            fits[int(place)] = abs(stiffer - 1.0) + cells[place].unclear
+        area /= stiffer**2
+    return tried[min(fits, key=lambda one: fits[one])]
 
 
-def _misfit(axial: RimGradedAxis, transverse: RimGradedAxis, core: Ellipse, axial_rad: float) -> float:
-    """By how much the area of the nodes within an outline is off, and more where nodes lie next to it."""
+def _within(axial: RimGradedAxis, transverse: RimGradedAxis, core: Ellipse, axial_rad: float) -> _Cells:
     x, y = axial.lines()[:, None], transverse.lines()
     sizes = np.gradient(axial.lines())[:, None], np.gradient(transverse.lines())
     turn = core.angle_rad - axial_rad
@@ -53,10 +89,26 @@ def _misfit(axial: RimGradedAxis, transverse: RimGradedAxis, core: Ellipse, axia
     slopes = _slopes(along, across, core, reach, turn)
     element = np.hypot(slopes[0] * sizes[0], slopes[1] * sizes[1])
     beyond = (reach - 1.0) / np.maximum(element, _MIDDLE) - _BEYOND
-    area = float((sizes[0] * sizes[1])[beyond < 0.0].sum())
-    off = abs(area / (pi * core.major_mm * core.minor_mm) - 1.0)
-    within, outside = float(beyond[beyond < 0.0].max(initial=-1.0)), float(beyond[beyond > 0.0].min(initial=1.0))
-    return off + max(within - _CLEAR[0], 0.0) + max(_CLEAR[1] - outside, 0.0)
+    sticks = beyond < 0.0
+    within, outside = float(beyond[sticks].max(initial=-1.0)), float(beyond[~sticks].min(initial=1.0))
+    unclear = max(within - _CLEAR[0], 0.0) + max(_CLEAR[1] - outside, 0.0)
+    x, y, wide, high = (np.broadcast_to(one, reach.shape)[sticks] for one in (x, y, *sizes))
+    return _Cells(x, y, wide, high, unclear)
+
+
+def punch_stiffness(x: Array, y: Array, wide: Array, high: Array) -> float:
+    """Load over depth of a flat punch of rectangles, over π times the contact modulus: in mm.
+
+    x, y, wide, high: (n,) middles and sizes of the rectangles in mm. Each carries an even pressure (Love, Phil. Trans.
+    R. Soc. A 228 (1929) 377).
+    """
+    along, across = x[:, None] - x, y[:, None] - y
+    depth = np.zeros(along.shape)
+    for side in (0.5, -0.5):
+        for end in (0.5, -0.5):
+            u, v = along + side * wide, across + end * high
+            depth += np.sign(side * end) * (u * np.arcsinh(v / np.abs(u)) + v * np.arcsinh(u / np.abs(v)))
+    return float((wide * high) @ np.linalg.solve(depth, np.ones(len(along))))
 
 
 def _slopes(along: Array, across: Array, core: Ellipse, reach: Array, turn: float) -> tuple[Array, Array]:
