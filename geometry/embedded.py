@@ -217,17 +217,26 @@ def grid_of(source: MeshSource) -> ContactPatch | None:
     triangles, quads = solid.faces_of(source.contact)
     if source.parts or set(solid.cells) != {8} or len(triangles) or not len(quads):
         return None
-    nodes = np.unique(quads)
-    places = solid.points[nodes, :2]
+    found = on_grid(solid.points[:, :2], np.unique(quads))
+    if found is None or len(quads) != np.prod(np.array(found[1].shape) - 1):
+        return None
+    (along, across), grid = found
+    return ContactPatch(along, across, grid, own.face)
+
+
+def on_grid(places_mm: Array, nodes: IntArray) -> tuple[list[Array], IntArray] | None:
+    """Lines (n_a,) and (n_t,) in mm of the grid of some nodes, and these (n_a, n_t) on it; None unless they form one.
+
+    places_mm: (n, 2) of all nodes in the plane.
+    """
+    places = places_mm[nodes]
     axes = [_lines(places[:, axis]) for axis in (0, 1)]
     if len(axes[0]) * len(axes[1]) != len(nodes) or min(map(len, axes)) < 3:
         return None
     grid = np.full((len(axes[0]), len(axes[1])), -1, dtype=np.int64)
     i, j = (np.abs(places[:, axis, None] - axes[axis]).argmin(axis=1) for axis in (0, 1))
     grid[i, j] = nodes
-    if (grid < 0).any() or len(quads) != (grid.shape[0] - 1) * (grid.shape[1] - 1):
-        return None
-    return ContactPatch(axes[0], axes[1], grid, own.face)
+    return None if (grid < 0).any() else (axes, grid)
 
 
 def _lines(values: Array) -> Array:

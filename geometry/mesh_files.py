@@ -16,6 +16,7 @@ from geometry.errors import GeometryError
 from geometry.solid import SolidMesh
 
 FORMATS = (".msh", ".inp")
+MATRICES = (".npz", ".mtx")  #: Of condensed stiffnesses, see `stiffness_files`.
 #: Solid elements of Abaqus by their names' beginnings; what follows (R, I, H, T …) is how they are integrated.
 _ABAQUS = {"C3D20": 20, "C3D15": 15, "C3D10": 10, "C3D8": 8, "C3D6": 6, "C3D4": 4, "C3D27": 27}
 _PYRAMIDS = "pyramids are not among hexahedra, tetrahedra and prisms"
@@ -46,14 +47,15 @@ def read_solid(path: str, digest: str, mm_per_unit: float) -> SolidMesh:
 def digest_of(path: str) -> str:
     """SHA-256 of a file's contents. Raises GeometryError if it cannot be read, is too large, or has no known ending."""
     file = Path(path)
-    if file.suffix not in FORMATS:
-        raise GeometryError(f"{file.name} must be gmsh's .msh or Abaqus' .inp")
+    if file.suffix not in (*FORMATS, *MATRICES):
+        raise GeometryError(f"{file.name} must be gmsh's .msh or Abaqus' .inp, or of a stiffness .npz or .mtx")
     try:
         if file.stat().st_size > _MOST_BYTES:
             raise GeometryError(
                 f"{file.name} is larger than {_MOST_BYTES // 1_000_000} MB: mesh the body more coarsely"
             )
-        return sha256(file.read_bytes()).hexdigest()
+        table = file.with_suffix(".csv").read_bytes() if file.suffix == ".mtx" else b""
+        return sha256(file.read_bytes() + table).hexdigest()
     except OSError as problem:
         reason = problem.strerror or type(problem).__name__
         raise GeometryError(

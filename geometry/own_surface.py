@@ -205,6 +205,20 @@ def own_surface(source: MeshSource) -> OwnSurface:
     return OwnSurface(solid.moved(local), face, origin, axes, triangles, nodes, largest)
 
 
+def face_through(nodes: Array) -> FittedFace:
+    """The smooth face through nodes (n, 3) in a body's own axes, which touches the plane z = 0 at the origin.
+
+    Raises GeometryError, in one sentence, if it does not, or is hollow.
+    """
+    scale = float(np.ptp(nodes[:, :2], axis=0).max())
+    barrel, _ = _barrel(nodes, scale, moves=False)
+    off = nodes[:, 2] - barrel.height(nodes[:, :2])
+    face = FittedFace(barrel, nodes[:, :2], off if np.abs(off).max() > _EXACT * scale else np.zeros(0))
+    if abs(height := float(face.height(np.zeros((1, 2)))[0])) > 1e-3 * scale:
+        raise GeometryError(f"its surface lies {height:.3g} mm above the origin, but touches first there")
+    return face
+
+
 def _require_set(solid: SolidMesh, role: str, name: str) -> None:
     what = f"of the {role} surface"
     if name not in solid.sets:

@@ -18,7 +18,9 @@ from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering,
 from geometry.arrays import Array, BoolArray, IntArray
 from geometry.embedded import EmbeddedGeometry, OwnGrid
 from geometry.grading import GivenAxis
+from geometry.mesh_files import MATRICES
 from geometry.own_surface import MeshSource
+from geometry.stiffness_files import OwnStiffness
 from wirewear.base.errors import ResultError
 from wirewear.results.positions import POSITIONS
 from wirewear.results.scar import float_array, require_finite
@@ -217,8 +219,9 @@ def geometry_of(table: Mapping[str, Any]) -> BodyGeometry:
         parts: dict[str, Any] = {name: _axis(table[name]) for name in ("axial", "transverse")}
         shape: type[BodyGeometry] = WireGeometry if "diameter_mm" in table else BlockGeometry
         if "source" in table:
-            shape = EmbeddedGeometry if "height_mm" in table else OwnGrid
-            parts["source"] = MeshSource(**{key: _as_tuples(value) for key, value in table["source"].items()})
+            source = parts["source"] = MeshSource(**{key: _as_tuples(one) for key, one in table["source"].items()})
+            of_nodes = OwnStiffness if source.file.endswith(MATRICES) else OwnGrid
+            shape = EmbeddedGeometry if "height_mm" in table else of_nodes
         return shape(**{**table, **parts, "layering": Layering(**table["layering"])})
     except (KeyError, TypeError) as problem:
         raise ResultError(f"a body's geometry of another version of wirewear: {problem}") from problem

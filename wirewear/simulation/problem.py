@@ -12,6 +12,8 @@ import numpy as np
 import solvers
 from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, LoweredSurface, Profile, build_body
 from geometry.arrays import Array
+from geometry.stiffness_files import OwnStiffness, write_stiffness
+from solvers.elasticity.condensation import inverse
 from solvers.elasticity.embedding import condense_meshed
 from solvers.elasticity.patch_compliance import Bricks, PatchCompliance
 from solvers.elasticity.placement import rotation_to_world
@@ -41,6 +43,8 @@ def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | 
 
     A cached file that cannot be read is replaced; one that cannot be written is left out.
     """
+    if isinstance(geometry, OwnStiffness):
+        return _of_file(geometry, material)
     asked = {"shape": type(geometry).__name__, "geometry": geometry.as_table(), "material": asdict(material)}
     name = f"body-{identity_of(asked, CONDENSATION_CODE, {}).name}.npz"
     path = kept_file(name) if directory is None else directory / name
@@ -60,12 +64,36 @@ def condensed_worn_body(
 ) -> tuple[solvers.CondensedBody, float]:
     """Condense a body whose patch's nodes are moved down by a vertical depth (n_a, n_t) in mm below the unworn surface.
 
-    Returns the body and the smallest scaled Jacobian of its mesh. It is not cached, since every state of wear occurs
-    once. GeometryError, naming the place, if an element is distorted too much.
+    Returns the body and the smallest scaled Jacobian of its mesh. A body without elements stays as it is. It is not
+    cached, since every state of wear occurs once. GeometryError, naming the place, if an element is distorted too much.
     """
+    if isinstance(geometry, OwnStiffness):
+        return _of_file(geometry, material), 1.0
     worn = _fresh_body(geometry).worn(worn_depth_mm)
     body = condense_meshed(worn, material)
     return replace(body, bricks=Bricks(material, geometry.layers)), worn.smallest_scaled_jacobian
+
+
+@lru_cache(maxsize=2)
+def _of_file(geometry: OwnStiffness, material: Elastic) -> solvers.CondensedBody:
+    """The body of a file with a condensed stiffness. StudyError if its stiffness is not positive definite."""
+    stiffness, patch = geometry.read.of_free
+    try:
+        compliance = inverse(stiffness)
+    except solvers.SolverError:
+        raise StudyError(
+            f"the stiffness in {Path(geometry.source.file).name} is not positive definite for a body that is held: "
+            "give the one of a body that resists every deformation"
+        ) from None
+    of_patch = np.ascontiguousarray(compliance[: 3 * patch.size, : 3 * patch.size])
+    bricks = None if geometry.read.layers is None else Bricks(material, geometry.layers)
+    return replace(solvers.CondensedBody.whole(patch, of_patch), bricks=bricks)
+
+
+def write_condensed(path: Path, geometry: BodyGeometry, material: Elastic) -> None:
+    """Write the stiffness of a body of the program's own, condensed to its patch, as `stiffness_files` reads it."""
+    body = condensed_body(geometry, material)
+    write_stiffness(path, body.patch, inverse(body.compliance), geometry.layers)
 
 
 @lru_cache(maxsize=2)

@@ -23,8 +23,9 @@ from wirewear.base.writing import in_one_step, writing
 from wirewear.results.scar import called
 from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.line_model import line_plan, require_affordable_lines
+from wirewear.simulation.plan import MeshStage
 from wirewear.simulation.point_runs import PointRun
-from wirewear.simulation.problem import contact_problem
+from wirewear.simulation.problem import contact_problem, write_condensed
 from wirewear.test import LineStudy, Study
 from wirewear.test.own_bodies import OwnBody
 
@@ -40,7 +41,8 @@ def write_meshes(study: Study, fidelity: str, folder: Path, ending: str = "vtu")
     """Mesh both bodies; write a mesh file of each, such as moving.vtu (surfaces as point data), mesh.png and
     boundary_conditions.png to a folder; return the files.
 
-    If the meshes follow the scar, those of the last stage are written and the first one is drawn as well. For variants
+    With the ending npz the condensed stiffness of each body is written, and nothing drawn. If the meshes follow the
+    scar, those of the last stage are written and the first one is drawn as well. For variants
     of equal meshes, the mesh of the study as a whole is written. Raises StudyError if the study cannot be discretised,
     GeometryError if the mesh is distorted, and ResultError if the files cannot be written.
     """
@@ -52,6 +54,8 @@ def write_meshes(study: Study, fidelity: str, folder: Path, ending: str = "vtu")
     run.require_affordable()
     first, *others = run.meshes.stages
     last = others[-1] if others else first
+    if ending == "npz":
+        return _write_stiffnesses(study, last, folder)
     meshed = build_body(last.moving), build_body(last.fixed)
     names = run.discretisation.bodies
     fresh = build_body(first.moving) if others else None
@@ -72,6 +76,16 @@ def write_meshes(study: Study, fidelity: str, folder: Path, ending: str = "vtu")
             drawn = partial(own_body, stated.source, extents, name)
             pictures.append(save(drawn, folder / f"{stated.name}_of_file.png"))
     return [*files, *pictures]
+
+
+def _write_stiffnesses(study: Study, meshes: MeshStage, folder: Path) -> list[Path]:
+    files = [folder / f"{body.name}.npz" for body in study.bodies]
+    with writing(ResultError, f"cannot write stiffnesses to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        for path, body, geometry in zip(files, study.bodies, (meshes.moving, meshes.fixed), strict=True):
+            with in_one_step(path) as unfinished:
+                write_condensed(unfinished, geometry, body.material)
+    return files
 
 
 def write_line_meshes(study: LineStudy, fidelity: str, folder: Path) -> list[Path]:

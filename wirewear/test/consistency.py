@@ -11,7 +11,7 @@ from wirewear.test.keys import NO_PIVOT, Inconsistency, Table, merged
 from wirewear.test.kinds import kind_named
 from wirewear.test.life import LifeTable
 from wirewear.test.messages import Keys, place, table_above, validated
-from wirewear.test.own_bodies import OwnBody
+from wirewear.test.own_bodies import OwnBody, StiffBody
 from wirewear.test.programme import held_keys, logged_ends, placed, too_many
 from wirewear.test.shapes import ShapedBody
 from wirewear.test.surfaces import StatedSurface, unfit_layers
@@ -110,7 +110,7 @@ def _bulk(tables: ContactTables) -> Inconsistency | None:
     for body in tables.bodies_of_test():
         if body.bulk is None:
             continue
-        if isinstance(body, OwnBody):
+        if isinstance(body, OwnBody | StiffBody):
             stated = "is of the program's own shapes, but of a body from a file it is not known where it is pulled"
             return Inconsistency(("bodies", body.name, "bulk"), stated)
         if min(body.curvatures_per_mm) > 0.0 and not body.has_axis:

@@ -1,4 +1,4 @@
-"""Bodies from mesh files: their keys in a study, and their geometry under a contact patch."""
+"""Bodies from files, of meshes or of stiffnesses: their keys in a study, and their geometry under a contact patch."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from geometry import BodyGeometry, GeometryError, GradedAxis, Layering, RimGradedAxis
-from geometry.embedded import EmbeddedGeometry, as_grid, block_fits
-from geometry.mesh_files import digest_of
+from geometry.embedded import EmbeddedGeometry, OwnGrid, as_grid, block_fits
+from geometry.mesh_files import FORMATS, MATRICES, digest_of
 from geometry.own_surface import MeshSource, OwnSurface, own_surface
+from geometry.stiffness_files import of_stiffness
 from wirewear.base.errors import StudyError
 from wirewear.base.words import shown
 from wirewear.test import keys
@@ -28,6 +29,29 @@ _SMALLER = 0.85  #: Factor by which the block is made smaller where it does not 
 _TURN = 0.35  #: By how much the normal may turn from one of the file's faces to the next, in radians.
 #: Poisson's ratio from which a body of tetrahedra of four nodes is too stiff.
 _LOCKS = 0.45
+
+
+def _unstated(
+    stated: MeshKeys, shape: str, endings: tuple[str, ...], needed: tuple[str, ...]
+) -> tuple[str, str] | None:
+    """A key that a shape needs but lacks, or a file of another ending, and the rest of a sentence on it."""
+    for key in needed:
+        if getattr(stated, key) is None:
+            return key, f'is missing, but a body of shape "{shape}" states it{_ALLOWED.get(key, "")}'
+    if not (stated.file or "").endswith(endings):
+        return "file", f'is {stated.file!r}, but of a body of shape "{shape}" it ends in {" or ".join(endings)}'
+    return None
+
+
+def unfit_stiffness(stated: MeshKeys) -> tuple[str, str] | None:
+    """The key and the rest of a sentence on why a file gives no body by its stiffness; None if it does."""
+    if problem := _unstated(stated, "stiffness", MATRICES, ("file", "contact", "held")):
+        return problem
+    try:
+        of_stiffness(source_of(stated))
+    except GeometryError as problem:
+        return "file", f"gives a body that cannot be taken: {str(problem).rstrip('.')}"
+    return None
 
 
 _ALLOWED = {"unit": f", one of {', '.join(MM_PER_UNIT)}"}
@@ -61,7 +85,11 @@ Place = Annotated[tuple[float, float, float], BeforeValidator(_checked_place)]
 class MeshKeys(keys.Table):
     """Keys of a body from a mesh file."""
 
-    file: str | None = Field(None, description="mesh of the body: gmsh's .msh or Abaqus' .inp", examples=["ball.msh"])
+    file: str | None = Field(
+        None,
+        description="mesh of the body, gmsh's .msh or Abaqus' .inp, or its condensed stiffness, .npz or .mtx",
+        examples=["ball.msh"],
+    )
     unit: Annotated[str, PlainValidator(keys.one_of(*MM_PER_UNIT))] | None = Field(
         None, description="unit of the mesh's coordinates"
     )
@@ -93,6 +121,7 @@ class MeshKeys(keys.Table):
 
 
 MESH_KEYS = tuple(MeshKeys.model_fields)
+STIFFNESS_KEYS = ("file", "contact", "held", "digest")
 
 
 def source_of(stated: MeshKeys) -> MeshSource:
@@ -112,9 +141,8 @@ def source_of(stated: MeshKeys) -> MeshSource:
 
 def unfit_mesh(stated: MeshKeys, poissons_ratio: float) -> tuple[str, str] | None:
     """The key and the rest of a sentence on why a file cannot be used as a body; None if it can."""
-    for key in ("file", "unit", "contact", "held"):
-        if getattr(stated, key) is None:
-            return key, f'is missing, but a body of shape "mesh" states it{_ALLOWED.get(key, "")}'
+    if problem := _unstated(stated, "mesh", FORMATS, ("file", "unit", "contact", "held")):
+        return problem
     try:
         solid = source_of(stated).solid
         size = np.ptp(solid.points, axis=0)
@@ -162,11 +190,7 @@ class OwnBody(Body):
         """
         grid = as_grid(self.source, self.bedding_N_per_mm3)
         wanted = (axial, transverse)
-        if grid is not None and all(
-            own.half_extent_mm >= asked.half_extent_mm * (1.0 - 1e-6)
-            and own.finest_mm <= asked.finest_mm * (1.0 + 1e-6)
-            for own, asked in zip((grid.axial, grid.transverse), wanted, strict=True)
-        ):
+        if grid is not None and _resolves(grid, wanted):
             return grid
         reach = max(axis.half_extent_mm for axis in wanted)
         element = self.own.element_within(2.0 * reach)
@@ -206,4 +230,45 @@ class OwnBody(Body):
             f"{1e3 * max(reach_mm):.0f} um to each side of its middle, under which no block of elements fits into the "
             "mesh of its file; lower the cycles, load, stroke or wear coefficient, or give a smaller "
             "scar_half_width_um in [mesh]"
+        )
+
+
+def _resolves(grid: OwnGrid, wanted: tuple[GradedAxis | RimGradedAxis, ...]) -> bool:
+    """True if a body's own nodes reach as far as wanted along and across, and lie as closely."""
+    return all(
+        own.half_extent_mm >= asked.half_extent_mm * (1.0 - 1e-6) and own.finest_mm <= asked.finest_mm * (1.0 + 1e-6)
+        for own, asked in zip((grid.axial, grid.transverse), wanted, strict=True)
+    )
+
+
+@dataclass(frozen=True)
+class StiffBody(Body):
+    """A body whose condensed stiffness a file gives."""
+
+    source: MeshSource
+
+    @property
+    def curvatures_per_mm(self) -> tuple[float, float]:
+        barrel = of_stiffness(self.source).profile.barrel
+        return barrel.curvature_along_per_mm, barrel.curvature_across_per_mm
+
+    def geometry(
+        self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
+    ) -> BodyGeometry:
+        del layering
+        grid = of_stiffness(self.source)
+        if _resolves(grid, (axial, transverse)):
+            return grid
+        reach, fine = (
+            " × ".join(f"{1e3 * getattr(one, key):.4g}" for one in (axial, transverse))
+            for key in ("half_extent_mm", "finest_mm")
+        )
+        own, least = (
+            " × ".join(f"{1e3 * getattr(one, key):.4g}" for one in (grid.axial, grid.transverse))
+            for key in ("half_extent_mm", "finest_mm")
+        )
+        raise StudyError(
+            f"the nodes of the {self.name} body reach {own} um to each side, {least} um apart at the least, but this "
+            f"test needs {reach} um and {fine} um: give a stiffness with more nodes, or a lower fidelity, load, stroke "
+            "or wear"
         )

@@ -18,7 +18,16 @@ from wirewear.test import keys
 from wirewear.test.bodies import BlockBody, Body, MountedBody, Wire
 from wirewear.test.faces import FACE_KEYS, Extent, Face, PadFaceOrFile, size_of
 from wirewear.test.keys import Inconsistency
-from wirewear.test.own_bodies import MESH_KEYS, MeshKeys, OwnBody, source_of, unfit_mesh
+from wirewear.test.own_bodies import (
+    MESH_KEYS,
+    STIFFNESS_KEYS,
+    MeshKeys,
+    OwnBody,
+    StiffBody,
+    source_of,
+    unfit_mesh,
+    unfit_stiffness,
+)
 
 Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
 
@@ -27,7 +36,7 @@ Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
 _OF_SOME = {
     "diameter_mm": "but a {} has no diameter",
     **dict.fromkeys(FACE_KEYS, "is of a pad, but a {} has diameters"),
-    **dict.fromkeys(MESH_KEYS, 'is of a body of shape "mesh", but a {} is meshed by the program'),
+    **dict.fromkeys(MESH_KEYS, "is of a body of a file, but a {} is meshed by the program"),
     "diameter_along_mm": "belongs to a barrel and to no other shape",
     "bore_mm": "belongs to a tube and to no other shape",
     "held_at": 'is "ends", but a {} is held at its back and sides',
@@ -147,9 +156,32 @@ class _FromFile(Shape):
         problem = unfit_mesh(stated, stated.poissons_ratio)
         return None if problem is None else Inconsistency((problem[0],), problem[1])
 
-    def body(self, stated: ShapedBody, name: str, size_mm: float) -> OwnBody:
+    def body(self, stated: ShapedBody, name: str, size_mm: float) -> Body:
         del size_mm
         return OwnBody(**{**stated.as_stated, "name": name}, source=source_of(stated))
+
+
+@dataclass(frozen=True)
+class _OfStiffness(_FromFile):
+    """A shape that a file with a condensed stiffness defines."""
+
+    takes: ClassVar[tuple[str, ...]] = STIFFNESS_KEYS
+
+    def curvatures_per_mm(self, stated: ShapedBody) -> tuple[float, float]:
+        return self.body(stated, "", 0.0).curvatures_per_mm
+
+    def unfit(self, stated: ShapedBody) -> Inconsistency | None:
+        """The key of a file that gives no body; None if it does."""
+        if stated.grip_stiffness_N_per_mm3 != "rigid":
+            return Inconsistency(
+                ("grip_stiffness_N_per_mm3",), "is given, but a known stiffness holds its nodes rigidly"
+            )
+        problem = unfit_stiffness(stated)
+        return None if problem is None else Inconsistency((problem[0],), problem[1])
+
+    def body(self, stated: ShapedBody, name: str, size_mm: float) -> Body:
+        del size_mm
+        return StiffBody(**{**stated.as_stated, "name": name}, source=source_of(stated))
 
 
 PAD = _Pad("pad", note="with a face that is turned about the normal")
@@ -164,6 +196,7 @@ SHAPES: dict[str, Shape] = {
         _RoundBar("tube", ("diameter_mm", "bore_mm")),
         PAD,
         _FromFile("mesh", note="of a file"),
+        _OfStiffness("stiffness", note="condensed, of a file"),
     )
 }
 

@@ -268,10 +268,10 @@ def _refuse(given: bool, sentence: str) -> None:
 @click.option(
     "--format",
     "ending",
-    type=click.Choice(("vtu", "msh", "inp")),
+    type=click.Choice(("vtu", "msh", "inp", "npz")),
     default="vtu",
     show_default=True,
-    help="VTK's, gmsh's with physical groups, or Abaqus' with element sets.",
+    help="VTK's, gmsh's with physical groups, Abaqus' with element sets, or condensed stiffnesses.",
 )
 @most_memory
 @paper
