@@ -39,6 +39,8 @@ _LEVELS: dict[str, tuple[Any, Any]] = {
     "yielding_fidelity": ("quick", "standard"),
     "yielding_radius_tolerance": (0.1, 0.06),
     "yielding_print_tolerance": (0.2, 0.2),
+    "near_zone_resolution": (6, 9),
+    "near_zone_tolerance": (0.05, 0.03),
 }
 
 
@@ -71,6 +73,8 @@ class Level:
     yielding_fidelity: str  #: Level of fidelity of bodies that yield.
     yielding_radius_tolerance: float
     yielding_print_tolerance: float
+    near_zone_resolution: int  #: Points of the grid to the radius of a contact whose metal flows.
+    near_zone_tolerance: float
 
 
 QUICK, FULL = (Level(**{name: both[k] for name, both in _LEVELS.items()}) for k in (0, 1))

@@ -1,0 +1,102 @@
+"""Metals that flow: von Mises' criterion with isotropic and kinematic hardening, and what a step of strain does.
+
+    f = sigma_eq(s - X) - sigma_y - H_i p,    d eps = 3/2 (s - X) / sigma_eq dp,    dX = 2/3 C d eps - gamma X dp
+
+(Armstrong & Frederick, CEGB report RD/B/N 731 (1966); without recall gamma Prager's rule), by backward Euler: the
+return is along one direction, and the plastic strain of the step the root of one equation.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Array
+from solvers.jit_cache import compiled
+
+_STEPS = 30  #: Of Newton's method for one point.
+
+
+@dataclass(frozen=True)
+class Metal:
+    """Where a metal yields in tension and how it hardens, MPa: by so much per plastic strain, of that the kinematic
+    share by a shift of the yield surface. recall: gamma, of that shift, which is then C/gamma at most.
+    """
+
+    yield_stress_MPa: float
+    hardening_MPa: float = 0.0
+    kinematic_share: float = 1.0
+    recall: float = 0.0
+
+    @property
+    def moduli(self) -> tuple[float, float, float, float]:
+        """Yield stress, H_i, C and gamma."""
+        shift = self.kinematic_share * self.hardening_MPa
+        return self.yield_stress_MPa, self.hardening_MPa - shift, shift, self.recall
+
+
+@dataclass(frozen=True)
+class Flow:
+    """What k points of a metal remember: plastic strain and shift of the yield surface (k, 6), of tensors in the order
+    of `TENSOR_PLACES`, the shift in MPa, and the accumulated plastic strain (k,).
+    """
+
+    strain: Array
+    shift: Array
+    accumulated: Array
+
+    @classmethod
+    def none(cls, points: int) -> "Flow":
+        """Of points that have never flown."""
+        return cls(np.zeros((points, 6)), np.zeros((points, 6)), np.zeros(points))
+
+
+def flown(metal: Metal, shear_MPa: float, trial_MPa: Array, before: Flow) -> Flow:
+    """The points after a step by whose strain stresses would become trial ones (k, 6), were it elastic."""
+    strain, shift, accumulated = before.strain.copy(), before.shift.copy(), before.accumulated.copy()
+    _return(trial_MPa, strain, shift, accumulated, shear_MPa, *metal.moduli)
+    return Flow(strain, shift, accumulated)
+
+
+@compiled
+def _return(
+    trial: Array,
+    strain: Array,
+    shift: Array,
+    accumulated: Array,
+    shear: float,
+    yields: float,
+    isotropic: float,
+    kinematic: float,
+    recall: float,
+) -> None:
+    """Change strain, shift and accumulated strain of the points to those after the step."""
+    own = np.empty(6)
+    for k in range(len(trial)):
+        mean = (trial[k, 0] + trial[k, 1] + trial[k, 2]) / 3.0
+        for c in range(6):
+            own[c] = trial[k, c] - mean if c < 3 else trial[k, c]
+        step, flows = 0.0, False
+        for _ in range(_STEPS):
+            kept = 1.0 / (1.0 + recall * step)
+            square, across = 0.0, 0.0
+            for c in range(6):
+                twice = 1.5 if c < 3 else 3.0
+                apart = own[c] - kept * shift[k, c]
+                square += twice * apart * apart
+                across += twice * apart * shift[k, c]
+            equivalent = np.sqrt(square)
+            excess = equivalent - step * (3.0 * shear + kept * kinematic) - yields - isotropic * (accumulated[k] + step)
+            if not flows and excess <= 0.0:
+                break
+            flows = True
+            if abs(excess) <= 1e-12 * equivalent:
+                break
+            turning = recall * kept * kept * (across / equivalent + step * kinematic)
+            step = max(step - excess / (turning - 3.0 * shear - kept * kinematic - isotropic), 0.0)
+        if flows:
+            kept = 1.0 / (1.0 + recall * step)
+            for c in range(6):
+                normal = 1.5 * (own[c] - kept * shift[k, c]) / equivalent
+                strain[k, c] += step * normal
+                shift[k, c] = kept * (shift[k, c] + kinematic * step * normal / 1.5)
+            accumulated[k] += step

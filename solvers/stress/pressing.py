@@ -1,0 +1,110 @@
+"""A hard profile pressed into a half-space without friction, elastic or of metal that flows."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import fft
+
+from geometry.arrays import Array
+from solvers.stress.plastic_zone import Flowed, PlasticZone
+
+_MOST_STEPS, _TOLERANCE = 400, 1e-7
+_BARELY = 1e-12  #: Pressure in MPa with which everything touches at first.
+
+
+@dataclass(frozen=True, eq=False)
+class Indenter:
+    """A profile with a gap (n_x, n_y) in mm, zero where it touches first, to an elastic surface of modulus E* [MPa]."""
+
+    gap_mm: Array
+    step_mm: tuple[float, float]
+    modulus_MPa: float
+
+    @cached_property
+    def _kernel(self) -> Array:
+        """Spectrum of displacements by unit pressure on a rectangle (Love, Phil. Trans. A 228 (1929) 377)."""
+        sizes = [fft.next_fast_len(2 * n) for n in self.gap_mm.shape]
+        along, across = (h * n * fft.fftfreq(n) for n, h in zip(sizes, self.step_mm, strict=True))
+        total = np.zeros(sizes)
+        for sign_x in (1.0, -1.0):
+            for sign_y in (1.0, -1.0):
+                x, y = along[:, None] + 0.5 * sign_x * self.step_mm[0], across + 0.5 * sign_y * self.step_mm[1]
+                total += sign_x * sign_y * (x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y)))
+        return np.asarray(fft.rfft2(total / (np.pi * self.modulus_MPa)))
+
+    def displacement(self, pressure: Array) -> Array:
+        """Elastic displacement (n_x, n_y) in mm of both surfaces by pressures (n_x, n_y) in MPa."""
+        n_x, n_y = pressure.shape
+        size = tuple(fft.next_fast_len(2 * n) for n in pressure.shape)
+        return np.asarray(fft.irfft2(fft.rfft2(pressure, s=size) * self._kernel, s=size)[:n_x, :n_y])
+
+    def borne(self, load_N: float, print_mm: Array, guess: Array) -> tuple[Array, float]:
+        """Pressures (n_x, n_y) in MPa, zero or more, that bear the load on surfaces with prints, and the approach in
+        mm, by conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206).
+        """
+        gap, mean = self.gap_mm + print_mm, load_N / (self.step_mm[0] * self.step_mm[1])
+        pressure = guess * (mean / guess.sum())
+        direction, old, kept = np.zeros_like(gap), 1.0, 0.0
+        for _ in range(_MOST_STEPS):
+            open_by = self.displacement(pressure) + gap
+            touching = pressure > 0.0
+            approach = float(open_by[touching].mean())
+            open_by -= approach
+            size = float((open_by[touching] ** 2).sum())
+            if (pressure * np.abs(open_by)).sum() <= _TOLERANCE * mean * abs(approach):
+                break
+            direction = np.where(touching, open_by + kept * size / old * direction, 0.0)
+            old = size
+            moved = self.displacement(direction)
+            moved -= moved[touching].mean()
+            step = (open_by * direction)[touching].sum() / (moved * direction)[touching].sum()
+            pressure = np.maximum(pressure - step * direction, 0.0) * touching
+            again = (pressure == 0.0) & (open_by < 0.0)
+            pressure[again] -= step * open_by[again]
+            kept = 0.0 if again.any() else 1.0
+            pressure *= mean / pressure.sum()
+        return pressure, approach
+
+
+@dataclass(frozen=True)
+class Indentation:
+    """A half-space under a profile: its metal, the load in N, and the approach of the profile in mm."""
+
+    state: Flowed
+    load_N: float
+    approach_mm: float
+
+    @property
+    def pressure_MPa(self) -> Array:
+        """Pressures (n_x, n_y)."""
+        return np.asarray(-self.state.traction_MPa[..., 2])
+
+    @property
+    def print_mm(self) -> float:
+        """Largest depth of the print, which unloading leaves as it is unless metal flows back."""
+        return -float(self.state.residual_mm[..., 2].min())
+
+    @property
+    def largest_MPa(self) -> float:
+        """Largest pressure over nine cells, since single ones scatter where everything flows."""
+        around = np.pad(self.pressure_MPa, 1)
+        return float(np.lib.stride_tricks.sliding_window_view(around, (3, 3)).mean(axis=(2, 3)).max())
+
+
+def indented(zone: PlasticZone, gap_mm: Array, loads_N: Array) -> Iterator[Indentation]:
+    """The half-space under each of the rising loads, by a profile of this gap (n_x, n_y) to the unloaded surface."""
+    material = zone.space.material
+    modulus = material.youngs_modulus_MPa / (1.0 - material.poissons_ratio**2)
+    indenter, state = Indenter(gap_mm, zone.space.step_mm, modulus), zone.fresh
+    pressure, approach = np.ones_like(gap_mm), 0.0
+    for load in loads_N.tolist():
+
+        def traction(residual_mm: Array, load: float = load) -> Array:
+            nonlocal pressure, approach
+            pressure, approach = indenter.borne(load, -residual_mm[..., 2], np.maximum(pressure, _BARELY))
+            return np.stack([np.zeros_like(pressure), np.zeros_like(pressure), -pressure], axis=-1)
+
+        state = zone.loaded(traction, state)
+        yield Indentation(state, load, approach)

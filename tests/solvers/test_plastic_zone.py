@@ -1,0 +1,110 @@
+"""Metal that flows: hardening in bars, strains of a half-space, and spheres pressed into it."""
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_limits
+
+from geometry import Elastic
+from geometry.arrays import Array
+from solvers.laws.plasticity import Flow, Metal, flown
+from solvers.stress.half_space import HalfSpace
+from solvers.stress.pressing import indented
+from tests.solvers import test_contact_bodies as known
+from tests.solvers.test_yielding import MODULUS_MPa, jackson_green, kogut_etsion, limit_at
+from wirewear.verification.near_zone import under_sphere
+
+STEEL = Elastic(200_000.0, 0.3)
+
+
+def stretched(metal: Metal, strains: list[float]) -> list[float]:
+    """Axial stresses in MPa of a bar at the turning points of its strain."""
+    lame, shear = 200_000.0 * 0.3 / 1.3 / 0.4, STEEL.shear_modulus_MPa
+    flow, found, last, across = Flow.none(1), [], 0.0, 0.0
+
+    def after(axial: float, lateral: float) -> tuple[Array, Flow]:
+        strain = np.array([axial, lateral, lateral, 0.0, 0.0, 0.0])
+        stress = 2.0 * shear * strain + lame * (axial + 2.0 * lateral) * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+        new = flown(metal, shear, stress[None] - 2.0 * shear * flow.strain, flow)
+        return stress - 2.0 * shear * new.strain[0], new
+
+    for goal in strains:
+        for axial in np.linspace(last, goal, 301)[1:]:
+            other = across - 1e-6
+            (stress, new), (side, _) = after(axial, across), after(axial, other)
+            while abs(stress[1]) > 1e-8:
+                across, other, side = across - stress[1] * (across - other) / (stress[1] - side[1]), across, stress
+                stress, new = after(axial, across)
+            flow = new
+        last = goal
+        found.append(float(stress[0]))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("metal", "strains", "expected"),
+    [
+        (Metal(300.0, 10_000.0), [0.006, -0.006, 0.006], [342.857, -342.857, 342.857]),
+        (Metal(300.0, 10_000.0, 0.8), [0.006, -0.006, 0.006, -0.006], [342.857, -359.184, 375.199, -390.910]),
+        (Metal(300.0, 30_000.0, 1.0, 150.0), [0.006, -0.006] * 4, [406.694, -406.694]),
+    ],
+    ids=["kinematic", "mixed", "recalling"],
+)
+def test_a_bar_hardens_as_in_closed_form(metal: Metal, strains: list[float], expected: list[float]) -> None:
+    assert stretched(metal, strains)[-len(expected) :] == pytest.approx(expected, rel=1e-3)
+
+
+def space(shape: tuple[int, int] = (63, 63)) -> HalfSpace:
+    """Six points to a contact of 1 mm radius."""
+    return HalfSpace(STEEL, shape, (1.0 / 6.0, 1.0 / 6.0), np.asarray(0.06 * 1.1 ** np.arange(20), dtype=np.float64))
+
+
+def test_stresses_beneath_hertz_pressure_are_those_of_closed_form() -> None:
+    own = space()
+    x, y = own.axes_mm()
+    pressure = np.sqrt(np.maximum(1.0 - x[:, None] ** 2 - y**2, 0.0))
+    traction = np.stack([0.0 * pressure, 0.0 * pressure, -pressure], axis=-1)
+    stress, z = own.stresses(own.moved(traction, None)[0])[:, 31, 31], own.depths_mm
+    radial = 0.5 / (1.0 + z**2) - 1.3 * (1.0 - z * np.arctan(1.0 / z))
+    assert stress[:, 2] == pytest.approx(-1.0 / (1.0 + z**2), abs=2e-3)
+    # Whose images, ten radii away, press as well.
+    assert stress[:, 0] == pytest.approx(radial, abs=0.015)
+    assert stress[:, 1] == pytest.approx(radial, abs=0.015)
+
+
+@pytest.mark.parametrize("shape", [(15, 15), (15, 1)])
+def test_displacements_by_initial_strains_and_by_tractions_are_reciprocal(shape: tuple[int, int]) -> None:
+    """Betti: the work of tractions on displacements by initial stresses is that of these on strains by the former."""
+    own, random = space(shape), np.random.default_rng(3)
+    traction, initial = random.normal(size=(*shape, 3)), random.normal(size=(20, *shape, 6))
+    traction -= traction.mean(axis=(0, 1))
+    initial -= initial.mean(axis=(1, 2), keepdims=True)
+    (strain, _), (_, moved) = own.moved(traction, None), own.moved(None, initial)
+    twice = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+    work = np.einsum("lxyc,lxyc,c,l->", initial, strain, twice, own.layers_mm)
+    assert (traction * moved).sum() == pytest.approx(work, rel=1e-9)
+
+
+def test_metal_that_may_not_spread_between_layers_of_strain_leaves_its_thickness_on_the_surface() -> None:
+    """A strain that is alike in the whole of a layer, with no room aside, raises all above it."""
+    own, initial = space((5, 5)), np.zeros((20, 5, 5, 6))
+    initial[3] = 2.0 * STEEL.shear_modulus_MPa * np.array([0.5e-3, 0.5e-3, -1e-3, 0.0, 0.0, 0.0])
+    strain, _ = own.moved(None, initial)
+    ratio = 2.0 * STEEL.shear_modulus_MPa / (own.elastic[0] + 2.0 * STEEL.shear_modulus_MPa)
+    assert strain[3, 2, 2, 2] == pytest.approx(-1e-3 * ratio, rel=1e-6)
+    assert np.abs(strain[[2, 4]]).max() < 1e-9
+
+
+@pytest.mark.seconds
+@pytest.mark.parametrize(("beyond", "residual"), [(4.1, 0.14), (8.7, 0.23), (58.0, 0.49)])
+def test_metal_that_flows_bears_what_published_curves_say(beyond: float, residual: float) -> None:
+    """A sphere on a perfectly plastic body, and of its penetration the part that finite elements leave as a print."""
+    limit = limit_at(beyond)
+    contact = (0.75 * known.LOAD_N * known.RADIUS_mm / MODULUS_MPa) ** (1.0 / 3.0) * beyond**0.06
+    material = Elastic(MODULUS_MPa * (1.0 - 0.3**2), 0.3)
+    zone, gap = under_sphere(known.RADIUS_mm, material, Metal(limit.yield_stress_MPa), contact, 4)
+    with threadpool_limits(limits=1, user_api="blas"):
+        *_, last = indented(zone, gap, known.LOAD_N * np.array([0.05, 0.2, 0.4, 0.6, 0.8, 1.0]))
+    assert jackson_green(limit, last.approach_mm) == pytest.approx(known.LOAD_N, rel=0.05)
+    assert kogut_etsion(limit, last.approach_mm) == pytest.approx(known.LOAD_N, rel=0.05)
+    assert last.print_mm / last.approach_mm == pytest.approx(residual, rel=0.12, abs=0.01)
+    assert last.pressure_MPa.sum() * np.prod(zone.space.step_mm) == pytest.approx(known.LOAD_N, rel=1e-9)
