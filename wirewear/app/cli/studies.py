@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,6 +13,11 @@ from wirewear.app.cli.group import Given, OutputFolder, busy, cli, default_outpu
 from wirewear.base.errors import StudyError, WirewearError
 from wirewear.base.writing import json_text, usable_folder
 from wirewear.test import FIDELITIES
+
+if TYPE_CHECKING:
+    from wirewear.results import RunResult
+    from wirewear.test import Study
+    from wirewear.test.many_contacts import ManyContacts
 
 #: Options that say what is plotted, how and where, and their parameters.
 _OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity", "--output": "output"}
@@ -174,6 +179,7 @@ def run(
     from wirewear.kinds import contacts_of, load_any_study
     from wirewear.results.summary import summary
     from wirewear.simulation import ProgressBar, run_study
+    from wirewear.test.many_contacts import many_contacts
     from wirewear.views.run_page import runs_json, sentence, write_page
 
     folder = output or default_output(study_path)
@@ -188,6 +194,12 @@ def run(
         return
     if not resume and not overwrite:
         _require_nothing_lost(folder)
+    if (several := many_contacts(study_path)) is not None:
+        _refuse(
+            bool(variant or record_path or as_json or resume), "several contacts take --fidelity and --output alone."
+        )
+        _run_contacts(several, fidelity, folder)
+        return
     study = load_any_study(study_path)
     if variant is None:
         for table, key, value in study.unused_values():
@@ -214,6 +226,24 @@ def run(
         Console().print(summary(results))
     page = write_page(results, folder)
     click.echo(f"the page of {'this run' if len(results) == 1 else 'these runs'} is {page}", err=as_json)
+
+
+def _run_contacts(test: ManyContacts, fidelity: str, folder: Path) -> None:
+    from wirewear.simulation import ProgressBar, run_study
+    from wirewear.sweeps.shared_load import shared_load
+    from wirewear.views.contacts_page import sentence, write_contacts
+    from wirewear.views.run_page import write_page
+
+    def simulate(study: Study, label: str) -> RunResult:
+        own = folder / label
+        (result,) = run_study(study, fidelity=fidelity, output=own, observer_of=ProgressBar)
+        write_page([result], own)
+        return result
+
+    shared = shared_load(test, simulate)
+    page = write_contacts(shared, folder)
+    click.echo(sentence(shared))
+    click.echo(f"the page of these contacts is {page}")
 
 
 def _run_scattered(study_path: Path, variant: str | None, folder: Path, jobs: int | None) -> None:
