@@ -12,6 +12,7 @@ from geometry.own_surface import MeshSource
 from geometry.stiffness_files import of_stiffness, read_stiffness
 from wirewear.base.errors import StudyError
 from wirewear.simulation.problem import condensed_body, write_condensed
+from wirewear.test.study import load_study, point_study
 
 STEEL = Elastic(210e3, 0.3)
 AXIS = GradedAxis(0.1, 0.1, 0.1, 0.2)
@@ -80,3 +81,18 @@ def test_a_stiffness_that_is_not_positive_is_refused(written: Path, tmp_path: Pa
     assert read_stiffness(source(tmp_path / "bad.npz")).held.size == 3
     with pytest.raises(StudyError, match="not positive definite"):
         condensed_body(of_stiffness(source(tmp_path / "bad.npz")), STEEL)
+
+
+def test_what_a_result_notes_of_a_bodys_file_is_found_from_any_folder(
+    written: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (written.parent / "study.toml").write_text(
+        'format = 1\nname = "s"\nkind = "point-contact"\n[bodies.lower]\nshape = "flat"\nmaterial = "steel"\n'
+        '[bodies.upper]\nshape = "stiffness"\nfile = "ball.npz"\ncontact = "contact"\nheld = "grip"\n'
+        'material = "steel"\n[contact]\nfriction = 0.6\n[conditions]\nnormal_load_N = 1.0\n'
+        "displacement_amplitude_um = 2.0\nfrequency_Hz = 1.0\ncycles = 1\n"
+    )
+    monkeypatch.chdir(written.parent)
+    noted = load_study("study.toml").resolved()
+    monkeypatch.chdir(tmp_path)
+    assert point_study(noted, "result").bodies[1].curvatures_per_mm == pytest.approx((0.2, 0.1))

@@ -30,6 +30,7 @@ from wirewear.records.test_tables import OfTest
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.test.keys import Table, quantity_of
 from wirewear.test.messages import first_problem, known_fields, same_but_for_unit, telling_problem
+from wirewear.test.study import found_from
 
 _REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
 _CYCLE = Column("cycle", 0, 1e12, whole=True, complete=True)
@@ -261,6 +262,8 @@ def read_tables(path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]
     """
     text = read_text(path, RecordError, "TOML file")
     data = parsed_toml(text, str(path), RecordError)
+    if isinstance(bodies := data.get("bodies"), dict):
+        data["bodies"] = found_from(path.parent, bodies)
     return _checked(model.known(data, str(path)), text, path, model)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import degrees, inf, sqrt
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -115,7 +116,8 @@ class MeshKeys(keys.Table):
         if not isinstance(table, Mapping) or not isinstance(name := table.get("file"), str):
             return table
         try:
-            return {**table, "digest": table.get("digest") or digest_of(name)}
+            # A result or a record that notes the name is read in other folders, too.
+            return {**table, "file": str(Path(name).absolute()), "digest": table.get("digest") or digest_of(name)}
         except GeometryError as problem:
             raise ValueError(f"gives a file that cannot be taken: {str(problem).rstrip('.')}") from None
 

@@ -135,13 +135,13 @@ def read_study(path: str | Path) -> dict[str, Any]:
     laboratory.
     """
     require_no_other(Path(path), StudyError, Held.STUDY)
-    return _found_from(Path(path).parent, read_toml(Path(path), StudyError, "study file"))
+    return found_from(Path(path).parent, read_toml(Path(path), StudyError, "study file"))
 
 
-def _found_from(folder: Path, table: dict[str, Any]) -> dict[str, Any]:
+def found_from(folder: Path, table: dict[str, Any]) -> dict[str, Any]:
     """The table with the names of files in it made relative to `folder`, the study's own."""
     return {
-        key: _found_from(folder, value)
+        key: found_from(folder, value)
         if isinstance(value, dict)
         else str(folder / value)
         if key in FILE_KEYS and isinstance(value, str)
