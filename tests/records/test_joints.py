@@ -64,3 +64,16 @@ def test_commands_take_a_joint_and_say_that_it_is_not_simulated(tmp_path: Path) 
     assert load_any_study(tmp_path / "mine.toml").kind == "joint"
     wirewear("new", "--from", record, tmp_path / "taken")
     assert load_any_study(tmp_path / "taken.toml").kind == "joint"
+
+
+def test_a_mapping_of_a_joints_files_asks_for_no_bodies_and_takes_its_friction_force_for_a_load(tmp_path: Path) -> None:
+    loops, mapping = joint(tmp_path / "a") / "loops.csv", tmp_path / "a" / "mapping.toml"
+    said = wirewear("new", "--mapping", "--kind", "joint", loops).stdout
+    assert "steel" not in said
+    assert "?" not in mapping.read_text(encoding="utf-8").partition("[stated]")[0]
+    wirewear("import", mapping, "--output", tmp_path / "record")
+    stated = read_record(tmp_path / "record").tables
+    assert stated.conditions.normal_load_N == pytest.approx(FORCE_N, rel=0.02)
+    assert stated.stated.friction == 1.0
+    refused = wirewear("new", "--mapping", "--kind", "joint", loops, "--material", "steel", code=2)
+    assert "--material does not go with the options of a joint" in refused.stderr

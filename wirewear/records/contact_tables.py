@@ -12,7 +12,7 @@ from wirewear.base.errors import RecordError
 from wirewear.records import tables
 from wirewear.records.surfaces import NO_SURFACES, PROFILES, SCARS
 from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, curved
-from wirewear.records.test_tables import Metadata, OfRecord, of_kinds
+from wirewear.records.test_tables import FRICTION_FORCE, Metadata, OfRecord, of_kinds
 from wirewear.results.scar import BODIES
 from wirewear.test import keys, study_from_tables
 from wirewear.test.bodies import Body, MaterialKeys, StatedBody
@@ -22,8 +22,6 @@ from wirewear.test.keys import Inconsistency, Table, one_of
 from wirewear.test.lengths import stated_length_mm, whole_test
 from wirewear.test.lines import Extent, Pad, PadAndSpecimen, Specimen, WearOfBodies
 from wirewear.test.points import TwoBodies
-
-_FORCE = "friction_force_N"
 
 
 class RecordContact(keys.Table):
@@ -330,15 +328,15 @@ class JointTest(OfRecord):
         that force.
         """
         stated, conditions = data.get("stated"), data.get("conditions")
-        force = stated.get(_FORCE) if isinstance(stated, Mapping) else None
+        force = stated.get(FRICTION_FORCE) if isinstance(stated, Mapping) else None
         if not isinstance(stated, Mapping) or not isinstance(conditions, Mapping) or not _is_positive(force):
             return data
         if "friction" in stated:
-            raise RecordError(f"{where} gives both friction and {_FORCE} in [stated]: give one of the two.")
+            raise RecordError(f"{where} gives both friction and {FRICTION_FORCE} in [stated]: give one of the two.")
         load = conditions.get("normal_load_N", force)
         if not _is_positive(load):
             return data
-        rest = {key: value for key, value in stated.items() if key != _FORCE}
+        rest = {key: value for key, value in stated.items() if key != FRICTION_FORCE}
         return {
             **data,
             "conditions": {**conditions, "normal_load_N": load},

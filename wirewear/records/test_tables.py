@@ -18,6 +18,8 @@ from wirewear.test.kinds import KINDS
 from wirewear.test.lengths import Extent, extent_of
 from wirewear.test.programme import CycleBlock
 
+FRICTION_FORCE = "friction_force_N"  #: Key in `[stated]` of a joint's friction force.
+
 
 class OfTest(Table):
     """File that describes a test of any kind of contact."""

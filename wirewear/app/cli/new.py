@@ -81,7 +81,8 @@ def new(
     by_options = not given("kind") and (pad_material is not None or known.keys() & lines.options)
     own = lines if by_options else KINDS[kind]
     foreign = {key for other in KINDS.values() for key in other.options & known.keys()} - own.options
-    for option in (option.replace("_", "-") for option, key in _KEYS.items() if key in foreign):
+    unfit = [option.replace("_", "-") for option, key in _KEYS.items() if key in foreign]
+    for option in ["material"] * (material is not None and not own.body_names) + unfit:
         raise RecordError(f"--{option} does not go with the options of a {own.name}.")
     for option in (option for option, key in _KEYS.items() if key in known):
         _require_sensible(option, known[_KEYS[option]], own)
@@ -172,7 +173,7 @@ def _new_mapping(
         guess = guessed_mapping(files, known, Touching.of(kind.name, known, own, pads))
     if output is not None:
         guess = with_files_from(guess, files[0].parent, path.parent)
-    if materials[0] is None:
+    if materials[0] is None and kind.body_names:
         modulus, ratio = own["youngs_modulus_MPa"], own["poissons_ratio"]
         assumed = f"the bodies are taken to be of steel, {modulus:g} MPa and {ratio:g}; --material says otherwise"
         guess = replace(guess, remarks=(assumed, *guess.remarks))

@@ -11,10 +11,11 @@ const shown = new Map();
 // Units by what a command calls a value; what the kinds of contact are called, and options that only some of them have.
 const UNITS = { MM: "mm", UM: "µm", N: "N", HZ: "Hz", DEG: "°", GB: "GB", MPa: "MPa", UM_PER_N: "µm/N", mm3: "mm³", "mm3/J": "mm³/J" };
 const KINDS = { "crossed-wires": "two wires that cross", "ball-on-flat": "ball on flat", "cylinder-on-flat": "cylinder on flat",
-  "line-contact": "flat with rounded edges on flat", "point-contact": "two other bodies" };
+  "line-contact": "flat with rounded edges on flat", "point-contact": "two other bodies",
+  joint: "a joint, by its loops alone" };
 const LINES = ["cylinder-on-flat", "line-contact"];
 const ONLY = { "--length": LINES, "--radius": LINES, "--face-half-width": LINES, "--edge-radius": LINES, "--pad-material": [...LINES, "ball-on-flat"],
-  "--diameter": ["crossed-wires", "ball-on-flat"], "--crossing-angle": ["crossed-wires"] };
+  "--material": Object.keys(KINDS).filter(one => one !== "joint"), "--diameter": ["crossed-wires", "ball-on-flat"], "--crossing-angle": ["crossed-wires"] };
 const named = flag => flag.replace(/^-+/, "").replaceAll("-", " ");
 // On a page, an option of the command line is a field.
 const forPage = text => text.replace(/--([a-z][a-z-]*)/g, (_, name) => `“${named(name)}”`);

@@ -24,6 +24,7 @@ from wirewear.records.importing.importing import drives_motion, loops_of
 from wirewear.records.importing.mapping import PROFILOMETER, LoopSource
 from wirewear.records.importing.profilometry import ASKEW_deg, grid_of_points
 from wirewear.records.levelling import direction_deg
+from wirewear.records.test_tables import FRICTION_FORCE
 from wirewear.records.values import MeasuredLoop
 from wirewear.results.scar import called
 from wirewear.test.bodies import OPEN, BodiesByOptions, Body
@@ -51,12 +52,17 @@ _SCALE = {
 
 
 def conditions_of(
-    text: GuessedFile, source: dict[str, Any], known: dict[str, Any], length_mm: float | None = None
+    text: GuessedFile,
+    source: dict[str, Any],
+    known: dict[str, Any],
+    length_mm: float | None = None,
+    *,
+    of_joint: bool = False,
 ) -> tuple[dict[str, Any], dict[str, float], list[str]]:
     """Conditions that the first file shows (others are open), signs of forces by key, and sentences on assumptions.
 
     source: table `[loops]` of the mapping, whose columns may be changed in place.
-    known: conditions that the user states.
+    known: conditions that the user states.  of_joint: an unknown load is replaced by the friction force of the loops.
     Raises RecordError if the file holds too few samples, or its loops cannot be distinguished.
     """
     closed = {key: own for key, own in source["columns"].items() if own["column"] != OPEN}
@@ -97,7 +103,11 @@ def conditions_of(
         remarks.append("the normal force is negative when pressing as it is logged, so that factor = -1 turns it")
     load, remark = _load(source, normal, known)
     amplitude, other = _amplitude(source, loops, known)
-    conditions = {"normal_load_N": load, "displacement_amplitude_um": amplitude} | timing
+    key = "normal_load_N"
+    if of_joint and load == OPEN and loops:
+        key, load = FRICTION_FORCE, _friction_force_N(loops)
+        remark = f"the friction force, {load:g} N, is that of the loops: state what you expected to have it judged"
+    conditions = {key: load, "displacement_amplitude_um": amplitude} | timing
     return conditions, signs, [*(one for one in (remark, other) if one), *remarks]
 
 
@@ -207,6 +217,11 @@ def _load(source: dict[str, Any], normal: Array, known: dict[str, Any]) -> tuple
         return OPEN, "the normal load, in newtons, is not stated: --normal-load does it, too"
     load = abs(float(f"{np.nanmedian(normal):.3g}"))
     return load, f"the normal load, {load:g} N, is the median of the measured one"
+
+
+def _friction_force_N(loops: Sequence[MeasuredLoop]) -> float:
+    ranges = [np.ptp(np.percentile(loop.tangential_force_N, [2.0, 98.0])) for loop in loops]
+    return float(f"{0.5 * np.median(ranges):.3g}")
 
 
 def _amplitude(source: dict[str, Any], loops: Sequence[MeasuredLoop], known: dict[str, Any]) -> tuple[float | str, str]:

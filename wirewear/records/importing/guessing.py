@@ -15,6 +15,7 @@ from wirewear.records.importing.guessed_files import joined, listed_once, looked
 from wirewear.records.importing.height_maps import is_map, matrix_of
 from wirewear.records.importing.sources import name_pattern
 from wirewear.records.importing.text_reader import open_lines
+from wirewear.records.test_tables import FRICTION_FORCE
 from wirewear.test.bodies import OPEN
 from wirewear.test.lengths import extent_of
 
@@ -106,7 +107,9 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touc
     tables: dict[str, Any] = {"format": 1, "name": known.get("name", name_of_folder(files)), **stated.tables}
     remarks: list[str] = []
     if loops:
-        source, tables["conditions"], remarks = loop_source(loops, known, stated.length_mm)
+        source, asked, remarks = loop_source(loops, known, stated.length_mm, of_joint=not touching.names)
+        tables["conditions"] = {key: own for key, own in asked.items() if key != FRICTION_FORCE}
+        tables["stated"] = {key: own for key, own in asked.items() if key == FRICTION_FORCE}
         tables["loops"] = source
     elif not stated.needs_loops and (worn or evolution):
         tables["conditions"] = asked_of(known)
@@ -174,11 +177,11 @@ def name_of_folder(files: Sequence[Path]) -> str:
 
 
 def loop_source(
-    loops: Sequence[GuessedFile], known: dict[str, Any], length_mm: float | None = None
+    loops: Sequence[GuessedFile], known: dict[str, Any], length_mm: float | None = None, *, of_joint: bool = False
 ) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
     """Table `[loops]` of a mapping, the conditions that the loops show, and sentences on assumptions.
 
-    length_mm: of a line contact, whose forces may be given per millimetre.
+    length_mm: of a line contact, whose forces may be given per millimetre.  of_joint: see `conditions_of`.
     Raises RecordError, in one sentence, if something is missing that no file states.
     """
     first = loops[0]
@@ -203,7 +206,7 @@ def loop_source(
     if "time_s" not in columns and first.sample_rate_Hz is not None:
         source["sample_rate_Hz"] = first.sample_rate_Hz
     source["columns"] = columns
-    conditions, signs, more = conditions_of(first, source, known, length_mm)
+    conditions, signs, more = conditions_of(first, source, known, length_mm, of_joint=of_joint)
     for key, sign in signs.items():
         columns[key].setdefault("factor", sign)
     return source, conditions, [*remarks, *more]
@@ -249,9 +252,10 @@ def mapping_text(guess: GuessedMapping) -> str:
     tables = dict(guess.tables)
     lines = ["# Guessed by `wirewear new --mapping`; `wirewear import --dry-run` draws what it gives."]
     lines += [f"# – {as_sentence(remark)}" for remark in guess.remarks]
-    sources = ("loops", "evolution", *SURFACES)
+    sources = ("stated", "loops", "evolution", *SURFACES)
     lines += ["", toml_text({key: own for key, own in tables.items() if key not in sources}).strip()]
     lines += ["", "[stated]  # what you believe of the rig; `wirewear fit` finds friction, stiffness and wear"]
+    lines += [f"{key} = {value:g}" for key, value in tables.get("stated", {}).items()]
     for name in ("loops", "evolution"):
         if name in tables:
             lines += _source(name, tables[name])
