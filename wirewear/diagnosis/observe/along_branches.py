@@ -97,7 +97,12 @@ class Stick(observable.ByLocalLines):
         the zero.
         """
         turned = observable.SLOPE_SHARE * loops.rise_N(sites) * loops.stick_compliance_um_per_N(sites)
-        crossing = loops.travel_um(sites, observable.FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
+        unsure_N = observable.FORCE_ERROR * loops.scale.force_N
+        crossing = loops.travel_um(sites, unsure_N)
+        # Where nothing slides as a whole, the branch is all that there is: its zero is a scatter of its own.
+        sticks = loops.course.slip_um[observable.rows_of(loops.course, sites)] == 0.0
+        smooth = 4.0 * unsure_N * loops.stick_compliance_um_per_N(sites)
+        crossing = np.where(sticks, np.maximum(crossing - smooth, 0.0), crossing) / np.sqrt(12.0)
         # A drive that repeats itself leaves every branch at the same place of a shelf.
         return observable.SolverSize(turned, crossing, crossing * sites.branch)
 
@@ -253,12 +258,15 @@ class PlateauForce(observable.ByLocalLines):
     simulated = True
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """Evenly spread displacements past the knee of every repeat."""
+        """Evenly spread displacements past the knee of every repeat; of loops that stick those at the stroke's ends."""
         amplitude = reading.amplitude_um
         sites = []
         for cycle in reading.cycles:
             for side, sign in enumerate((1, -1)):
-                knee = max(loop.branches[side].knee_um for loop in reading.at(cycle)) / amplitude
+                loops = reading.at(cycle)
+                knee = max(loop.branches[side].knee_um for loop in loops) / amplitude
+                if any(loop.sticks for loop in loops):
+                    knee = TIP - PAST_KNEE
                 sites += [
                     observable.Site(cycle, sign, sign * at * amplitude) for at in POSITIONS if at > knee + PAST_KNEE
                 ]
@@ -266,6 +274,7 @@ class PlateauForce(observable.ByLocalLines):
 
     def line(self, loop: ReducedLoop, site: observable.Site) -> LocalLine | None:
         branch, window_um = loop.branches[int(site.branch < 0)], POSITION_WINDOW * loop.amplitude_um
+        branch = replace(branch, knee=0) if loop.sticks else branch
         return force_at(branch, branch.sign * site.level, window_um, loop.sample_noise_N, loop.correlation)
 
     def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
