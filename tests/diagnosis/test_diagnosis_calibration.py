@@ -25,7 +25,7 @@ ELSEWHERE = {
 #: Constants of the code: formats, seeds, unit factors, exponents, closed forms, resolutions of sums, and round-off.
 OF_THE_CODE = {
     "_GENERATION", "_SEED", "FORMAT", "UM3_PER_MJ", "ODD_POWERS", "EVEN_POWERS", "LIFT_POWERS", "FULL_SLIP", "_LEAST_P",
-    "STEP", "_DIRECTIONS", "DIRECTIONS", "PLACES", "WITHIN", "STRIP", "OWN_NOISE", "_TOGETHER",
+    "_CONFORMAL_GROWTH", "STEP", "_DIRECTIONS", "DIRECTIONS", "PLACES", "WITHIN", "STRIP", "OWN_NOISE", "_TOGETHER",
 }  # fmt: skip
 
 #: Tuned numbers; there may be fewer, never more.

@@ -12,14 +12,13 @@ import pytest
 from tests.records.point_records import SHAPES, run_of
 from tests.simulation.point_contacts import STEEL, TEST
 from wirewear import record_of_result
-from wirewear.base.errors import RecordError, StudyError
+from wirewear.base.errors import RecordError
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.fit import fit_record
 from wirewear.diagnosis.preparation import prepared
 from wirewear.diagnosis.surrogate.candidates import library, nominal_inputs
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.nominal import nominal_study
-from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.diagnosis.surrogate.worn_wires import WornWires, elastic, equilibrium, wearing
 from wirewear.loops.sensor import Sensor, SensorNoise
@@ -117,11 +116,3 @@ def test_a_ball_without_a_gap_has_none_and_a_soft_rig_is_named(tmp_path: Path) -
     assert fitted["friction"].value == pytest.approx(FRICTION, rel=0.01)
     assert fitted["energy_wear_coefficient_mm3_per_J"].value == pytest.approx(2e-5, rel=0.02)
     assert fitted["moving_share"].value == pytest.approx(0.3, abs=0.02)
-
-
-def test_a_pad_without_a_radius_is_refused_before_anything_is_run() -> None:
-    pad = {"shape": "pad", "face_half_width_mm": 1.0, "edge_radius_mm": 5.0, **STEEL}
-    bodies = {"lower": {"shape": "flat", **STEEL}, "upper": pad}
-    study = study_from_tables(deepcopy(TEST) | {"kind": "point-contact", "bodies": bodies}, "s")
-    with pytest.raises(StudyError, match="it has no radius of its own"):
-        nominal_model(study).states(None, None)

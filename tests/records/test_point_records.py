@@ -34,12 +34,13 @@ def test_an_exported_run_comes_back_as_its_own_record_without_problems(tmp_path:
         assert record.worn_volumes_mm3[body][1] == pytest.approx(run.scar(100_000, body).volume_mm3, rel=0.01)
 
 
-def test_a_run_of_which_no_record_would_be_read_is_not_exported() -> None:
+def test_a_record_states_a_pad_of_revolution(tmp_path: Path) -> None:
     run = run_of("point-contact")
     cut = {"shape": "pad", "radius_mm": RADIUS_mm, "face_half_width_mm": 0.1, **STEEL}
-    bodies = {"lower": {"shape": "flat", **STEEL}, "upper": cut}
-    with pytest.raises(RecordError, match="is of a pad"):
-        record_of_result(dataclasses.replace(run, study={**run.study, "bodies": bodies}))
+    study = study_from_tables({**run.study, "bodies": {"lower": {"shape": "flat", **STEEL}, "upper": cut}}, "s")
+    record = record_of_result(dataclasses.replace(run, study=study.resolved()))
+    again = read_record(write_record(tmp_path / "record", record))
+    assert study_from_tables(tables_of_study(again), "s").bodies == study.bodies
 
 
 def tables_of_study(record: ExperimentRecord[Any, Any]) -> dict[str, Any]:

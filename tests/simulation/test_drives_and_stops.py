@@ -19,8 +19,7 @@ from wirewear.diagnosis.observe.channels import half_width, loop_area
 from wirewear.diagnosis.surrogate.candidates import library, nominal_inputs
 from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.forward import simulate as simulate_fast
-from wirewear.diagnosis.surrogate.nominal import nominal_study, require_supported
-from wirewear.diagnosis.surrogate.nominal_model import PointModel
+from wirewear.diagnosis.surrogate.nominal import nominal_study
 from wirewear.effects.holder import HeldDisplacement
 from wirewear.effects.sensors import DisplacementGain
 from wirewear.loops.sensor import Sensor, SensorNoise
@@ -29,10 +28,11 @@ from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.values import stated_study
 from wirewear.reference import first_loading_force, partial_slip_point, sliding_threshold
 from wirewear.simulation import simulate
-from wirewear.simulation.control import HELD_FIGURES, HeldFigure, amplitude_from
+from wirewear.simulation.control import HeldFigure, amplitude_from
 from wirewear.simulation.cycling import FIGURES, Ending
 from wirewear.simulation.runs import run_study
-from wirewear.test.conditions import Asked, Stop, held_keys
+from wirewear.test.conditions import Stop
+from wirewear.test.programme import held_keys
 
 STEEL_WIRES = Path(__file__).parents[2] / "studies" / "steel_wires" / "study.toml"
 ON_A_RIG = (
@@ -164,19 +164,6 @@ def test_a_drive_is_suspected_to_hold_its_displacement_only_where_it_is_stated_t
     slipping = study.changed({"conditions": {"held_slip_amplitude_um": 45.0}})
     names = [{one.name for one in library(nominal_inputs(own, "sensor"))} for own in (study, slipping)]
     assert names[1] - names[0] == {"held_displacement"}
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "message"),
-    [
-        ("wear.law", {"name": "energy-threshold", "threshold_mJ_per_mm2": 50.0}, 'has the wear law "energy-threshold"'),
-        ("wires.fixed.layers", [{"thickness_um": 1.0}], "has layers, which the fast model does not cover"),
-    ],
-)
-def test_a_model_that_wears_as_the_fast_model_does_not_cover_is_refused(key: str, value: Any, message: str) -> None:
-    measured = record(repeats=1)
-    with pytest.raises(RecordError, match=message):
-        PointModel(nominal_study(measured).with_values({key: value})).of_record(measured)
 
 
 @pytest.mark.parametrize(
@@ -323,7 +310,7 @@ def test_by_default_the_block_with_the_longest_stroke_and_most_loops_is_looked_a
     assert measured.of_block().block == 1
     assert measured.of_block(2).scars == ()
     with pytest.raises(RecordError, match=r"block 2 .* slides in scars of longer strokes"):
-        require_supported(measured.of_block(2))
+        fit_record(measured.of_block(2))
     with pytest.raises(RecordError, match=r"has no loop of block 7 .*: it has loops of 1, 2, 3"):
         measured.of_block(7)
 
@@ -336,9 +323,7 @@ def test_a_record_states_a_load_that_varies_and_what_the_drive_holds_which_is_no
     stated = stated_study(read_record(tmp_path).tables)
     assert stated.conditions.held_energy_mJ == 0.05
     assert stated.conditions.load_cycle.amplitude == 0.2
-    with pytest.raises(
-        RecordError, match="has a load that varies within the cycle, which the fast model does not cover"
-    ):
+    with pytest.raises(RecordError, match="has a load that varies within the cycle, and friction and rig are fitted"):
         fit_record(record)
 
 
@@ -384,7 +369,3 @@ def test_a_held_force_is_found_where_force_goes_with_the_way_or_is_there_before_
 
     held = HeldFigure("held_tangential_force_N", 1.0, "N", 1e6, lambda *_: 0.0, None, 0.0)
     assert force(amplitude_from(held, force, moved_to)) == pytest.approx(1.0, rel=1e-3)
-
-
-def test_every_figure_that_a_drive_can_hold_is_measured() -> None:
-    assert [key.split("_")[1] for key in Asked.model_fields if key.startswith("held_")] == list(HELD_FIGURES)

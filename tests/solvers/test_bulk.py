@@ -14,7 +14,7 @@ from tests.bodies import STEEL, RADIUS_mm, crossed_wires
 from tests.stress.interior_runs import CYCLE, run_with_forces
 from tests.studies import LONG, block, coarse, line_study, minimal
 from wirewear import StudyError
-from wirewear.diagnosis.surrogate.nominal import limits_of, require_supported
+from wirewear.diagnosis.surrogate.nominal import limits_of
 from wirewear.records import read_record, record_of_result, write_record
 from wirewear.records.values import stated_study
 from wirewear.results import read_result
@@ -210,6 +210,5 @@ def test_a_record_states_the_bulk_stress_of_its_test_without_which_loops_are_pre
     write_record(tmp_path, record)
     stated = stated_study(read_record(tmp_path).tables)
     assert [own.study.drive.bulk[1].phase_rad for own in stated.schedule.stretches] == [0.5 * np.pi, 0.0]
-    require_supported(record)
     (message,) = limits_of(result, stated)
     assert message.startswith("loops are predicted without the bulk stresses")

@@ -13,7 +13,7 @@ from wirewear.base.errors import RecordError
 from wirewear.diagnosis.observe.observed_record import repaired
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
-from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, nominal_study, require_supported
+from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, nominal_study
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.records import AnyRecord, Remark
@@ -90,8 +90,8 @@ def prepared(
     """A record with the study that it states, or with `model`, and after it further records of the same rig.
 
     Of a programme each is of the block with the longest stroke, unless it is of one block already.
-    Raises RecordError if a record states too little, or its loops are beyond the surrogate; if the model is of another
-    test or kind of contact; if a further record is of another kind of contact, or holds the first one's own loops.
+    Raises RecordError if a record states too little; if the model is of another test or kind of contact; if a further
+    record is of another kind of contact, or holds the first one's own loops.
     """
     record, further = record.of_block(), [other.of_block() for other in further]
     first = _prepared(record, model)
@@ -100,7 +100,6 @@ def prepared(
 
 
 def _prepared(record: AnyRecord, model: AnyStudy[Any] | None) -> PreparedRecord:
-    require_supported(record)
     if model is None:
         unknown: dict[str, float] = {}
         if record.tables.missing:

@@ -213,8 +213,8 @@ class PointTest(OfTest):
         """Check that the bodies touch at a point. Raises RecordError if not, or if something is missing."""
         if (wrong := self.contradiction()) is not None:
             raise RecordError(f"{wrong.keys[-1]} in [{'.'.join(wrong.keys[:-1])}] of {where} {wrong.problem}.")
-        if any(body.face is not None or body.surface is not None for body in self.bodies_of_test):
-            raise RecordError(f"{where} is of a pad or a measured surface, of whose tests no records are read yet.")
+        if any(body.surface is not None for body in self.bodies_of_test):
+            raise RecordError(f"{where} is of a measured surface, of whose tests no records are read yet.")
 
     def require_bodies(self, where: str, *given: keys.Table) -> None:
         """Check that tables with a key for each possible body give only those of this test.

@@ -335,6 +335,15 @@ class Gap:
             )
         return cls(0.5 * (driven.curvature_per_mm() + held.curvature_per_mm(turned_deg)))
 
+    @classmethod
+    def like(cls, normal_load_N: float, driven: Body, held: Body) -> Self:
+        """The gap of two bodies, or of the ball that touches a flat as widely as a pad's face under this load."""
+        if not (driven.face or held.face):
+            return cls.of(driven, held)
+        modulus = reference.contact_modulus(driven.material, held.material)
+        radius_mm = hertz_of(normal_load_N, driven, held).contact_radius_mm
+        return cls(np.eye(2) * 0.375 * normal_load_N / (modulus * radius_mm**3))
+
     @property
     def spot_mm(self) -> Array:
         """H⁻¹ (2, 2): squares and products of the half-widths of the ellipse that a plane cuts off, over its depth."""

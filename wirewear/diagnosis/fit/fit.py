@@ -17,7 +17,7 @@ from wirewear.diagnosis.fit.fast_fit import FITTED, FastFit, LoopsOfTests, fast_
 from wirewear.diagnosis.fit.partial_slip import StickingFit, fitted_sticking, left_out
 from wirewear.diagnosis.fit.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
-from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, require_supported
+from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.loops import LoopError
 from wirewear.records import AnyRecord
@@ -110,7 +110,7 @@ def fit_record(
     sticking = fitted_sticking(record, rigid)
     if sticking is not None:
         return _of_sticking(record, sticking, given)
-    require_supported(record)
+    _require_steady(record)
     with stage("checking the record"):
         odd = tuple(remark.text for remark in remarks_of(record))
     with stage("measuring the loops"):
@@ -137,6 +137,20 @@ def fit_record(
     study = fitted_study(record, parameters, record.cycles)
     notes = [*odd, *limits, *left_out(record), *_misfit(fitted), *notes, *_missing(record, parameters, tests)]
     return FittedTest(record, study, parameters, found, tuple(notes), rigid)
+
+
+def _require_steady(record: AnyRecord) -> None:
+    """Raises RecordError if a record's loops have no one load or no scar of their own."""
+    if record.tables.conditions.load_cycle is not None:
+        raise RecordError(
+            f"the record {record.name!r} has a load that varies within the cycle, and friction and rig are fitted "
+            "under a steady one: it can be checked, compared and, with a stated friction, diagnosed."
+        )
+    if record.within_longer_strokes:
+        raise RecordError(
+            f"block {record.block} of the programme of {record.name!r} slides in scars of longer strokes, in which no "
+            "stiffness is known: fit the block with the longest stroke, which is the default."
+        )
 
 
 def _of_sticking(record: AnyRecord, sticking: StickingFit, given: wear.GivenWear | None) -> FittedTest:

@@ -165,7 +165,7 @@ class _Lines:
         hats = np.zeros((shares.size, corners))
         hats[rows, first] = 1.0 - (place - first)
         hats[rows, (first + 1) % corners] += place - first
-        return cls(hats, np.asarray(np.linalg.pinv(hats), dtype=np.float64))
+        return cls(hats, np.linalg.pinv(hats.T @ hats, rcond=1e-12, hermitian=True) @ hats.T)
 
     def at_corners(self, values: Array) -> Array:
         """Values at the corners (corners,) of lines fitted to samples (n,), without outliers."""
@@ -243,9 +243,10 @@ def corners_of(loops: Sequence[MeasuredLoop], frequency_Hz: float) -> int | None
     for corners in range(FEWEST_CORNERS, min(samples // SAMPLES_A_LINE, MOST_CORNERS) + 1, 2):
         squares = left(corners)
         dispersion = np.maximum(squares / (samples - corners), 1.0)
-        alike = dispersion[1] <= MOST_UNLIKE**2 * dispersion[0]
+        if dispersion[1] > MOST_UNLIKE**2 * dispersion[0] or dispersion.max() > OUTLYING**2:
+            continue
         advantage = 0.5 * float(left(corners, 0.5)[0] - squares[0]) / float(dispersion[0] * np.sqrt(corners))
-        if advantage > max(best, LEAST_ADVANTAGE) and alike and dispersion.max() <= OUTLYING**2:
+        if advantage > max(best, LEAST_ADVANTAGE):
             best, count = advantage, corners
     if count is None or not _bends_throughout(_Lines.between(count, shares), channels[0]):
         return None

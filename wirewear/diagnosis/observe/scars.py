@@ -17,6 +17,7 @@ from wirewear.diagnosis.observe.observed_record import Reading
 from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.loop_states import scar_skew
 from wirewear.records import MeasuredProfile, MeasuredScar
+from wirewear.records.spikes import noise_um
 from wirewear.results.scar import SCAR_FIGURES, crossings
 
 _KNOWN = constants("observe.scars")
@@ -47,6 +48,9 @@ ASIDE = _PROFILES.number("aside")
 
 #: The flat beside the scar begins so far out.
 OUTSIDE, FEWEST_OUTSIDE = _PROFILES.number("outside"), _PROFILES.count("fewest_outside")
+
+#: A scar is so many times as deep as neighbouring depths differ by noise.
+STANDS_OUT = _PROFILES.number("stands_out")
 
 #: Where the middle of a scar ends, and its flanks.
 MIDDLE, FLANK = _PROFILES.each("middle", "flank")
@@ -174,6 +178,10 @@ def read_profile(profile: MeasuredProfile) -> ReadProfile:
     inside = np.abs(x) < half
     rough = depth - smooth
     rough_um = max(float(np.std(rough[inside])) if inside.any() else 0.0, LEAST_NOISE * deepest)
+    # What does not stand out of the differences of neighbours is no scar, whatever a curve through few points shows.
+    between = noise_um(depth[:, None])
+    if deepest < STANDS_OUT * between:
+        rough_um = max(rough_um, between)
     outside = np.abs(x) > OUTSIDE * half
     off = 0.0
     if np.count_nonzero(outside) >= FEWEST_OUTSIDE:

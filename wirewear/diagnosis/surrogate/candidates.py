@@ -135,7 +135,8 @@ def nominal_inputs(study: Study, drive: Literal["sensor", "stroke"]) -> Surrogat
     wear, friction = study.wear, study.contact.friction
     worn = 0.0 if wear is None else wear.volume_per_sliding_mm3_per_N_m(friction) / max(friction, 1e-9)
     setup = SurrogateInputs.of(study, drive, worn)
-    return replace(setup, crossing_error_rad=atan(Gap.of(*study.bodies).shear), effects=study.effects, **EXPECTED)
+    shear = Gap.like(study.conditions.normal_load_N, *study.bodies).shear
+    return replace(setup, crossing_error_rad=atan(shear), effects=study.effects, **EXPECTED)
 
 
 def library(setup: SurrogateInputs) -> tuple[Candidate, ...]:

@@ -28,6 +28,9 @@ from wirewear.effects import Chain
 #: Sweeps of wear path against loop energy, and of slip against force; each gains a digit or more.
 _WEAR_SWEEPS, _SLIP_SWEEPS = 3, 2
 
+#: Sweeps of a load that varies in the cycle against the displacement that it makes.
+_LOAD_SWEEPS = 2
+
 #: Relative change of `SCAR_FIGURES` per retained fraction, from a simulation with 40 %: debris holds wear in place.
 _CONCENTRATION = np.array([0.0, 0.5, -0.34, -0.25])
 
@@ -149,7 +152,7 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     whole, setup = Chain.joined(chains), _columns(setups, cycles.size)
     chain, end = whole.taken(at), whole.taken(ends)
     contact = replace(_contact(states, setup, chain, slip[at], layer and layer.taken(at)), share=share[at])
-    loops = sensing.read_by_sensors(setup, chain, *sensing.branch_of(contact, chain, slip[at]), contact)
+    loops = sensing.read_by_sensors(setup, chain, *sensing.branches_of(contact, chain, slip[at]), contact)
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
     reach = states.reach(slip[ends])
     scars, skews = _scars(states, end, reach, under), _skews(states, end, reach)
@@ -238,12 +241,20 @@ def _contact(
         theta, stiffness = theta + layer.theta, stiffness * np.exp(layer.stiffness)
         drop, springs = drop + setup.normal_spring_N_per_um * layer.approach_um, springs + layer.springs_um_per_N
     load = np.maximum(chain.load_N - drop, 0.05 * setup.load_factor * setup.load_N)
-    angle = np.arctan(chain.friction)[:, None] + np.expand_dims(setup.angle_rise, 1) * (angle_rad @ _EVEN)
-    along = load[:, None] + lift @ _LIFT
-    force = along * np.tan(np.minimum(np.maximum(theta + angle, -1.2), 1.2))
+    friction = chain.friction * states.friction_between(row, share)
+    angle = np.arctan(friction)[:, None] + np.expand_dims(setup.angle_rise, 1) * (angle_rad @ _EVEN)
+    along = (load[:, None] + lift @ _LIFT)[:, None]
+    ratio = np.tan(np.minimum(np.maximum(theta + angle, -1.2), 1.2))[:, None]
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
     order = states.order_between(row, share) * np.exp(setup.micro_slip)
-    return sensing.SlidingContact(along, force, stiffness, springs, order, np.ones_like(stiffness))
+    contact = sensing.SlidingContact(along, along * ratio, stiffness, springs, order, np.ones_like(stiffness))
+    if setup.load_cycle.steady:
+        return contact
+    for _ in range(_LOAD_SWEEPS):
+        x, _ = sensing.branches_of(contact, chain, slip)
+        load = along * np.maximum(sensing.shares_at(x[..., sensing.KNEE :], setup.load_cycle, setup.motion), 1e-3)
+        contact = replace(contact, load_N=load, force_N=load * ratio)
+    return contact
 
 
 @cache
@@ -276,7 +287,7 @@ def _sticking_share(setup: SurrogateInputs, chain: Chain, contact: sensing.Slidi
     """Share (n,) of the friction with which a contact that sticks in its middle holds what a drive holds; one where it
     slides. By bisection: all that is held grows with it.
     """
-    tip, held = contact.force_N[:, sensing.END], setup.held if np.isnan(chain.amplitude_um).all() else ""
+    tip, held = contact.tip_N, setup.held if np.isnan(chain.amplitude_um).all() else ""
     target = np.asarray(setup.held_share * setup.amplitude_um) if held else chain.amplitude_um
     gain, coupling = (chain.gain, chain.linear_um_per_N) if setup.drive == "sensor" and not held else (1.0, 0.0)
 
@@ -304,7 +315,7 @@ def _sticking_share(setup: SurrogateInputs, chain: Chain, contact: sensing.Slidi
 
 def _missing_slip(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
     """How much farther (n,) the contact has to slide for the drive to hold what it holds."""
-    tip = contact.force_N[:, sensing.END]
+    tip = contact.tip_N
     stroke = slip + sensing.elastic_of(contact) * tip + 0.5 * chain.free_play_um
     if setup.held:
         missing = _missing_held(setup, chain, contact, slip)
@@ -313,7 +324,7 @@ def _missing_slip(setup: SurrogateInputs, chain: Chain, contact: sensing.Sliding
         missing = chain.amplitude_um / chain.gain - stroke
         if (at := np.flatnonzero((chain.linear_um_per_N != 0.0) | (chain.quadratic_um_per_N2 != 0.0))).size:
             moved = chain.taken(at)
-            half = _half_reading(moved, *sensing.branch_of(contact.taken(at), moved, slip[at]))
+            half = _half_reading(moved, *sensing.branches_of(contact.taken(at), moved, slip[at]))
             missing[at] = (moved.amplitude_um - half) / moved.gain
         return missing
     return np.asarray(chain.amplitude_um - stroke)
@@ -321,11 +332,11 @@ def _missing_slip(setup: SurrogateInputs, chain: Chain, contact: sensing.Sliding
 
 def _missing_held(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
     """By how much a loop misses the figure that the drive holds in place of its amplitude, (n,)."""
-    target, tip = setup.held_share * setup.amplitude_um, contact.force_N[:, sensing.END]
+    target, tip = setup.held_share * setup.amplitude_um, contact.tip_N
     if setup.held == "tangential":
         return target - tip  # Less than friction: it sticks in its middle.
     if setup.held == "energy":
-        per_um = 2e-3 * np.trapezoid(contact.force_N, sensing.POSITIONS, axis=1)
+        per_um = 2e-3 * np.trapezoid(contact.force_N, sensing.POSITIONS, axis=2).mean(axis=1)
         return np.asarray((target - sensing.loop_energy(contact, slip)) / per_um)
     if setup.held == "motion":
         return np.asarray(target - slip - (sensing.elastic_of(contact) - chain.compliance_um_per_N) * tip)
@@ -333,14 +344,13 @@ def _missing_held(setup: SurrogateInputs, chain: Chain, contact: sensing.Sliding
 
 
 def _half_reading(chain: Chain, x: Array, q: Array) -> Array:
-    """Half of what a sensor that the force moves reads in all (n,) of loops with such a branch towards +x (n, m).
+    """Half of what a sensor that the force moves reads in all (n,) of loops with such branches (n, 2, m).
 
     A reading that leans against the force is outermost neither at the tip nor at the knee, but somewhere in stick.
     """
-    linear, quadratic = chain.linear_um_per_N[:, None], chain.quadratic_um_per_N2[:, None]
-    odd, even = chain.gain[:, None] * x + linear * q, quadratic * q**2
-    read = np.concatenate([even + odd, even - odd], axis=1)
-    return np.asarray(0.5 * (read.max(axis=1) - read.min(axis=1)))
+    gain, linear, quadratic = chain.gain, chain.linear_um_per_N, chain.quadratic_um_per_N2
+    read = (gain * x.T + linear * q.T + quadratic * q.T**2).T
+    return np.asarray(0.5 * np.ptp(read, axis=(1, 2)))
 
 
 def _scars(states: WearStates, last: Chain, slip: Array, worn_under_um: Array) -> Array:

@@ -9,19 +9,21 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from geometry.arrays import Array
+from solvers import LoadCycle
 from wirewear.base import kinds
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.effects import COLUMNS, Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
 from wirewear.effects.effect import LineChain
 from wirewear.test import AnyStudy
-from wirewear.test.conditions import held_by
-from wirewear.test.programme import Schedule, worked_course
+from wirewear.test.programme import Schedule, held_by, worked_course
 from wirewear.test.tables import compliance
 
 #: Friction force and amplitude of the article's test of wires, for which effects state what one expects of them.
 _KNOWN = constants("model.setup")
 _WIRES_N, _WIRES_um, _WIRES_CYCLES = _KNOWN.each("wires_force", "wires_amplitude", "wires_cycles")
+
+STEADY = LoadCycle()
 
 #: Energy wear coefficients: 1 mm³/J in µm³/mJ.
 UM3_PER_MJ = 1e6
@@ -72,6 +74,7 @@ class SurrogateInputs:
     length_mm: float = 0.0  #: Of a line contact; zero for contacts at a point.
     contact_kind: str = kinds.CROSSED_WIRES
     motion: FastMotion = SINE  #: How the drive passes its stroke in time.
+    load_cycle: LoadCycle = STEADY  #: The load over load_N in the course of a cycle.
     #: Of a test by blocks, cycles with how many of these conditions wear as much as all so far.
     worked: tuple[tuple[float, float], ...] = ()
     friction_factor: float = 1.0  #: One specimen's, as the next two.
@@ -113,6 +116,7 @@ class SurrogateInputs:
             normal_spring_N_per_um=1e-3 * holder.normal_spring_stiffness_N_per_mm,
             length_mm=length_mm,
             contact_kind=study.contact_kind,
+            load_cycle=conditions.load_cycle or STEADY,
             worked=_worked(study, force_N, carried),
         )
 

@@ -113,7 +113,9 @@ class LineStates(WearStates):
         if sticks(result):
             states = sticking_states(result, friction, has_maps=False)
         else:
-            cycles, full, *columns = loop_states.sliding(result, lambda loop: _row(loop, friction))
+            cycles, full, *columns = loop_states.sliding(
+                result, lambda loop: _row(loop, friction, loop_states.load_shares(result, loop))
+            )
             volume = length_um * np.interp(cycles, result.evolution["cycle"], areas)
             similarity, slip = volume / length_um * radius / columns[0] ** 3, float(columns[0][-1])
             states = loop_states.states_of(result, load, volume, similarity, *columns) | {"scars": scars}
@@ -159,11 +161,12 @@ class LineStates(WearStates):
 
     def wearing(self, setup: SurrogateInputs, chain: Chain, slip_um: Array) -> Array:
         """Less where oxygen does not get."""
+        plain = super().wearing(setup, chain, slip_um)
         if not chain.oxygen_W.any():
-            return chain.wear_um3_per_mJ
+            return plain
         changed = worn_line(self._changed(setup, chain, slip_um))
         factor = changed.factor_at(1e-6 * chain.worn_um3 / self.length_um)
-        return np.asarray(chain.wear_um3_per_mJ * factor)
+        return np.asarray(plain * factor)
 
     def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:
         """Profiles (x, depth) in µm by body: the nominal run's at this worn area, widened by slip, bed and oxygen."""
@@ -206,18 +209,23 @@ class LineStates(WearStates):
         return x, depth
 
 
-def _row(loop: Loop, friction: float) -> tuple[object, ...] | None:
+def _row(loop: Loop, friction: float, of_load: Array | None = None) -> tuple[object, ...] | None:
+    """Row of a loop whose load is `of_load` (n,) times the test's at its samples; one where none is given."""
+    of_load = np.ones(loop.time_s.size) if of_load is None else of_load
     x = loop.relative_displacement_um
     q, p = loop.tangential_force_N, loop.normal_force_N
     p = np.where(np.isfinite(p), p, np.nanmean(p))
     travel, forward = loop_states.travelled(x)
-    top, low = float(q[np.argmax(x)]), float(q[np.argmin(x)])
-    done = np.where(forward, q - low, top - q) / (top - low)
+    # Each branch slides under the load of its moment.
+    first, last = int(np.argmin(x)), int(np.argmax(x))
+    low, top = float(q[first]), float(q[last])
+    rise = np.where(forward, -low, top) + (top - low) * of_load / (of_load[first] + of_load[last])
+    done = np.where(forward, q - low, top - q) / rise
     stuck = (done > _STUCK[0]) & (done < _STUCK[1])
     if not stuck.any():
         return None
-    full, compliance = _stick(travel[stuck], done[stuck] * (top - low))
-    reach = full * compliance * (top - low)
+    full, compliance = _stick(travel[stuck], done[stuck] * rise[stuck])
+    reach = full * compliance * float(rise.max())
     if np.ptp(x) * (1.0 - _LEAST_SLIDING) < reach:
         return None
     stiffness = 1.0 / compliance
@@ -230,7 +238,8 @@ def _row(loop: Loop, friction: float) -> tuple[object, ...] | None:
     slope, angle = loop_states.fitted_angles(
         sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction
     )
-    return loop.cycle, full, slip, slope, angle, stiffness, *loop_states.fitted_load(s[slides] / slip, p[slides])
+    loads = loop_states.fitted_load(s[slides] / slip, (p / of_load)[slides])
+    return loop.cycle, full, slip, slope, angle, stiffness, *loads
 
 
 def _stick(travel_um: Array, risen_N: Array) -> tuple[float, float]:

@@ -14,6 +14,7 @@ from wirewear.base.errors import ResultError, RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.results import Loop, RunResult
 from wirewear.results.scar import SCAR_FIGURES, scar_figures
+from wirewear.test import study_from_tables
 
 #: For a skew, depths below this share of the deepest are left out: the ground counts by its distance squared.
 _SKEW_EDGE = constants("model.scar_figures").number("skew_edge")
@@ -50,6 +51,9 @@ _PHASES = _MOTION.count("phases")
 _FEWEST, _PARTS, _MOST_CORNERS = _MOTION.count("fewest"), _MOTION.count("parts"), _MOTION.count("most_corners")
 _LEAST_CORNER = _MOTION.number("least_corner")
 
+#: Arcsine of a motion's place, short of its end, from which on it rests.
+_AT_REST = _MOTION.number("at_rest")
+
 
 def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:
     """∫d x y / ∫d y² about the centre of a map (n_x, n_y) with x along the motion; NaN of a map without a scar.
@@ -77,7 +81,9 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
     row = result.evolution.at(loop.cycle)
     volume = 1e9 * sum(row[f"worn_volume_{body}_mm3"] for body in result.bodies)
     x, q, p = loop.relative_displacement_um, loop.tangential_force_N, loop.normal_force_N
-    full = 2.0 * FULL_SLIP * friction * float(p.mean()) / fresh_stiffness
+    of_load = load_shares(result, loop)
+    steady_N = p / of_load
+    full = 2.0 * FULL_SLIP * friction * float(steady_N.mean() * of_load.max()) / fresh_stiffness
     if np.ptp(x) < _LEAST_TRAVEL * full:
         return None
     stiffness = fresh_stiffness
@@ -89,18 +95,27 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
         slides = travel > _SLIDES_PAST * full
         sign = np.where(forward, 1.0, -1.0)
         slope, angle = fitted_angles(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
-        stiffness = _stick_stiffness(x, q, p, travel, forward, slope, angle, friction, stiffness)
+        turns = of_load[np.where(forward, np.argmin(x), np.argmax(x))]
+        tip, knee = (
+            float(steady_N.mean() * np.tan(np.arctan(friction) + angle.sum() + side * slope.sum()))
+            for side in (1.0, -1.0)
+        )
+        stiffness = _stick_stiffness(x, q, travel, forward, tip * turns + knee * of_load, stiffness)
     scars, skews = zip(*(scar_figures_of(result, loop.cycle, body) for body in result.bodies), strict=True)
-    return volume, slip, slope, angle, stiffness, *fitted_load(s[slides] / slip, p[slides]), scars, skews
+    return volume, slip, slope, angle, stiffness, *fitted_load(s[slides] / slip, steady_N[slides]), scars, skews
 
 
 def sliding(result: RunResult, row_of: Callable[[Loop], tuple[object, ...] | None]) -> list[Array]:
-    """Columns of the rows that a run's loops give. Raises RunError if none slides as a whole."""
-    rows = [row for loop in result.loops if (row := row_of(loop)) is not None]
-    if not rows:
+    """Columns of the rows that a run's loops give, the last of those before any wear. Raises RunError if no loop slides
+    as a whole.
+    """
+    known = [(loop.cycle, row) for loop in result.loops if (row := row_of(loop)) is not None]
+    if not known:
         raise RunError(
             f"no loop of the nominal run {result.name!r} slides as a whole, and a diagnosis needs gross slip."
         )
+    worn = np.interp([cycle for cycle, _ in known], result.evolution["cycle"], result.worn_volume_mm3)
+    rows = [row for (_, row), later in zip(known, [*worn[1:], np.inf], strict=True) if later > 0.0 or not worn[-1]]
     return [np.array(column) for column in zip(*rows, strict=True)]
 
 
@@ -150,28 +165,30 @@ def fitted_angles(u: Array, psi: Array, friction: float) -> tuple[Array, Array]:
     return coefficients[: len(ODD_POWERS)], coefficients[len(ODD_POWERS) :]
 
 
-def _stick_stiffness(
-    x: Array,
-    q: Array,
-    p: Array,
-    travel: Array,
-    forward: BoolArray,
-    slope: Array,
-    angle: Array,
-    friction: float,
-    before: float,
-) -> float:
-    """K_c that puts Mindlin's micro-slip, by Masing's rule, through the samples just after a reversal."""
-    tip, knee = (
-        float(p.mean() * np.tan(np.arctan(friction) + angle.sum() + side * slope.sum())) for side in (1.0, -1.0)
-    )
-    whole = tip + knee
+def _stick_stiffness(x: Array, q: Array, travel: Array, forward: BoolArray, rise: Array, before: float) -> float:
+    """K_c that puts Mindlin's micro-slip, by Masing's rule, through the samples just after a reversal.
+
+    rise: of the force at each sample, from its reversal to where the branch slides.
+    """
     top, low = float(q[np.argmax(x)]), float(q[np.argmin(x)])
-    done = np.where(forward, q - low, top - q) / whole
+    done = np.where(forward, q - low, top - q) / rise
     near = (done > _MICRO_SLIP[0]) & (done < _MICRO_SLIP[1]) & (travel > 0.0)
     if not near.any():
         return before
-    return float(np.median(FULL_SLIP * whole * (1.0 - (1.0 - done[near]) ** (2.0 / 3.0)) / travel[near]))
+    curve = FULL_SLIP * rise[near] * (1.0 - (1.0 - done[near]) ** (2.0 / 3.0))
+    return float(np.median(curve / travel[near]))
+
+
+def load_shares(result: RunResult, loop: Loop) -> Array:
+    """Load over the test's load, by which a run asked for it, at the samples (n,) of a loop."""
+    stated = result.study["conditions"].get("load_cycle")
+    if stated is None:
+        return np.ones(loop.time_s.size)
+    load = study_from_tables(result.study, result.label).conditions.load_cycle
+    x = loop.displacement_um
+    rest_s = float(loop.time_s[x > x.max() - 1e-6 * np.ptp(x)].mean())
+    share = load.shares(((loop.time_s - rest_s) * float(result.study["conditions"]["frequency_Hz"])) % 1.0)
+    return np.asarray(np.maximum(share, 1e-3))
 
 
 def scar_figures_of(result: RunResult, cycle: int, body: str) -> tuple[list[float], float]:
@@ -237,6 +254,12 @@ class FastMotion:
     @cached_property
     def half_range(self) -> float:
         return 0.5 * float(np.ptp(self._even))
+
+    @cached_property
+    def top(self) -> float:
+        """The phase in the middle of its rest at the end in +x."""
+        (there, come), (back, left) = self._tables
+        return float(0.5 * (come[there > there[-1] - _AT_REST][0] + left[back < back[0] + _AT_REST][-1]))
 
     @cached_property
     def _even(self) -> Array:

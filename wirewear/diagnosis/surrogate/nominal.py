@@ -25,8 +25,6 @@ from wirewear.test.conditions import Wear
 
 Result = TypeVar("Result")
 
-_UNSUPPORTED = ", which the fast model does not cover: it can be checked and compared, but neither fitted nor diagnosed"
-
 _WITHOUT_BULK = "loops are predicted without the bulk stresses of the bodies, whose strain hardly changes sliding ones"
 
 _FOLDER = "wirewear-nominal-"
@@ -85,21 +83,6 @@ def kept_or_made(
     return result, path
 
 
-def require_supported(record: AnyRecord) -> None:
-    """See that the fast model predicts the loops that are looked at of a record.
-    Raises RecordError if its load varies within the cycle, or they are of a block whose stroke is shorter than
-    another's.
-    """
-    asked = record.tables.conditions
-    if asked.load_cycle is not None:
-        raise RecordError(f"the record {record.name!r} has a load that varies within the cycle{_UNSUPPORTED}.")
-    if record.within_longer_strokes:
-        raise RecordError(
-            f"block {record.block} of the programme of {record.name!r} slides in scars of longer strokes, which the "
-            "fast model does not cover: look at the block with the longest stroke, which is the default."
-        )
-
-
 def nominal_study(record: AnyRecord) -> Any:
     """What the record's owner states, as a study of its kind of contact; what is not stated is ideal.
     Raises RecordError if friction or wear is not stated, or friction twice and differently.
@@ -108,20 +91,19 @@ def nominal_study(record: AnyRecord) -> Any:
 
 
 def require_the_same(record: AnyRecord, study: AnyStudy[Any], pairs: Mapping[str, tuple[float, float]]) -> None:
-    """Refuse a model of another test, or one that wears as the fast model does not cover.
-
-    pairs: numbers of model and record by their keys.
-    """
-    other = [f'the wear law "{law.name}"' for law in study.laws[1:] if not isinstance(law, EnergyLaw | Archard)]
-    other += ["layers"] if any(study.layers.values()) else []
-    if other:
-        raise RecordError(f"the model {study.name!r} has {other[0]}{_UNSUPPORTED}.")
+    """Refuse a model of another test; pairs: numbers of model and record by their keys."""
     for key, (own, recorded) in pairs.items():
         if abs(own - recorded) > SAME * max(abs(own), abs(recorded)):
             raise RecordError(
                 f"{key} is {own:g} in the model {study.name!r} but {recorded:g} in the record {record.name!r}: they "
                 "must describe the same test."
             )
+
+
+def wears_evenly(study: AnyStudy[Any]) -> bool:
+    """Whether a study's worn volume is its coefficient times work or sliding, by the same factor all along."""
+    plain = all(isinstance(law, EnergyLaw | Archard) for law in study.laws[1:])
+    return plain and not any(study.layers.values())
 
 
 @dataclass(frozen=True)
@@ -206,7 +188,8 @@ def wearing(study: Study) -> Study:
     if study.wear is not None and any(study.wear.coefficients.values()):
         return study
     conditions = study.conditions
-    amplitude_mm, radius_mm = 1e-3 * conditions.displacement_amplitude_um, Gap.of(*study.bodies).radius_mm
+    amplitude_mm = 1e-3 * conditions.displacement_amplitude_um
+    radius_mm = Gap.like(conditions.normal_load_N, *study.bodies).radius_mm
     energy_J = 4e-3 * study.contact.friction * conditions.normal_load_N * amplitude_mm * conditions.cycles
     coefficient = min(amplitude_mm**4 / radius_mm / energy_J, MOST_WEAR_mm3_per_J)
     return study.changed({"wear": Wear(energy_wear_coefficient_mm3_per_J=coefficient)})
@@ -233,8 +216,9 @@ def _run(nominal: NominalRun, folder: Path, observer_of: ObserverOf | None) -> R
     study = nominal.study
     wear = {} if study.wear is None else study.wear.coefficients
     changes = {**nominal.changes, "log": {"loop_cycles": logged_by(study)}}
-    # The blocks of a programme come at their cycles, whatever has worn by then.
-    for place, margin in enumerate(nominal.margins if wear and not study.schedule.blocks else (1.0,)):
+    # The blocks of a programme come at their cycles, and layers and other laws wear by the energy so far.
+    relabelled = wear and wears_evenly(study) and not study.schedule.blocks
+    for place, margin in enumerate(nominal.margins if relabelled else (1.0,)):
         output = folder / str(place)
         faster = {"wear": {key: margin * value for key, value in wear.items()}} if wear else {}
         try:

@@ -15,14 +15,14 @@ from wirewear.diagnosis.surrogate.candidates import nominal_inputs, nominal_line
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.joint_states import JointStates
 from wirewear.diagnosis.surrogate.line_states import LineStates
-from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_the_same
+from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_the_same, wears_evenly
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import Effect
 from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
+from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.test import AnyStudy, LineStudy, Study
-from wirewear.test.bodies import Gap
-from wirewear.test.conditions import held_by, held_keys
+from wirewear.test.programme import held_by, held_keys
 from wirewear.test.study import JointStudy
 
 
@@ -54,9 +54,8 @@ class PointModel:
         Raises StudyError or SolverError if the study cannot be run, RunError if its drive holds a force that slides
         the bodies.
         """
-        Gap.of(*self.study.bodies)  # refused before it is run
         result = nominal.nominal_run(self.study, observer_of)
-        return _driven(WearStates.of_run(result), self.study), nominal.limits_of(result, self.study)
+        return _of_run(WearStates.of_run(result), result, self.study), nominal.limits_of(result, self.study)
 
     def inputs(self, tables: Any) -> SurrogateInputs:
         """The circumstances that the study states, with the surrogate's numerical freedoms as expected."""
@@ -104,7 +103,8 @@ class LineModel:
     def states(self, tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
         """As of a point contact; wear states are of the whole contact."""
         result = nominal.nominal_run(self.study, observer_of, nominal.line_run)
-        states = _driven(LineStates.of_line(result, self.study.pad.profile, tables.length_mm), self.study)
+        states = LineStates.of_line(result, self.study.pad.profile, tables.length_mm)
+        states = _of_run(states, result.of_length(tables.length_mm), self.study)
         return states, nominal.limits_of(result, self.study)
 
     def inputs(self, tables: Any) -> SurrogateInputs:
@@ -141,6 +141,13 @@ class JointModel:
 
 
 States = TypeVar("States", bound=WearStates)
+
+
+def _of_run(states: States, result: RunResult, study: AnyStudy[Any]) -> States:
+    """The states of a run, sliding under the friction of its layers and wearing as it does."""
+    if not states.sticks and any(layer.friction is not None for own in study.layers.values() for layer in own):
+        states = states.under_layers()
+    return _driven(states if wears_evenly(study) else states.wearing_as(result), study)
 
 
 def _driven(states: States, study: AnyStudy[Any]) -> States:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array, ComplexArray
+from solvers import LoadCycle
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.effects import Chain
@@ -27,13 +28,18 @@ MIDDLE = SLIDING + POSITIONS.size // 2
 EVEN_PHASES: Array = 2.0 * np.pi / 1024 * np.arange(1024.0)
 HARMONICS = np.arange(EVEN_PHASES.size // 2 + 1.0)
 
+_WAYS = np.array([[1.0], [-1.0]])  #: Of both branches, along x.
+
 #: Of filters, complex, to harmonics of the drive.
 Answers = ComplexArray
 
 
 @dataclass(frozen=True, eq=False)
 class SlidingContact:
-    """The contact at n moments: load and force (n, m) along the branch towards +x, stiffness, order of micro-slip."""
+    """The contact at n moments: load and force (n, k, m) along its branches, stiffness, order of micro-slip.
+
+    Branches are each in its direction of travel: one where both are alike, two where the load varies within the cycle.
+    """
 
     load_N: Array
     force_N: Array
@@ -47,6 +53,16 @@ class SlidingContact:
         return SlidingContact(*(column[moments] for column in vars(self).values()))
 
     @property
+    def tip_N(self) -> Array:
+        """Force (n,) at the ends of the branches, their mean."""
+        return np.asarray(self.force_N[..., END].mean(axis=1))
+
+    @property
+    def knee_N(self) -> Array:
+        """Force (n,) where the branches come to slide, their mean."""
+        return np.asarray(self.force_N[..., 0].mean(axis=1))
+
+    @property
     def yielding_um_per_N(self) -> Array:
         """Elastic displacement (n,) per force of a contact that slides."""
         return self.order / self.stiffness_N_per_um
@@ -58,18 +74,18 @@ def elastic_of(contact: SlidingContact) -> Array:
 
 
 def loop_energy(contact: SlidingContact, slip: Array) -> Array:
-    """Friction energy of a loop in mJ: twice the work along the branch, and that of micro-slip."""
-    sliding = 2.0 * slip * np.trapezoid(contact.force_N, POSITIONS, axis=1)
+    """Friction energy of a loop in mJ: the work along its branches, and that of micro-slip."""
+    sliding = 2.0 * slip * np.trapezoid(contact.force_N, POSITIONS, axis=2).mean(axis=1)
     # Twice what the branch of micro-slip (`branch_of`) encloses with its chord.
     power, left = 1.0 / contact.order, 1.0 - contact.share
     inside = (1.0 - left ** (power + 1.0)) / (power + 1.0) - 0.5 * contact.share * (1.0 + left**power)
-    return 1e-3 * (sliding + 8.0 * inside * contact.force_N[:, 0] ** 2 * contact.yielding_um_per_N)
+    return np.asarray(1e-3 * (sliding + 8.0 * inside * contact.knee_N**2 * contact.yielding_um_per_N))
 
 
 def slip_amplitude(contact: SlidingContact, slip: Array) -> Array:
     """Half of a loop's width (n,) at its mean force, or where it comes to slide if walls hold it until after that."""
-    tip = contact.force_N[:, END]
-    rise = np.maximum(contact.force_N[:, 0] + tip, 1e-6)
+    tip = contact.tip_N
+    rise = np.maximum(contact.knee_N + tip, 1e-6)
     stuck = 1.0 - np.minimum(tip / rise, 1.0)
     whole = slip + contact.yielding_um_per_N * (tip - rise * (1.0 - stuck ** (1.0 / contact.order)))
     part = micro_slip(contact) - 2.0 * contact.yielding_um_per_N * tip * (
@@ -81,26 +97,28 @@ def slip_amplitude(contact: SlidingContact, slip: Array) -> Array:
 def micro_slip(contact: SlidingContact) -> Array:
     """Half of the travel (n,) of a contact that sticks in its middle: Mindlin's by Masing's rule, of any order."""
     left = 1.0 - contact.share
-    return np.asarray(contact.yielding_um_per_N * contact.force_N[:, END] * (1.0 - left ** (1.0 / contact.order)))
+    return np.asarray(contact.yielding_um_per_N * contact.tip_N * (1.0 - left ** (1.0 / contact.order)))
 
 
-def branch_of(contact: SlidingContact, chain: Chain, slip: Array) -> tuple[Array, Array]:
-    """True displacement and force (n, m) along the branch towards +x, from reversal to reversal.
+def branches_of(contact: SlidingContact, chain: Chain, slip: Array) -> tuple[Array, Array]:
+    """True displacement and force (n, 2, m) along both branches, from reversal to reversal.
 
     Micro-slip takes n Q/K (1 − (1 − Q/µP)^(1/n)) of travel: Mindlin's with n = 3/2, softer knees with higher orders.
     A contact that sticks in its middle goes so far of it as its share says, and stays there.
     """
-    force, tip, share = contact.force_N, contact.force_N[:, END], contact.share[:, None]
-    rise = np.maximum(force[:, :1] + tip[:, None], 1e-6)
-    stick = share * (rise * STICK - tip[:, None])
-    full, sticks = contact.yielding_um_per_N[:, None], share < 1.0
-    before = np.where(sticks, micro_slip(contact)[:, None], full * tip[:, None] + slip[:, None])
-    micro = full * rise * (1.0 - (1.0 - share * STICK) ** (1.0 / contact.order[:, None])) - before
-    q = np.concatenate([stick, np.where(sticks, stick[:, -1:], force[:, 1:])], axis=1)
-    sliding = np.where(sticks, micro[:, -1:], slip[:, None] * POSITIONS[1:] + full * force[:, 1:])
-    springs = contact.springs_um_per_N[:, None]
-    x = np.concatenate([micro, sliding], axis=1) + springs * q
-    return x + 0.5 * chain.free_play_um[:, None] * np.minimum(np.maximum(q / PLAY_FORCE_N, -1.0), 1.0), q
+    force, share = contact.force_N, contact.share[:, None, None]
+    # Each begins with the force that the other one ends with.
+    tip = force[:, ::-1, END:]
+    rise = np.maximum(force[..., :1] + tip, 1e-6)
+    stick = share * (rise * STICK - tip)
+    full, moved, sticks = contact.yielding_um_per_N[:, None, None], slip[:, None, None], share < 1.0
+    before = np.where(sticks, micro_slip(contact)[:, None, None], full * tip + moved)
+    micro = full * rise * (1.0 - (1.0 - share * STICK) ** (1.0 / contact.order[:, None, None])) - before
+    q = np.concatenate([stick, np.where(sticks, stick[..., -1:], force[..., 1:])], axis=2)
+    sliding = np.where(sticks, micro[..., -1:], moved * POSITIONS[1:] + full * force[..., 1:])
+    x = np.concatenate([micro, sliding], axis=2) + contact.springs_um_per_N[:, None, None] * q
+    x = x + 0.5 * chain.free_play_um[:, None, None] * np.minimum(np.maximum(q / PLAY_FORCE_N, -1.0), 1.0)
+    return x * _WAYS, q * _WAYS
 
 
 def still_to_come(place: Array) -> Array:
@@ -124,13 +142,12 @@ def read_along(known: Array, values: Array, row: NDArray[np.intp], at: Array) ->
 def read_by_sensors(
     setup: SurrogateInputs, chain: Chain, x: Array, q: Array, contact: SlidingContact
 ) -> tuple[Array, Array, Array]:
-    """Both branches (n, 2, m) as the sensors read them, and the normal force."""
+    """Both branches as the sensors read them, of true ones (n, 2, m), and the normal force."""
     load, slides = contact.load_N, contact.share[:, None, None] >= 1.0
-    # A branch sticks under the load of the end where it begins; the other way the load is the same, mirrored.
-    there = np.concatenate([np.repeat(load[:, :1], STICK.size, axis=1), load[:, 1:]], axis=1)
-    x = np.stack([x, -x], axis=1)
-    q = np.stack([q, -q], axis=1)
-    p = np.stack([there, there], axis=1)
+    # A branch sticks under the load of the end where it begins, or on the way from it to that under which it slides.
+    before = load[:, ::-1, END:]
+    stuck = before + STICK * (load[..., :1] - before)
+    p = np.broadcast_to(np.concatenate([stuck, load[..., 1:]], axis=2), x.shape)
     tilt, gain, linear, quadratic, crosstalk, zero, normal_spring, moved_um = (
         np.expand_dims(column, (1, 2))
         for column in (
@@ -163,6 +180,11 @@ def read_by_sensors(
     if (at := np.flatnonzero(chain.force_lag_s)).size:
         q[at] = late_forces(q[at], x[at], 2.0 * np.pi * setup.frequency_Hz * chain.force_lag_s[at], setup.motion)
     return read - centre + moved_um, q, p
+
+
+def shares_at(x: Array, load: LoadCycle, motion: FastMotion) -> Array:
+    """Shares (n, 2, m) of the load when a motion passes displacements (n, 2, m)."""
+    return load.shares(((_phases_and_half(x, motion)[0] - motion.top) / (2.0 * np.pi)) % 1.0)
 
 
 def late_places(setup: SurrogateInputs, read: Array, lag: float) -> Array:

@@ -13,8 +13,16 @@ import numpy as np
 
 from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.surrogate.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS, scar_figures_of, smoothed
+from wirewear.diagnosis.surrogate.loop_states import (
+    EVEN_POWERS,
+    LIFT_POWERS,
+    ODD_POWERS,
+    load_shares,
+    scar_figures_of,
+    smoothed,
+)
 from wirewear.results import Loop, RunResult
+from wirewear.test import study_from_tables
 
 if TYPE_CHECKING:
     from geometry.arrays import Array
@@ -30,9 +38,12 @@ _ORDERS, _SHARES = _KNOWN.pair("orders"), _KNOWN.pair("shares")
 
 
 def sticks(result: RunResult) -> bool:
-    """Whether no loop of a run comes to slide as a whole."""
-    friction = float(result.study["contact"]["friction"])
-    return all(_share(loop, friction) < _SHARES[1] for loop in result.loops)
+    """Whether no loop of a run comes to slide as a whole, under the friction of its bodies or of the layers on them."""
+    study = study_from_tables(result.study, result.label)
+    layers = [layer.friction for own in study.layers.values() for layer in own]
+    friction = min(study.contact.friction, *(own for own in (*layers, np.inf) if own is not None))
+    of_loops = [(loop, load_shares(result, loop)) for loop in result.loops]
+    return all(_share(loop, friction, of_load) < _SHARES[1] for loop, of_load in of_loops)
 
 
 def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -> dict[str, Any]:
@@ -72,8 +83,10 @@ def _figures(result: RunResult, cycle: float, body: str) -> list[float]:
     return scar_figures_of(result, int(cycle), body)[0]
 
 
-def _share(loop: Loop, friction: float) -> float:
-    return float(0.5 * np.ptp(loop.tangential_force_N) / (friction * loop.normal_force_N.mean()))
+def _share(loop: Loop, friction: float, of_load: Array | float = 1.0) -> float:
+    """Share of the friction that the force comes to, under the load of each moment."""
+    steady_N = float((loop.normal_force_N / of_load).mean())
+    return float(0.5 * np.ptp(loop.tangential_force_N / of_load) / (friction * steady_N))
 
 
 def _row(loop: Loop, friction: float) -> tuple[float, float, float] | None:

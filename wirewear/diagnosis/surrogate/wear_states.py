@@ -10,9 +10,9 @@ elastic approach: lengths along the surface go with δ, depths with δ²/R, slop
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +83,11 @@ class WearStates:
     along: float = 1.0  #: Curvature of the gap along the motion over that across (`Gap`).
     #: (n,) order of micro-slip of a contact that sticks in its middle, whose states follow the worn volume alone.
     orders: Array = field(default_factory=lambda: np.zeros(0))
+    #: (n,) friction of the surfaces over that of the bodies below their layers, where layers have their own.
+    friction_shares: Array = field(default_factory=lambda: np.zeros(0))
+    #: (m,) friction energies, and what both bodies wear per energy there, where that is not the same all along.
+    energy_J: Array = field(default_factory=lambda: np.zeros(0))
+    worn_um3_per_mJ: Array = field(default_factory=lambda: np.zeros(0))
     #: Relative standard deviations of what nobody has stated of the test, by the names of its scatter.
     unknown: Mapping[str, float] = field(default_factory=dict)
 
@@ -91,7 +96,7 @@ class WearStates:
         """States of a complete run of a contact at a point. Raises RunError if the run has no loops in gross slip."""
         friction, load = result.study["contact"]["friction"], result.study["conditions"]["normal_load_N"]
         bodies = study_from_tables(result.study, result.label).bodies
-        gap, fresh = Gap.of(*bodies), unworn_stiffness_N_per_um(load, *bodies)
+        gap, fresh = Gap.like(load, *bodies), unworn_stiffness_N_per_um(load, *bodies)
         radius = 1e3 * gap.radius_mm
         if sticks(result):
             return cls(
@@ -140,6 +145,16 @@ class WearStates:
             return np.full(row.size, self.full_slip)
         return np.asarray(self.orders[row] + np.minimum(share, 1.0) * (self.orders[row + 1] - self.orders[row]))
 
+    def friction_between(self, row: NDArray[np.intp], share: Array) -> Array:
+        """Friction of the surfaces over the stated one (k,) on shares of the way from rows to the next."""
+        known = self.friction_shares
+        return known[row] + np.minimum(share, 1.0) * (known[row + 1] - known[row]) if known.size else np.ones(row.size)
+
+    def under_layers(self) -> Self:
+        """These states with the friction that a run shows as a share of that of the bodies below their layers."""
+        known = np.tan(np.arctan(self.friction) + self.angle[:, 0]) / self.friction
+        return replace(self, friction_shares=known, angle=self.angle * (np.arange(self.angle.shape[1]) > 0))
+
     def similar(self, worn_um3: Array, slip_um: Array) -> Array:
         """What contacts (n,) that are geometrically similar have in common: V R/δ⁴."""
         return worn_um3 if self.sticks else np.asarray(worn_um3 * self.radius_um / slip_um**4)
@@ -155,7 +170,18 @@ class WearStates:
 
     def wearing(self, setup: SurrogateInputs, chain: Chain, slip_um: Array) -> Array:  # noqa: ARG002
         """Worn volume of both bodies per friction energy (n,)."""
-        return chain.wear_um3_per_mJ
+        if not self.energy_J.size or not setup.wear_um3_per_mJ:
+            return chain.wear_um3_per_mJ
+        now = np.interp(chain.energy_J, self.energy_J, self.worn_um3_per_mJ)
+        return np.asarray(chain.wear_um3_per_mJ / setup.wear_um3_per_mJ * now)
+
+    def wearing_as(self, result: RunResult) -> Self:
+        """These states, wearing per energy as a run does."""
+        energy, volume = result.evolution["accumulated_energy_J"], 1e9 * result.worn_volume_mm3
+        kept = np.concatenate([[True], np.diff(energy) > 0.0])
+        if np.count_nonzero(kept) == 1:
+            return self
+        return replace(self, energy_J=energy[kept], worn_um3_per_mJ=1e-3 * np.gradient(volume[kept], energy[kept]))
 
     def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:  # noqa: ARG002
         """Places and depths of each body's profile at a chain's one moment; wires have maps instead."""

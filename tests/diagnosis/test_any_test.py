@@ -1,0 +1,84 @@
+"""Diagnoses of tests whose load, stroke, friction or wear is not the same all along."""
+
+from copy import deepcopy
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.diagnosis.test_sticking_diagnosis import ball, circumstances
+from tests.simulation.point_contacts import STEEL
+from wirewear import record_of_result
+from wirewear.diagnosis import diagnose
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.sensing import KNEE, POSITIONS
+from wirewear.loops.sensor import Sensor, SensorNoise
+from wirewear.simulation import run_study
+from wirewear.test import study_from_tables
+
+LINE: dict[str, Any] = {
+    "format": 1, "name": "line", "kind": "line-contact", "pad": {"radius_mm": 6.0} | STEEL, "specimen": STEEL,
+    "conditions": {"normal_load_N_per_mm": 20.0, "displacement_amplitude_um": 35.0, "cycles": 2000},
+    "contact": {"friction": 0.6, "length_mm": 10.0},
+    "wear": {"pad_energy_mm3_per_J": 2.0e-5, "specimen_energy_mm3_per_J": 4.0e-5},
+    "holder": {"tangential_stiffness_N_per_mm2": 2000.0},
+    "mesh": {"contact_mesh_um": 12.0, "jump_tolerance": 0.05},
+    "log": {"loop_cycles": [1, 210, 300, 390, 610, 1000, 1010, 1500, 2000]},
+}  # fmt: skip
+#: Keys that a test has beside those of `LINE`, and which block of it is looked at.
+TESTS: dict[str, tuple[dict[str, Any], int | None]] = {
+    "load that varies in the cycle": ({"conditions.load_cycle": {"amplitude_share": 0.4, "lag_deg": 60.0}}, None),
+    "block of a shorter stroke": (
+        {"programme": [{"cycles": 200}, {"cycles": 200, "conditions": {"displacement_amplitude_um": 18.0}}]}, 2,
+    ),
+    "wear that begins late": ({"wear.law": {"name": "energy-threshold", "threshold_mJ_per_mm2": 200.0}}, None),
+    "layer of lower friction": ({"specimen.layers": [{"thickness_um": 0.5, "friction": 0.3}]}, None),
+}  # fmt: skip
+FRICTION = 0.5
+
+
+@pytest.mark.parametrize("lag_deg", [0.0, 60.0, 90.0])
+def test_a_slider_under_a_load_that_varies_has_its_friction_at_each_moment(lag_deg: float) -> None:
+    """On a rigid rig x = cos 2πt, so that mid-stroke is passed at a quarter and at three quarters of the cycle."""
+    stiff = replace(ball(), stiffness_N_per_um=np.full(2, 1e4))
+    load = study_from_tables(with_keys({"conditions.load_cycle": {"amplitude_share": 0.4, "lag_deg": lag_deg}}), "s")
+    course = simulate(stiff, circumstances(50.0, load_cycle=load.conditions.load_cycle), np.array([1.0, 10.0]))
+    quarter = 0.4 * np.sin(np.radians(lag_deg))
+    friction_N, middle = 0.6 * 40.0, KNEE + POSITIONS.size // 2
+    assert course.normal_force_N[:, :, middle] == pytest.approx(
+        np.tile(40.0 * np.array([1.0 - quarter, 1.0 + quarter]), (2, 1)), rel=5e-3
+    )
+    assert course.tangential_force_N[:, :, middle] == pytest.approx(
+        np.tile(friction_N * np.array([1.0 - quarter, -1.0 - quarter]), (2, 1)), rel=5e-3
+    )
+    assert course.energy_mJ == pytest.approx(4e-3 * friction_N * 50.0, rel=2e-3)
+
+
+def with_keys(keys: dict[str, Any], *effects: dict[str, Any]) -> dict[str, Any]:
+    tables = deepcopy(LINE) | {"effects": list(effects)}
+    for key, value in keys.items():
+        table, _, name = key.rpartition(".")
+        (tables[table] if table else tables)[name] = value
+    return tables
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("test", TESTS)
+def test_any_test_has_no_gap_as_stated_and_its_friction_is_found(test: str, tmp_path: Path) -> None:
+    keys, block = TESTS[test]
+    noise = SensorNoise(displacement_um=0.05, tangential_force_N=0.5, normal_force_N=0.5)
+    stated = study_from_tables(with_keys(keys), "s")
+    for effects in ((), ({"name": "friction_offset", "friction": FRICTION},)):
+        study = study_from_tables(with_keys(keys, *effects), "s")
+        (run,) = run_study(study, fidelity="quick", output=tmp_path / str(len(effects)))
+        made = record_of_result(run, sensor=Sensor(noise=noise), repeats=2, seed=5, samples=300, depth_noise_um=0.05)
+        found = diagnose(made.of_block(block), model=None if block else stated).diagnosis
+        if not effects:
+            assert found.verdict == "no_gap"
+            continue
+        assert found.verdict == "explained"
+        cause = next(one for one in found.causes if one.effect == "friction_offset")
+        low, high = cause.parameters["friction"].interval95
+        assert low < FRICTION < high
