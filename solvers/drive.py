@@ -19,11 +19,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geometry import Elastic
-from geometry.arrays import Array
+from geometry.arrays import Array, BoolArray
 from solvers.errors import SolverError
 
 _SAME = 1e-9  # Shares that differ by less count as equal.
 _LEAST_STEP = 1e-3  # Of the amplitude: places nearer than that to a kink of the load are replaced by it.
+_LEAST_REST = 0.1  # Of the cycle: kinks of the load that come later than that after a stroke's end are the next one's.
+#: Share of the test's load below which nothing is pressed: a fresh contact of so little is less than an element.
+LEAST_LOAD = 0.01
 _SAMPLES = 720  # Places of a stroke at which loads are compared.
 _NO_STROKES = (
     "a displacement over time must go from 1 to -1 and back once in a cycle, without turning or resting on its way: it "
@@ -277,6 +280,10 @@ class Path:
         middle = int(np.flatnonzero(self.drive == 0.0)[0])
         return Path(*(values[middle + 1 :] for values in self._arrays))
 
+    def without(self, left_out: BoolArray) -> "Path":
+        """The path without some (m,) of its increments' ends."""
+        return Path(*(values[~left_out] for values in self._arrays))
+
     @property
     def _arrays(self) -> tuple[Array, Array, Array, Array, Array]:
         return self.drive, self.phase, self.time, self.load, self.bulk
@@ -333,25 +340,37 @@ class Drive:
         """The path from `side` times the amplitude through places (m,) in mm to the other end.
 
         It also stops at every kink of the load, and goes on at the end while the drive rests and the load changes.
+        Kinks within `_LEAST_STEP` of an end, where the drive all but rests, are passed at that end. Between a load of
+        none and one that presses there is no stop.
         """
         falling = side > 0.0
-        start, reached, leaves = self.waveform.stroke(falling=falling)
-        waits = np.zeros(0)
+        ends = np.array([self.waveform.stroke(falling=falling)[1]])
         if not self.steady:
-            bends = self.amplitude_mm * self.waveform.places(self.load.bends(start, reached))
-            bends = bends[np.abs(np.abs(bends) - self.amplitude_mm) > _LEAST_STEP * self.amplitude_mm]
-            near = np.abs(np.subtract.outer(places, bends)).min(axis=1, initial=np.inf)
-            fixed = (places == 0.0) | (np.arange(len(places)) == len(places) - 1)
-            bends = bends[np.abs(np.subtract.outer(bends, places[fixed])).min(axis=1) > _LEAST_STEP * self.amplitude_mm]
-            kept = places[fixed | (near > _LEAST_STEP * self.amplitude_mm)]
-            places = -side * np.sort(-side * np.concatenate([kept, bends]))
-            waits = self._waits(reached, leaves, len(places) / (reached - start))
+            places, ends = self._stops(side, places)
         phase = phases(places / self.amplitude_mm, falling=falling)
-        time = self.waveform.times(places / self.amplitude_mm, phase)
-        time, count = np.concatenate([time, waits]), len(waits)
-        drive, phase = (np.concatenate([own, np.full(count, own[-1])]) for own in (places, phase))
+        time = np.append(self.waveform.times(places / self.amplitude_mm, phase)[:-1], ends)
+        drive, phase = (np.append(own[:-1], np.full(len(ends), own[-1])) for own in (places, phase))
         load = np.ones(len(time)) if self.load.steady else self.load.shares(time)
-        return Path(drive, phase, time, load, self.bulk_at(time))
+        path = Path(drive, phase, time, load, self.bulk_at(time))
+        return path if self.load.steady else path.without(_hardly_pressed(load) & (np.abs(drive) > 0.0))
+
+    def _stops(self, side: float, places: Array) -> tuple[Array, Array]:
+        """The places of a stroke with those of the load's kinks, and the times of increments that end at its end."""
+        falling, amplitude = side > 0.0, self.amplitude_mm
+        start, reached, leaves = self.waveform.stroke(falling=falling)
+        times = self.load.bends(start, leaves + _LEAST_REST)
+        ahead = side * self.waveform.places(times)
+        turned = times[(ahead < _LEAST_STEP - 1.0) & (np.abs(times - reached) > _SAME)]
+        before = times[(ahead > 1.0 - _LEAST_STEP) & (times < reached)]
+        bends = side * amplitude * ahead[(np.abs(ahead) <= 1.0 - _LEAST_STEP) & (times < reached)]
+        near = np.abs(np.subtract.outer(places, bends)).min(axis=1, initial=np.inf)
+        fixed = (places == 0.0) | (np.arange(len(places)) == len(places) - 1)
+        bends = bends[np.abs(np.subtract.outer(bends, places[fixed])).min(axis=1) > _LEAST_STEP * amplitude]
+        passed = self.waveform.times(places / amplitude, phases(places / amplitude, falling=falling))
+        moves = (passed > before.max(initial=start)) & (passed < turned.min(initial=reached))
+        kept = places[fixed | (moves & (near > _LEAST_STEP * amplitude))]
+        places = -side * np.sort(-side * np.concatenate([kept, bends]))
+        return places, self._ends(reached, leaves, turned, len(places) / (reached - start))
 
     def end(self, side: float) -> Path:
         """The path from mid-stroke to `side` times the amplitude in one increment, and the load's changes while the
@@ -359,17 +378,16 @@ class Drive:
         """
         return self.stroke(-side, np.array([0.0, side * self.amplitude_mm])).from_middle
 
-    def _waits(self, reached: float, leaves: float, per_time: float) -> Array:
-        """Times at which increments end while the drive rests and load or bulk stress changes; empty if nothing
-        changes.
+    def _ends(self, reached: float, leaves: float, kinks: Array, per_time: float) -> Array:
+        """Times at which increments end at the end of a stroke: `reached`, and more if load or bulk stress change while
+        the drive rests up to `leaves`, or between `kinks` of the load about then.
 
         per_time: number of increments in a whole cycle.
         """
         count = ceil(per_time * (leaves - reached) - _SAME * per_time)
-        times = np.union1d(np.linspace(reached, leaves, count + 1)[1:], self.load.bends(reached, leaves))
-        rest = np.append(times, reached)
-        changes = count > 0 and max(np.ptp(self.load.shares(rest)), np.ptp(self.bulk_at(rest), axis=0).max()) > 0.0
-        return times if changes else np.zeros(0)
+        times = np.union1d(np.linspace(reached, leaves, max(count, 0) + 1), np.append(kinks, reached))
+        changes = max(np.ptp(self.load.shares(times)), np.ptp(self.bulk_at(times), axis=0).max()) > 0.0
+        return times if changes else np.array([reached])
 
     @cached_property
     def symmetric(self) -> bool:
@@ -409,6 +427,15 @@ class Drive:
     def _sampled(self) -> tuple[Path, Path]:
         places = self.amplitude_mm * np.cos(np.pi * np.arange(_SAMPLES + 1) / _SAMPLES)
         return self.stroke(1.0, places), self.stroke(-1.0, -places)
+
+
+def _hardly_pressed(load: Array) -> BoolArray:
+    """Which ends (m,) of increments but the last have a load of less than LEAST_LOAD, next to one of none."""
+    light, found = load < LEAST_LOAD, np.zeros(len(load), dtype=bool)
+    for run in np.split(np.arange(len(load)), np.flatnonzero(np.diff(light)) + 1):
+        found[run] = light[run[0]] and load[run].min() <= _SAME
+    found[-1] = False
+    return found & (load > _SAME)
 
 
 def phases(places: Array, *, falling: bool) -> Array:

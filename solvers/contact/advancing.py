@@ -26,6 +26,7 @@ from solvers.contact.problem import (
 )
 from solvers.contact_conditions import LOST_CONTACT, ContactGuess, ContactOutcome, Linearisation
 from solvers.contact_state import ContactState, FirstGuess, IncrementReport
+from solvers.drive import LEAST_LOAD
 from solvers.elasticity.compliance import displacement_at
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 
@@ -404,19 +405,22 @@ def advance(
     """
     reports: list[IncrementReport] = []
     pieces = 1
-    done = 0.0
+    done = reached = 0.0
     start, current = state.drive, state
     loaded, more = state.load_share, 0.0 if load_share is None else load_share - state.load_share
     stretched, strain = state.bulk, np.zeros_like(state.bulk) if bulk is None else bulk - state.bulk
     while done < 1.0 - 1e-12:
         share = min(1.0 / pieces, 1.0 - done)
         place, load = start + (done + share) * (drive - start), loaded + (done + share) * more
-        bulk, step = stretched + (done + share) * strain, share * strain
-        # Of the normal load: less presses nothing, for a fresh contact of so little is less than an element.
-        if load < 0.01:
+        bulk, step = stretched + (done + share) * strain, (done + share - reached) * strain
+        if load < LEAST_LOAD:
+            if more > 0.0 and done + share < 1.0 - 1e-12 and not current.traction.any():
+                # Bodies that meet stick from where they met: the next piece begins there.
+                done += share
+                continue
             current, report = opened(problem, replace(current, bulk=bulk, bulk_step=step), place, cycles)
             current = replace(current, load_share=load)
-            done += share
+            done = reached = done + share
             reports.append(report)
             continue
         current = replace(current, load_share=load, bulk=bulk, bulk_step=step)
@@ -438,7 +442,7 @@ def advance(
                     f"1/{pieces // 2} increment: {failure}"
                 ) from None
             continue
-        done += share
+        done = reached = done + share
         reports.append(report)
     return current, reports
 

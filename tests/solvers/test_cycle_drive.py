@@ -182,6 +182,25 @@ def test_the_load_is_met_where_it_bends_and_while_the_drive_rests() -> None:
     assert all(later > earlier for earlier, later in pairwise(path.time))
 
 
+@pytest.mark.parametrize("waveform", [solvers.Waveform(), solvers.trapezoidal(0.1)])
+def test_the_load_is_met_where_it_bends_while_the_drive_all_but_rests(waveform: solvers.Waveform) -> None:
+    load = solvers.LoadCycle(points=((0.0, 1.0), (0.004, 0.5), (0.497, 1.3), (0.503, 1.7), (0.998, 0.7), (1.0, 1.0)))
+    drive, places = solvers.Drive(1.0, waveform, load), np.append(np.cos(pi * np.arange(1, 64) / 64.0), -1.0)
+    path = drive.stroke(1.0, places) + drive.stroke(-1.0, -places)
+    for time, _ in load.points[1:-1]:
+        assert np.abs(path.time % 1.0 - time).min() <= 1e-9
+    assert (np.diff(path.time) > 0.0).all()
+    assert np.abs(np.diff(path.drive, prepend=1.0)).sum() == pytest.approx(4.0)
+    assert np.abs(path.drive - waveform.places(path.time)).max() < 1e-3
+
+
+def test_bodies_that_meet_press_at_the_next_stop() -> None:
+    drive, places = solvers.Drive(1.0, load=OPENS), np.append(np.cos(pi * np.arange(1, 256) / 256.0), -1.0)
+    path = drive.stroke(1.0, places) + drive.stroke(-1.0, -places)
+    assert np.count_nonzero(path.load <= 1e-9) > 50
+    assert path.load[path.load > 1e-9].min() >= 0.01
+
+
 def test_places_of_a_steady_load_are_those_of_the_slip_alone() -> None:
     places = wear_path(1.0, 0.1, 12)
     np.testing.assert_array_equal(solvers.Drive(1.0).stroke(1.0, places).drive, places)
