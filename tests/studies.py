@@ -59,7 +59,9 @@ WEARING = """
 [wear]
 energy_wear_coefficient_mm3_per_J = 3.0e-5
 """
-LONG = COARSE.replace("cycles = 1\n", "cycles = 400\n") + WEARING
+#: For what is no matter of the mesh: programmes, drives, stops.
+ROUGH = COARSE.replace("mesh_um = 9.0", "mesh_um = 12.0").replace("= 18.0", "= 24.0")
+LONG = ROUGH.replace("cycles = 1\n", "cycles = 400\n").replace("per_cycle = 40", "per_cycle = 24") + WEARING
 
 
 TABLES: dict[str, Any] = {

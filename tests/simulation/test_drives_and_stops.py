@@ -10,8 +10,8 @@ import pytest
 from solvers import SolverError
 from tests.diagnosis.diagnosis_cases import record
 from tests.exam.frozen_states import frozen_states
-from tests.studies import COARSE, LONG, WEARING, block, coarse, line_study
-from wirewear import StudyError, load_study
+from tests.studies import LONG, ROUGH, WEARING, block, coarse, line_study
+from wirewear import RunResult, StudyError, load_study
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.fit.fit import fit_record
@@ -36,7 +36,7 @@ from wirewear.test.programme import held_keys
 
 STEEL_WIRES = Path(__file__).parents[2] / "studies" / "steel_wires" / "study.toml"
 ON_A_RIG = (
-    COARSE.replace("cycles = 1\n", "cycles = 200\n{held}\n")
+    ROUGH.replace("cycles = 1\n", "cycles = 200\n{held}\n")
     + WEARING
     + "[holder]\n"
     + ("tangential_stiffness_N_per_mm = 167.0\n")
@@ -89,13 +89,11 @@ def test_a_drive_holds_one_figure() -> None:
 
 @pytest.mark.seconds
 def test_a_test_stops_where_a_scar_is_as_deep_as_stated(tmp_path: Path) -> None:
-    study = coarse(held("") + "[stop]\ndepth_um = 0.25\naccumulated_energy_J = 5.0\n").with_values(
-        {"conditions.cycles": 20_000}
-    )
+    study = line_study(stop={"depth_um": 1.0, "accumulated_energy_J": 5.0})
     (result,) = run_study(study, fidelity="quick", output=tmp_path)
     end = result.evolution["cycle"][-1]
-    deepest = max(float(result.evolution[f"max_depth_{body}_um"][-1]) for body in ("moving", "fixed"))
-    assert deepest == pytest.approx(0.25, rel=max(2e-3, 1.0 / end))
+    deepest = max(float(result.evolution[f"max_depth_{body}_um"][-1]) for body in ("pad", "specimen"))
+    assert deepest == pytest.approx(1.0, rel=max(2e-3, 1.0 / end))
     assert result.status == "complete"
     assert result.message.endswith("cycles simulated: depth_um has reached its stop")
     assert result.loops[-1].cycle == end
@@ -219,7 +217,11 @@ def test_meshes_suit_the_largest_load_stroke_and_wear_of_all_blocks() -> None:
 
 @pytest.mark.seconds
 def test_two_blocks_of_one_amplitude_are_one_of_both_bit_by_bit() -> None:
-    alone, blocks = (simulate(coarse(text), fidelity="quick") for text in (LONG, LONG + block(150) + block(250)))
+    log = {"loop_cycles": [1, 10, 100, 400]}
+    alone, blocks = (
+        simulate(line_study(conditions={"cycles": 400}, log=log, programme=programme), fidelity="quick")
+        for programme in (None, [{"cycles": 150}, {"cycles": 250}])
+    )
     of_series = {cycle: index for index, cycle in enumerate(blocks.evolution["cycle"])}
     assert "block" not in blocks.evolution
     for cycle in (1.0, 10.0, 100.0):
@@ -228,19 +230,24 @@ def test_two_blocks_of_one_amplitude_are_one_of_both_bit_by_bit() -> None:
             assert column[list(alone.evolution["cycle"]).index(cycle)] == blocks.evolution[name][index], name
 
 
+@pytest.fixture(scope="module")
+def of_blocks() -> RunResult:
+    return simulate(coarse(LONG + SHORTER + block(60, "contact.friction = 0.5")), fidelity="quick")
+
+
 @pytest.mark.seconds
-def test_each_block_has_its_own_stroke_and_load_and_all_energy_is_that_of_their_loops() -> None:
-    result = simulate(coarse(LONG + SHORTER), fidelity="quick")
+def test_each_block_has_its_own_stroke_and_load_and_all_energy_is_that_of_their_loops(of_blocks: RunResult) -> None:
+    result = of_blocks
     found = {int(cycle): index for index, cycle in enumerate(result.evolution["cycle"])}
     at = {cycle: {name: float(column[i]) for name, column in result.evolution.items()} for cycle, i in found.items()}
-    assert [at[cycle]["block"] for cycle in (100, 150, 400)] == [1.0, 2.0, 1.0]
+    assert [at[cycle]["block"] for cycle in (100, 150, 210, 310, 400)] == [1.0, 2.0, 3.0, 1.0, 3.0]
     assert at[150]["displacement_amplitude_um"] == pytest.approx(12.0)
     assert at[150]["normal_force_N"] == pytest.approx(1.5)
     assert result.loop(150).normal_force_N.mean() == pytest.approx(1.5)
     assert at[400]["displacement_amplitude_um"] == pytest.approx(20.0)
     # The energy per cycle of a worn contact hardly changes within a block.
-    long_mJ, short_mJ = at[100]["dissipated_energy_mJ"], at[150]["dissipated_energy_mJ"]
-    assert at[400]["accumulated_energy_J"] == pytest.approx(1e-3 * (300 * long_mJ + 100 * short_mJ), rel=0.02)
+    energy_mJ = [at[cycle]["dissipated_energy_mJ"] for cycle in (100, 150, 210)]
+    assert at[400]["accumulated_energy_J"] == pytest.approx(1e-3 * np.dot([200, 100, 100], energy_mJ), rel=0.02)
     worn = sum(at[400][f"worn_volume_{body}_mm3"] for body in ("moving", "fixed"))
     assert worn == pytest.approx(3e-5 * at[400]["accumulated_energy_J"], rel=1e-9)
 
@@ -275,11 +282,10 @@ def test_a_programme_of_more_blocks_than_a_run_goes_through_is_refused() -> None
 
 
 @pytest.fixture(scope="module")
-def measured(tmp_path_factory: pytest.TempPathFactory) -> ExperimentRecord:
+def measured(tmp_path_factory: pytest.TempPathFactory, of_blocks: RunResult) -> ExperimentRecord:
     """A test by blocks as its logger leaves it, read back from its files."""
-    result = simulate(coarse(LONG + SHORTER + block(60, "contact.friction = 0.5")), fidelity="quick")
     folder = tmp_path_factory.mktemp("record")
-    write_record(folder, record_of_result(result, repeats=2))
+    write_record(folder, record_of_result(of_blocks, repeats=2))
     return read_record(folder)
 
 
@@ -317,7 +323,7 @@ def test_by_default_the_block_with_the_longest_stroke_and_most_loops_is_looked_a
 
 @pytest.mark.seconds
 def test_a_record_states_a_load_that_varies_and_what_the_drive_holds_which_is_not_fitted(tmp_path: Path) -> None:
-    held = LONG.replace("cycles = 400", "cycles = 3\nheld_energy_mJ = 0.05\nload_cycle = { amplitude_share = 0.2 }")
+    held = LONG.replace("cycles = 400", "cycles = 1\nheld_energy_mJ = 0.05\nload_cycle = { amplitude_share = 0.2 }")
     record = record_of_result(simulate(coarse(held), fidelity="quick"))
     write_record(tmp_path, record)
     stated = stated_study(read_record(tmp_path).tables)
