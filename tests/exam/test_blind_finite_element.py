@@ -146,7 +146,7 @@ def test_a_map_reaches_as_far_as_the_scar_of_wires_at_any_angle(angle_deg: float
     assert wires.scar_reach_mm == pytest.approx((scar.reach(0.0), scar.reach(0.5 * np.pi)))
 
 
-MODEL = IndependentModel("dahl", points=24, library=("tangential_compliance", "friction_offset"))
+MODEL = IndependentModel("dahl", points=12, library=("tangential_compliance", "friction_offset"))
 NUISANCES = Nuisances(
     repeats=1, scatter=Scatter(0.01, 0.005, 0.04, 0.3), displacement_noise_um=0.15, force_noise_N=0.008,
     correlation=0.0, outlier_share=0.0, waveform=Waveform(0.0, 0.0), amplitude_drift=0.0, drive="stroke", samples=200,

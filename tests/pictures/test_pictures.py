@@ -136,10 +136,8 @@ def test_texts_of_an_svg_are_texts(tmp_path: Path) -> None:
 
 @pytest.mark.seconds
 def test_pictures_for_a_journal_are_as_wide_as_one_or_both_of_its_columns(tmp_path: Path) -> None:
-    one, two = tmp_path / "one.h5", tmp_path / "two"
+    one = tmp_path / "one.h5"
     write_result(one, result())
-    for run in (result("compliant", 167.0), result("rigid")):
-        write_result(two / run.variant / "result.h5", run)
     widths = []
     for options in (
         ["loops", str(one), "--cycle", "1", "--paper"],

@@ -39,6 +39,8 @@ LOADS: dict[str, tuple[dict[str, Any], float | str, int]] = {
     "on a rigid rig": ({"amplitude_share": 0.6, "lag_deg": 120.0}, "rigid", 1),
 }
 QUICK = ("of a table", "on a rigid rig")
+#: For sliding as a whole and for held forces, which are no matter of the mesh.
+COARSE = {"fidelity.quick.contact_mesh_um": 30.0}
 EACH_LOAD = [load if load in QUICK else pytest.param(load, marks=pytest.mark.slow) for load in LOADS]
 
 
@@ -63,7 +65,7 @@ def study(load: dict[str, Any] | None, stiffness: float | str, cycles: int, **co
 
 @cache
 def run(load: str) -> RunResult:
-    return simulate(study(*LOADS[load]), fidelity="quick")
+    return simulate(study(*LOADS[load]).with_values(COARSE), fidelity="quick")
 
 
 @cache
@@ -133,8 +135,8 @@ def test_free_play_takes_half_of_its_width_from_the_slip_at_every_loop() -> None
     """The loop's width at its mean force lies anywhere on the shelf of the play."""
     found = []
     for gap_um in (0.0, 3.0):
-        own = study(None, 400.0, 20).with_effects(FreePlay(gap_um=gap_um))
-        found.append(simulate(own, fidelity="quick").evolution["slip_amplitude_um"])
+        own = study(None, 400.0, 2).with_effects(FreePlay(gap_um=gap_um))
+        found.append(simulate(own.with_values(COARSE), fidelity="quick").evolution["slip_amplitude_um"])
     np.testing.assert_allclose(found[0] - found[1], 1.5, rtol=0.01)
 
 
@@ -143,9 +145,7 @@ def test_free_play_takes_half_of_its_width_from_the_slip_at_every_loop() -> None
 def test_a_force_that_friction_bears_is_held_on_any_rig(stiffness: float | str, share: float) -> None:
     force_N = share * FRICTION * LOAD_N
     held = study(None, stiffness, 1, displacement_amplitude_um=120.0, held_tangential_force_N=force_N)
-    # The search by which it is held does not depend on the mesh.
-    coarse = held.with_values({"fidelity.quick.contact_mesh_um": 20.0})
-    evolution = simulate(coarse, fidelity="quick").evolution
+    evolution = simulate(held.with_values(COARSE), fidelity="quick").evolution
     assert evolution["max_tangential_force_N"] == pytest.approx(force_N, rel=1e-3)
 
 

@@ -214,7 +214,7 @@ def test_a_layer_rubs_by_its_own_friction_until_it_is_worn_through() -> None:
 
 
 def test_a_run_of_wires_states_when_a_layer_was_worn_through_and_shows_where(tmp_path: Path) -> None:
-    bare = coarse()
+    bare = coarse().with_values({"fidelity.quick.contact_mesh_um": 12.0, "conditions.cycles": 100})
     deepest = run_study(bare, fidelity="quick", output=tmp_path / "bare")[0].evolution["max_depth_fixed_um"]
     layers = [{"thickness_um": 0.5 * float(deepest[-1]), "wear_factor": 0.9, "friction": 0.5}]
     coated = bare.with_values({"wires.fixed.layers": layers})

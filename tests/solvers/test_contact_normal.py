@@ -58,7 +58,7 @@ def test_a_loop_that_opens_has_all_figures_but_coefficients_of_friction() -> Non
 def test_loops_of_contacts_that_part_within_the_stroke_are_analysed_or_refused(samples: int) -> None:
     phase = 2.0 * np.pi * np.arange(samples) / samples
     displacement = 60.0 * np.sin(phase)
-    for beyond in range(0, 60, 5):
+    for beyond in range(0, 60, 10):
         for size in (1e-9, 1e-3, 1.0):
             touching = np.abs(displacement) > beyond
             for force in (displacement, np.sign(displacement), displacement + np.sign(np.cos(phase))):

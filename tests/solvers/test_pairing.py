@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from threadpoolctl import threadpool_limits
 
@@ -56,6 +56,7 @@ GRADED = GradedAxis(0.004, 0.012, 0.012, 0.04).lines()
 
 
 @pytest.mark.seconds
+@settings(max_examples=25)
 @given(st.floats(-0.03, 0.03), st.floats(-0.03, 0.03), st.floats(0.0, np.pi))
 def test_the_transfer_is_a_partition_of_unity_at_any_position_and_angle(x: float, y: float, angle: float) -> None:
     primary, secondary = upper_and_lower(GRADED, even(0.12, 21), angle_rad=angle)

@@ -122,7 +122,7 @@ def test_a_ball_that_measures_as_a_larger_one_touches_as_that_one() -> None:
     bulge = surface_of((x, x), lambda x, y: 5e-4 * (x**2 + y**2) * (1.0 / larger_mm - 1.0 / BALL_RADIUS_mm))
     contact: dict[str, Any] = deepcopy(BALL)
     contact["bodies"]["ball"]["surface"] = bulge.model_dump(exclude_none=True)
-    meshes = PointRun.of(study(contact, wear=None, fidelity={}), "standard").meshes
+    meshes = PointRun.of(study(contact, wear=None, fidelity={}), "quick").meshes
     problem = meshes.problem(meshes.first(), lambda _: None)
     state, report = press(problem, unloaded_state(problem))
     load = POINTS["conditions"]["normal_load_N"]

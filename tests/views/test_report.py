@@ -273,7 +273,7 @@ def test_a_run_and_a_record_of_other_conditions_are_not_compared_without_a_word(
             "wires": record.tables.wires.model_copy(update=wires),
         }
     )
-    other = dataclasses.replace(record, tables=tables)
+    other = dataclasses.replace(record, tables=tables, scars=())
     comparison = compare(run, other)
     assert comparison.unlike is not None
     for key in ("normal_load_N is 2 in the run and 5 in the record", *conditions, *wires):

@@ -256,12 +256,15 @@ class _Candidates:
 
         A point within the distance counts by how much smaller this is than the range of heights.
         """
-        off = self.rest - changes @ self.slopes.T
         found = np.empty((len(changes), self.scales.size))
-        parts = np.stack([np.full(off.shape[1], 1.0 / off.shape[1]), self.border / max(self.border.sum(), 1)])
-        for place, scale in enumerate(self.scales):
-            on = np.maximum(1.0 - (off / scale) ** 2, 0.0) - RAISED * (off > scale)
-            found[:, place] = (on @ parts.T).mean(axis=1) * np.log(self.range / scale)
+        parts = np.stack([np.full(self.rest.size, 1.0 / self.rest.size), self.border / max(self.border.sum(), 1)])
+        # A few at a time stay within the processor's cache.
+        for few in range(0, len(changes), 50):
+            off = self.rest - changes[few : few + 50] @ self.slopes.T
+            for place, scale in enumerate(self.scales):
+                far = off / scale
+                on = np.maximum(1.0 - far * far, 0.0) - RAISED * (far > 1.0)
+                found[few : few + 50, place] = (on @ parts.T).mean(axis=1) * np.log(self.range / scale)
         return found
 
     def _fitted(self, change: Array, scale: float) -> Array:
