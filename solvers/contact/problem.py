@@ -358,11 +358,12 @@ def sliding_force(problem: ContactProblem, state: ContactState) -> float:
 
 
 def stuck_share(problem: ContactProblem, state: ContactState) -> float:
-    """How far the core of a contact at a point reaches that sticks at the end of a first loading, of its axes; 0 where
-    nothing does.
+    """Size of the core over that of the contact at the end of a first loading, 0 to 1; the core is the part that
+    sticks.
 
-    Friction is its limit less what the load on the core would have as its limit in a contact by itself (Jäger; Mindlin
-    and Deresiewicz 1953), and that load goes with the cube of its reach.
+    From the friction force and its limit, in a contact at a point: the force is the limit less what the limit of a
+    contact as small as the core would be, and that grows with the cube of its size (Jäger; Mindlin and Deresiewicz
+    1953).
     """
     limit, force = sliding_force(problem, state), np.linalg.norm(state.primary_force.sum(axis=0)[:2])
     return max(1.0 - float(force) / limit, 0.0) ** (1.0 / 3.0) if state.core.any() else 0.0

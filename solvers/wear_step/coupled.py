@@ -35,12 +35,12 @@ class Coupled:
 
     @cached_property
     def diagonal(self) -> Array:
-        """What each pressure (a,) does at its own node by strain."""
+        """Gap in mm that each of the a pressures opens at its own node by strain, per unit of pressure."""
         return np.concatenate([block.diagonal()[:-1] for block in self.blocks])
 
     @cached_property
     def own(self) -> Array:
-        """What each pressure (a,) opens at its own node by wear."""
+        """Gap in mm that each of the a pressures opens at its own node by wear, per unit of pressure."""
         return np.asarray(self.opened.multiply(self.worked).sum(axis=1)).ravel()
 
 

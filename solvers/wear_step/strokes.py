@@ -79,8 +79,11 @@ def ends_of_strokes(positions: Sequence[Position], half_cycle: Mirror | None) ->
 
 
 def strain_counts(positions: Sequence[Position], half_cycle: Mirror | None) -> bool:
-    """Whether slip depends on the strain at the ends of strokes: a core sticks throughout the cycle, or strain takes
-    much of the motion of a contact that stays on the same nodes.
+    """True if slip depends on the strain at the ends of strokes.
+
+    That is so if a core sticks throughout the cycle, or if strain takes more than 5 % of the motion of a contact of
+    which more than half of the load stays on the same nodes. half_cycle: the mirror onto the other half, if positions
+    cover only one.
     """
     last = positions[-1].state
     if last.core.any():
@@ -100,7 +103,12 @@ def strain_counts(positions: Sequence[Position], half_cycle: Mirror | None) -> b
 
 
 def slip_is_left_over(positions: Sequence[Position], half_cycle: Mirror | None) -> bool:
-    """Whether rig and strain take much of the drive's motion, so that slip hangs on how they give way to friction."""
+    """True if rig and strain take more than 30 % of the drive's motion, so that slip is a small difference of large
+    motions.
+
+    half_cycle: the mirror that maps these positions onto the other half of the cycle; None if they cover the whole
+    cycle.
+    """
     start, last = positions[ends_of_strokes(positions, half_cycle)[0]].state, positions[-1].state
     driven = 2.0 * abs(last.drive if half_cycle is not None else last.drive - start.drive)
     # Of what the drive moves: where less is left for the slip, it is a small difference of what the drive and the

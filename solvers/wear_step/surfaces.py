@@ -88,7 +88,7 @@ class Cycle:
 
     @property
     def half(self) -> bool:
-        """Whether the positions are those of half a cycle."""
+        """True if the positions are those of half a cycle."""
         return self.half_cycle is not None
 
     @cached_property
@@ -165,7 +165,7 @@ class Cycle:
         return replace(problem.law_at(local), within=self.within)
 
     def at(self, index: int) -> slice:
-        """Where the nodes of a position stand."""
+        """Slice of the K nodes of all positions that belong to the position of this index."""
         return slice(*self.nodes.start[index : index + 2])
 
     def gaps(self, problem: ContactProblem, depths: Depths) -> Array:

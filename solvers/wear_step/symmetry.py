@@ -84,7 +84,7 @@ def symmetry_of(problem: ContactProblem) -> Symmetry:
 
 
 def kept_by(symmetry: Symmetry, state: ContactState) -> Symmetry:
-    """The symmetries that the worn surfaces share."""
+    """The symmetries that also map the worn depths and prints of a state onto themselves, to within round-off."""
 
     def kept(mirror: Mirror | None) -> Mirror | None:
         if mirror is None:

@@ -56,21 +56,21 @@ class Constants:
     known: Mapping[str, Constant]
 
     def number(self, name: str) -> float:
-        """One number."""
+        """The value of `name`, a number."""
         value = self.known[name].value
         if isinstance(value, tuple):
             raise TypeError(f"{self.table}.{name} in {FILE_NAME} must be one number")
         return float(value)
 
     def count(self, name: str) -> int:
-        """A whole number."""
+        """The value of `name`, a whole number."""
         value = self.number(name)
         if not value.is_integer():
             raise TypeError(f"{self.table}.{name} in {FILE_NAME} must be a whole number")
         return int(value)
 
     def numbers(self, name: str) -> tuple[float, ...]:
-        """Several numbers."""
+        """The values of `name`, a list of numbers."""
         value = self.known[name].value
         if not isinstance(value, tuple):
             raise TypeError(f"{self.table}.{name} in {FILE_NAME} must be a list of numbers")
@@ -81,7 +81,7 @@ class Constants:
         return tuple(self.number(name) for name in names)
 
     def pair(self, name: str) -> tuple[float, float]:
-        """Two numbers."""
+        """Both values of `name`, a list of two numbers, in their order."""
         first, second = self.numbers(name)
         return first, second
 

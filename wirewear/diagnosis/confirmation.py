@@ -137,7 +137,8 @@ def course_of_loops(
 def calibrated(
     diagnosed: Diagnosed, effect: str, cycles: Sequence[int]
 ) -> tuple[Mapping[str, Estimate], SurrogateInputs]:
-    """Parameters of an effect as the loops of these cycles alone give them, and the nominal model with it.
+    """Parameters of an effect fitted to the loops of these cycles alone, and the nominal model with the effect in it.
+
     Raises RecordError if the effect was not considered, or the record has no loops of these cycles.
     """
     found = diagnosed.search

@@ -81,7 +81,7 @@ def in_words(cause: Cause) -> str:
 
 
 def parameters_in_words(cause: Cause) -> str:
-    """For example: stiffness 165 N/mm (158 to 173)."""
+    """The parameters of a cause with their 95 % intervals, such as "stiffness 165 N/mm (158 to 173)"."""
     return ", ".join(_with_unit(name, estimate) for name, estimate in cause.parameters.items())
 
 
@@ -106,7 +106,7 @@ class Explanation:
 
 
 def explanations(causes: Sequence[Cause], equivalent: Sequence[Sequence[str]]) -> list[Explanation]:
-    """What may account for a gap, the likeliest first: effects that a record cannot distinguish count as one."""
+    """Possible causes of a gap, likeliest first; effects that the record cannot distinguish form one explanation."""
 
     def members(cause: Cause) -> tuple[str, ...]:
         return next((tuple(group) for group in equivalent if cause.effect in group), (in_words(cause),))
@@ -136,7 +136,7 @@ def share(value: float) -> str:
 
 
 def steps(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    """What to do next: what to measure, and what to check on the rig."""
+    """Next steps, each a heading and a sentence: what to measure, and what to check on the rig."""
     leading = next((one for one in explanations(diagnosis.causes, diagnosis.equivalent) if one.is_effect), None)
     probabilities = {cause.effect: cause.probability for cause in diagnosis.causes}
     asked = next_measurement(diagnosis)
@@ -192,7 +192,9 @@ def sentence_of(
     relevance: Relevance | None = None,
     behind: Sequence[Cause] = (),
 ) -> str:
-    """What a reader in a hurry needs to know; `behind` are causes of a difference that does not matter."""
+    """The answer of a diagnosis in one or two sentences; behind: causes of a difference that is within the
+    tolerance.
+    """
     if verdict == "no_gap":
         return _agreement(relevance, behind[0] if behind else None)
     weighed = explanations(causes, equivalent)
@@ -246,7 +248,7 @@ def _partly(partial: Partial, equivalent: Sequence[Sequence[str]]) -> str:
 
 
 def remaining(left: float, where: Sequence[GapFinding]) -> Remaining:
-    """What an explanation leaves, in words."""
+    """Words for the share `left` of the gap that an explanation leaves, and for the places where it remains."""
     size = f"{share(left)} of the gap is not explained"
     if not where:
         return Remaining(left, "", f"{size}; it stands out nowhere by itself")
@@ -277,7 +279,7 @@ def of_zero(zero: ForceZero) -> tuple[str, ...]:
 
 
 def of_scatter(contradicted: Sequence[str]) -> tuple[str, ...]:
-    """Scatters that repeats contradict."""
+    """Sentences on stated scatters that the repeats contradict, named in `contradicted`."""
     return tuple(
         f"the repeats scatter more in {plain(name)} than [scatter] states; both were pooled" for name in contradicted
     )
@@ -286,7 +288,7 @@ def of_scatter(contradicted: Sequence[str]) -> tuple[str, ...]:
 def of_the_record(
     record: AnyRecord, setup: SurrogateInputs, observed: Observations, shrink: Shrink, wrong: Fit | None
 ) -> tuple[str, ...]:
-    """What the record lacks, and what its answer cannot say for that."""
+    """Sentences on what the record lacks and what the answer therefore cannot say."""
     notes = list(observed.notes[:5])
     placebo = shrink.best_wrong_effect
     if wrong is not None and placebo is not None and placebo > AS_MUCH * shrink.shrink > 0.0:

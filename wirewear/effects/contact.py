@@ -209,7 +209,7 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     spreading: float = form(part("of its give that spreads the pressure", -0.5, 1.5), contacts=kinds.AT_A_POINT)
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
-        """The contact law with the bed added."""
+        """The contact law with this layer of debris added."""
         if self.retained_fraction == 0.0:
             return described
         return replace(described, layers=(*described.layers, ThirdBody(self.retained_fraction, self.modulus_MPa)))

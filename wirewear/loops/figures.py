@@ -55,7 +55,7 @@ class Measured:
 
 
 def mean_of(one: Measured, other: Measured) -> Measured:
-    """Mean of two values with independent errors."""
+    """Mean of two measured values whose errors are independent."""
     return Measured.from_deviation(
         0.5 * (one.value + other.value), 0.5 * float(np.hypot(one.deviation, other.deviation))
     )

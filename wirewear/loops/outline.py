@@ -76,7 +76,9 @@ def _middle_line(points: Array) -> tuple[Array, Array]:
 
 
 def shortened(points: Array, order: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Closed tour made shorter by reversing stretches of `order`, which is changed in place, as long as that helps."""
+    """The closed tour `order` (indices into `points`), shortened by reversing stretches as long as that helps; changed
+    in place.
+    """
     count = len(order)
     for _ in range(20):
         turned = False

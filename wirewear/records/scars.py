@@ -39,7 +39,7 @@ class MeasuredScar:
 
     @property
     def points(self) -> dict[str, Array]:
-        """Known points as measured, as columns (n,) of a file."""
+        """The map's known points as measured, spikes included, as columns x_um, y_um and depth_um (n,)."""
         x, y = np.meshgrid(self.x_um, self.y_um, indexing="ij")
         depth = as_measured(self.depth_um, self.spikes_um)
         known = np.isfinite(depth)
@@ -112,7 +112,7 @@ class MeasuredScar:
 
     @property
     def border_note(self) -> str:
-        """Sentence if much of what counts as worn lies along the map's border; else ""."""
+        """Sentence if the border of the map holds much of the worn volume, see `border_text`; "" otherwise."""
         known = np.isfinite(self.depth_um)
         border = np.zeros_like(known)
         for axis in (0, 1):

@@ -20,7 +20,7 @@ FINEST_um = 1e-3  #: Nothing is known better than this of a height.
 
 
 def noise_um(levels: Array) -> float:
-    """Standard deviation in µm of the noise of levels (n_x, n_y) between neighbouring points."""
+    """Standard deviation in µm of the noise of heights (n_x, n_y), from differences between neighbouring points."""
     found = []
     for axis in (0, 1):
         # Of a straight line nothing is left in second differences, of noise √6 times its deviation.

@@ -179,8 +179,9 @@ def semi_axis_ratio(curvature_ratio: float) -> float:
 def hertz_elliptic(normal_load_N: float, smaller: float, larger: float, modulus_MPa: float) -> PointContact:
     """Elliptic Hertz contact over a gap Ax² + By² with A = smaller, B = larger (1/mm); modulus_MPa is E*.
 
-    a³ = 3PD/(2πAE*), approach 3PK/(2πaE*), p0 = 3P/(2πab), with D = (K − E)/e² (Johnson 1985, section 4.2). Raises
-    ValueError for an argument that is not positive or curvatures in the wrong order.
+    Semi-axis a³ = 3PD/(2πAE*), approach 3PK/(2πaE*), p0 = 3P/(2πab), with D = (K − E)/e² and the complete elliptic
+    integrals K and E of the contact's eccentricity e (Johnson 1985, section 4.2). Raises ValueError for an argument
+    that is not positive or curvatures in the wrong order.
     """
     from scipy.special import elliprd, elliprf
 

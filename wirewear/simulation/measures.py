@@ -60,9 +60,9 @@ def slip_mismatch(trace: CycleTrace) -> float:
 def unresolved_slip(patch: ContactPatch, trace: CycleTrace) -> float:
     """Estimated relative error of a closed loop's energy because few nodes slip around a middle that sticks.
 
-    1 where none slips; NaN where none sticks or nothing moves. Whole nodes slip, one after another, so the contact
-    yields in steps. The energy they enclose is small compared to what they store, by the square of the width of the
-    slipping annulus in rings of nodes. patch: the primary's.
+    Whole nodes slip one after another, so the contact yields in steps; the error is the smaller, the more rings of
+    nodes the slipping annulus has. 1 if no node slips; NaN if none sticks or nothing moves. patch: that of the primary
+    body.
     """
     pressed, slips = trace.start.traction[:, 2] > 0.0, trace.slid[0] > 0.0
     if not (pressed & ~slips).any() or not np.ptp(trace.tangential_force) > 0.0:

@@ -82,8 +82,9 @@ def valley_radius_mm(inner: Helix, inner_mm: float, outer_mm: float, count: int)
 
 
 def valley_shares(inner: Helix, outer: Helix, count: int) -> tuple[float, float]:
-    """Shares of the force between a wire in a valley and one below that act along the radius of each, the outer wire
-    first.
+    """Radial parts of the force between a wire that lies in a valley and a wire below, over that force: (outer, inner).
+
+    count: number of wires in the inner layer, between two of which the valley lies.
     """
     distance_mm, turned_rad = _nearest((inner.radius_mm, outer.radius_mm), inner.lay_length_mm, pi / count)
     return (

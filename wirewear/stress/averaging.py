@@ -46,13 +46,15 @@ def kernel_of(table: LifeTable, *, plane: bool) -> Callable[[float], tuple[Array
 
 
 def averaging_radius_mm(table: LifeTable, *, plane: bool) -> float:
-    """How far from a point its average reaches."""
+    """Largest distance in mm from a point to one that its average takes in; plane: of a line contact."""
     places, _ = kernel_of(table, plane=plane)(1e3)
     return float(np.abs(places - [0.0, 0.0, 1e3]).max())
 
 
 def widened(lines: Array, reach: float, lowest: float, highest: float) -> Array:
-    """Lines with as many beside them, as far apart as the outermost, as a reach needs and a body has room for."""
+    """Grid lines (l,) continued on both sides with their outermost spacing, by `reach`, but not past `lowest` and
+    `highest`.
+    """
     if len(lines) == 1:
         return lines
     first, last = lines[1] - lines[0], lines[-1] - lines[-2]
@@ -91,7 +93,7 @@ def _sides(lines: Array, at: Array) -> Iterable[tuple[IntArray, Array]]:
 
 
 def linear_weights(lines: Array, at: Array) -> Array:
-    """Weights (n, l) of lines for positions (n,)."""
+    """Weights (n, l) by which values on l increasing lines are interpolated linearly at positions (n,)."""
     weights = np.zeros((len(at), len(lines)))
     for column, part in _sides(lines, at):
         weights[np.arange(len(at)), column] += part

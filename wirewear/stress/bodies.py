@@ -29,8 +29,9 @@ class WornBody(SolvedBody[BodyMesh]):
 
     @classmethod
     def of(cls, meshed: BodyMesh, material: Elastic) -> Self:
-        """As of any body; the block of a body from a file with the factors of both.
-        Raises GeometryError if other materials lie in the block.
+        """A body with its stiffness ready to be solved; of a body from a file, block and surrounding elements together.
+
+        Raises GeometryError if the block holds elements of other materials.
         """
         if meshed.host is None:
             return super().of(meshed, material)

@@ -32,7 +32,9 @@ class LifeCurve:
     endurance_cycles: float = np.inf  #: Longer lives are endless.
 
     def cycles(self, parameter: Array) -> Array:
-        """Cycles to initiation (n,) of cycles with such parameters (n,); endless where there is none."""
+        """Cycles to initiation (n,) under parameters (n,); infinite for a parameter that is not positive or a life past
+        `endurance_cycles`.
+        """
         working = parameter > 0.0
         goal = np.log(parameter[working])
         factor, exponent = np.log([a for a, _ in self.terms]), np.array([p for _, p in self.terms])
@@ -52,7 +54,7 @@ class LifeCurve:
         return np.where(found > self.endurance_cycles, np.inf, found)
 
     def parameter(self, cycles: Array) -> Array:
-        """The parameter at which so many cycles lead to initiation."""
+        """The parameter at which a crack begins after `cycles` cycles."""
         return np.asarray(sum(a * (2.0 * np.asarray(cycles)) ** p for a, p in self.terms))
 
 
@@ -76,7 +78,7 @@ class LifeCriterion(Protocol):
         """Lives that go with its parameter."""
 
     def damage(self, history: Array) -> CycleDamage:
-        """What one cycle of stresses (s, n, 6) in MPa takes of the life of each point."""
+        """Damage that one cycle of stresses (s, n, 6) in MPa does at each of n points, as shares of its life."""
 
 
 @dataclass(frozen=True)
@@ -117,11 +119,11 @@ class SmithWatsonTopper(_OnPlanes):
     name = "smith-watson-topper"
 
     def value(self, stress: Array, normals: Array) -> Array:
-        """σ_n,max Δε_n / 2."""
+        """The parameter σ_n,max Δε_n / 2 in MPa on each plane."""
         return swt_on_planes(stress, normals, self.material)
 
     def counted(self, stress: Array, normal: Array) -> Array:
-        """The normal stress."""
+        """History (s, n) of the stress whose cycles are counted: normal to the plane."""
         return normal_stresses(stress, normal[:, None])[..., 0]
 
 
@@ -162,7 +164,9 @@ class FatemiSocie(_OnPlanes):
         return np.asarray(0.5 * shears / self.material.shear_modulus_MPa * (1.0 + self.weight_per_MPa * pulled))
 
     def counted(self, stress: Array, normal: Array) -> Array:
-        """The shear stress in the direction of its largest range."""
+        """History (s, n) of the stress whose cycles are counted: shear on the plane, in the direction of its largest
+        range.
+        """
         shears = np.array(list(_shears(stress, normal[:, None])))[..., 0]
         best = np.ptp(shears, axis=1).argmax(axis=0)
         return np.asarray(shears[best, :, np.arange(len(best))].T)
@@ -177,7 +181,9 @@ class CrosslandLife:
     name = "crossland"
 
     def damage(self, history: Array) -> CycleDamage:
-        """Of the whole cycle; it knows no plane, and nothing smaller is counted."""
+        """Damage of a cycle of stresses (s, n, 6) in MPa at n points, by the parameter of the whole cycle; it has no
+        plane.
+        """
         stresses = crossland(history)
         share = 1.0 / self.curve.cycles(stresses.equivalent_MPa(self.slope))
         return CycleDamage(share, np.zeros((len(share), 3)))

@@ -120,12 +120,14 @@ class Damage:
                     yield Sum(end, damage, self.worn_mm(end))
 
     def at(self, cycle: float) -> Sum:
-        """The sum after so many cycles of the run."""
+        """The damage summed over the run's first `cycle` cycles."""
         *_, last = self.course(cycle)
         return last
 
     def initiations(self, sums: Sequence[float]) -> list[Initiation | None]:
-        """Where each of these sums is reached first by a point that is still there; None where it never is."""
+        """For each damage sum the first place where it is reached before wear has removed the material; None if it
+        never is.
+        """
         found: list[Initiation | None] = [None] * len(sums)
         cycle, largest = 0.0, 0.0
         for now in self._followed():

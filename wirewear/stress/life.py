@@ -130,7 +130,7 @@ class BodyLife:
 
     @property
     def place_um(self) -> tuple[float, float]:
-        """Where the crack begins, x and y in the axes of the test about the body's own origin."""
+        """Position (x, y) in µm where the crack begins, in the test's axes from the body's point of first contact."""
         column = self.columns_mm[self._crack.column]
         x, y, _ = 1e3 * self.to_world @ np.append(column, 0.0)
         return float(x), float(y)
@@ -143,7 +143,7 @@ class BodyLife:
 
     @property
     def worn_um(self) -> float:
-        """How much is worn off above it by then."""
+        """Depth in µm worn off above the crack's place until the crack begins."""
         return 1e3 * float(self.damage.worn_mm(min(self._crack.cycles, self.damage.end))[self._crack.column])
 
     @property

@@ -51,7 +51,9 @@ class SolvedBody(Generic[M]):
 
     @classmethod
     def of(cls, meshed: M, material: Elastic) -> Self:
-        """With its factors; held rigidly where it has no bedding."""
+        """A body with its stiffness ready to be solved for any loads; held rigidly at its grip unless it has an elastic
+        bedding.
+        """
         held = meshed.mesh.surface_nodes("grip") if meshed.bedding is None else np.zeros(0, dtype=np.int64)
         interior = Interior(meshed.mesh, material, held, meshed.bedding)
         return cls(meshed, material, interior, integration_points(meshed.mesh))
@@ -94,7 +96,9 @@ class InnerState(Generic[B]):
 
     @classmethod
     def of(cls, body: B, forces: ContactForces, positions: Sequence[int], *, is_upper: bool) -> tuple[Self, ...]:
-        """The body at positions of a cycle."""
+        """States of a body at chosen positions of a recorded cycle, in their order; positions: indices into
+        `forces`.
+        """
         positions = list(positions)
         nodes = body.patch.nodes.ravel()[forces.nodes]
         displacements = body.interior.displacements(nodes, forces.force_N[positions])

@@ -237,7 +237,7 @@ def _averaged(states: Sequence[InnerState[Any]], nodes: IntArray, length_um: flo
 
 
 def yield_sentence(course: Sequence[Strength]) -> str:
-    """Where a body yields first and until which cycle, from its strengths over those that were looked at."""
+    """Sentence on where a body yields first and until which cycle, from its strengths over the cycles of a run."""
     first, body = course[0], course[0].body
     if first.asked.yield_strength_MPa is None:
         return f"{body}: no yield strength is stated."

@@ -58,7 +58,7 @@ class Shape:
     idle: ClassVar[dict[str, str]] = {"grip_angle_deg": "is of wires and tubes, but a {} is held at its back and sides"}
 
     def curvatures_per_mm(self, stated: ShapedBody) -> tuple[float, float]:
-        """Curvatures along its axis and across."""
+        """Curvatures of the body along its axis and across it, 1/mm."""
         across, along = stated.diameter_mm, stated.diameter_along_mm or stated.diameter_mm
         return (
             0.0 if self.straight[0] or not along else 2.0 / along,

@@ -132,7 +132,7 @@ def write_lives(lives: Sequence[BodyLife], name: str, folder: Path, cycle: float
 
 
 def page(lives: Sequence[BodyLife], name: str, cycle: float | None = None) -> str:
-    """Self-contained HTML page of lives."""
+    """Self-contained HTML page of the lives of a run's bodies; name: of the run; cycle: of the maps that are drawn."""
     shown = [
         {
             "name": life.called,

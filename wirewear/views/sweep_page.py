@@ -173,7 +173,9 @@ def draw_front(slip: Array, depth: Array, name: str) -> Figure:
 
 
 def front(more: Array, less: Array) -> NDArray[np.intp]:
-    """Indices of the runs of which no other has a larger `more` and a smaller `less`, sorted by `less`."""
+    """Indices of runs on the Pareto front, sorted by `less`: no other run has both a larger `more` and a smaller
+    `less`.
+    """
     order = np.lexsort([-more, less])
     chosen, best = [], -np.inf
     for place in order:

@@ -89,13 +89,19 @@ def tolerated(states: WearStates, setup: SurrogateInputs, layout: Layout, tolera
 
 
 def whole_sizes(setup: SurrogateInputs, layout: Layout, predicted: Array) -> Array:
-    """What differences (n,) are relative to, at predicted values (n,)."""
+    """Size (n,) of the whole quantity of which each observable is a part, such as the full force, at predicted values
+    (n,).
+
+    Relative differences are relative to these sizes.
+    """
     whole = [part.observable.whole(setup, predicted[part.rows]) for part in layout]
     return np.concatenate([np.zeros(0), *whole])
 
 
 def moved(setup: SurrogateInputs, name: str, size: float) -> SurrogateInputs:
-    """The setup with one scatter or numerical freedom moved by so many of its units."""
+    """The setup with one scatter or numerical freedom, named `name`, changed by `size`: relatively, or in its
+    own unit.
+    """
     if name in _RELATIVE:
         return replace(setup, **{_RELATIVE[name]: getattr(setup, _RELATIVE[name]) * (1.0 + size)})
     if name == "compliance":
@@ -188,18 +194,22 @@ def alike(cycle: IntArray, reach: float) -> Array:
 
 @dataclass(frozen=True)
 class NoiseEvidence:
-    """What repeats show of one observable's noise: its variance is off by 1 + `more` / `weight`, in so many numbers."""
+    """How much larger the noise variance of one observable is than stated, as the differences of repeats show it.
+
+    The observed variance is 1 + `more` / `weight` times the stated one; `weight` is the effective number of values
+    behind it.
+    """
 
     more: float = 0.0
     weight: float = 0.0
 
     def __add__(self, other: NoiseEvidence) -> NoiseEvidence:
-        """Both together."""
+        """Evidence of both together."""
         return NoiseEvidence(self.more + other.more, self.weight + other.weight)
 
     @property
     def factor(self) -> float:
-        """On the variance, pooled with the expectation of one."""
+        """Estimated factor on the stated noise variance, drawn towards 1 as by `EXPECTED_NUMBERS` further values."""
         return 1.0 + self.more / (EXPECTED_NUMBERS + self.weight)
 
 

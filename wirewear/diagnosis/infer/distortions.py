@@ -104,7 +104,11 @@ def _explained(residual: Array, columns: Array) -> tuple[float, float]:
 
 
 def gains_of(found: Sequence[Distortion]) -> dict[tuple[str, ...], list[float]]:
-    """What each family that counts adds to the log evidence of each explanation beside which it was tried, by names."""
+    """Gains of log evidence by distortions, for each explanation beside which they were fitted, keyed by its effects'
+    names.
+
+    Families with `counts` False are left out.
+    """
     gains: dict[tuple[str, ...], list[float]] = {}
     for one in found:
         if one.family.counts:
@@ -114,7 +118,7 @@ def gains_of(found: Sequence[Distortion]) -> dict[tuple[str, ...], list[float]]:
 
 @dataclass(frozen=True, eq=False)
 class FreeInTime:
-    """One column of a chain that is changed over the cycles; it stands in a setup beside its effects."""
+    """A change of one column of a chain over the cycles, used in a setup in place of an effect."""
 
     column: str  #: Of the chain.
     knots: Array  #: Logarithms (k,) of cycles.
@@ -129,7 +133,7 @@ class FreeInTime:
         return None
 
     def changed(self, described: object, _age: Age) -> object:
-        """Nothing of a seam's description."""
+        """The description unchanged, as this changes the chain alone."""
         return described
 
     def predicted(self, chain: Chain) -> Chain:

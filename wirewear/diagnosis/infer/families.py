@@ -354,12 +354,12 @@ def worn(share: Callable[[Array], Array]) -> Shape:
 
 
 def middle(width: float) -> Callable[[Array], Array]:
-    """A bump in the middle, so wide."""
+    """The function exp(-(u/width)²), a bump about u = 0."""
     return lambda u: np.asarray(np.exp(-((u / width) ** 2)))
 
 
 def aside(power: int) -> Callable[[Array], Array]:
-    """More on one side than on the other, by an odd power of the place; nothing beyond the scar."""
+    """The function u**power (1 - u²), 0 beyond |u| = 1; with an odd power a change of opposite sign on either side."""
     return lambda u: np.asarray(u**power * np.maximum(1.0 - u**2, 0.0))
 
 
@@ -373,7 +373,9 @@ def widened(b: Branches, size: float) -> PredictedLoops:
 
 
 def half_width(x_um: Array, depth_um: Array) -> float:
-    """Of a profile about zero."""
+    """Largest |x| in µm at which a profile, with x counted from its middle, is deeper than `EDGE` of its greatest
+    depth.
+    """
     over = np.flatnonzero(depth_um > EDGE * depth_um.max(initial=0.0))
     return max(float(np.abs(x_um[over]).max(initial=0.0)), 1e-6)
 

@@ -53,23 +53,23 @@ class Problem:
 
     @classmethod
     def of(cls, states: WearStates, setup: SurrogateInputs, layout: Layout, covariance: Covariance) -> Problem:
-        """The whole record."""
+        """The problem of explaining all observables of `layout`, with the covariance's mean and total."""
         return cls(states, setup, layout, covariance.mean, _whitening(covariance.total))
 
     def part(self, keep: BoolArray, covariance: Covariance) -> Problem:
-        """Some observables only."""
+        """The problem of explaining only the observables that `keep` (n,) marks, with their part of the covariance."""
         whitening = _whitening(covariance.total[np.ix_(keep, keep)])
         return Problem(self.states, self.setup, self.layout.taken(keep), covariance.mean[keep], whitening)
 
     def predictions(self, setups: Sequence[SurrogateInputs]) -> Array:
-        """Observables (k, n) under setups."""
+        """Observables (k, n) predicted under k setups."""
         new = [setup for setup in dict.fromkeys(setups) if setup not in self.known]
         values = self.layout.computed(self.states, *new)
         self.known.update(zip(new, np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0), strict=True))
         return np.stack([self.known[setup] for setup in setups])
 
     def predicted(self, setup: SurrogateInputs) -> Array:
-        """Observables (n,) under a setup."""
+        """Observables (n,) predicted under a setup."""
         return np.asarray(self.predictions([setup])[0])
 
     def whitened(self, setup: SurrogateInputs) -> Array:
@@ -153,7 +153,7 @@ def fit(
     iterations: int = ITERATIONS,
     known: Fit | None = None,
 ) -> Fit:
-    """What `sought` comes to."""
+    """The best fit of effects together, computed at once: see `sought`, whose arguments these are."""
     return together(problem, [sought(problem, candidates, starts, iterations, known)])[0]
 
 

@@ -88,7 +88,9 @@ class Search:
         return self.problem.mean.size
 
     def apart(self, fits: Sequence[Fit]) -> Array:
-        """Least distances (k, k) between explanations."""
+        """Distances (k, k) between the predictions of k fits, in standard deviations, each as small as free parameters
+        allow.
+        """
         return distances(self.problem, fits)
 
 
@@ -128,7 +130,9 @@ def search(states: WearStates, setup: SurrogateInputs, observed: Observations, l
 
 
 def leading(none: Fit, others: Sequence[Fit]) -> tuple[Fit, tuple[Fit, ...]]:
-    """The likeliest explanation, none included, and those beside which distortions are tried."""
+    """The fit of largest evidence, and the fits beside which distortions are tried: no effect, and the best of
+    `others`.
+    """
     ordered = sorted(others, key=lambda one: -one.merit)
     return max((none, *ordered[:1]), key=lambda one: one.merit), (none, *ordered[:_DISTORTED])
 
@@ -231,7 +235,9 @@ class Updated(Search):
         return super()._numbers + sum(problem.mean.size for problem in self.further)
 
     def apart(self, fits: Sequence[Fit]) -> Array:
-        """Distances (k, k) by all records."""
+        """Distances (k, k) between the predictions of k fits by all records together: the root of their sum of
+        squares.
+        """
         squares = super().apart(fits) ** 2
         for problem, before in zip(self.further, self.before, strict=True):
             known = {one.names: one for one in before}

@@ -61,15 +61,19 @@ class HeldOutScores:
 
     @classmethod
     def of(cls, observed: Observations, covariance: Covariance, test: BoolArray) -> HeldOutScores:
-        """Scores on the observables marked."""
+        """Scores of the observables that `test` (n,) marks as held out, with their covariance."""
         return cls(observed, covariance, Features.of(observed.layout, test))
 
     def squares(self, predicted: Array) -> Array:
-        """(r, f) with NaN where nothing was measured."""
+        """Squared residuals (r, f) of r repeats in f features from predicted values (n,), over their variance; NaN if
+        unmeasured.
+        """
         return self._scaled(self.observed.values - predicted)
 
     def floor(self) -> Array:
-        """Residuals of a perfect model: repeats against the others' mean, or their expected scatter if alone."""
+        """Squared residuals (r, f) that a perfect model would leave: of each repeat from the mean of all, or 1 if it is
+        alone.
+        """
         values = self.observed.values
         count = np.isfinite(values).sum(axis=0)
         # r/(r−1): each repeat is part of the mean that it is compared with.
@@ -82,7 +86,7 @@ class HeldOutScores:
         return squares
 
     def size(self, squares: Array) -> float:
-        """Root of the mean over all that was measured."""
+        """Root mean square of residuals from their squares (r, f), NaN left out."""
         return float(np.sqrt(np.nanmean(squares)))
 
     def interval(self, squares: dict[str, Array], seed: int) -> tuple[float, float]:
@@ -212,7 +216,7 @@ class Shrink:
         return self.before > CLEAR_GAP * self.floor
 
     def leaves_little(self, most: float) -> bool:
-        """Whether at most such a share of the gap is left of what was not fitted, and that shows one."""
+        """True if held-out data show a gap, and at most the share `most` of it remains under the explanation."""
         return self.shows_gap and self.shrink >= 1.0 - most
 
     @property

@@ -119,7 +119,7 @@ class Weighed:
         return replace(self, probabilities={names: float(not names) for names in self.probabilities}, outside=0.0)
 
     def class_of(self, name: str) -> tuple[str, ...]:
-        """The class that an effect belongs to."""
+        """Names of the effects that cannot be distinguished from the effect `name`, itself included."""
         return next((members for members in self.classes if name in members), (name,))
 
 
@@ -247,14 +247,14 @@ def undetectable(problem: Problem, candidates: Sequence[Candidate]) -> tuple[str
 
 @dataclass(frozen=True)
 class ForceZero:
-    """Mean zero of all repeats, and how many of its expected deviations that is."""
+    """Mean zero error of the force channel over all repeats in N, and that over its expected standard deviation."""
 
     value_N: float
     deviations: float
 
     @property
     def stands_out(self) -> bool:
-        """Whether chance would hardly have it so far off."""
+        """True if it is more than `SEPARABLE` expected standard deviations from zero."""
         return abs(self.deviations) > SEPARABLE
 
 
@@ -281,7 +281,9 @@ def log_surprise(p_value: float) -> float:
 
 @dataclass(frozen=True)
 class Remainder:
-    """What an explanation leaves over: chi² per observable, and the least likely of all `blocks` of observables."""
+    """Misfit that an explanation leaves: chi² per observable, and the p-value of the worst of `blocks` blocks of
+    observables.
+    """
 
     misfit: float
     block_p_value: float
@@ -308,9 +310,9 @@ def remainder_of(problem: Problem, one: Fit) -> Remainder:
 
 
 def chance(squares: float, count: int, scale: float = SCALE) -> float:
-    """Of a chi square of so many numbers or a larger one, the logarithm of their variance being known within `scale`.
+    """Probability that chi² with `count` degrees of freedom is at least `squares`, if the variance itself is uncertain.
 
-    It is the mean over that of what it were with the variance known: a posterior predictive p-value.
+    The logarithm of the variance has the standard deviation `scale`: a posterior predictive p-value, the mean over it.
     """
     scaled = squares * np.exp(-scale * _PLACES)
     return float(_WEIGHTS @ chdtrc(count, scaled) / _WEIGHTS.sum())

@@ -86,9 +86,9 @@ def places(problem: Problem, covariance: Covariance, setup: SurrogateInputs) -> 
 
 
 def changes(problem: Problem, covariance: Covariance, setup: SurrogateInputs) -> list[Place]:
-    """What an explanation makes of all zones and cycles, flagged where it stands out as much as anywhere, or half.
+    """The change that an explanation makes in each zone and cycle, noise-free, and without scatter of specimens.
 
-    It is free of noise, and no part of it is a specimen's.
+    Flagged are places where it is at least half of its largest, in standard deviations of one test.
     """
     nominal = problem.predicted(problem.setup)
     change = problem.predicted(setup) - nominal

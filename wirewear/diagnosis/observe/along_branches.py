@@ -75,7 +75,7 @@ class Stick(observable.ByLocalLines):
     simulated = True
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """Forces below the knees of all repeats."""
+        """Sites at forces below the knees of all repeats, where the contact sticks."""
         sites = []
         for cycle in reading.cycles:
             for side, sign in enumerate((1, -1)):
@@ -146,7 +146,7 @@ class ShelfTravel(observable.OfLoops):
     zones = (observable.Zone("shelf", "shelf, where the force is zero", "after a reversal"),)
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """Branches with few samples in a repeat."""
+        """A site for each branch whose stick part has few samples, see `has_few_samples`, in a repeat."""
         level = max(SHARE * reading.force_N, OUTLYING * reading.sample_noise_N)
         return [
             observable.Site(cycle, sign, level)

@@ -293,7 +293,9 @@ class LargestForce(EvolutionFigure):
         return SolverSize(SLOPE_SHARE * loops.rise_N(sites))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
-        """Error common to all repeats, including the amount by which noise raises the largest of many samples."""
+        """Standard deviation (n,) in N of the error that all repeats share, including the bias by taking the largest
+        noisy sample.
+        """
         return np.hypot(PEAK_BIAS * reading.sample_noise_N, super().common_error(reading, sites))
 
 

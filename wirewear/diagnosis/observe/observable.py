@@ -87,7 +87,7 @@ class Sites:
         return replace(self.taken(rows), cycle=self.cycle[rows] + cycles * np.repeat(np.arange(times), len(self)))
 
     def taken(self, keep: BoolArray | NDArray[np.intp]) -> Sites:
-        """Sites chosen by a mask or by indices."""
+        """The sites that a mask (n,) or an array of indices chooses."""
         return Sites(self.cycle[keep], self.branch[keep], self.level[keep], self.wire[keep], self.figure[keep])
 
     @cached_property
@@ -187,7 +187,9 @@ def branches_of(course: PredictedLoops, sites: Sites) -> tuple[Array, Array, NDA
 
 
 def travel_um(course: PredictedLoops, sites: Sites, low_N: Array, high_N: Array) -> Array:
-    """Travel (n,) in µm of the sites' branches between two forces (n,), given in the branch's direction."""
+    """Displacement (n,) in µm that each site's branch covers between two forces (n,) in N, given in the direction of
+    travel.
+    """
     x, q, row = branches_of(course, sites)
     rising = np.maximum.accumulate(q, axis=1)
     return read_along(rising, x, row, high_N) - read_along(rising, x, row, low_N)
@@ -230,7 +232,7 @@ class Observable(ABC):
 
     @abstractmethod
     def sites(self, reading: Reading) -> list[Site]:
-        """Sites at which a record may give the number."""
+        """Sites at which a record may give this number."""
 
     @abstractmethod
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
@@ -285,7 +287,7 @@ class Observable(ABC):
         return np.eye(len(sites))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:  # noqa: ARG002
-        """Standard deviation (n,) of an error common to all repeats; by default 0."""
+        """Standard deviation (n,) of the error that all repeats share, in the observable's unit; by default 0."""
         return np.zeros(len(sites))
 
 

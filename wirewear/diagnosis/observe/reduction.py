@@ -174,7 +174,7 @@ class Layout:
         return self.marked(part for part in self if isinstance(part.observable, kinds))
 
     def marked(self, parts: Iterable[Part]) -> BoolArray:
-        """Marks (n,) of the numbers of these parts."""
+        """Marks (n,) of those numbers that belong to the given parts."""
         marked = np.zeros(len(self), dtype=bool)
         for part in parts:
             marked[part.rows] = True

@@ -84,9 +84,7 @@ class ScarFigures(_OfScars):
         return [replace(site, figure=figure) for site in _of_bodies(reading) for figure in SCAR_FIGURES]
 
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
-        """Logarithms of the figures and their noise, from the map's worn part; a depth counts at least as a depth's
-        error.
-        """
+        """Logarithms (n,) of a scar's figures, from the worn part of its map, and their standard deviations (n,)."""
         values, noise = np.full((2, len(sites)), np.nan)
         for scar in maps_of(reading, repeat):
             figures = scar.figures
@@ -134,7 +132,7 @@ def _of_bodies(reading: Reading) -> list[observable.Site]:
 
 
 def maps_of(reading: Reading, repeat: int) -> list[MeasuredScar]:
-    """Maps of one repeat with enough points."""
+    """Maps of one repeat that have at least `FEWEST_POINTS` points."""
     return [scar for scar in reading.scars if scar.repeat == repeat and scar.depth_um.size >= FEWEST_POINTS]
 
 
@@ -218,7 +216,7 @@ class ProfileDepths(observable.Observable):
         return found
 
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
-        """Mean depth in a bin about each place, and its error."""
+        """Mean depth (n,) in µm of a profile in a bin about each site, and its standard deviation (n,)."""
         values, noise = np.full((2, len(sites)), np.nan)
         for profile in reading.profiles:
             if profile.repeat != repeat or not _holds_enough(profile):

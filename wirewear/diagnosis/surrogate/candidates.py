@@ -48,7 +48,11 @@ class Candidate:
         scales: Mapping[str, float] | None = None,
         contact: str = kinds.CROSSED_WIRES,
     ) -> Candidate:
-        """The effect in a test that states these numbers, with these words chosen; `scales` by unit."""
+        """The effect of this class as a candidate for a test.
+
+        stated: numbers that the test states, from which parameters may be scaled. chosen: word-valued parameters.
+        scales: sizes to expect, by unit. contact: kind of contact.
+        """
         known = {
             name: described.beside(stated).scaled((scales or {}).get(described.quantity.unit, 1.0))
             for name, described in kind.parameters().items()
@@ -81,16 +85,16 @@ class Candidate:
         return {**self.parameters, **self.forms}
 
     def values(self, coordinates: Array) -> dict[str, float]:
-        """Parameters and forms by name."""
+        """Values of the effect's parameters and forms by name, from their coordinates (p,)."""
         found = {name: p.value(float(z)) for (name, p), z in zip(self.unknowns.items(), coordinates, strict=True)}
         return {**found, **{name: p.value(0.0) for name, p in self.held.items()}}
 
     def effect(self, coordinates: Array) -> Effect[Any]:
-        """The effect with these parameters."""
+        """The effect with the parameter values of these coordinates (p,)."""
         return self.kind(**self.values(coordinates), **self.chosen)
 
     def applied(self, setup: SurrogateInputs, coordinates: Array) -> SurrogateInputs:
-        """The setup with the effect in it."""
+        """The setup with the effect of these coordinates (p,) in it."""
         return setup.with_effect(self.effect(coordinates))
 
     def bounds(self) -> Array:
@@ -140,7 +144,7 @@ def nominal_inputs(study: Study, drive: Literal["sensor", "stroke"]) -> Surrogat
 
 
 def library(setup: SurrogateInputs) -> tuple[Candidate, ...]:
-    """All effects that there are, those of installed packages among them, as far as the fast model can predict them."""
+    """All effects, also of installed packages, that the fast model can predict for this setup, as candidates."""
     return tuple(
         Candidate.of(
             kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), setup.scales, setup.contact_kind

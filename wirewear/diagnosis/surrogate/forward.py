@@ -136,7 +136,7 @@ class _Layer:
 
 
 def simulate(states: WearStates, setup: SurrogateInputs, cycles: Array) -> PredictedLoops:
-    """Loops at `cycles` (n,), increasing."""
+    """Loops that the fast model predicts at increasing `cycles` (n,), of wear states under the inputs `setup`."""
     return simulated(states, (setup,), cycles)[0]
 
 

@@ -43,7 +43,7 @@ class AtWork(Protocol):
         ...
 
     def changed(self, described: Any, age: Age) -> Any:
-        """The seam's description with it at work."""
+        """The description of the seam with the effect applied at this age of the test."""
         ...
 
     def predicted(self, chain: Chain) -> Chain:
@@ -96,7 +96,7 @@ class SurrogateInputs:
     def of(
         cls, study: AnyStudy[Any], drive: Literal["sensor", "stroke"], wear_mm3_per_J: float, length_mm: float = 0.0
     ) -> SurrogateInputs:
-        """The circumstances that a study states."""
+        """The circumstances that a study states, as inputs of the fast model; drive: where its displacement is held."""
         conditions, friction, holder = study.conditions, study.contact.friction, study.holder
         tangential, rotational = holder.tangential_stiffness_N_per_mm, holder.rotational_stiffness_N_mm_per_rad
         turned = (holder.pivot_height_mm or 0.0) ** 2 * compliance(rotational)
@@ -121,7 +121,9 @@ class SurrogateInputs:
         )
 
     def wearing_cycles(self, cycles: Array) -> Array:
-        """How many cycles (n,) of these conditions wear as much as the test has by cycles (n,)."""
+        """Equivalent numbers of cycles (n,): cycles under these conditions alone that wear as much as the test's first
+        cycles (n,).
+        """
         return np.interp(cycles, *np.array(self.worked).T) if self.worked else cycles
 
     def with_effect(self, effect: AtWork) -> SurrogateInputs:
@@ -169,8 +171,10 @@ class SurrogateInputs:
         return applied(self.effects, Seam.CONTACT, ContactLaw(self.friction), end).friction * self.load_N
 
     def chain(self, radius_um: float, fresh_area_um2: float, cycles: Array, energy_J: Array, worn_um3: Array) -> Chain:
-        """The test as a chain in series after so many cycles (n,), so much friction energy and wear.
-        Raises UnforeseenError if an effect changes something that fast models do not know.
+        """The test as a chain from drive to sensors, at n moments, with all effects applied.
+
+        radius_um, fresh_area_um2: of the contact. cycles, energy_J, worn_um3: (n,) cycles done, friction energy and
+        worn volume. Raises UnforeseenError if an effect changes something that fast models do not know.
         """
         stated = {
             "amplitude_um": np.nan if self.held else self.amplitude_um,

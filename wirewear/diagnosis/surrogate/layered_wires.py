@@ -72,8 +72,10 @@ _OUTWORN = 4.0
 
 @dataclass(frozen=True)
 class LayeredCase:
-    """What such a table depends on: radius of the fresh contact and stroke in slip amplitudes, the highest layer in
-    δ²/R, p_c δ²/P, the largest V R/δ⁴, the moving wire's share of the wear, and `along` of the gap.
+    """Arguments of a table of loops over rough layers, dimensionless: δ is the slip amplitude, R the wires' radius.
+
+    Radius of the fresh contact and stroke over δ, highest layer over δ²/R, engagement p_c δ²/P, largest V R/δ⁴, share
+    of the wear that the moving wire loses, and the gap's curvature along the motion (`along`).
     """
 
     fresh_radius: float
@@ -103,7 +105,10 @@ class LayeredWires:
     scars: Array
 
     def at(self, worn_under: Array, height: Array, similarity: Array) -> Array:
-        """What `loops` hold (n, m + 3) at heights (n,) under which the scar was worn, present heights, and V R/δ⁴."""
+        """Interpolated rows (n, m + 3) of `loops` at n moments.
+
+        worn_under: layer height under which the scar was worn. height: the present one. similarity: V R/δ⁴. All (n,).
+        """
         under = np.maximum(worn_under, height)
         share = np.divide(height, under, out=np.zeros_like(height), where=under > 0.0)
         return np.asarray(self._of_loops(np.stack([self._height(under), share, self._volume(similarity)], axis=-1)))
@@ -211,7 +216,10 @@ def _under(wires: WornWires, worn: Worn, heights: Array, volume: float, case: La
 
 
 def pressing_layers(stiffness: Array, heights: Array, engagement: float) -> Pressing:
-    """How overlaps press foundations of stiffnesses (k,) with layers of heights (k,)."""
+    """The function from overlaps to pressures of foundations of stiffnesses (k,) under layers of heights (k,).
+
+    engagement: pressure p_c by which a layer closes, see the module.
+    """
     return partial(_pressures, stiffness=stiffness, heights=heights, engagement=engagement)
 
 
@@ -251,7 +259,7 @@ class FlattenedWires:
     table: FlatteningChange
 
     def at(self, flattening: Array, similarity: Array) -> FlatteningChange:
-        """The changes at (n,) moments, each at its own h R/δ² and V R/δ⁴."""
+        """The changes at n moments of given flattening h R/δ² (n,) and similarity V R/δ⁴ (n,)."""
         late = np.maximum(similarity / self.volumes[-1], 1.0)
         start = self.volumes[1]
         where = np.minimum(flattening, self.flattenings[-1]), np.log(similarity / late + start)

@@ -154,13 +154,17 @@ class LineStates(WearStates):
         return MODEL_ERROR if kind.name in _MODELLED else kind.model_error
 
     def similar(self, worn_um3: Array, slip_um: Array) -> Array:
-        """A R/δ³."""
+        """The dimensionless worn area A R/δ³ (n,), from the worn volume and the slip amplitude δ; equal for similar
+        contacts.
+        """
         if self.sticks:
             return super().similar(worn_um3, slip_um)
         return np.asarray(worn_um3 / self.length_um * self.radius_um / slip_um**3)
 
     def wearing(self, setup: SurrogateInputs, chain: Chain, slip_um: Array) -> Array:
-        """Less where oxygen does not get."""
+        """Wear coefficient in µm³/mJ at each moment of the chain, lowered where oxygen does not reach the contact's
+        middle.
+        """
         plain = super().wearing(setup, chain, slip_um)
         if not chain.oxygen_W.any():
             return plain

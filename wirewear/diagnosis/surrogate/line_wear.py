@@ -60,11 +60,11 @@ class WornLine:
     half_width_mm: Array  #: (k,) of the scar.
 
     def depth_at(self, area_mm2: float) -> Array:
-        """Depths (m,) once so much is worn."""
+        """Worn depths (m,) in mm when this cross-section has been worn off both bodies."""
         return between(self.area_mm2, self.depth_mm, area_mm2, 1.5)
 
     def half_width_at(self, area_mm2: float) -> float:
-        """Half-width of the scar once so much is worn."""
+        """Half-width of the scar in mm when this cross-section has been worn off both bodies."""
         return float(np.interp(area_mm2, self.area_mm2, self.half_width_mm))
 
     def factor_at(self, area_mm2: Array) -> Array:
@@ -179,7 +179,11 @@ def _half_width(x: Array, values: Array) -> float:
 
 
 def between(known: Array, rows: Array, at: float, most: float) -> Array:
-    """Rows (k, m) at a value of their clock (k,), between neighbours in proportion, or so many steps on at most."""
+    """Row (m,) interpolated linearly at `at` among rows (k, m) whose increasing coordinate is `known` (k,).
+
+    Beyond the last it is extrapolated, so that it counts at most `most` times the last difference of rows from the row
+    before.
+    """
     after = int(np.clip(np.searchsorted(known, at), 1, known.size - 1))
     share = (at - known[after - 1]) / (known[after] - known[after - 1])
     return np.asarray(rows[after - 1] + np.clip(share, 0.0, most) * (rows[after] - rows[after - 1]))

@@ -120,9 +120,9 @@ def sliding(result: RunResult, row_of: Callable[[Loop], tuple[object, ...] | Non
 
 
 def states_of(result: RunResult, load_N: float, volume: Array, similarity: Array, *columns: Array) -> dict[str, Any]:
-    """What `WearStates` of all contacts have in common, of columns of loops from slip to lift (`state_of`).
+    """Fields of `WearStates` that all contacts have, smoothed over the worn volume.
 
-    The drive comes to half of the longest stroke of the loops where it holds something else.
+    columns: those of `state_of` for each logged loop, from slip to lift.
     """
     slip, slope, angle, stiffness, normal, lift = columns
     return {
@@ -224,7 +224,8 @@ class FastMotion:
     harmonics: Harmonics  #: (k,) complex.
 
     def before(self, lag: float) -> FastMotion:
-        """What moves so behind a first-order filter whose time constant is a phase, its corners sharp.
+        """The motion that, passed through a first-order filter, is this one; lag: the filter's time constant as a phase
+        in rad.
 
         Source: Bendat & Piersol, Random Data, 4th ed., section 2.3.
         """
@@ -232,7 +233,7 @@ class FastMotion:
         return FastMotion(np.concatenate([undone, _beyond(undone)]))
 
     def behind(self, lag: float) -> FastMotion:
-        """This motion behind such a filter."""
+        """This motion passed through a first-order filter; lag: its time constant as a phase in rad."""
         return FastMotion(np.asarray(self.harmonics / (1.0 + 1j * lag * np.arange(1, self.harmonics.size + 1))))
 
     def phases(self, place: Array) -> Array:

@@ -196,8 +196,8 @@ def wearing(study: Study) -> Study:
 
 
 def limits_of(nominal: RunResult, study: AnyStudy[Any]) -> tuple[str, ...]:
-    """What a study and its run say against wear states taken from it; nothing of one that came to its end without bulk
-    stresses.
+    """Sentences on what limits wear states taken from a run: bulk stress that is left out, or an end before its last
+    cycle.
     """
     notes = (_WITHOUT_BULK,) if study.schedule.pulled else ()
     if nominal.status == "complete":

@@ -101,14 +101,16 @@ class LineModel:
         return study
 
     def states(self, tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
-        """As of a point contact; wear states are of the whole contact."""
+        """Wear states of the whole contact, from the nominal run of the test in a record's tables, and sentences on
+        their limits.
+        """
         result = nominal.nominal_run(self.study, observer_of, nominal.line_run)
         states = LineStates.of_line(result, self.study.pad.profile, tables.length_mm)
         states = _of_run(states, result.of_length(tables.length_mm), self.study)
         return states, nominal.limits_of(result, self.study)
 
     def inputs(self, tables: Any) -> SurrogateInputs:
-        """The circumstances that the study states."""
+        """The circumstances of a test, from a record's tables, as inputs of the fast model."""
         return nominal_line_setup(self.study, tables.conditions.drive)
 
     def with_effects(self, effects: Sequence[Effect[Any]], amplitude_um: float, _increments: int) -> LineStudy:
@@ -135,7 +137,7 @@ class JointModel:
         return _driven(JointStates.of_study(self.study), self.study), ()
 
     def inputs(self, tables: Any) -> SurrogateInputs:
-        """The circumstances that the study states."""
+        """The circumstances of a test, from a record's tables, as inputs of the fast model."""
         setup = SurrogateInputs.of(self.study, tables.conditions.drive, 0.0)
         return replace(setup, effects=self.study.effects)
 

@@ -188,10 +188,10 @@ def shares_at(x: Array, load: LoadCycle, motion: FastMotion) -> Array:
 
 
 def late_places(setup: SurrogateInputs, read: Array, lag: float) -> Array:
-    """Displacements (n, 2, m) behind a first-order filter whose time constant is a phase of the drive.
+    """Displacements (n, 2, m) that a first-order filter reads at the times at which `read` (n, 2, m) is passed.
 
-    The motion that was measured is the late one; what goes before it is passed at the same times. A drive held on what
-    the sensor reads goes so much farther as the filter makes its stroke smaller.
+    lag: the filter's time constant as a phase of the drive in rad. A drive that is held on what the sensor reads moves
+    farther, by as much as the filter shrinks its stroke.
     """
     before = setup.motion.before(lag)
     after = before.behind(lag)
@@ -209,9 +209,10 @@ def late_forces(q: Array, x: Array, lag: Array, motion: FastMotion = SINE) -> Ar
 
 
 def filtered(phases: Array, values: Array, answers: Answers) -> Array:
-    """What filters answer to a periodic channel (n, 2, m) that is passed at these phases.
+    """A periodic channel passed through filters, at the same phases.
 
-    answers: (n, k) or (k,), complex, to `HARMONICS` of the drive.
+    phases, values: (n, 2, m) in rad and in the channel's unit. answers: complex gains, (n, k) or (k,), at `HARMONICS`
+    of the drive.
     """
     return at_phases(phases, np.fft.irfft(answers * np.fft.rfft(at_even_phases(phases, values)), EVEN_PHASES.size))
 
@@ -223,7 +224,7 @@ def at_even_phases(phases: Array, values: Array) -> Array:
 
 
 def at_phases(phases: Array, evenly: Array) -> Array:
-    """A channel at even phases (n, k) at those of the branches (n, 2, m)."""
+    """A channel given at `EVEN_PHASES` (n, k), interpolated at the phases (n, 2, m) of branches."""
     pairs = zip(phases, evenly, strict=True)
     return np.stack([np.interp(at, EVEN_PHASES, given, period=2.0 * np.pi) for at, given in pairs])
 

@@ -132,7 +132,7 @@ class WearStates:
         return self.unknown
 
     def model_error(self, kind: type[Effect[Any]]) -> float:
-        """How far the fast model is off with an effect, relative to the change that it makes."""
+        """Relative error of the fast model in the change that an effect of this class makes."""
         return kind.model_error
 
     def reach(self, slip_um: Array) -> Array:
@@ -156,7 +156,9 @@ class WearStates:
         return replace(self, friction_shares=known, angle=self.angle * (np.arange(self.angle.shape[1]) > 0))
 
     def similar(self, worn_um3: Array, slip_um: Array) -> Array:
-        """What contacts (n,) that are geometrically similar have in common: V R/δ⁴."""
+        """The dimensionless worn volume V R/δ⁴ (n,), equal for geometrically similar contacts; V itself if the contact
+        sticks.
+        """
         return worn_um3 if self.sticks else np.asarray(worn_um3 * self.radius_um / slip_um**4)
 
     @property
@@ -165,7 +167,7 @@ class WearStates:
         return self.radius_um / float(np.sqrt(self.along))
 
     def open_share(self, chain: Chain) -> Array:
-        """Share (n,) of the worn volume that opens the gap."""
+        """Share (n,) of the worn volume that opens the gap; debris that is retained fills the rest."""
         return np.asarray(1.0 - chain.retained_fraction)
 
     def wearing(self, setup: SurrogateInputs, chain: Chain, slip_um: Array) -> Array:  # noqa: ARG002
@@ -184,7 +186,9 @@ class WearStates:
         return replace(self, energy_J=energy[kept], worn_um3_per_mJ=1e-3 * np.gradient(volume[kept], energy[kept]))
 
     def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:  # noqa: ARG002
-        """Places and depths of each body's profile at a chain's one moment; wires have maps instead."""
+        """Positions and worn depths of each body's profile at the chain's single moment, by body; empty for wires,
+        which have maps.
+        """
         return {}
 
     @property
@@ -228,14 +232,14 @@ class WearStates:
         return values[:, 1] * size, values[:, 2:] * size[:, None]
 
     def flattened(self) -> FlattenedWires:
-        """What flattening before any wear changes of these states."""
+        """Table of the changes that flattening before any wear makes in these states."""
         slip = float(self.slip_um[0])
         deepest = DEEPEST_um * self.radius_um / slip**2
         radius, stroke, share = self._proportions
         return flattened_wires(radius, stroke, round(deepest, 2), share, round(self.along, 3))
 
     def layered(self) -> LayeredWires:
-        """What a rough layer changes of these states."""
+        """Table of the changes that a rough layer makes in these states."""
         slip = float(self.slip_um[0])
         radius, stroke, share = self._proportions
         return layered_wires(

@@ -45,7 +45,9 @@ class WornWires:
 
     @classmethod
     def unworn(cls, count: int, extent: float, along: float = 1.0) -> WornWires:
-        """So many pairs of wires, on a grid that reaches so far across from the middle."""
+        """`count` pairs of unworn wires, on a grid that reaches `extent` across from the middle; along: curvature of
+        the gap.
+        """
         places = max(round(16 / extent * max(along, 1.0) ** 0.5), 4)
         step = 1.0 / places
         half, rows = (int(np.ceil(reach / step)) for reach in (extent / along**0.5, extent))
@@ -74,7 +76,7 @@ class WornWires:
         return sliding_window_view(moving, self.x.size, axis=-1)[:, :, self.s.size - 1 :]
 
     def within(self, reach: float) -> WornWires:
-        """Views of the part up to so far across from the middle."""
+        """The part of the grid up to `reach` across from the middle; its arrays are views."""
         cut = max(self.x.size // 2 - int(reach / self.along**0.5 / self.step) - 2, 0)
         x, further = slice(cut, self.x.size - cut), slice(cut, self.moving.shape[-1] - cut)
         rows = slice(0, int(reach / self.step) + 3)
@@ -82,7 +84,9 @@ class WornWires:
         return replace(self, x=self.x[x], y=self.y[rows], fixed=fixed, moving=moving)
 
     def worn(self, pressure: Array, moving_share: float, volume: float) -> None:
-        """Wear by a volume (of a load 1, over all positions evenly) that goes to both wires, in place."""
+        """Wear both wires in place by a volume per pair, spread over all positions of the stroke as the pressure (k, y,
+        s, x) is.
+        """
         weights = np.full(self.s.size, volume / (self.s.size - 1))
         weights[[0, -1]] *= 0.5
         rubbed = pressure * weights[:, None]
@@ -119,10 +123,11 @@ def wearing(
     pressing: Callable[[Array], Pressing],
     least_growth: float = 0.0,
 ) -> Iterator[Worn]:
-    """Wear the wires in place, and give what they are after each volume; `approach` (k, s) is a first guess.
+    """Wear k pairs of wires, in place, and yield their state when each of the increasing `volumes` has worn.
 
-    `pressing` makes of the elastic stiffnesses (k,) how overlaps press. Foundations are softened so far that the volume
-    may grow by a share `least_growth` at each step.
+    fresh_radius: of the fresh contact. approach: (k, s), first guess of the approach at s positions of the stroke.
+    pressing: from elastic stiffnesses (k,) to the function of pressures. least_growth: share of the volume by which
+    each step may let it grow; foundations are softened as far as this needs for stability.
     """
     radius = np.full(wires.fixed.shape[0], fresh_radius)
     worn = 0.0
@@ -140,7 +145,10 @@ def wearing(
 
 
 def foundation(fresh_radius: float, radius: Array, step: float = 0.0) -> Array:
-    """Elastic stiffnesses (k,) under contacts of these radii (k,), no more than lets so much volume wear at a step."""
+    """Elastic stiffnesses (k,) of the foundation under contacts of radii (k,).
+
+    step: limits them so that an explicit step that wears this volume stays stable; 0 for no limit.
+    """
     # Foundation stiffness times the contact's radius over E*: between 16/(3π), with which a fresh contact has Hertz's
     # load and radius together, and 3π/16, by which a half-space yields on average under the even pressure of a worn one
     # (Johnson, eq. 3.29); their geometric mean.
