@@ -13,11 +13,12 @@ from tests.studies import line_study
 from wirewear import lives, reference
 from wirewear.base.errors import ResultError, StudyError
 from wirewear.results import read_result
-from wirewear.simulation import run_study
+from wirewear.simulation import run_study, simulate
 from wirewear.simulation.line_model import line_plan, placed_body
 from wirewear.simulation.line_runs import LineRun
 from wirewear.stress.lines import INSIDE_LINES, state_grid
 from wirewear.stress.strength import StrengthAsked, strength_of, yield_sentence
+from wirewear.verification.line_contact import largest_tension
 
 pytestmark = pytest.mark.slow
 
@@ -53,6 +54,23 @@ def test_recorded_forces_carry_the_load_and_the_friction(folder: Path) -> None:
         np.testing.assert_allclose(forces.force_N[..., 2].sum(axis=1), -30.0, rtol=1e-3)
     # The pad's axes are the test's, turned over: friction on it along x is what the specimen gives.
     np.testing.assert_allclose(pad.force_N[..., 0].sum(axis=1), -specimen.force_N[..., 0].sum(axis=1), rtol=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6])
+def test_at_standard_the_trailing_edge_in_partial_slip_is_stretched_as_cattaneo_and_mindlin_have_it(
+    share: float,
+) -> None:
+    held = {"cycles": 1, "held_tangential_force_N_per_mm": share * 0.6 * 30.0, "displacement_amplitude_um": 20.0}
+    study = line_study(wear=None, mesh=None, conditions=held, log={"loop_cycles": [1]})
+    result = simulate(study, fidelity="standard")
+    forces = result.computed.forces(1, "specimen")
+    pulled = int(np.argmax(forces.force_N[..., 0].sum(axis=1)))
+    (state,) = INSIDE_LINES.states(result, "specimen", 1, [pulled], worn=False)
+    force = state.applied[state.patch_nodes]
+    steel = study.pad.elastic
+    hertz = reference.hertz_line(30.0, study.pad.radius_mm or 0.0, reference.contact_modulus(steel, steel))
+    found = largest_tension(state.body.meshed, state.body.surface, force)
+    assert found == pytest.approx(2.0 * 0.6 * hertz.peak_pressure_MPa * share**0.5, rel=0.03)
 
 
 def test_the_sliding_specimen_is_stressed_beneath_as_smith_and_liu_have_it(folder: Path) -> None:

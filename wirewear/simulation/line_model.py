@@ -158,7 +158,8 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
     spread = spread_by_yield(limit_of_lines(study, fresh), load, fresh.peak_pressure_MPa, line=True)
     wears, fits = max(study.energy_coefficients()) > 0.0 or _lacking(study) > 0.0, _lacking(study) == 0.0
     sticks = all(sticking) and fits and mesh.contact_mesh_um is None
-    per_contact = level.to_rim if any(sticking) and fits else level.per_contact
+    to_rim = level.to_rim_worn if wears else level.to_rim
+    per_contact = to_rim if any(sticking) and fits else level.per_contact
     if mesh.scar_half_width_um is not None:
         half = 1e-3 * mesh.scar_half_width_um
     elif isinstance(face, RoundedFlat):

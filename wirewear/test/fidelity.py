@@ -138,12 +138,13 @@ class LineLevel:
     per_contact: float
     per_scar: float
     to_rim: float  #: In place of `per_contact` where the middle of the contact sticks.
+    to_rim_worn: float  #: The same where the annulus wears.
     increments_per_cycle: int
     jump_tolerance: float
 
 
 LINE_LEVELS = {
-    "quick": LineLevel(8.0, 80.0, 40.0, 32, 0.005),
-    "standard": LineLevel(12.0, 120.0, 56.0, 48, 0.005),
-    "fine": LineLevel(18.0, 180.0, 80.0, 64, 0.0025),
+    "quick": LineLevel(8.0, 80.0, 40.0, 40.0, 32, 0.005),
+    "standard": LineLevel(12.0, 120.0, 84.0, 56.0, 48, 0.005),
+    "fine": LineLevel(18.0, 180.0, 120.0, 80.0, 64, 0.0025),
 }
