@@ -58,6 +58,29 @@ def test_the_stuck_centre_carries_the_load_and_steel_wires_wear_as_evaluated_ind
     assert 1e9 * SHAPE.volume_mm3 == pytest.approx(61.0, abs=0.7)
 
 
+#: Volume in µm³ and outer edge in µm of a ball of 12.7 mm on a flat under 40 N, evaluated independently.
+@pytest.mark.parametrize(
+    ("share", "volume_um3", "edge_um"), [(0.3, 792.8, 125.891), (0.6, 8076.3, 140.359), (0.8, 33156.0, 161.533)]
+)
+def test_wear_under_a_held_force_ends_as_evaluated_independently(
+    share: float, volume_um3: float, edge_um: float
+) -> None:
+    shape = reference.worn_under_load(6.35, MODULUS, 40.0, share)
+    assert shape.load_N(MODULUS) == pytest.approx(40.0)
+    assert 1e9 * shape.volume_mm3 == pytest.approx(volume_um3, rel=1e-4)
+    assert 1e3 * shape.edge_radius_mm == pytest.approx(edge_um, rel=1e-5)
+
+
+def test_an_annulus_that_slides_over_a_curved_face_wears_until_it_touches_at_neither_end() -> None:
+    slip, curvature = 1e-5, 2.0
+    lines = np.linspace(0.0, SHAPE.edge_radius_mm, 2001)
+    x, y = lines[:, None], lines
+    r = np.hypot(x, y)
+    slid = slip * (1.0 - 2.0 / pi * np.arcsin(np.minimum(SHAPE.stick_radius_mm / np.maximum(r, 1e-12), 1.0)))
+    more = 4.0 * float(np.where(r < SHAPE.edge_radius_mm, curvature * x * slid, 0.0).sum()) * lines[1] ** 2
+    assert SHAPE.volume_after_slip_mm3(slip, curvature) - SHAPE.volume_mm3 == pytest.approx(more, rel=2e-3)
+
+
 @given(st.floats(0.1, 0.8), st.floats(0.0, 3e-5), st.floats(0.0, 1e-4))
 def test_the_stuck_centre_is_about_to_slip_behind_any_bulk(share: float, normal: float, tangential: float) -> None:
     approach = 0.909e-3

@@ -23,5 +23,6 @@ __all__ = [
     "mindlin_stiffness", "partial_slip_point", "partial_slip_stress", "relative_curvatures", "semi_axis_ratio",
     "slider_loop", "sliding_stress", "sliding_threshold", "slip_amplitude", "stick_radius",
     "stick_radius_after_reversal", "tangential_contact_modulus", "traction_after_reversal", "turned_contact",
-    "turned_load", "turned_scar", "unloading_stiffness", "worn_pressure", "worn_volume",
+    "turned_load", "turned_scar", "unloading_stiffness", "worn_pressure", "worn_under_load",
+    "worn_volume",
 ]  # fmt: skip

@@ -157,6 +157,19 @@ class LimitingShape:
         c = self.stick_radius_mm
         return 2.0 * modulus_MPa * (self.approach_mm * c - c**3 / (3.0 * self.sphere_radius_mm))
 
+    def volume_after_slip_mm3(self, slip_mm: float, curvature_per_mm: float) -> float:
+        """Volume where slip is no longer small beside the contact, to first order.
+
+        slip_mm: u0, amplitude of the bodies at a distance.  curvature_per_mm: of the face between them along the
+        motion, half the difference of theirs. At an end of the stroke the annulus has slid by s = u0 (1 − 2/π arcsin
+        c/r) over a face that is inclined by x times the curvature: it touches ahead until that much more has worn.
+        """
+        from scipy.integrate import quad
+
+        c = self.stick_radius_mm
+        more, _ = quad(lambda r: r**2 * (1.0 - 2.0 / pi * math.asin(c / r)), c, self.edge_radius_mm, epsrel=1e-10)
+        return self.volume_mm3 + 4.0 * curvature_per_mm * slip_mm * float(more)
+
     def pressure(self, radius_mm: ArrayLike, modulus_MPa: float) -> Array:
         """Pressure in MPa at distances from the middle: Hertz's over the stick zone plus a flat punch's, infinite at
         its edge.
@@ -217,6 +230,19 @@ class WearingContact:
             raise ValueError(f"nothing sticks at a drive of {self.drive_mm:g} mm")
         c = float(brentq(excess, smallest, contact_mm * (1.0 - 1e-12), xtol=1e-15))
         return LimitingShape(big, pressed(c), c)
+
+
+def worn_under_load(
+    sphere_radius_mm: float, modulus_MPa: float, normal_load_N: float, share_of_limit: float
+) -> LimitingShape:
+    """The limiting shape under a held load P and a held tangential force, a share of µP.
+
+    The core stays as large as in the fresh contact (Ciavarella and Hills, Eur. J. Mech. A 18 (1999) 491).
+    """
+    contact_mm = (0.75 * normal_load_N * sphere_radius_mm / modulus_MPa) ** (1.0 / 3.0)
+    c = contact_mm * (1.0 - share_of_limit) ** (1.0 / 3.0)
+    approach_mm = normal_load_N / (2.0 * modulus_MPa * c) + c**2 / (3.0 * sphere_radius_mm)
+    return LimitingShape(sphere_radius_mm, approach_mm, c)
 
 
 def even_line_load(profile: Profile, half_width_mm: float, modulus_MPa: float) -> float:
