@@ -1,5 +1,7 @@
 """The command line passes on what was asked, and ends foreseeable errors in one sentence and an exit code."""
 
+import os
+import pty
 import subprocess
 import sys
 from pathlib import Path
@@ -121,11 +123,30 @@ print([name for name in {heavy!r} if name in sys.modules])
     assert said.stdout == "[]\n"
 
 
-@pytest.mark.parametrize(("speaks", "expected"), [("pass", "wirewear: sweep is at work\n"), ("print('here')", "")])
-def test_a_command_that_is_silent_says_in_time_that_it_is_at_work(speaks: str, expected: str) -> None:
-    code = f"import time; from wirewear.app.cli import speak_up; speak_up('sweep', 0.05); {speaks}; time.sleep(0.4)"
+@pytest.mark.parametrize(
+    ("silence_s", "speaks", "expected"),
+    [
+        (0.2, "sleep(0.8)", "wirewear: sweep is at work\nwirewear: sweep is at work, 1 s\n"),
+        (0.4, "print('here'); sleep(0.6)", "wirewear: sweep is at work\n"),
+        (9.0, "sleep(0.1)", ""),
+    ],
+)
+def test_a_command_that_is_silent_says_in_time_and_again_that_it_is_at_work(
+    silence_s: float, speaks: str, expected: str
+) -> None:
+    code = f"from time import sleep; from wirewear.app.cli import speak_up; speak_up('sweep', {silence_s}); {speaks}"
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ended.stderr == expected
+
+
+def test_that_a_command_is_at_work_stands_on_a_terminal_until_something_else_is_said() -> None:
+    code = "from time import sleep; from wirewear.app import cli; cli.speak_up('fit', 0.1); sleep(0.3); print('here')"
+    ours, theirs = pty.openpty()
+    subprocess.run([sys.executable, "-c", code], stdout=theirs, stderr=theirs, check=True)
+    os.close(theirs)
+    *before, cleared, last = os.read(ours, 10_000).decode().split("\r")[:-1]
+    assert before[-1].startswith("wirewear: fit is at work")
+    assert (cleared.strip(), last) == ("", "here")
 
 
 def test_commands_speak_within_two_seconds() -> None:

@@ -14,8 +14,10 @@ import traceback
 import unicodedata
 from collections.abc import Callable
 from contextlib import suppress
+from math import inf
 from pathlib import Path
-from threading import Event, Thread
+from threading import Thread
+from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -50,7 +52,8 @@ def main() -> None:
     """Run the command line: load the commands and execute the one asked for."""
     prepare_streams()
     if not os.environ.get(_QUIET):
-        speak_up(next((word for word in sys.argv[1:] if not word.startswith("-")), "wirewear"))
+        command = next((word for word in sys.argv[1:] if not word.startswith("-")), "wirewear")
+        speak_up(command, only_once=command == "open")  # which waits for the browser
     # Without a home, matplotlib would speak of its own folders, and so would OpenGL.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
@@ -76,27 +79,49 @@ def main() -> None:
         sys.exit(1)
 
 
-def speak_up(command: str, silence_s: float = SILENCE_s) -> None:
-    """Print to standard error that the command is at work, unless something is printed within `silence_s` seconds."""
-    said = Event()
+def speak_up(command: str, silence_s: float = SILENCE_s, *, only_once: bool = False) -> None:
+    """Print to standard error that the command is at work when nothing has been printed for `silence_s` seconds.
+
+    On a terminal that is a line which goes when something else is printed. Elsewhere it is printed again after pauses
+    that grow, so that logs stay short.
+    """
+    started = last = monotonic()
+    line, own, lasting = "", sys.stderr.write, sys.stderr.isatty() and not only_once
 
     def heard(write: Callable[[str], int]) -> Callable[[str], int]:
         def passed_on(text: str) -> int:
-            said.set()
-            return write(text)
+            nonlocal last, line
+            # A stream that a pager holds up is no silence.
+            last = inf
+            if line:
+                own(f"\r{' ' * len(line)}\r")
+                sys.stderr.flush()
+                line = ""
+            try:
+                return write(text)
+            finally:
+                last = monotonic()
 
         return passed_on
 
     for stream in (sys.stdout, sys.stderr):
         stream.write = heard(stream.write)  # type: ignore[method-assign]
 
-    def wait() -> None:
-        if not said.wait(silence_s):
+    def watch() -> None:
+        nonlocal last, line
+        pause, said = silence_s, f"wirewear: {command} is at work"
+        while not (only_once and last > started):
+            sleep(min(max(last + pause - monotonic(), 0.02), pause))
+            if monotonic() < last + pause:
+                continue
+            # Of a stream's own buffer the lock could be held when the program ends.
             with suppress(OSError, ValueError):
-                sys.stderr.write(f"wirewear: {command} is at work\n")
-                sys.stderr.flush()
+                os.write(sys.stderr.fileno(), (f"\r{said}" if lasting else f"{said}\n").encode())
+            last, line = monotonic(), said if lasting else ""
+            pause *= 1 if lasting else 2
+            said = f"wirewear: {command} is at work, {last + pause - started:.0f} s"
 
-    Thread(target=wait, daemon=True).start()
+    Thread(target=watch, daemon=True).start()
 
 
 def _place_of(error: BaseException) -> str:
