@@ -12,6 +12,7 @@ from wirewear.sweeps.shared_load import SharedLoad, beam_loads, shared_load
 from wirewear.test import Study
 from wirewear.test.any_study import value_at
 from wirewear.test.many_contacts import ManyContacts, many_contacts
+from wirewear.test.study import load_study
 
 STUDY = """
 format = 1
@@ -140,6 +141,12 @@ def test_a_contact_that_wears_faster_unloads(tmp_path: Path) -> None:
 def test_what_does_not_go_with_several_contacts_is_refused(tmp_path: Path, change: tuple[str, str], says: str) -> None:
     with pytest.raises(StudyError, match=says):
         of((STUDY + THREE).replace(*change), tmp_path)
+
+
+def test_what_takes_one_contact_says_who_takes_several(tmp_path: Path) -> None:
+    (path := tmp_path / "study.toml").write_text(STUDY + THREE)
+    with pytest.raises(StudyError, match="which wirewear run takes"):
+        load_study(path)
 
 
 def test_a_contact_that_lifts_off_is_named(tmp_path: Path) -> None:

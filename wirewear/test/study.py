@@ -164,6 +164,8 @@ def study_from_tables(data: Mapping[str, Any], where: str) -> Any:
 
     Raises StudyError, in one sentence, if the tables are not a valid study.
     """
+    if "contacts" in data or "span" in data:
+        raise StudyError(f"{where} states several contacts in [[contacts]], which wirewear run takes and nothing else.")
     known = kind_named(data.get("kind")).tables.known
     base = {key: value for key, value in data.items() if key != "variants"}
     tables: Any = checked_tables(known(base, where), where)
