@@ -87,7 +87,7 @@ class EmbeddedGeometry(BlockGeometry):
         part = np.zeros(solid.size, dtype=np.int64)
         for number, (name, *_) in enumerate(source.parts, 1):
             part[np.concatenate([solid.parts[name][count] for count in solid.cells])] = number
-        middles = block.points[block.cells].mean(axis=1)
+        points = np.einsum("qc,mcd->mqd", BRICK.shapes(BRICK.points), block.points[block.cells])
         return Host(
             solid,
             self._kept(solid),
@@ -95,7 +95,9 @@ class EmbeddedGeometry(BlockGeometry):
             solid.sets[source.held],
             solid.areas_of(source.held),
             part,
-            part[solid.located(middles).cell] if source.parts else np.zeros(len(middles), dtype=np.int64),
+            part[solid.located(points.reshape(-1, 3)).cell].reshape(points.shape[:2])
+            if source.parts
+            else np.zeros(points.shape[:2], dtype=np.int64),
             tuple((modulus, ratio) for _, modulus, ratio in source.parts),
         )
 

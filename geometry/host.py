@@ -32,5 +32,6 @@ class Host:
     held: IntArray  #: Nodes of the host that the holder grips.
     areas_mm2: Array  #: (n,) area of the grip that belongs to each node of the host.
     part: IntArray  #: Of each cell (size,), the number of its material in `parts` from 1, 0 where it is the body's own.
-    block_part: IntArray  #: Number of the material of each cell of the block, as in `part`.
+    #: Numbers of materials at the integration points of the block's cells, (m, q), as in `part`.
+    block_part: IntArray
     parts: tuple[tuple[float, float], ...]  #: Young's moduli in MPa and Poisson's ratios.

@@ -5,7 +5,7 @@ and back, the seam, where they share no nodes, by Nitsche's method: the block's 
 between them, and a spring closes it (A. Hansbo, P. Hansbo and M. G. Larson, ESAIM: M2AN 37 (2003) 495).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import block_diag, coo_matrix, csr_matrix, diags, identity, kron
@@ -15,6 +15,7 @@ from geometry import BodyMesh, Elastic, HexMesh
 from geometry.arrays import Array, IntArray
 from geometry.elements import BRICK, ElementKind
 from geometry.host import Host
+from geometry.solid import SolidMesh
 from solvers.elasticity.condensation import CondensedBody, condense, inverse, schur_complements
 from solvers.elasticity.strain import stiffness_matrix
 from solvers.errors import SolverError
@@ -53,10 +54,10 @@ class Joined:
             raise SolverError("nothing holds the body; name a surface that is held")
         b, n = len(meshed.mesh.points), len(meshed.mesh.points) + len(host.solid.points)
         materials = (material, *(Elastic(*part) for part in host.parts))
-        of_host = _of_host(host, materials)
+        of_host = _of_solid(host.solid, host.part, host.kept, materials)
         if meshed.bedding is not None:
             of_host = of_host + diags(np.repeat(meshed.bedding, 3))
-        both = block_diag([_of_block(meshed.mesh, host.block_part, materials), of_host], format="csr")
+        both = block_diag([_of_block(meshed.mesh, host, materials), of_host], format="csr")
         held = b + host.held if meshed.bedding is None else host.held[:0]
         return cls(
             csr_matrix(both + _seam_stiffness(meshed.mesh, host, materials)), np.setdiff1d(np.arange(n), held), b
@@ -70,16 +71,13 @@ def _seam_stiffness(block: HexMesh, host: Host, materials: tuple[Elastic, ...]) 
     slopes = BRICK.slopes(seam.local)
     jacobian = np.einsum("fni,fqnj->fqij", block.points[nodes], slopes)
     slopes = slopes @ np.linalg.inv(jacobian)
-    of_cells = [materials[number] for number in host.block_part[seam.cells]]
-    shear = np.array([one.shear_modulus_MPa for one in of_cells])
-    ratio = np.array([one.poissons_ratio for one in of_cells])
-    lame = 2.0 * shear * ratio / (1.0 - 2.0 * ratio)
     size = np.linalg.norm(seam.areas_mm2, axis=2)
+    lame, shear = (each[host.part[seam.places.cell]].reshape(size.shape) for each in _constants(materials))
     normal = seam.areas_mm2 / size[..., None]
     # Traction a by displacement b of node n: λ n_a g_b + μ g_a n_b + μ δ_ab g·n.
-    traction = lame[:, None, None, None, None] * np.einsum("fqa,fqnb->fqanb", normal, slopes)
-    traction += shear[:, None, None, None, None] * np.einsum("fqna,fqb->fqanb", slopes, normal)
-    along = shear[:, None, None] * np.einsum("fqna,fqa->fqn", slopes, normal)
+    traction = lame[:, :, None, None, None] * np.einsum("fqa,fqnb->fqanb", normal, slopes)
+    traction += shear[:, :, None, None, None] * np.einsum("fqna,fqb->fqanb", slopes, normal)
+    along = shear[:, :, None] * np.einsum("fqna,fqa->fqn", slopes, normal)
     for axis in range(3):
         traction[:, :, axis, :, axis] += along
     b, n = len(block.points), len(block.points) + len(host.solid.points)
@@ -106,46 +104,56 @@ def _seam_stiffness(block: HexMesh, host: Host, materials: tuple[Elastic, ...]) 
     gap = kron(coo_matrix((value, (row, column)), shape=(size.size, n)), identity(3), format="csr")
     area = diags(np.repeat(size.ravel(), 3))
     # The seam's spring per area, over the block's modulus by its elements' thickness there.
-    spring = 10.0 * ((lame + 2.0 * shear) / seam.depth_mm)[:, None] * size
+    spring = 10.0 * (lame + 2.0 * shear) / seam.depth_mm[:, None] * size
     work = gap.T @ area @ pulled
     return csr_matrix(gap.T @ diags(np.repeat(spring.ravel(), 3)) @ gap - work - work.T)
 
 
-def _of_block(mesh: HexMesh, part: IntArray, materials: tuple[Elastic, ...]) -> csr_matrix:
-    total = csr_matrix((3 * len(mesh.points), 3 * len(mesh.points)))
-    for number in np.unique(part):
-        total = total + stiffness_matrix(replace(mesh, cells=mesh.cells[part == number]), materials[number])
-    return csr_matrix(total)
-
-
-def _of_host(host: Host, materials: tuple[Elastic, ...]) -> csr_matrix:
-    """Stiffness of the host's nodes; each element counts by its share outside the block."""
+def _constants(materials: tuple[Elastic, ...]) -> tuple[Array, Array]:
+    """Lamé's constants λ and μ (k,) in MPa of k materials."""
     shear = np.array([one.shear_modulus_MPa for one in materials])
     ratio = np.array([one.poissons_ratio for one in materials])
-    lame = 2.0 * shear * ratio / (1.0 - 2.0 * ratio)
-    size, first = 3 * len(host.solid.points), 0
+    return 2.0 * shear * ratio / (1.0 - 2.0 * ratio), shear
+
+
+def _of_block(mesh: HexMesh, host: Host, materials: tuple[Elastic, ...]) -> csr_matrix:
+    if not host.block_part.any():
+        return stiffness_matrix(mesh, materials[0])
+    whole = SolidMesh(mesh.points, {8: mesh.cells}, {}, {})
+    return _of_solid(whole, host.block_part, np.ones(len(mesh.cells)), materials)
+
+
+def _of_solid(solid: SolidMesh, part: IntArray, share: Array, materials: tuple[Elastic, ...]) -> csr_matrix:
+    """Stiffness (3 n, 3 n) of a mesh whose cells count with a share (size,) each.
+
+    part: number of the material of each cell (size,), or at each of its integration points (size, q).
+    """
+    lame, shear = _constants(materials)
+    size, first = 3 * len(solid.points), 0
     total = csr_matrix((size, size))
-    for kind, cells in host.solid.groups:
+    for kind, cells in solid.groups:
         count = 3 * cells.shape[1]
-        for part in np.array_split(np.arange(len(cells)), max(1, len(cells) * count**2 // _CHUNK)):
-            number = host.part[first + part]
-            share = host.kept[first + part]
-            values = _of_elements(host, kind, cells[part], lame[number] * share, shear[number] * share)
-            unknowns = (3 * cells[part][:, :, None] + np.arange(3)).reshape(len(part), count)
-            rows, columns = np.repeat(unknowns, count, axis=1).ravel(), np.tile(unknowns, (1, count)).ravel()
-            total = total + coo_matrix((values.ravel(), (rows, columns)), shape=(size, size)).tocsr()
+        for rows in np.array_split(np.arange(len(cells)), max(1, len(cells) * count**2 // _CHUNK)):
+            number, counts = part[first + rows].reshape(len(rows), -1), share[first + rows, None]
+            values = _of_elements(solid, kind, cells[rows], lame[number] * counts, shear[number] * counts)
+            unknowns = (3 * cells[rows][:, :, None] + np.arange(3)).reshape(len(rows), count)
+            places = np.repeat(unknowns, count, axis=1).ravel(), np.tile(unknowns, (1, count)).ravel()
+            total = total + coo_matrix((values.ravel(), places), shape=(size, size)).tocsr()
         first += len(cells)
     return csr_matrix(total)
 
 
-def _of_elements(host: Host, kind: ElementKind, cells: IntArray, lame: Array, shear: Array) -> Array:
-    """Stiffness matrices (m, 3 k, 3 k) of elements (m, k) with Lamé's constants (m,)."""
-    slopes, volumes = host.solid.gradients(kind, cells)
-    products = np.einsum("mqia,mqjb,mq->miajb", slopes, slopes, volumes, optimize=True)
-    own = np.einsum("miaja->mij", products)
-    found = lame[:, None, None, None, None] * products
-    found += shear[:, None, None, None, None] * products.transpose(0, 1, 4, 3, 2)
+def _of_elements(solid: SolidMesh, kind: ElementKind, cells: IntArray, lame: Array, shear: Array) -> Array:
+    """Stiffness matrices (m, 3 k, 3 k) of elements (m, k) with Lamé's constants (m, q) at their integration points, or
+    (m, 1).
+    """
+    slopes, volumes = solid.gradients(kind, cells)
+    found, sheared = (
+        np.einsum("mqia,mqjb,mq->miajb", slopes, slopes, each * volumes, optimize=True) for each in (lame, shear)
+    )
+    found += sheared.transpose(0, 1, 4, 3, 2)
+    own = np.einsum("miaja->mij", sheared)
     for axis in range(3):
-        found[:, :, axis, :, axis] += shear[:, None, None] * own
+        found[:, :, axis, :, axis] += own
     k = cells.shape[1]
     return np.asarray(found.reshape(len(cells), 3 * k, 3 * k))

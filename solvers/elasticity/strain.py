@@ -35,9 +35,9 @@ TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and co
 def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
     """Stiffness matrix (3 n, 3 n) in N/mm (of a planar body per mm of thickness); Poisson's ratio must be below 0.5.
 
-    The displacement of node i in direction k is unknown 3 i + k; a node may be without cells. It is assembled from the
-    scalar forms G_ab = integral of (d phi_i / d x_a)(d phi_j / d x_b), several times faster than from the vector form:
-    the block of directions a, b is lambda G_ab + mu G_ba + delta_ab mu trace(G).
+    The displacement of node i in direction k is unknown 3 i + k. It is assembled from the scalar forms G_ab = integral
+    of (d phi_i / d x_a)(d phi_j / d x_b), several times faster than from the vector form: the block of directions a, b
+    is lambda G_ab + mu G_ba + delta_ab mu trace(G).
     """
     from skfem import BilinearForm
     from skfem.models.elasticity import lame_parameters
@@ -49,7 +49,6 @@ def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
     for i, a in enumerate(axes):
         for j, b in list(enumerate(axes))[i:]:
             form = BilinearForm(lambda u, v, _, i=i, j=j: v.grad[i] * u.grad[j]).assemble(basis)
-            form.resize(n, n)  # Nodes without cells, after the last one that has some, are not counted.
             gradients[a, b] = form
             gradients[b, a] = form if a == b else form.T
     laplacian = gradients[0, 0] + gradients[1, 1] + gradients[2, 2]

@@ -70,7 +70,7 @@ def test_inside_an_embedded_block_of_two_materials_the_patch_moves_as_its_compli
     source = MeshSource(str(file), digest_of(str(file)), 1.0, "contact", "grip", parts=parts)
     axis = GradedAxis(0.1, 0.1, 0.1, 0.2)
     meshed = build_body(EmbeddedGeometry(CURVED, CURVED, 0.5, 0.5, 0.5, axis, axis, 0.25, source=source))
-    assert set(meshed.host.block_part) == {0, 1}  # type: ignore[union-attr]
+    assert set(meshed.host.block_part.ravel()) == {0, 1}  # type: ignore[union-attr]
     nodes = meshed.patch.nodes.ravel()
     force = np.random.default_rng(1).normal(size=(1, len(nodes), 3))
     interior = EmbeddedInterior(meshed.mesh, STEEL, nodes[:0], joined=Joined.of(meshed, STEEL))
