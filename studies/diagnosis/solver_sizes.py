@@ -45,11 +45,11 @@ LEAST = 1.0
 
 #: Sizes in calibration.toml of what a factor of each component multiplies.
 ENTRIES: Mapping[str, tuple[str, ...]] = {
-    "stick": ("observe.stick.tip_share",),
-    "knee": ("observe.knee_peak.peak_share", "observe.knee_peak.wall_share"),
-    "plateau": ("observe.plateau.slope_share",),
-    "energy": ("observe.evolution.slope_share",),
-    "hooks": ("model.numerical.hooks.whole",),
+    "stick": ("observe.along_branches.stick.tip_share",),
+    "knee": ("observe.along_branches.knee_peak.peak_share", "observe.along_branches.knee_peak.wall_share"),
+    "plateau": ("observe.along_branches.plateau.slope_share",),
+    "energy": ("observe.channels.evolution.slope_share",),
+    "hooks": ("infer.covariance.hooks.whole",),
 }
 
 KEPT = ("compliance",)  #: Freedoms that keep their sizes: of how wires are held, which is alike in all pairs.
@@ -163,7 +163,7 @@ def left_out(pairs: Sequence[Pair], sizes: Sizes, iterations: int = 15) -> dict[
 def entries(sizes: Sizes) -> dict[str, float]:
     """Factors (of sizes) by their names in calibration.toml; the means of the freedoms as they are to be."""
     factors = dict(zip((*sizes.freedoms, *sizes.parts), np.exp(sizes.log_factors).tolist(), strict=True))
-    found = {f"model.numerical.freedoms.{name}": factors[name] for name in sizes.freedoms if name not in KEPT}
+    found = {f"surrogate.wear_states.freedoms.{name}": factors[name] for name in sizes.freedoms if name not in KEPT}
     for name in sizes.parts:
         found |= dict.fromkeys(ENTRIES[name], factors[name])
     return found
@@ -172,7 +172,7 @@ def entries(sizes: Sizes) -> dict[str, float]:
 def written(text: str, sizes: Sizes, commit: str) -> str:
     """calibration.toml with these sizes and means; what stays as it was keeps the commit in which it first stood."""
     means = {
-        f"model.numerical.expected.{name}": EXPECTED[name] + shift * NUMERICAL[name]
+        f"surrogate.candidates.{name}": EXPECTED[name] + shift * NUMERICAL[name]
         for name, shift in zip(EXPECTED, sizes.shifts.tolist(), strict=True)
     }
     table, lines, changed = "", [], entries(sizes)

@@ -1,6 +1,7 @@
 """Every tuned constant of the diagnosis stands in one file, with what set it, and is read from there."""
 
 import ast
+import re
 from collections.abc import Iterator
 from copy import deepcopy
 from dataclasses import replace
@@ -24,8 +25,8 @@ ELSEWHERE = {
 
 #: Constants of the code: formats, seeds, unit factors, exponents, closed forms, resolutions of sums, and round-off.
 OF_THE_CODE = {
-    "_GENERATION", "_SEED", "FORMAT", "UM3_PER_MJ", "ODD_POWERS", "EVEN_POWERS", "LIFT_POWERS", "FULL_SLIP", "_LEAST_P",
-    "_CONFORMAL_GROWTH", "STEP", "_DIRECTIONS", "DIRECTIONS", "PLACES", "WITHIN", "STRIP", "OWN_NOISE", "_TOGETHER",
+    "_GENERATION", "FORMAT", "UM3_PER_MJ", "ODD_POWERS", "EVEN_POWERS", "LIFT_POWERS", "FULL_SLIP", "_DIRECTIONS",
+    "DIRECTIONS", "PLACES", "WITHIN", "_TOGETHER", "_CONFORMAL_GROWTH",
 }  # fmt: skip
 
 #: Tuned numbers; there may be fewer, never more.
@@ -77,6 +78,15 @@ def test_no_module_holds_tuned_numbers_of_its_own(file: Path) -> None:
     assert not (set(numbers_of_modules(file)) - OF_THE_CODE)
 
 
+@pytest.mark.parametrize("file", sorted(FOLDER.rglob("*.py")), ids=lambda file: file.name)
+def test_a_module_reads_the_constants_of_its_own_name(file: Path) -> None:
+    name = ".".join(file.relative_to(FOLDER).with_suffix("").parts)
+    read = (
+        re.findall(r'constants\("([\w.]+)"\)', file.read_text(encoding="utf-8")) if file.stem != "calibration" else []
+    )
+    assert [table for table in read if table != name and not table.startswith(f"{name}.")] == []
+
+
 def test_the_hash_changes_with_the_file_and_whatever_is_stated_of_an_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     known, before = all_effects(), digest()
     assert digest() == before
@@ -103,10 +113,10 @@ def test_a_scaled_count_stays_whole_and_a_correlation_below_one(monkeypatch: pyt
     tables = deepcopy(calibration._tables())
     monkeypatch.setattr(calibration, "_tables", lambda: tables)
     before = {one.name: np.atleast_1d(one.value) for one in all_constants()}
-    for name in ("observe.differences.reach", "model.numerical.smooth.turned", "observe.evolution.fewest"):
+    for name in ("observe.observable.reach", "infer.covariance.smooth.turned", "observe.channels.evolution.fewest"):
         calibration.scale(name, 2.0)
     after = {one.name: np.atleast_1d(one.value) for one in all_constants()}
-    assert after["observe.differences.reach"] == 2.0 * before["observe.differences.reach"]
-    assert 0.99 < after["model.numerical.smooth.turned"] < 1.0
-    assert after["observe.evolution.fewest"] == 16
+    assert after["observe.observable.reach"] == 2.0 * before["observe.observable.reach"]
+    assert 0.99 < after["infer.covariance.smooth.turned"] < 1.0
+    assert after["observe.channels.evolution.fewest"] == 16
     assert sum(not np.array_equal(before[name], after[name]) for name in before) == 3

@@ -20,7 +20,7 @@ from wirewear.records.remarks import Remark
 
 FORMAT = 1
 
-_KNOWN = constants("report.values")
+_KNOWN = constants("answer")
 
 #: By how much intervals are wider than their fit says, so that as many hold as they state: of some effects, of others.
 _STRETCH = _KNOWN.number("stretch")

@@ -1,6 +1,6 @@
 """The tuned constants of the diagnosis, read once from calibration.toml, where each says what set it.
 
-SIZES = constants("observe.plateau")
+SIZES = constants("observe.along_branches.plateau")
 SLOPE_SHARE = SIZES.number("slope_share")
 """
 

@@ -44,7 +44,7 @@ from wirewear.effects import all_effects, measurements
 from wirewear.records import AnyRecord
 from wirewear.test import AnyStudy
 
-_KNOWN = constants("diagnose")
+_KNOWN = constants("record_diagnosis")
 
 #: An explanation that fails, but takes this share of χ², is named as a part of one.
 LEAST_REMOVED = _KNOWN.number("least_removed")

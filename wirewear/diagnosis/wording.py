@@ -36,7 +36,7 @@ SEAMS = {
     "specimens": "shape and mounting of the specimens",
 }
 
-_KNOWN = constants("diagnose")
+_KNOWN = constants("wording")
 
 #: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
 AS_MUCH = _KNOWN.number("as_much")

@@ -28,7 +28,7 @@ from wirewear.diagnosis.surrogate.wear_states import WearStates
 #: Standard deviations of what honest models and rigs differ by that a tolerance is: nineteen of twenty stay within it.
 WITHIN = 1.96
 
-_HOOKS, _SMOOTH = constants("model.numerical.hooks"), constants("model.numerical.smooth")
+_HOOKS, _SMOOTH = constants("infer.covariance.hooks"), constants("infer.covariance.smooth")
 
 #: Share of the force that slopes cause by which hooks differ as a whole.
 HOOK = _HOOKS.number("whole")
@@ -48,7 +48,7 @@ _RELATIVE = {"friction": "friction_factor", "wear": "wear_factor", "load": "load
 
 #: Names of components that are no observable's.
 HOOKS, OWN = "hooks", "own"
-_OF_REPEATABILITY = constants("infer.repeatability")
+_OF_REPEATABILITY = constants("infer.covariance.repeatability")
 
 #: The expected noise counts as so many numbers.
 EXPECTED_NUMBERS = _OF_REPEATABILITY.number("expected_numbers")

@@ -22,7 +22,7 @@ from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.effects import Age, Ageing, Chain, Seam
 
-_KNOWN = constants("infer.families")
+_KNOWN = constants("infer.distortions")
 
 #: Shares of the plateau force or of the amplitude by which a distortion is tried; none is more likely than another.
 SIZES = _KNOWN.numbers("sizes")

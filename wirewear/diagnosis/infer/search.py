@@ -53,7 +53,7 @@ _HOPELESS = _KNOWN.number("hopeless")
 
 
 #: How often a set holds the cause.
-LEVEL = constants("infer.sets").number("level")
+LEVEL = constants("infer.search.sets").number("level")
 
 
 @dataclass(frozen=True, eq=False)

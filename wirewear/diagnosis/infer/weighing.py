@@ -45,7 +45,7 @@ SURE = _KNOWN.number("sure")
 #: Log evidence below the best's from which on an effect is not compared with it, and how many are at most.
 _NEGLIGIBLE, _MOST_COMPARED = _KNOWN.number("negligible"), _KNOWN.count("most_compared")
 
-_OF_GATE = constants("infer.gate")
+_OF_GATE = constants("infer.weighing.gate")
 
 #: Standard deviation of the logarithm by which the variance of one observable's solver differences lies above or below
 #: the learned one, from test to test.

@@ -27,7 +27,7 @@ _KNOWN = constants("infer.where")
 #: Share of false discoveries that is accepted among the places flagged (Benjamini & Hochberg 1995).
 FALSE_DISCOVERIES = _KNOWN.number("false_discoveries")
 
-_ALIKE = constants("infer.resembling")
+_ALIKE = constants("infer.where.resembling")
 
 #: Families less probable than this are not listed; of several, so many are.
 LEAST_LISTED, MOST_LISTED = _ALIKE.number("least_listed"), _ALIKE.count("most_listed")

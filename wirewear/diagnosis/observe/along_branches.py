@@ -21,7 +21,7 @@ from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.sensing import read_along, still_to_come
 from wirewear.loops.noise import noise_factor
 
-_OF_STICK = constants("observe.stick")
+_OF_STICK = constants("observe.along_branches.stick")
 
 #: Levels as shares of the force at mid-stroke.
 FORCES = _OF_STICK.numbers("forces")
@@ -31,9 +31,9 @@ FORCES = _OF_STICK.numbers("forces")
 FEW_SAMPLES, SHELF_SHARE = _OF_STICK.count("few_samples"), _OF_STICK.number("shelf_share")
 
 #: Displacements are read from at most so many samples on a side.
-STICK_NEAR = constants("observe.local_lines").count("stick_near")
+STICK_NEAR = constants("observe.along_branches.stick").count("stick_near")
 
-_OF_SHELF = constants("observe.shelf")
+_OF_SHELF = constants("observe.along_branches.shelf")
 
 #: Forces up to this share of the plateau's count as none: the zero of a force may be off, or a guide lean.
 SHARE = _OF_SHELF.number("share")
@@ -41,7 +41,7 @@ SHARE = _OF_SHELF.number("share")
 #: Solver differences: share of the travel.
 TRAVEL_SHARE = _OF_SHELF.number("travel_share")
 
-_KNOWN = constants("observe.plateau")
+_KNOWN = constants("observe.along_branches.plateau")
 
 #: Places along a branch as shares of the reading's amplitude; the first lies so far past the knee at least.
 POSITIONS = _KNOWN.numbers("positions")
@@ -52,14 +52,14 @@ TIP = _KNOWN.number("tip")
 
 #: Beyond that share of it walls stand, whose shape solvers see apart: over a shorter share are they alike there.
 WALL_PLACE, REACH_WALL = _KNOWN.each("wall_place", "reach_wall")
-_OF_KNEE_PEAK = constants("observe.knee_peak")
+_OF_KNEE_PEAK = constants("observe.along_branches.knee_peak")
 
 #: Solver differences: share of the peak that slopes make, and of how high walls are there.
 PEAK_SHARE = _OF_KNEE_PEAK.number("peak_share")
 
 #: Walls are high where slopes raise the force by this share of it.
 WALL_HEIGHT = _OF_KNEE_PEAK.number("wall_height")
-_OF_WINDOWS = constants("observe.knee")
+_OF_WINDOWS = constants("observe.along_branches.knee")
 
 #: Windows of travel past the knee in amplitudes: where a peak stands, and beyond it.
 PEAK, BEYOND = _OF_WINDOWS.pair("peak"), _OF_WINDOWS.pair("beyond")

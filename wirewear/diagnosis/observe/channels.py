@@ -32,7 +32,7 @@ from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.sensing import SLIDING, read_along
 from wirewear.loops.sensor import enclosed_areas
 
-_KNOWN = constants("observe.normal_along")
+_KNOWN = constants("observe.channels.normal_along")
 
 #: The middle of the stroke reaches so far, its ends begin there, as shares of the amplitude.
 MIDDLE, OUTER = _KNOWN.each("middle", "outer")
@@ -40,7 +40,7 @@ MIDDLE, OUTER = _KNOWN.each("middle", "outer")
 #: Samples that a part of the stroke has at least.
 FEWEST = _KNOWN.count("fewest")
 
-_OF_EVOLUTION = constants("observe.evolution")
+_OF_EVOLUTION = constants("observe.channels.evolution")
 
 #: Cycles that are used at most; they lie further than this ratio from all logged loops, which would count them twice.
 MOST_CYCLES, FAR = _OF_EVOLUTION.count("most_cycles"), _OF_EVOLUTION.number("far")

@@ -17,7 +17,7 @@ from wirewear.loops.branches import FALLEN
 from wirewear.loops.noise import noise_factor, noise_product
 
 #: A force level lies on the stick branch if it is below this share of the rise from reversal to knee.
-STICK_SHARE = constants("observe.branch").number("stick_share")
+STICK_SHARE = constants("observe.local_lines.branch").number("stick_share")
 
 _KNOWN = constants("observe.local_lines")
 
@@ -31,7 +31,7 @@ CHORD_ERROR = _KNOWN.number("chord_error")
 OUTLYING = _KNOWN.number("outlying")
 
 #: The knee is where the share of the rise leads the travel, in this many amplitudes, the most.
-KNEE_TRAVEL, KNEE_EARLY = constants("observe.knee").each("travel", "early")
+KNEE_TRAVEL, KNEE_EARLY = constants("observe.local_lines.knee").each("travel", "early")
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,7 +30,7 @@ from wirewear.loops.sensor import enclosed_area
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
 
-_OF_MOTION_OF_LOOPS = constants("observe.motion_of_loops")
+_OF_MOTION_OF_LOOPS = constants("observe.measured_loops.motion_of_loops")
 
 #: Harmonics of a loop's displacement that are used at most, and samples for each.
 MOST_HARMONICS, SAMPLES_A_HARMONIC = (
@@ -55,10 +55,10 @@ FEWEST_SAMPLES = _KNOWN.count("fewest_samples")
 #: Nothing is known better than this share of it.
 LEAST_NOISE = _KNOWN.number("least_noise")
 
-_OF_NOISE = constants("observe.noise_of_samples")
+_OF_NOISE = constants("observe.measured_loops.noise_of_samples")
 
 #: Neighbours that are more alike than this are a drift, not noise.
-MOST_CORRELATED = constants("observe.noise_of_sums").number("most_correlated")
+MOST_CORRELATED = constants("observe.measured_loops.noise_of_sums").number("most_correlated")
 
 #: Least and largest degree of the curve through a sliding branch about which its noise is taken, and samples for each:
 #: the walls of a deep scar bend a branch sharply near its ends.

@@ -27,7 +27,7 @@ from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.sensing import MIDDLE, SLIDING, read_along
 from wirewear.records.tables import Tolerance
 
-_OF_DIFFERENCES = constants("observe.differences")
+_OF_DIFFERENCES = constants("observe.observable")
 
 #: Share of a solver difference that is not smooth from one level to the next; over which share of the amplitude, of the
 #: force or of a scar's half-width it is alike; and how large it is, a share of the force that slopes add.

@@ -26,12 +26,12 @@ from wirewear.records.checking import analysed
 from wirewear.records.course_checks import other_definitions
 from wirewear.records.remarks import of_equal_times
 
-_KNOWN = constants("observe.reading")
+_KNOWN = constants("observe.observed_record.reading")
 
 #: Logged cycles that are used at most.
 MOST_CYCLES = _KNOWN.count("most_cycles")
 
-_OF_CORNERS = constants("observe.corners")
+_OF_CORNERS = constants("observe.observed_record.corners")
 
 #: Numbers of corners that are tried (with more, lines cut little of a loop), and samples that a line has at least.
 FEWEST_CORNERS, MOST_CORNERS = _OF_CORNERS.count("fewest_corners"), _OF_CORNERS.count("most_corners")

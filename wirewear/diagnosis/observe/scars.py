@@ -32,7 +32,7 @@ SHALLOW_SKEW = _KNOWN.number("shallow_skew")
 #: The least points of a map.
 FEWEST_POINTS = _KNOWN.count("fewest_points")
 
-_PROFILES = constants("observe.profiles")
+_PROFILES = constants("observe.scars.profiles")
 
 #: Places to either side of the middle, in half-widths of the scar; width of the bins in which depths are averaged.
 PLACES, BIN = _PROFILES.numbers("places"), _PROFILES.number("bin")

@@ -21,7 +21,7 @@ from wirewear.test.bodies import Gap
 
 #: Where numerical freedoms lie on average, if not at their neutral value: a quick run sees a scar longer than the slip
 #: and blunts its walls, so that the state that fits others' loops is one of less wear with steeper slopes.
-EXPECTED: Mapping[str, Any] = constants("model.numerical.expected").all()
+EXPECTED: Mapping[str, Any] = constants("surrogate.candidates").all()
 
 
 @dataclass(frozen=True)

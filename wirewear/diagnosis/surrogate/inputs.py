@@ -20,7 +20,7 @@ from wirewear.test.programme import Schedule, held_by, worked_course
 from wirewear.test.tables import compliance
 
 #: Friction force and amplitude of the article's test of wires, for which effects state what one expects of them.
-_KNOWN = constants("model.setup")
+_KNOWN = constants("surrogate.inputs")
 _WIRES_N, _WIRES_um, _WIRES_CYCLES = _KNOWN.each("wires_force", "wires_amplitude", "wires_cycles")
 
 STEADY = LoadCycle()

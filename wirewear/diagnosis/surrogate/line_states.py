@@ -20,7 +20,7 @@ from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate import loop_states
 from wirewear.diagnosis.surrogate.line_wear import WornLine, WornLineContact, between, transformed, worn_line
-from wirewear.diagnosis.surrogate.sticking import sticking_states, sticks
+from wirewear.diagnosis.surrogate.sticking import FREEDOMS, sticking_states, sticks
 from wirewear.diagnosis.surrogate.wear_states import NUMERICAL, WearStates
 from wirewear.reference import Elastic, contact_modulus
 from wirewear.test.faces import Face
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
     from wirewear.results import Loop, RunResult
 
 
-_KNOWN = constants("model.line_states")
+_KNOWN = constants("surrogate.line_states")
 
 #: Standard deviations of the fast model's numerical freedoms on line contacts: slopes as of wires, and the stiffness.
 LINE_FREEDOMS: Mapping[str, float] = {
     "slope_factor": NUMERICAL["slope_factor"],
     "tip_factor": NUMERICAL["tip_factor"],
-    "stick_factor": _KNOWN.number("stick_factor"),
+    "stick_factor": FREEDOMS["stick_factor"],
 }
 
 #: Shares of the rise between which a branch is fitted, and past how many travels of full slip it slides for certain.

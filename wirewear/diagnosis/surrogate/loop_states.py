@@ -17,9 +17,9 @@ from wirewear.results.scar import SCAR_FIGURES, scar_figures
 from wirewear.test import study_from_tables
 
 #: For a skew, depths below this share of the deepest are left out: the ground counts by its distance squared.
-_SKEW_EDGE = constants("model.scar_figures").number("skew_edge")
+_SKEW_EDGE = constants("surrogate.loop_states.scar_figures").number("skew_edge")
 
-_KNOWN = constants("model.loop_states")
+_KNOWN = constants("surrogate.loop_states")
 
 #: Powers of the position s/δ in θ and in φ. A scar's ends are steeper than its middle, so high odd powers matter.
 ODD_POWERS, EVEN_POWERS = (1, 3, 5, 7, 9), (0, 2)
@@ -41,7 +41,7 @@ _MICRO_SLIP = _KNOWN.pair("micro_slip")
 #: States are smoothed over this difference of the volume's logarithm.
 _SMOOTHING = _KNOWN.number("smoothing")
 
-_MOTION = constants("model.motion")
+_MOTION = constants("surrogate.loop_states.motion")
 
 #: Even phases at which a motion is tabulated.
 _PHASES = _MOTION.count("phases")

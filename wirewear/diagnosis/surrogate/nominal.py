@@ -32,7 +32,7 @@ _FOLDER = "wirewear-nominal-"
 ObserverOf = Callable[[str], "AbstractContextManager[Any]"]
 Stage = Callable[[str], "AbstractContextManager[object]"]  #: Entered for each part of the work, with what it is.
 
-_KNOWN = constants("model.nominal")
+_KNOWN = constants("surrogate.nominal")
 
 #: Relative difference up to which model and record describe the same test.
 SAME = _KNOWN.number("same_test")
@@ -49,7 +49,7 @@ INCREMENTS_PER_CYCLE = _KNOWN.count("increments_per_cycle")
 #: Late loops change most: shares of the cycles at which one more is logged; and how many a run that fails must have.
 _LATE_LOOPS, _FEWEST_LOOPS = _KNOWN.numbers("late_loops"), _KNOWN.count("fewest_loops")
 
-_OF_LINE_NOMINAL = constants("model.line_nominal")
+_OF_LINE_NOMINAL = constants("surrogate.nominal.line_nominal")
 
 #: The run wears so many times as fast as stated, so that other wear only re-labels its cycles; and how coarsely it
 #: jumps, which moves depths by a thousandth.

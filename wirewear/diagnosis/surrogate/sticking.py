@@ -27,11 +27,11 @@ from wirewear.test import study_from_tables
 if TYPE_CHECKING:
     from geometry.arrays import Array
 
-_KNOWN = constants("model.sticking")
+_KNOWN = constants("surrogate.sticking")
 
 #: Standard deviations of the fast model's numerical freedoms where a contact sticks in its middle: meshes that are made
 #: for what slips know its stiffness, and its order, as well as those of lines do.
-FREEDOMS = dict.fromkeys(("stick_factor", "micro_slip"), constants("model.line_states").number("stick_factor"))
+FREEDOMS = dict.fromkeys(("stick_factor", "micro_slip"), _KNOWN.number("stick_factor"))
 
 #: Orders that a contact may have, and shares of the friction at which a loop shows one.
 _ORDERS, _SHARES = _KNOWN.pair("orders"), _KNOWN.pair("shares")

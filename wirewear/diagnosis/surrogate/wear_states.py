@@ -38,13 +38,13 @@ if TYPE_CHECKING:
     from wirewear.results import RunResult
 
 
-_KNOWN = constants("model.wear_states")
+_KNOWN = constants("surrogate.wear_states")
 
 #: Powers of the worn volume with which `SCAR_FIGURES` of bodies grow that wear into one another.
 _CONFORMAL_GROWTH = np.array([1.0, 0.5, 0.25, 0.25])
 
 #: Standard deviations of the fast model's numerical freedoms: how far it and other solvers differ without a gap.
-NUMERICAL: Mapping[str, float] = constants("model.numerical.freedoms").all()
+NUMERICAL: Mapping[str, float] = constants("surrogate.wear_states.freedoms").all()
 
 #: Flattenings are followed up to this one.
 DEEPEST_um = _KNOWN.number("deepest_flattening")
