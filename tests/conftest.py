@@ -59,11 +59,17 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items.sort(key=lambda item: (-minutes[item.path], -slow[item.path], -count[item.path], item.path))
 
 
+def pytest_configure() -> None:
+    """What is loaded for the tests stays: looking for garbage in it again and again took a tenth of their time."""
+    gc.disable()
+
+
 def pytest_collection_finish() -> None:
-    """What is loaded by now stays: looking for garbage in it again and again took a tenth of the time of all tests."""
+    """All is loaded."""
     gc.collect()
     gc.freeze()
     gc.set_threshold(10_000, 20, 10)
+    gc.enable()
 
 
 @pytest.fixture(scope="session", autouse=True)

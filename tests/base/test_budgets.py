@@ -79,7 +79,7 @@ def test_an_export_that_no_memory_holds_is_refused() -> None:
         record_of_result(made, repeats=1000, samples=100_000)
 
 
-LINE = line_study(mesh={"contact_mesh_um": 0.2})
+LINE = line_study(conditions={"held_energy_mJ_per_mm": 0.3}, mesh={"contact_mesh_um": 0.2})
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, metadata, version
@@ -17,6 +17,7 @@ from packaging.specifiers import SpecifierSet
 
 from tests.house.project import PROJECT, ROOT, imported_modules
 from tools.house import branches_on_kinds, circles, imports_among, modules_of, nodes_of, rooms_among, weights
+from wirewear.base.cache import CONDENSATION_CODE, RUN_CODE
 
 pytestmark = pytest.mark.seconds
 LAYERS = ("geometry", "solvers", "wirewear", "studies")
@@ -152,6 +153,38 @@ def test_no_rooms_import_one_another_in_a_circle() -> None:
     assert circles(rooms_among(modules_of(ROOT))) == []
 
 
+def closure(graph: dict[str, set[str]], start: str) -> Iterator[str]:
+    seen, ahead = {start}, [start]
+    while ahead:
+        module = ahead.pop()
+        yield module
+        ahead += sorted(graph[module] - seen)
+        seen |= graph[module]
+
+
+@pytest.mark.first_case
+@pytest.mark.seconds
+@pytest.mark.parametrize(
+    ("start", "code", "left_out"),
+    [
+        ("wirewear.simulation.runs", RUN_CODE, ("wirewear.base",)),
+        ("solvers.elasticity.condensation", CONDENSATION_CODE, ("solvers",)),
+    ],
+)
+def test_the_code_of_an_identity_is_all_that_the_answer_comes_from(
+    start: str, code: tuple[str, ...], left_out: tuple[str, ...]
+) -> None:
+    packages = [modules_of(ROOT, package) for package in ("geometry", "solvers", "wirewear")]
+    modules = {name: file for package in packages for name, file in package.items()}
+    graph = imports_among(modules)
+    hashed = [ROOT / name for name in code]
+    for module in closure(graph, start):
+        file = modules[module]
+        held = any(file == own or own in file.parents for own in hashed)
+        neutral = any(module == name or (name != "solvers" and module.startswith(f"{name}.")) for name in left_out)
+        assert held or neutral, f"{module} is missing from the code of {start}"
+
+
 def test_pages_are_asked_for_by_the_applications_alone() -> None:
     asking = {
         room_of(name) for name, targets in imports_of().items() if any(room_of(one) == "views" for one in targets)
@@ -159,6 +192,7 @@ def test_pages_are_asked_for_by_the_applications_alone() -> None:
     assert asking - {"views"} == set(APPLICATIONS)
 
 
+@pytest.mark.slow
 def test_any_room_can_be_entered_first() -> None:
     """A command begins at the room that it needs, with nothing of the others loaded."""
     rooms = [f"wirewear.{room}".rstrip(".") for room in ROOMS if room != "__main__"]

@@ -394,7 +394,7 @@ def test_energy_in_partial_slip_is_that_of_cattaneo_and_of_nowell_and_hills(
 
 
 @pytest.mark.seconds
-@pytest.mark.parametrize(("share", "stress_MPa"), [(0.3, 0.0), (0.5, 60.0)])
+@pytest.mark.parametrize(("share", "stress_MPa"), [(0.5, 60.0), pytest.param(0.3, 0.0, marks=pytest.mark.slow)])
 def test_tension_at_the_trailing_edge_in_partial_slip_is_that_of_nowell_and_hills(
     share: float, stress_MPa: float
 ) -> None:

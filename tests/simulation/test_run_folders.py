@@ -1,7 +1,6 @@
 """A run's folder: no other version's result stands for one's own, two never write at once, nothing old stays behind."""
 
 import os
-from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -10,10 +9,9 @@ import pytest
 
 from tests import synthetic_results
 from tests.simulation.coarse_runs import COARSE, VARIANTS, Recorder, coarse
-from tools.house import imports_among, modules_of
 from wirewear import RunError, RunResult, Study, run_study, write_result
 from wirewear.base import cache
-from wirewear.base.cache import CONDENSATION_CODE, RUN_CODE, Identity, code_hash, digest
+from wirewear.base.cache import Identity, code_hash, digest
 from wirewear.base.locks import LOCK_FILE_NAME, occupied
 from wirewear.results import RESULT_FILE_NAME, read_results
 from wirewear.simulation.point_runs import PointRun
@@ -104,38 +102,6 @@ def test_results_are_not_mixed_up_with_other_runs_in_the_same_folder(tmp_path: P
     run(tmp_path / "alone")
     run(tmp_path / "alone", coarse(COARSE + VARIANTS), resume=False)
     assert [result.variant for result in read_results(tmp_path / "alone")] == ["compliant", "rigid"]
-
-
-def closure(graph: dict[str, set[str]], start: str) -> Iterator[str]:
-    seen, ahead = {start}, [start]
-    while ahead:
-        module = ahead.pop()
-        yield module
-        ahead += sorted(graph[module] - seen)
-        seen |= graph[module]
-
-
-@pytest.mark.first_case
-@pytest.mark.seconds
-@pytest.mark.parametrize(
-    ("start", "code", "left_out"),
-    [
-        ("wirewear.simulation.runs", RUN_CODE, ("wirewear.base",)),
-        ("solvers.elasticity.condensation", CONDENSATION_CODE, ("solvers",)),
-    ],
-)
-def test_the_code_of_an_identity_is_all_that_the_answer_comes_from(
-    start: str, code: tuple[str, ...], left_out: tuple[str, ...]
-) -> None:
-    packages = [modules_of(ROOT, package) for package in ("geometry", "solvers", "wirewear")]
-    modules = {name: file for package in packages for name, file in package.items()}
-    graph = imports_among(modules)
-    hashed = [ROOT / name for name in code]
-    for module in closure(graph, start):
-        file = modules[module]
-        held = any(file == own or own in file.parents for own in hashed)
-        neutral = any(module == name or (name != "solvers" and module.startswith(f"{name}.")) for name in left_out)
-        assert held or neutral, f"{module} is missing from the code of {start}"
 
 
 def test_a_hash_changes_with_any_byte_of_the_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -36,9 +36,9 @@ specimen_energy_mm3_per_J = 2e-5
 [log]
 loop_cycles = [2000]
 [mesh]
-contact_mesh_um = 12.0
+contact_mesh_um = 16.0
 scar_half_width_um = 250.0
-increments_per_cycle = 24
+increments_per_cycle = 16
 """
 
 
