@@ -69,12 +69,11 @@ def with_keys(keys: dict[str, Any], *effects: dict[str, Any]) -> dict[str, Any]:
 def test_any_test_has_no_gap_as_stated_and_its_friction_is_found(test: str, tmp_path: Path) -> None:
     keys, block = TESTS[test]
     noise = SensorNoise(displacement_um=0.05, tangential_force_N=0.5, normal_force_N=0.5)
-    stated = study_from_tables(with_keys(keys), "s")
     for effects in ((), ({"name": "friction_offset", "friction": FRICTION},)):
         study = study_from_tables(with_keys(keys, *effects), "s")
         (run,) = run_study(study, fidelity="quick", output=tmp_path / str(len(effects)))
         made = record_of_result(run, sensor=Sensor(noise=noise), repeats=2, seed=5, samples=300, depth_noise_um=0.05)
-        found = diagnose(made.of_block(block), model=None if block else stated).diagnosis
+        found = diagnose(made.of_block(block)).diagnosis
         if not effects:
             assert found.verdict == "no_gap"
             continue

@@ -34,13 +34,17 @@ def test_an_exported_run_comes_back_as_its_own_record_without_problems(tmp_path:
         assert record.worn_volumes_mm3[body][1] == pytest.approx(run.scar(100_000, body).volume_mm3, rel=0.01)
 
 
-def test_a_record_states_a_pad_of_revolution(tmp_path: Path) -> None:
+def test_a_record_states_a_pad_of_revolution_layers_and_the_form_of_the_wear_law(tmp_path: Path) -> None:
     run = run_of("point-contact")
     cut = {"shape": "pad", "radius_mm": RADIUS_mm, "face_half_width_mm": 0.1, **STEEL}
-    study = study_from_tables({**run.study, "bodies": {"lower": {"shape": "flat", **STEEL}, "upper": cut}}, "s")
+    flat = {"shape": "flat", "layers": [{"thickness_um": 1.0, "friction": 0.3}], **STEEL}
+    law = {"name": "energy-threshold", "threshold_mJ_per_mm2": 200.0}
+    changed = {"bodies": {"lower": flat, "upper": cut}, "wear": {**run.study["wear"], "law": law}}
+    study = study_from_tables({**run.study, **changed}, "s")
     record = record_of_result(dataclasses.replace(run, study=study.resolved()))
     again = read_record(write_record(tmp_path / "record", record))
-    assert study_from_tables(tables_of_study(again), "s").bodies == study.bodies
+    stated = study_from_tables(tables_of_study(again), "s")
+    assert (stated.bodies, stated.laws) == (study.bodies, study.laws)
 
 
 def tables_of_study(record: ExperimentRecord[Any, Any]) -> dict[str, Any]:

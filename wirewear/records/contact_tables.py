@@ -22,6 +22,7 @@ from wirewear.test.keys import Inconsistency, Table, one_of
 from wirewear.test.lengths import stated_length_mm, whole_test
 from wirewear.test.lines import Extent, Pad, PadAndSpecimen, Specimen, WearOfBodies
 from wirewear.test.points import TwoBodies
+from wirewear.test.surfaces import LAYERS, LayerTable
 
 
 class RecordContact(keys.Table):
@@ -38,13 +39,14 @@ class RecordBody(MaterialKeys, StatedBody):
 
     height_mm: Extent | None = Field(None, description="height between the contact and where the body is held")
     half_width_mm: Extent | None = Field(None, description="half of the body's width along the motion")
+    layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
 
 
 class RecordPad(PadFace, RecordBody):
     """Pad with its face and elastic constants."""
 
 
-class LineStated(tables.StatedRig, WearOfBodies, tables.StatedFriction):
+class LineStated(tables.StatedRig, WearOfBodies, tables.StatedLaw, tables.StatedFriction):
     """Statements of the rig's owner; unstated properties are taken as ideal."""
 
     stiffness_includes: Annotated[Literal["rig only", "bodies"], PlainValidator(keys.one_of("rig only", "bodies"))] = (
@@ -132,10 +134,11 @@ class LineTest(OfRecord):
     def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
         del label
         round_pad, length_mm = study["pad"].get("radius_mm") is not None, study["contact"]["length_mm"]
+        pad, specimen = ({key: own for key, own in study[body].items() if own != []} for body in BODIES)
         return {
             "contact": {"kind": kinds.CYLINDER_ON_FLAT if round_pad else kinds.LINE_CONTACT, "length_mm": length_mm},
-            "pad": tables.known_of(RecordPad, {**study["pad"], "material": None}),
-            "specimen": tables.known_of(RecordBody, {**study["specimen"], "material": None}),
+            "pad": tables.known_of(RecordPad, {**pad, "material": None}),
+            "specimen": tables.known_of(RecordBody, {**specimen, "material": None}),
         }
 
     @classmethod

@@ -96,7 +96,13 @@ class StatedRig(HolderTable, StatedFriction):
         return self.model_copy(update={"friction_evolution": None, **fitted})
 
 
-class StatedWear(keys.Table):
+class StatedLaw(keys.Table):
+    """Form of the wear law as the rig's owner states it."""
+
+    law: keys.WearLawKey | None = Field(None, description="form of the wear law, as in [wear] of a study")
+
+
+class StatedWear(StatedLaw):
     """Wear as the rig's owner states it."""
 
     WEAR: ClassVar[tuple[str, ...]] = ("energy_wear_coefficient_mm3_per_J", "moving_share")

@@ -72,7 +72,7 @@ def stated_tables(tables: Any, friction: float) -> dict[str, Any]:
     """Tables of a study of the record's test with this friction; bodies with unstated wear do not wear."""
     stated = tables.stated.model_dump(mode="json", exclude_unset=True, exclude_none=True)
     rig = {key: stated[key] for key in StatedRig.model_fields if key in stated and key not in _OF_THE_CONTACT}
-    wear = {key: stated[key] for key in type(tables.stated).WEAR if key in stated}
+    wear = {key: stated[key] for key in (*type(tables.stated).WEAR, "law") if key in stated}
     wears = any("_wear_coefficient_" in key for key in wear)
     effects = [{"name": key, **stated[key]} for key in _EVOLUTIONS if key in stated]
     data: dict[str, Any] = {
