@@ -18,6 +18,9 @@ ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("geometry", "solvers", "wirewear")
 SHORT = 7  #: Lines of a helper that its one caller may as well say itself.
 
+#: Where no statement can stand.
+_INSIDE = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp, ast.Lambda, ast.BoolOp, ast.IfExp)
+
 Fault = tuple[str, Path, int, str]  #: Its kind, where it is, and what it is called.
 
 
@@ -27,9 +30,9 @@ def _tree(file: Path) -> ast.Module:
 
 
 def faults(files: Iterable[Path]) -> list[Fault]:
-    """All faults of files, which are read together: who uses a name may stand in another one."""
+    """All faults of files, which are read together: who uses a name may stand in another one, or in a test."""
     files = list(files)
-    used = Counter(name for file in files for name in _names(_tree(file)))
+    used = Counter(name for file in {*files, *files_below(ROOT / "tests")} for name in _names(_tree(file)))
     return [fault for file in files for fault in (*_anys(file), *_topics(file), *_once(file, used))]
 
 
@@ -73,6 +76,14 @@ def _topics(file: Path) -> Iterator[Fault]:
                 pass
 
 
+def _outside(tree: ast.AST, inside: tuple[type[ast.AST], ...]) -> Iterator[ast.AST]:
+    """All nodes that do not stand inside some kinds of expressions."""
+    yield tree
+    for node in ast.iter_child_nodes(tree):
+        if not isinstance(node, inside):
+            yield from _outside(node, inside)
+
+
 def _once(file: Path, used: Counter[str]) -> Iterator[Fault]:
     for node in _tree(file).body:
         match node:
@@ -82,10 +93,11 @@ def _once(file: Path, used: Counter[str]) -> Iterator[Fault]:
             case ast.FunctionDef(name=name, decorator_list=[]) if name.startswith("_") and used[name] == 1:
                 body = node.body[1:] if ast.get_docstring(node) else node.body
                 short = body and 1 + int(body[-1].end_lineno or 0) - node.lineno <= SHORT
-                # What is kept by a decorator, handed over by its name, or returns early, has to be a function.
+                # What is kept by a decorator, handed over by its name, or returns early, has to be a function, and what
+                # takes statements where only an expression can stand: in a comprehension, or after "and" or "if".
                 called = any(
                     isinstance(one, ast.Call) and isinstance(one.func, ast.Name) and one.func.id == name
-                    for one in ast.walk(_tree(file))
+                    for one in _outside(_tree(file), _INSIDE if len(body) > 1 else ())
                 )
                 at_its_end = [one for one in ast.walk(node) if isinstance(one, ast.Return)] in ([], body[-1:])
                 if short and called and at_its_end:
