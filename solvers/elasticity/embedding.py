@@ -16,7 +16,8 @@ from geometry.arrays import Array, IntArray
 from geometry.elements import BRICK, ElementKind
 from geometry.host import Host
 from geometry.solid import SolidMesh
-from solvers.elasticity.condensation import CondensedBody, condense, inverse, schur_complements
+from solvers.elasticity.condensation import CondensedBody, condense
+from solvers.elasticity.elimination import inverse, schur_complements
 from solvers.elasticity.strain import stiffness_matrix
 from solvers.errors import SolverError
 

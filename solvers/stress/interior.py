@@ -3,7 +3,7 @@
 The same stiffness, grip and symmetry as in `elasticity.condensation`, so the patch moves as its compliance says. Forces
 are taken apart into parts even and odd about each mirror plane. Each has a factor of the piece on one side, made when
 the first such force comes and kept for all states to come: Cholesky factors by the nested substructures of
-`elasticity.condensation`, of which here every front is kept, to solve for any number of right-hand sides.
+`elasticity.elimination`, of which here every front is kept, to solve for any number of right-hand sides.
 
 Of bodies that stick: when the motion turns round, no point of the contact slips at first (Mindlin & Deresiewicz, J.
 Appl. Mech. 20 (1953) 327). For a small step the contact is then a joint over the width that carries load, and the
@@ -24,7 +24,7 @@ from geometry import Elastic, HexMesh, PlanarMesh, QuadMesh, mirror_images
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
-from solvers.elasticity import condensation
+from solvers.elasticity import condensation, elimination
 from solvers.elasticity.embedding import Joined
 from solvers.elasticity.strain import TENSOR_PLACES, IntegrationPoints, stiffness_matrix
 from solvers.errors import SolverError
@@ -38,7 +38,7 @@ class Factor:
     """A matrix (n, n) factorised on its unknowns that are free; all others are held at zero."""
 
     size: int
-    fronts: tuple[condensation.Front, ...]
+    fronts: tuple[elimination.Front, ...]
 
     def solved(self, forces: Array) -> Array:
         """Displacements (n, k) by forces (n, k); those at held unknowns are left out of account."""
@@ -65,13 +65,13 @@ def factorised(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int, held
     SolverError where the rest is not positive definite.
     """
     d = unknowns_per_node
-    graph = condensation.node_graph(matrix, d)
-    tree = condensation.divided(graph, nodes)
+    graph = elimination.node_graph(matrix, d)
+    tree = elimination.divided(graph, nodes)
     rank = np.full(graph.shape[0], -1, dtype=np.int64)
-    order = condensation.elimination_order(tree)
+    order = elimination.elimination_order(tree)
     rank[order] = np.arange(len(order))
-    fronts: list[list[condensation.Front]] = [[] for _ in held]
-    condensation.eliminate(tree, condensation.System(matrix, graph, rank, d, held), fronts)
+    fronts: list[list[elimination.Front]] = [[] for _ in held]
+    elimination.eliminate(tree, elimination.System(matrix, graph, rank, d, held), fronts)
     return tuple(Factor(matrix.shape[0], tuple(each)) for each in fronts)
 
 

@@ -13,7 +13,8 @@ from geometry import ContactPatch, Elastic, PlanarMesh, QuadMesh
 from geometry.arrays import Array, BoolArray
 from solvers.elasticity.strain import components, tensors
 from solvers.jit_cache import compiled
-from solvers.stress.subgrid_traction import SubgridTraction, bicubic, line_lattice_error
+from solvers.stress.lattice_error import line_lattice_error
+from solvers.stress.subgrid_traction import SubgridTraction, bicubic
 from solvers.stress.surface_stress import alike, corrected_nodes, unspread
 
 _DISTANCES = 2000  #: Distances at which shear ahead and behind is summed; their roots are evenly spaced.

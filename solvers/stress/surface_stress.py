@@ -20,13 +20,8 @@ from geometry import BodyMesh, ContactPatch, Elastic, HexMesh
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.elasticity.strain import components, tensors
 from solvers.jit_cache import compiled, inlined
-from solvers.stress.subgrid_traction import (
-    ComplexArray,
-    SubgridTraction,
-    bicubic_coefficients,
-    lattice_error,
-    polynomial,
-)
+from solvers.stress.lattice_error import ComplexArray, lattice_error
+from solvers.stress.subgrid_traction import SubgridTraction, bicubic_coefficients, polynomial
 
 _ALIKE = 0.02  #: Elements are alike that differ by no more than this share.
 #: Tractions act on a point from so many mean elements away, along so many directions, at so many distances.

@@ -17,7 +17,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 from geometry import Elastic, HexMesh, QuadMesh, mirror_images
 from geometry.arrays import Array, IntArray
 from solvers import CondensedBody, SolverError, condense, place
-from solvers.elasticity.condensation import _separator, divided, node_graph, schur_complements
+from solvers.elasticity.elimination import _separator, divided, node_graph, schur_complements
 from solvers.elasticity.strain import stiffness_matrix
 from tests.bodies import STEEL, brick, condensed_wire, patch_on, wire, wire_geometry
 from wirewear.simulation import problem as wires

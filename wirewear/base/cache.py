@@ -33,6 +33,7 @@ _BENEATH = ("gmsh", "numpy", "scikit-fem", "scipy")  #: Packages whose versions 
 #: What makes meshes and condenses bodies, relative to the folder that holds the packages.
 CONDENSATION_CODE = (
     "geometry", "solvers/errors.py", "solvers/jit_cache.py", "solvers/elasticity/condensation.py",
+    "solvers/elasticity/elimination.py",
     "solvers/elasticity/embedding.py",
     "solvers/elasticity/patch_compliance.py", "solvers/elasticity/strain.py",
 )  # fmt: skip

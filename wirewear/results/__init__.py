@@ -11,23 +11,25 @@ from wirewear.results.positions import POSITIONS
 if TYPE_CHECKING:
     from wirewear.base.files import RESULT_FILE_NAME
     from wirewear.results.contact_forces import ContactForces, largest_mean_pressure_MPa, largest_means
+    from wirewear.results.evolution import (
+        BULK_WORK,
+        COLUMN_MEANINGS,
+        EVOLUTION_COLUMNS,
+        LATER_COLUMNS,
+        OVER_YIELD,
+        PLASTIC_VOLUME,
+        PLASTIC_WORK,
+        PRESSURE_LENGTH,
+        Evolution,
+    )
     from wirewear.results.hdf5 import read_result, read_results, write_result
     from wirewear.results.scar import BODIES, Scar
     from wirewear.results.values import (
         BORNE,
         BORNE_IS,
-        BULK_WORK,
-        COLUMN_MEANINGS,
-        EVOLUTION_COLUMNS,
-        LATER_COLUMNS,
         LAYERS_OF_BODIES,
-        OVER_YIELD,
-        PLASTIC_VOLUME,
-        PLASTIC_WORK,
         PLAY_TRAVEL,
-        PRESSURE_LENGTH,
         SPRING_TRAVEL,
-        Evolution,
         Loop,
         RunResult,
         age_at,

@@ -32,7 +32,7 @@ TIME_SERIES_FILES = tuple(f"{FOLDER_NAME}/scar_*{ending}" for ending in (".vtu",
 
 
 #: A body's column, the body last; per mm it stands first.
-_OF_A_BODY = re.compile(r"(worn_volume|max_depth|left_edge|right_edge)_(pad|specimen)_(mm3|um)$")
+OF_A_BODY = re.compile(r"(worn_volume|max_depth|left_edge|right_edge)_(pad|specimen)_(mm3|um)$")
 _PER_MM = re.compile(r"(pad|specimen)_(worn_area|max_depth|left_edge|right_edge)_(um2|um)$")
 
 
@@ -201,7 +201,7 @@ def per_mm(columns: Mapping[str, Array], share: float) -> dict[str, Array]:
     """
     found = {}
     for name, column in scaled(columns, share).items():
-        if own := _OF_A_BODY.match(name):
+        if own := OF_A_BODY.match(name):
             what, body, unit = own.groups()
             area = unit == "mm3"
             found[f"{body}_worn_area_um2" if area else f"{body}_{what}_um"] = column * _um2_PER_mm2 if area else column

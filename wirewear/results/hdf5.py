@@ -43,8 +43,9 @@ from wirewear.base.recognising import Held, require_no_other
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import format_1 as earlier_lines
 from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, geometry_of
+from wirewear.results.evolution import Evolution
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, PRINT_COLUMN, Scar
-from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
+from wirewear.results.values import LOOP_COLUMNS, Loop, RunResult
 from wirewear.test.lengths import whole_test
 
 T = TypeVar("T")

@@ -12,8 +12,8 @@ from rich.text import Text
 from wirewear.base.errors import ResultError
 from wirewear.base.words import counted
 from wirewear.results import RunResult
+from wirewear.results.evolution import PRESSURE_LENGTH
 from wirewear.results.health import flagged, limit_of, remedies
-from wirewear.results.values import PRESSURE_LENGTH
 
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}
 NOTHING = "–"

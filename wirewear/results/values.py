@@ -6,7 +6,7 @@ that grow with the length of a line contact (extensive ones) are of `length_mm` 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, NoReturn, Self, TypeVar
@@ -16,64 +16,25 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.laws.layers import SurfaceLayer, bare_depth, work_through
 from wirewear.base import kinds
-from wirewear.base.errors import NoColumnError, ResultError, StudyError
-from wirewear.base.words import as_sentence, counted
+from wirewear.base.errors import ResultError, StudyError
+from wirewear.base.words import as_sentence
 from wirewear.effects import Age, Seam, applied, effects_of_tables
 from wirewear.loops import LoopSignals, Sensor
 from wirewear.results.contact_forces import ContactForces
-from wirewear.results.scar import (
-    WIRES,
-    Scar,
-    body_named,
-    called,
-    float_array,
-    require_equal_lengths,
-    require_finite,
-    require_increasing,
-)
+from wirewear.results.evolution import OF_A_BODY, Evolution, nearest_cycle
+from wirewear.results.scar import WIRES, Scar, body_named, called, float_array, require_equal_lengths, require_finite
 from wirewear.test.lengths import Extent, extent_of, study_of_length
 
 _IDEAL = Sensor()
 _NEW = Age.new()
 
 
-#: Columns of an evolution of crossed wires; other contacts have their own bodies' names in place of the wires'.
-EVOLUTION_COLUMNS = (
-    "cycle", "displacement_amplitude_um", "slip_amplitude_um", "max_tangential_force_N", "dissipated_energy_mJ",
-    "normal_force_N", "accumulated_energy_J", "worn_volume_moving_mm3", "worn_volume_fixed_mm3", "max_depth_moving_um",
-    "max_depth_fixed_um", "contact_half_width_um", "max_pressure_MPa", "jump_cycles",
-)  # fmt: skip
-
-#: Beginnings of the columns of one body; the body's name and the unit follow.
-_OF_A_BODY = ("worn_volume_", "max_depth_")
 LAYERS_OF_BODIES = "layers"  #: Setting of a result with the coatings of bodies: lists of thickness and wear factor.
-PRESSURE_LENGTH = "pressure_length_um"  #: Setting of a result with the length over which pressures are averaged.
-
 #: Settings of a result with the rig's travel to either side at the first loop, by springs (µP/K) and by play.
 SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
 
 #: Settings of a result with the largest pressure that the softer body bears, and its source in words.
 BORNE, BORNE_IS = "borne_pressure_MPa", "borne_pressure_is"
-BULK_WORK = "bulk_work_mJ"  #: The column of tests whose bodies are pulled, bent or twisted.
-
-#: Columns of bodies that yield: volume of the prints and work in them, largest mean pressure over the yield stress.
-PLASTIC_VOLUME, PLASTIC_WORK, OVER_YIELD = "print_volume_mm3", "plastic_work_mJ", "mean_pressure_over_yield"
-
-#: Columns that results of earlier versions lack, which are then NaN: unknown.
-LATER_COLUMNS = ("mid_stroke_pressure_MPa", "mirror_error", "max_mean_pressure_MPa", "mid_stroke_mean_pressure_MPa")
-
-#: Meanings of the columns whose names do not suffice.
-COLUMN_MEANINGS = {
-    "max_pressure_MPa": "largest pressure of the cycle at a single node, which grows as the mesh is refined",
-    "mid_stroke_pressure_MPa": "median over mid-stroke of the largest at a single node inside the contact's rim",
-    "max_mean_pressure_MPa": f"largest mean pressure of the cycle over discs of {PRESSURE_LENGTH} of the settings, "
-    "of line contacts over segments",
-    "mid_stroke_mean_pressure_MPa": "median over mid-stroke of the largest such mean",
-    PLASTIC_VOLUME: "volume of the prints that pressure has left on both bodies, beside what has worn",
-    PLASTIC_WORK: "work that has gone into the prints",
-    OVER_YIELD: "largest mean pressure of the cycle, load over contact area, over the softer body's yield stress",
-    BULK_WORK: "work of the bulk stresses on the contact, which a loop's area holds beside the friction work",
-}
 T = TypeVar("T")
 STATUSES = ("complete", "running", "failed")
 
@@ -189,62 +150,6 @@ def longer(one: Forces, factor: float) -> Forces:
 
 
 @dataclass(frozen=True, eq=False)
-class Evolution(Mapping[str, Array]):
-    """Columns in a fixed order over the measured cycles, each (n,): `evolution["cycle"]`; n may be 0.
-
-    A value that is not defined at a cycle is NaN; `cycle` increases strictly.
-
-    Raises ResultError if a column of EVOLUTION_COLUMNS is missing, or columns differ in length; NoColumnError if a
-    column is asked for that does not exist.
-    """
-
-    columns: Mapping[str, Array]
-
-    def __post_init__(self) -> None:
-        missing = [n for n in EVOLUTION_COLUMNS if n not in self.columns and not n.startswith(_OF_A_BODY)]
-        if missing:
-            raise ResultError(f"evolution: column(s) missing: {', '.join(missing)}")
-        unknown = np.full(len(self.columns["cycle"]), np.nan)
-        every = dict(self.columns) | {name: unknown for name in LATER_COLUMNS if name not in self.columns}
-        named = dict.fromkeys(n for n in (*EVOLUTION_COLUMNS, *LATER_COLUMNS, *every) if n in every)
-        columns = {name: float_array(f"evolution: {name}", every[name], 1) for name in named}
-        require_equal_lengths("evolution", columns)
-        require_finite("evolution: cycle", columns["cycle"])
-        require_increasing("evolution: cycle", columns["cycle"])
-        object.__setattr__(self, "columns", columns)
-
-    @classmethod
-    def from_rows(cls, rows: Sequence[Mapping[str, float]]) -> Evolution:
-        """Columns from one mapping per measured cycle; no rows give empty columns.
-
-        ResultError if a row lacks a column of the first one.
-        """
-        names = list(rows[0]) if rows else [*EVOLUTION_COLUMNS, *LATER_COLUMNS]
-        try:
-            return cls({name: [row[name] for row in rows] for name in names})  # type: ignore[misc]
-        except KeyError as error:
-            raise ResultError(f"evolution: column {error} is missing in some rows") from error
-
-    def __getitem__(self, name: str) -> Array:
-        if name not in self.columns:
-            like = [own for own in self.columns if str(name) in own] or list(self.columns)
-            raise NoColumnError(f"evolution has no column {name!r}: there is {', '.join(like)}")
-        return self.columns[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.columns)
-
-    def __len__(self) -> int:
-        return len(self.columns)
-
-    def at(self, cycle: float) -> dict[str, float]:
-        """The row measured nearest to `cycle`, which must lie within a factor of two; otherwise ResultError."""
-        cycles = [int(c) for c in self["cycle"]]
-        index = cycles.index(_nearest_cycle(cycle, cycles, "evolution"))
-        return {name: float(column[index]) for name, column in self.items()}
-
-
-@dataclass(frozen=True, eq=False)
 class RunResult:
     """All results of one run, that is, of one variant of a study.
 
@@ -284,7 +189,7 @@ class RunResult:
             raise ResultError(f"status must be one of {', '.join(STATUSES)}, not {self.status!r}")
         columns = [
             f"{start}{body}{unit}"
-            for start, unit in zip(_OF_A_BODY, ("_mm3", "_um"), strict=True)
+            for start, unit in zip(OF_A_BODY, ("_mm3", "_um"), strict=True)
             for body in self.bodies
         ]
         if missing := [name for name in columns if name not in self.evolution and self.evolution["cycle"].size]:
@@ -426,17 +331,5 @@ class RunResult:
 
 
 def _nearest(cycle: float, items: Sequence[T], cycle_of: Callable[[T], int], what: str) -> T:
-    wanted = _nearest_cycle(cycle, [cycle_of(item) for item in items], what)
+    wanted = nearest_cycle(cycle, [cycle_of(item) for item in items], what)
     return next(item for item in items if cycle_of(item) == wanted)
-
-
-def _nearest_cycle(cycle: float, logged: Sequence[int], what: str) -> int:
-    def distance(other: int) -> float:
-        # Half a cycle stands for "before the first", so that cycle 0 has a place on the ratio scale.
-        low, high = sorted((max(cycle, 0.5), max(other, 0.5)))
-        return high / low
-
-    if not logged or distance(nearest := min(logged, key=distance)) > 2.0:
-        names = ", ".join(counted(c) for c in sorted(set(logged))) or "none"
-        raise ResultError(f"{what}: nothing is logged near cycle {cycle:g}; logged cycles are: {names}")
-    return nearest

@@ -13,7 +13,7 @@ import solvers
 from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, LoweredSurface, Profile, build_body
 from geometry.arrays import Array
 from geometry.stiffness_files import OwnStiffness, write_stiffness
-from solvers.elasticity.condensation import inverse
+from solvers.elasticity.elimination import inverse
 from solvers.elasticity.embedding import condense_meshed
 from solvers.elasticity.patch_compliance import Bricks, PatchCompliance
 from solvers.elasticity.placement import rotation_to_world

@@ -16,7 +16,8 @@ from solvers import (
     run_cycle,
     unloaded_state,
 )
-from solvers.elasticity.condensation import compliance_of, piece_to_condense, schur_complements
+from solvers.elasticity.condensation import compliance_of, piece_to_condense
+from solvers.elasticity.elimination import schur_complements
 from solvers.elasticity.strain import stiffness_matrix
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
