@@ -15,7 +15,6 @@ from tests.diagnosis.diagnosis_cases import record
 from tests.records.loop_files import GERMAN, german, mapped
 from tests.studies import MINIMAL
 from wirewear import RecordError, StudyError, read_record, write_record
-from wirewear.base.ending import within
 from wirewear.base.errors import WirewearError
 from wirewear.diagnosis.observe import reduction as observables
 from wirewear.diagnosis.observe.reduction import all_observables
@@ -23,6 +22,7 @@ from wirewear.effects import all_effects, registry
 from wirewear.records import MeasuredScar
 from wirewear.records.importing import import_record
 from wirewear.records.importing.loggers import readers
+from wirewear.records.importing.sources import within
 from wirewear.simulation import Moment, ProgressBar
 from wirewear.test import parse_study
 

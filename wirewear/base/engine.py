@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import sys
 import time
 from abc import ABC, abstractmethod
 from collections import deque
@@ -13,11 +14,12 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf
+from multiprocessing import connection
 from secrets import token_hex
+from threading import Thread
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from wirewear.base.cache import WARNED, cache_directory, code_hash
-from wirewear.base.ending import end_with_parent
 from wirewear.base.errors import EngineError, LostTaskError, show_warnings_plainly
 from wirewear.base.writing import writing
 
@@ -293,3 +295,20 @@ def _workers(client: Client) -> dict[str, Any]:
 
 def _program() -> str:
     return code_hash()
+
+
+def end_with_parent() -> None:
+    """End this process as soon as its parent has ended; called once, as the initializer of a pool's processes.
+
+    A task that went on would write into the same files as its own resumption.
+    """
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        Thread(target=_end_after, args=(parent.sentinel,), daemon=True).start()
+
+
+def _end_after(sentinel: int) -> None:
+    connection.wait([sentinel])
+    sys.stderr.write("wirewear: the process that started this one is gone; its work stops here.\n")
+    sys.stderr.flush()
+    os._exit(1)

@@ -3,9 +3,9 @@
 
 from geometry import Elastic
 from wirewear.reference.cattaneo_mindlin import *
-from wirewear.reference.first_yield import first_yield_ratio
 from wirewear.reference.half_space import *
 from wirewear.reference.hertz import *
+from wirewear.reference.hertz import first_yield_ratio
 from wirewear.reference.slider import *
 from wirewear.reference.wear import *
 

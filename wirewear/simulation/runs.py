@@ -11,8 +11,7 @@ from queue import Empty, Queue
 from threading import Event
 from typing import Any, TypeVar
 
-from wirewear.base.ending import end_with_parent
-from wirewear.base.engine import Done, Engine, LocalProcesses, results_of
+from wirewear.base.engine import Done, Engine, LocalProcesses, end_with_parent, results_of
 from wirewear.base.errors import LostTaskError, RunError, StudyError
 from wirewear.base.memory import free_memory
 from wirewear.base.writing import prepared_folder

@@ -1,15 +1,17 @@
 """Files that a mapping names, and their columns in the record's units."""
 
 import re
-from collections.abc import Mapping, Sequence
+import signal
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from threading import current_thread, main_thread
 
 import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.blocks import NUMBER_WORDS
 from wirewear.base.delimited import DelimitedLayout
-from wirewear.base.ending import within
 from wirewear.base.errors import RecordError
 from wirewear.base.files import DELIMITERS, require_within
 from wirewear.records.importing.loggers import kind_of, readers
@@ -191,3 +193,26 @@ def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
         left.remove(key)
         pattern += rf"(?P<{key}>\d+)"
     return pattern
+
+
+@contextmanager
+def within(seconds: float) -> Iterator[None]:
+    """Raise TimeoutError in the enclosed work after this much processor time in s; does nothing outside the main
+    thread.
+
+    Only time on a processor counts, so that a busy machine makes nothing late. Signals go to the main thread only.
+    """
+    if current_thread() is not main_thread():
+        yield
+        return
+
+    def late(_number: int, _frame: object) -> None:
+        raise TimeoutError
+
+    before = signal.signal(signal.SIGVTALRM, late)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        signal.signal(signal.SIGVTALRM, before)
