@@ -48,6 +48,10 @@ class PlasticZone:
             np.zeros((along, across, 3)),
         )  # fmt: skip
 
+    def under(self, traction_MPa: Array, before: Flowed) -> Flowed:
+        """The half-space after a step to known tractions (n_x, n_y, 3), as `loaded` finds it."""
+        return self.loaded(lambda _: traction_MPa, before)
+
     def loaded(self, traction: Callable[[Array], Array], before: Flowed) -> Flowed:
         """The half-space after a step to tractions (n_x, n_y, 3), which may depend on the residual displacement.
         Raises NotConvergedError if it cannot bear them, or nearly so.

@@ -70,11 +70,12 @@ class Indenter:
 
 @dataclass(frozen=True)
 class Indentation:
-    """A half-space under a profile: its metal, the load in N, and the approach of the profile in mm."""
+    """A half-space under a profile: its metal, the load in N, the approach of the profile in mm, the area in touch."""
 
     state: Flowed
     load_N: float
     approach_mm: float
+    area_mm2: float
 
     @property
     def pressure_MPa(self) -> Array:
@@ -95,7 +96,7 @@ class Indentation:
 
 def indented(zone: PlasticZone, gap_mm: Array, loads_N: Array) -> Iterator[Indentation]:
     """The half-space under each of the rising loads, by a profile of this gap (n_x, n_y) to the unloaded surface."""
-    material = zone.space.material
+    material, cell = zone.space.material, float(np.prod(zone.space.step_mm))
     modulus = material.youngs_modulus_MPa / (1.0 - material.poissons_ratio**2)
     indenter, state = Indenter(gap_mm, zone.space.step_mm, modulus), zone.fresh
     pressure, approach = np.ones_like(gap_mm), 0.0
@@ -107,4 +108,4 @@ def indented(zone: PlasticZone, gap_mm: Array, loads_N: Array) -> Iterator[Inden
             return np.stack([np.zeros_like(pressure), np.zeros_like(pressure), -pressure], axis=-1)
 
         state = zone.loaded(traction, state)
-        yield Indentation(state, load, approach)
+        yield Indentation(state, load, approach, float((pressure > 0.0).sum()) * cell)

@@ -11,12 +11,12 @@ from solvers.stress.half_space import HalfSpace
 from solvers.stress.pressing import indented
 from tests.solvers import test_contact_bodies as known
 from tests.solvers.test_yielding import MODULUS_MPa, jackson_green, kogut_etsion, limit_at
-from wirewear.verification.near_zone import under_sphere
+from wirewear.verification.near_zone import rolled, under_sphere
 
 STEEL = Elastic(200_000.0, 0.3)
 
 
-def stretched(metal: Metal, strains: list[float]) -> list[float]:
+def stretched(metal: Metal, strains: list[float], steps: int = 300) -> list[float]:
     """Axial stresses in MPa of a bar at the turning points of its strain."""
     lame, shear = 200_000.0 * 0.3 / 1.3 / 0.4, STEEL.shear_modulus_MPa
     flow, found, last, across = Flow.none(1), [], 0.0, 0.0
@@ -28,7 +28,7 @@ def stretched(metal: Metal, strains: list[float]) -> list[float]:
         return stress - 2.0 * shear * new.strain[0], new
 
     for goal in strains:
-        for axial in np.linspace(last, goal, 301)[1:]:
+        for axial in np.linspace(last, goal, steps + 1)[1:]:
             other = across - 1e-6
             (stress, new), (side, _) = after(axial, across), after(axial, other)
             while abs(stress[1]) > 1e-8:
@@ -51,6 +51,53 @@ def stretched(metal: Metal, strains: list[float]) -> list[float]:
 )
 def test_a_bar_hardens_as_in_closed_form(metal: Metal, strains: list[float], expected: list[float]) -> None:
     assert stretched(metal, strains)[-len(expected) :] == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_beam_keeps_the_residual_curvature_and_stress_of_its_closed_form() -> None:
+    """Bent by 1.3 times the moment of first yield, 10 mm x 20 mm, 300 MPa: fibres from the axis to the face."""
+    share = (np.arange(200) + 0.5) / 200.0
+    first = 300.0 / 200_000.0
+    stress = np.array([stretched(Metal(300.0), [1.58114 * first * one], 1)[0] for one in share[::20]])
+    core = np.minimum(1.58114 * share, 1.0)
+    assert stress == pytest.approx(300.0 * core[::20], rel=1e-6)
+    moment = 3.0 * (core * share).mean()
+    assert moment == pytest.approx(1.3, rel=1e-3)
+    assert 1.58114 - moment == pytest.approx(0.28114, abs=5e-3)
+    assert (core - moment * share)[[-1, 126]] == pytest.approx([-0.3, 0.1778], abs=5e-3)
+
+
+def expanded(pressure_MPa: float, shells: int = 40) -> float:
+    """Displacement in mm of the inner face of a sphere of 10 and 20 mm radius, perfectly plastic at 250 MPa."""
+    r = np.linspace(10.0, 20.0, shells + 1)
+    middle, size = 0.5 * (r[1:] + r[:-1]), np.diff(r)
+    # Strains rr, tt and tt at the middles by displacements of the shells' faces.
+    slope = np.zeros((3, shells, shells + 1))
+    for k in range(shells):
+        slope[0, k, k : k + 2] = [-1.0 / size[k], 1.0 / size[k]]
+        slope[1:, k, k : k + 2] = 0.5 / middle[k]
+    volume, shear = middle**2 * size, STEEL.shear_modulus_MPa
+    law = 2.0 * shear * np.eye(3) + 2.0 * shear * 0.3 / 0.4
+    stiffness = np.einsum("akn,ab,bkm,k->nm", slope, law, slope, volume)
+    flow, moved = Flow.none(shells), np.zeros(shells + 1)
+    for pressure in np.linspace(0.0, pressure_MPa, 21)[1:]:
+        for _ in range(400):
+            strain = np.einsum("akn,n->ka", slope, moved)
+            trial = np.zeros((shells, 6))
+            trial[:, :3] = strain @ law - 2.0 * shear * flow.strain[:, :3]
+            new = flown(Metal(250.0), shear, trial, flow)
+            stress = strain @ law - 2.0 * shear * new.strain[:, :3]
+            left = -np.einsum("akn,ka,k->n", slope, stress, volume)
+            left[0] += pressure * r[0] ** 2
+            if np.abs(left).max() < 1e-5 * pressure * r[0] ** 2:
+                break
+            moved += np.linalg.solve(stiffness, left)
+        flow = new
+    return float(moved[0])
+
+
+@pytest.mark.parametrize(("pressure_MPa", "moved_mm"), [(221.827, 0.0106835), (299.087, 0.0235495)])
+def test_a_thick_sphere_expands_as_in_closed_form(pressure_MPa: float, moved_mm: float) -> None:
+    assert expanded(pressure_MPa) == pytest.approx(moved_mm, rel=5e-3)
 
 
 def space(shape: tuple[int, int] = (63, 63)) -> HalfSpace:
@@ -108,3 +155,33 @@ def test_metal_that_flows_bears_what_published_curves_say(beyond: float, residua
     assert kogut_etsion(limit, last.approach_mm) == pytest.approx(known.LOAD_N, rel=0.05)
     assert last.print_mm / last.approach_mm == pytest.approx(residual, rel=0.12, abs=0.01)
     assert last.pressure_MPa.sum() * np.prod(zone.space.step_mm) == pytest.approx(known.LOAD_N, rel=1e-9)
+
+
+@pytest.mark.seconds
+def test_pressed_again_metal_is_elastic_and_work_is_stored_or_plastic() -> None:
+    limit = limit_at(8.7)
+    contact = (0.75 * known.LOAD_N * known.RADIUS_mm / MODULUS_MPa) ** (1.0 / 3.0) * 1.1
+    material = Elastic(MODULUS_MPa * (1.0 - 0.3**2), 0.3)
+    zone, gap = under_sphere(known.RADIUS_mm, material, Metal(limit.yield_stress_MPa), contact, 4)
+    rising = np.linspace(0.04, 1.0, 20) ** 2
+    loads = known.LOAD_N * np.concatenate([rising, rising[-2::-1], np.tile([1.0, rising[0]], 4)])
+    with threadpool_limits(limits=1, user_api="blas"):
+        course = list(indented(zone, gap, loads))
+    pressed, last = course[19].state.flow.accumulated, course[-1].state
+    assert np.abs(last.flow.accumulated - pressed).max() < 5e-3 * pressed.max()
+    work = np.trapezoid([0.0] + [one.load_N for one in course], [0.0] + [one.approach_mm for one in course])
+    volumes = np.repeat(zone.space.layers_mm * np.prod(zone.space.step_mm), gap.size)
+    plastic = limit.yield_stress_MPa * float(last.flow.accumulated @ volumes)
+    stress = last.stress.reshape(-1, 6)
+    square = stress**2 @ np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+    stored = 0.5 / material.youngs_modulus_MPa * (1.3 * square - 0.3 * stress[:, :3].sum(axis=1) ** 2)
+    assert work == pytest.approx(plastic + float(stored @ volumes), rel=5e-3)
+
+
+@pytest.mark.seconds
+def test_a_rolling_line_leaves_the_residual_stress_of_merwin_and_johnson_and_shakes_down_below_melans_limit() -> None:
+    first, _ = next(rolled(3.9, 0.0))
+    assert first == pytest.approx(-0.497, rel=0.1)
+    below, above = ([flow for _, flow in rolled(share * 4.0, 0.0, 3)] for share in (0.95, 1.05))
+    assert below[-1] < 1e-3 * below[0]
+    assert above[-1] > 0.3 * above[0]

@@ -1,9 +1,13 @@
-"""Metal that flows beneath a pressed sphere, by plasticity in a half-space, compared with finite elements.
+"""Metal that flows beneath pressed spheres and rolling lines, by plasticity in a half-space, beside other results.
 
 The pairs of `wirewear.verification.yielding` as a body that yields under a rigid one: its E/(1 - nu²) is that of the
-pair, and its print that of both.
+pair, and its print that of both. Three of them harden: tamaas 2.9 (volume integrals) has their largest pressures. A
+rolling line shakes down or flows on (Melan's limits), and leaves residual stress (Merwin & Johnson, Proc. Inst. Mech.
+Eng. 177 (1963) 676).
 """
 
+from collections.abc import Iterator
+from dataclasses import replace
 from math import pi, sqrt
 
 import numpy as np
@@ -13,14 +17,26 @@ from geometry.arrays import Array
 from solvers.laws.plasticity import Metal
 from solvers.stress.half_space import HalfSpace
 from solvers.stress.plastic_zone import PlasticZone
-from solvers.stress.pressing import indented
+from solvers.stress.pressing import Indentation, indented
 from wirewear.test.bodies import hertz_of
 from wirewear.verification.rows import Level, Row, compared
 from wirewear.verification.yielding import CASES, Pressed, study_of
 
 #: Width of the grid and thickness of its layers over the contact's radius.
 _WIDE, _LAYERS = 8.0, np.asarray(0.1 * 1.1 ** np.arange(15), dtype=np.float64)
+_ROLLED = np.asarray(0.08 * 1.1 ** np.arange(17), dtype=np.float64)  #: Layers in mm beneath a line.
+_FLOWS = 0.2  #: Part of the first pass's strain above which metal flows on.
 _STEPS = 16  #: Of the load, which goes with their square.
+_HARDER = tuple(
+    replace(CASES[0], name=f"Steel wires of 0.45 mm, {stress:g} MPa", yield_stress_MPa=stress, pressure_MPa=pressure,
+            radius_um=radius, print_um=print_um)
+    for stress, pressure, radius, print_um in ((1800.0, 3556.0, 15.1, 0.126), (2400.0, 4273.0, 14.6, 0.028))
+)  # fmt: skip
+#: Yield stress of wires that harden by a fiftieth of their modulus, and their largest pressure by tamaas, MPa.
+_BY_TAMAAS = ((1400.0, 3081.0), (1800.0, 3595.0), (2400.0, 4262.0))
+#: Friction of a rolling line, and the largest pressure over the yield stress in shear at which it still shakes down.
+SHAKEDOWN = ((0.0, 4.0), (0.3, 2.886))
+_SHEAR_MPa, _MODULUS_MPa, _PASSES = 100.0, 200_000.0, 8
 
 
 def under_sphere(
@@ -34,26 +50,76 @@ def under_sphere(
 
 
 def near_zone_rows(level: Level) -> tuple[Row, ...]:
-    """Rows of all pressed bodies."""
-    return tuple(row for case in CASES for row in rows_of(case, level.near_zone_resolution, level.near_zone_tolerance))
+    """Rows of all pressed bodies and rolling lines."""
+    fine, tolerance = level.near_zone_resolution, level.near_zone_tolerance
+    pressed = tuple(row for case in CASES + _HARDER for row in rows_of(case, fine, tolerance))
+    hardened = tuple(
+        compared(
+            f"Steel wires that harden, {stress:g} MPa, beside tamaas",
+            "largest pressure [MPa]",
+            pressed_by(replace(CASES[0], yield_stress_MPa=stress), fine, 0.02).largest_MPa,
+            pressure,
+            tolerance,
+        )
+        for stress, pressure in _BY_TAMAAS
+    )
+    return pressed + hardened + rolling_rows()
 
 
 def rows_of(case: Pressed, resolution: int, tolerance: float) -> tuple[Row, ...]:
     """Largest pressure, contact radius and print of one pair of bodies."""
-    study = study_of(case)
-    contact, (held, _) = hertz_of(case.load_N, *study.bodies), study.bodies[::-1]
-    size, radius = contact.contact_radius_mm, contact.contact_radius_mm**2 / contact.approach_mm
-    nu = held.material.poissons_ratio
-    material = Elastic(0.75 * case.load_N * radius / size**3 * (1.0 - nu**2), nu)
-    zone, gap = under_sphere(
-        radius, material, Metal(case.yield_stress_MPa), max(1e-3 * case.radius_um, size), resolution
-    )
-    *_, last = indented(zone, gap, case.load_N * (np.arange(1, _STEPS + 1) / _STEPS) ** 2)
-    found = sqrt((last.pressure_MPa > 0.0).sum() * np.prod(zone.space.step_mm) / pi)
-    name = f"{case.name}, metal that flows"
+    last, name = pressed_by(case, resolution), f"{case.name}, metal that flows"
     return (
         compared(name, "largest pressure [MPa]", last.largest_MPa, case.pressure_MPa, tolerance),
         # Areas come in steps of eight cells.
-        compared(name, "contact radius [µm]", 1e3 * found, case.radius_um, tolerance),
+        compared(name, "contact radius [µm]", 1e3 * sqrt(last.area_mm2 / pi), case.radius_um, tolerance),
         compared(name, "print of both bodies [µm]", 1e3 * last.print_mm, case.print_um, 0.1),
     )
+
+
+def pressed_by(case: Pressed, resolution: int, hardening: float = 0.0) -> Indentation:
+    """Bodies under their load, whose yield stress rises by that share of their modulus per plastic strain."""
+    bodies = study_of(case).bodies
+    contact, nu = hertz_of(case.load_N, *bodies), bodies[1].material.poissons_ratio
+    size, radius = contact.contact_radius_mm, contact.contact_radius_mm**2 / contact.approach_mm
+    modulus = 0.75 * case.load_N * radius / size**3 * (1.0 - nu**2)
+    metal = Metal(case.yield_stress_MPa, hardening * modulus)
+    width = max(1e-3 * case.radius_um, size)
+    zone, gap = under_sphere(radius, Elastic(modulus, nu), metal, width, resolution)
+    *_, last = indented(zone, gap, case.load_N * (np.arange(1, _STEPS + 1) / _STEPS) ** 2)
+    return last
+
+
+def rolling_rows() -> tuple[Row, ...]:
+    """Residual stress along a line's path after its first pass, and passes a little below and above shakedown."""
+    first, _ = next(rolled(3.9, 0.0))
+    rows = [compared("Line rolling at 3.9 k", "residual stress [k]", first, -0.497, 0.1)]
+    for friction, limit in SHAKEDOWN:
+        for share, flows in ((0.95, 0.0), (1.05, 1.0)):
+            passes = [flow for _, flow in rolled(share * limit, friction)]
+            name = f"Line rolling at {share:g} of shakedown, friction {friction:g}"
+            # Strain that dies away is no flow.
+            rows.append(compared(name, "flows on", float(passes[-1] > _FLOWS * passes[0]), flows, 0.5, scale=1.0))
+    return tuple(rows)
+
+
+def rolled(
+    pressure: float, friction: float, passes: int = _PASSES, resolution: int = 5
+) -> Iterator[tuple[float, float]]:
+    """After each pass of a Hertz line of half-width 1 mm over perfectly plastic metal: the lowest residual stress along
+    the path over k, the yield stress in shear, and the largest plastic strain that the pass has gone through.
+
+    pressure: the largest one, over k. friction: traction along the motion over pressure.
+    """
+    material, count = Elastic(_MODULUS_MPa, 0.3), 16 * resolution + 1
+    space = HalfSpace(material, (count, 1), (1.0 / resolution, 1.0), _ROLLED)
+    zone, middle = PlasticZone(space, Metal(sqrt(3.0) * _SHEAR_MPa)), count // 2
+    x, state = space.axes_mm()[0][:, None], zone.fresh
+    for _ in range(passes):
+        before = state.flow.accumulated
+        for place in np.arange(-4.0, 4.0, 1.0 / resolution):
+            borne = pressure * _SHEAR_MPa * np.sqrt(np.maximum(1.0 - (x - place) ** 2, 0.0))
+            state = zone.under(np.stack([friction * borne, 0.0 * borne, -borne], axis=-1), state)
+        state = zone.under(np.zeros((count, 1, 3)), state)
+        flow = (state.flow.accumulated - before).reshape(state.stress.shape[:-1])
+        yield float(state.stress[:, middle, 0, 0].min()) / _SHEAR_MPa, float(flow[:, middle].max())
