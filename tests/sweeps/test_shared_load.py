@@ -13,6 +13,7 @@ from wirewear.test import Study
 from wirewear.test.any_study import value_at
 from wirewear.test.many_contacts import ManyContacts, many_contacts
 from wirewear.test.study import load_study
+from wirewear.views.contacts_page import write_contacts
 
 STUDY = """
 format = 1
@@ -107,6 +108,14 @@ def test_a_symmetric_wire_wears_symmetrically_and_its_middle_hands_load_on(tmp_p
     deflection = found.approach_um[1] - found.approach_um[0]
     expected = (6.0 - found.load_N[1]) * 8.0**3 / (48.0 * found.test.bending_stiffness_N_mm2)
     np.testing.assert_allclose(deflection, 1e3 * expected, rtol=0.05)
+
+
+@pytest.mark.seconds
+def test_the_page_of_contacts_shows_their_loads_and_leads_to_their_runs(tmp_path: Path) -> None:
+    page = write_contacts(shared(STUDY + THREE, tmp_path), tmp_path / "out").read_text(encoding="utf-8")
+    assert page.count('href="contact-1/report.html"') == 2
+    assert 'href="contact-2/report.html"' in page
+    assert len((tmp_path / "out" / "contacts.csv").read_text(encoding="utf-8").splitlines()) == 1 + 3 * 6
 
 
 def test_two_contacts_far_apart_are_two_runs_under_half_the_load(tmp_path: Path) -> None:

@@ -35,6 +35,7 @@ class SharedLoad:
     approach_um: Array  #: (n, b) at mid-stroke of the last cycle of each block.
     depth_um: Array  #: (n, b) largest worn depths of both bodies, added.
     runs: tuple[RunResult, ...]  #: Of each contact; equal contacts have the same.
+    labels: tuple[str, ...]  #: Of the runs, one for each contact.
     change: float  #: Largest change of a load, over the mean load, in the last round.
     rounds: int
 
@@ -67,13 +68,13 @@ def shared_load(test: ManyContacts, simulate: Simulate) -> SharedLoad:
     load = np.full((count, len(ends)), test.load_N / count)
     load, past = _shared(test, load, np.full_like(load, hertz), np.zeros_like(load), lengths), []
     for rounds in range(1, _MOST_ROUNDS + 1):
-        runs = _simulated(test, load, lengths, simulate)
+        runs, labels = _simulated(test, load, lengths, simulate)
         approach = np.array([[_approach_mm(run, end) for end in ends] for run in runs])
         depth = np.array([[_depth_mm(run, end) for end in ends] for run in runs])
         better = _shared(test, load, approach - depth, depth, lengths)
         change = float(np.abs(better - load).max() / load.mean())
         if change < AGREED:
-            return SharedLoad(test, ends, load, 1e3 * approach, 1e3 * depth, runs, change, rounds)
+            return SharedLoad(test, ends, load, 1e3 * approach, 1e3 * depth, runs, labels, change, rounds)
         load = better
         past.append(f"{100.0 * change:.2g}")
     raise StudyError(
@@ -89,18 +90,21 @@ def _ends(study: Study) -> tuple[int, ...]:
     return tuple(sorted({max(1, round(cycles * (k / _BLOCKS) ** 2)) for k in range(1, _BLOCKS + 1)}))
 
 
-def _simulated(test: ManyContacts, load: Array, lengths: Array, simulate: Simulate) -> tuple[RunResult, ...]:
-    """Runs of all contacts; those with equal tables and loads are run once."""
-    found: dict[str, RunResult] = {}
-    runs = []
+def _simulated(
+    test: ManyContacts, load: Array, lengths: Array, simulate: Simulate
+) -> tuple[tuple[RunResult, ...], tuple[str, ...]]:
+    """Runs of all contacts, and their labels; those with equal tables and loads are run once."""
+    found: dict[str, tuple[RunResult, str]] = {}
+    keys = []
     for number, own in enumerate(test.contacts):
         # Equal but for round-off, as of a symmetric test.
         blocks = [(int(cycles), float(f"{each:.11g}")) for cycles, each in zip(lengths, load[number], strict=True)]
-        key = repr((own.model_copy(update={"at_mm": 0.0}), blocks))
-        if key not in found:
-            found[key] = simulate(test.alone(number, blocks), f"contact-{number + 1}")
-        runs.append(found[key])
-    return tuple(runs)
+        keys.append(repr((own.model_copy(update={"at_mm": 0.0}), blocks)))
+        if keys[-1] not in found:
+            label = f"contact-{number + 1}"
+            found[keys[-1]] = simulate(test.alone(number, blocks), label), label
+    runs, labels = zip(*(found[key] for key in keys), strict=True)
+    return runs, labels
 
 
 def _approach_mm(run: RunResult, cycle: int) -> float:

@@ -45,7 +45,10 @@ def write_contacts(shared: SharedLoad, folder: Path) -> Path:
             "summary": sentence(shared),
             "picture": frame.inline_svg(svg(drawn), "loads"),
             "headings": list(_HEADINGS.values()),
-            "table": [[written(row[key]) for key in _HEADINGS] for row in rows if row["cycle"] == shared.ends[-1]],
+            "table": [
+                (label, [written(row[key]) for key in _HEADINGS])
+                for label, row in zip(shared.labels, rows[len(shared.ends) - 1 :: len(shared.ends)], strict=True)
+            ],
         }
         return write_text(folder / "contacts.html", frame.rendered(Path(__file__).parent / "contacts.html", values))
 
