@@ -25,7 +25,7 @@ ComplexArray = NDArray[np.complexfloating]
 
 #: Nodes of the lattice along each axis before it repeats; odd, so that no wave alternates from node to node.
 _PERIOD = 41
-_DEPTH = 24.0  #: How deep the lattice reaches, in elements.
+_DEPTH = 60.0  #: How deep the lattice reaches, in elements: longer than its longest wave.
 _ALIASES = 12  #: Shorter waves beneath those that the lattice resolves, which a bilinear traction contains.
 #: Corners of a brick along each axis, in the order of its nodes.
 _CORNERS = (BRICK.nodes + 1.0) / 2.0

@@ -11,6 +11,7 @@ from solvers import PlacedBody, facing, place
 from solvers.elasticity.patch_compliance import Bricks, half_space_response, missing_displacement, reach
 from solvers.elasticity.strain import integration_points
 from solvers.stress.interior import Interior
+from solvers.stress.lattice_error import line_lattice_error
 from solvers.stress.line_surface_stress import LineSurfaceStress, LoadedLine
 from solvers.stress.subgrid_traction import SubgridTraction
 from solvers.stress.surface_stress import LoadedSurface, SurfaceStress, between, even_lines, half_space_stress
@@ -321,3 +322,10 @@ def test_elements_that_shrink_to_the_rim_are_corrected_as_those_at_the_edge_behi
     found = surface.under(force).surface.spacing_mm
     assert found == pytest.approx([short if along else long for along in shear], rel=0.15)
     assert surface.under(force * [0.0, 0.0, 1.0]).surface.spacing_mm == pytest.approx([short, short], rel=0.15)
+
+
+def test_the_stress_that_elements_of_a_half_plane_lack_is_gone_a_dozen_of_them_away() -> None:
+    along = line_lattice_error(0.0036, 0.0036, 1.15, 0.3)[:, 0]
+    middle = len(along) // 2
+    assert np.abs(along[: middle - 11]).max() < 4e-4
+    assert np.abs(along[middle + 12 :]).max() < 4e-4
