@@ -133,19 +133,22 @@ def test_no_code_comes_from_data() -> None:
     assert found == []
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("loading", "said"),
-    [("wirewear.app.cli.group", "nothing was written"), ("wirewear.effects", "no file is left half written")],
+    ("loading", "how", "said"),
+    [
+        pytest.param("wirewear.app.cli.group", "SIGINT", "nothing was written", marks=pytest.mark.slow),
+        pytest.param("wirewear.effects", "SIGHUP", "no file is left half written", marks=pytest.mark.slow),
+        ("wirewear.effects", "SIGTERM", "no file is left half written"),
+    ],
 )
-def test_an_interruption_while_the_program_or_a_command_loads_is_one_sentence(loading: str, said: str) -> None:
+def test_a_signal_that_ends_a_program_or_command_is_one_sentence(loading: str, how: str, said: str) -> None:
     code = f"""
-import sys
+import os, signal, sys
 
 class Interrupting:
     def find_spec(self, name, *_):
         if name == "{loading}":
-            raise KeyboardInterrupt
+            os.kill(os.getpid(), signal.{how})
 
 sys.meta_path.insert(0, Interrupting())
 from wirewear.app.cli import main

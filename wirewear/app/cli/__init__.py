@@ -9,6 +9,7 @@ import gc
 import io
 import logging
 import os
+import signal
 import sys
 import traceback
 import unicodedata
@@ -51,6 +52,10 @@ _PLAIN = {
 def main() -> None:
     """Run the command line: load the commands and execute the one asked for."""
     prepare_streams()
+    # Whoever ends a command ends it as Ctrl-C does; one that is to outlive its terminal ignores that already.
+    for name in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(name) is not signal.SIG_IGN:
+            signal.signal(name, signal.default_int_handler)
     if not os.environ.get(_QUIET):
         command = next((word for word in sys.argv[1:] if not word.startswith("-")), "wirewear")
         speak_up(command, only_once=command == "open")  # which waits for the browser

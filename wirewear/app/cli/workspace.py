@@ -15,17 +15,12 @@ from wirewear.app.cli.group import Given, OutputFolder, cli
 @click.option("--no-browser", is_flag=True, help="Print the address alone.")
 def open_command(paths: tuple[Path, ...], output: Path, port: int, no_browser: bool) -> None:
     """Work in a browser: drop a logger's files, import, check, fit and diagnose them. Nobody else can see the pages."""
-    import signal
     import webbrowser
 
     from wirewear.app.web.server import WorkspaceServer
     from wirewear.app.web.workspace import Workspace
     from wirewear.base.locks import occupied
 
-    # Whoever ends this ends its steps, as Ctrl-C does; who wanted it to outlive a terminal has it do so.
-    for name in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(name) is not signal.SIG_IGN:
-            signal.signal(name, signal.default_int_handler)
     with occupied(output, "open"):
         workspace = Workspace(output)
         for path in paths:
