@@ -24,7 +24,6 @@ from solvers.errors import SolverError
 
 _SAME = 1e-9  # Shares that differ by less count as equal.
 _LEAST_STEP = 1e-3  # Of the amplitude: places nearer than that to a kink of the load are replaced by it.
-_LEAST_REST = 0.1  # Of the cycle: kinks of the load that come later than that after a stroke's end are the next one's.
 #: Share of the test's load below which nothing is pressed: a fresh contact of so little is less than an element.
 LEAST_LOAD = 0.01
 _SAMPLES = 720  # Places of a stroke at which loads are compared.
@@ -358,7 +357,8 @@ class Drive:
         """The places of a stroke with those of the load's kinks, and the times of increments that end at its end."""
         falling, amplitude = side > 0.0, self.amplitude_mm
         start, reached, leaves = self.waveform.stroke(falling=falling)
-        times = self.load.bends(start, leaves + _LEAST_REST)
+        # Kinks of the load that come later after a stroke's end are the next one's.
+        times = self.load.bends(start, leaves + 0.1)
         ahead = side * self.waveform.places(times)
         turned = times[(ahead < _LEAST_STEP - 1.0) & (np.abs(times - reached) > _SAME)]
         before = times[(ahead > 1.0 - _LEAST_STEP) & (times < reached)]

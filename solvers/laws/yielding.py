@@ -22,8 +22,6 @@ _GROWTH, _LARGEST = 0.205, 2.95  #: Growth with ln(P/P_y) and largest value of H
 #: Strain of an indentation is 0.2 a/R (Tabor, The Hardness of Metals (1951)); the contact's radius a grows about with
 #: this power of the load, between Hertz' 1/3 and full plasticity's 1/2.
 _SPREADING = 0.4
-#: Share of the limit by which it rises where the print is as deep as Hertz' approach: what keeps the equations regular.
-_REGULAR = 0.005
 
 
 @dataclass(frozen=True)
@@ -59,7 +57,7 @@ class PressureLimit:
     yield_stress_MPa: float
     first_yield_ratio: float
     first_yield_load: float
-    overlap_mm: float  #: Hertz' approach under the test's load, to which `_REGULAR` refers.
+    overlap_mm: float  #: Hertz' approach under the test's load, over which the limit rises.
     upper_share: float = 0.5  #: Share of the print on the upper body: 0 if it is the harder one.
     hardening_MPa: float = 0.0  #: Rise of the yield stress per plastic strain.
     first_yield_strain: float = 0.0  #: Strain 0.2 a/R of the indentation at first yield.
@@ -84,5 +82,6 @@ class PressureLimit:
         (k,).
         """
         limit = self.limit_MPa(load)
-        rise = np.broadcast_to(_REGULAR * limit / self.overlap_mm, printed_mm.shape)
+        # It rises by this share where the print is as deep as Hertz' approach, which keeps the equations regular.
+        rise = np.broadcast_to(0.005 * limit / self.overlap_mm, printed_mm.shape)
         return YieldAtNodes(limit + rise * printed_mm, rise)

@@ -11,7 +11,6 @@ from geometry.arrays import Array
 from solvers.stress.plastic_zone import Flowed, PlasticZone
 
 _MOST_STEPS, _TOLERANCE = 400, 1e-7
-_BARELY = 1e-12  #: Pressure in MPa with which everything touches at first.
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +103,8 @@ def indented(zone: PlasticZone, gap_mm: Array, loads_N: Array) -> Iterator[Inden
 
         def traction(residual_mm: Array, load: float = load) -> Array:
             nonlocal pressure, approach
-            pressure, approach = indenter.borne(load, -residual_mm[..., 2], np.maximum(pressure, _BARELY))
+            # At first everything touches barely.
+            pressure, approach = indenter.borne(load, -residual_mm[..., 2], np.maximum(pressure, 1e-12))
             return np.stack([np.zeros_like(pressure), np.zeros_like(pressure), -pressure], axis=-1)
 
         state = zone.loaded(traction, state)

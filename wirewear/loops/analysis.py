@@ -20,7 +20,7 @@ from wirewear.loops.energy import (
     narrow,
     slip_amplitude,
 )
-from wirewear.loops.figures import LoopFigures, Measured, Regime
+from wirewear.loops.figures import LoopFigures, Measured, MicroSlipBranch, Regime
 from wirewear.loops.friction import MIDDLE_SHARE, SlidingFigures, height_at, largest_ratio, peaks, sliding_figures
 from wirewear.loops.lag import branch_earlier, earlier, goes_with_velocity, is_certain, lag_of
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
@@ -143,23 +143,10 @@ def analyse_loop(
     loop, courses, other, lag = _in_time(loop, courses)
     forward, backward = courses.both
     force = mean_force(loop)
-    energy = dissipated_energy(loop)
-    slip = slip_amplitude(loop, forward, backward, force.value)
-    still = dissipated_energy(loop.without_drift).value
-    if not energy.interval95[0] <= still <= energy.interval95[1]:
-        moved = abs(loop.may_drift_by) * float(np.ptp(loop.time))
-        loop = loop.noted(MAY_DRIFT.format(moved, moved / float(np.ptp(loop.displacement_um)), still))
-    for value in (other, still):
-        if energy.value > 0.0:
-            slip = slip.reaching(slip.value * value / energy.value)
-        energy = energy.reaching(value)
+    loop, energy, slip = _energy_and_slip(loop, courses, force.value, other)
     micro = micro_slip_branch(loop, *forward), micro_slip_branch(loop, *backward)
     no_line = any(bent(loop, *course) for course in courses.both)
-    stiffness = None if no_line or loop.lean_um_per_N else mean_stiffness(*micro)
-    if stiffness is not None and lag:
-        both = (micro_slip_branch(loop, branch_earlier(branch, lag), micro) for branch, micro in courses.both)
-        sooner = mean_stiffness(*both)
-        stiffness = stiffness if sooner is None else stiffness.reaching(sooner.value)
+    stiffness = None if no_line or loop.lean_um_per_N else _stiffness(loop, courses, micro, lag)
     viscous = goes_with_velocity(loop)
     slides = courses.slide and not viscous
     corner = corner_of(forward, backward) if slides and stiffness is not None else None
@@ -169,14 +156,7 @@ def analyse_loop(
     sliding = sliding_figures(loop, courses.both, tops, position_stiffness) if slides else SlidingFigures()
     zero = courses.force_zero
     amplitude, largest_force = _displacement_amplitude(loop, courses), force_amplitude(loop, tops)
-    high = sliding.height_N
-    widest = None if high is None or min(energy.value, high.value) <= 0.0 else by_energy(energy, high)
-    reread = widest is not None and narrow(slip, widest, amplitude.value)
-    read = widest if widest is not None and reread else slip
-    if widest is not None:
-        read = read.reaching(widest.value)
-    if sliding.friction is not None and sliding.friction.value > 0.0 and loop.normal_force_N is not None:
-        read = read.reaching(250.0 * energy.value / (sliding.friction.value * float(np.mean(loop.normal_force_N))))
+    read, reread = _slip_by_energy(loop, slip, energy, sliding, amplitude)
     ratio = energy_ratio(energy, amplitude, largest_force)
     hidden = None if courses.slide or viscous or ratio is None else _hidden(courses, ratio)
     if hidden is not None:
@@ -218,6 +198,53 @@ def analyse_loop(
         [UNDETERMINED] if slip.interval95[1] < read.interval95[0] or slip.interval95[0] > read.interval95[1] else []
     )
     return within_bounds(replace(found, notes=tuple(notes)))
+
+
+def _energy_and_slip(
+    loop: CleanLoop, courses: BranchFits, mean_force_N: float, other_mJ: float
+) -> tuple[CleanLoop, Measured, Measured]:
+    """The loop, noted if drift matters, its energy and its slip; intervals reach to what another lag or no drift makes.
+
+    other_mJ: the energy with the other lag.
+    """
+    energy, slip = dissipated_energy(loop), slip_amplitude(loop, *courses.both, mean_force_N)
+    still = dissipated_energy(loop.without_drift).value
+    if not energy.interval95[0] <= still <= energy.interval95[1]:
+        moved = abs(loop.may_drift_by) * float(np.ptp(loop.time))
+        loop = loop.noted(MAY_DRIFT.format(moved, moved / float(np.ptp(loop.displacement_um)), still))
+    for value in (other_mJ, still):
+        if energy.value > 0.0:
+            slip = slip.reaching(slip.value * value / energy.value)
+        energy = energy.reaching(value)
+    return loop, energy, slip
+
+
+def _stiffness(
+    loop: CleanLoop, courses: BranchFits, micro: tuple[MicroSlipBranch, MicroSlipBranch], lag: float
+) -> Measured | None:
+    """Mean stiffness of both branches; its interval reaches to that with the other lag."""
+    stiffness = mean_stiffness(*micro)
+    if stiffness is None or not lag:
+        return stiffness
+    sooner = mean_stiffness(
+        *(micro_slip_branch(loop, branch_earlier(branch, lag), own) for branch, own in courses.both)
+    )
+    return stiffness if sooner is None else stiffness.reaching(sooner.value)
+
+
+def _slip_by_energy(
+    loop: CleanLoop, slip: Measured, energy: Measured, sliding: SlidingFigures, amplitude: Measured
+) -> tuple[Measured, bool]:
+    """The slip amplitude as energy and height of the loop allow, and whether the energy gives it, not the width."""
+    high = sliding.height_N
+    widest = None if high is None or min(energy.value, high.value) <= 0.0 else by_energy(energy, high)
+    reread = widest is not None and narrow(slip, widest, amplitude.value)
+    read = widest if widest is not None and reread else slip
+    if widest is not None:
+        read = read.reaching(widest.value)
+    if sliding.friction is not None and sliding.friction.value > 0.0 and loop.normal_force_N is not None:
+        read = read.reaching(250.0 * energy.value / (sliding.friction.value * float(np.mean(loop.normal_force_N))))
+    return read, reread
 
 
 def _hidden(courses: BranchFits, ratio: Measured) -> str | None:

@@ -18,7 +18,6 @@ from wirewear.test import Study
 from wirewear.test.bodies import hertz_of
 from wirewear.test.many_contacts import ManyContacts
 
-AGREED = 0.005  #: Change of a load, over the mean load, below which runs and beam agree.
 _MOST_ROUNDS = 6
 _BLOCKS = 6  #: Of a test with wear: depth grows as the root of cycles, so their ends go with the square.
 
@@ -73,7 +72,8 @@ def shared_load(test: ManyContacts, simulate: Simulate) -> SharedLoad:
         depth = np.array([[_depth_mm(run, end) for end in ends] for run in runs])
         better = _shared(test, load, approach - depth, depth, lengths)
         change = float(np.abs(better - load).max() / load.mean())
-        if change < AGREED:
+        # Runs and beam agree on the loads within so much of their mean.
+        if change < 0.005:
             return SharedLoad(test, ends, load, 1e3 * approach, 1e3 * depth, runs, labels, change, rounds)
         load = better
         past.append(f"{100.0 * change:.2g}")

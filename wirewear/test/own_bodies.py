@@ -32,6 +32,10 @@ _TURN = 0.35  #: By how much the normal may turn from one of the file's faces to
 _LOCKS = 0.45
 
 
+STIFFNESS_KEYS = ("file", "contact", "held", "digest")
+_ALLOWED = {"unit": f", one of {', '.join(MM_PER_UNIT)}"}
+
+
 def _unstated(
     stated: MeshKeys, shape: str, endings: tuple[str, ...], needed: tuple[str, ...]
 ) -> tuple[str, str] | None:
@@ -53,9 +57,6 @@ def unfit_stiffness(stated: MeshKeys) -> tuple[str, str] | None:
     except GeometryError as problem:
         return "file", f"gives a body that cannot be taken: {str(problem).rstrip('.')}"
     return None
-
-
-_ALLOWED = {"unit": f", one of {', '.join(MM_PER_UNIT)}"}
 
 
 def _checked_direction(value: object) -> tuple[float, float, float]:
@@ -123,7 +124,6 @@ class MeshKeys(keys.Table):
 
 
 MESH_KEYS = tuple(MeshKeys.model_fields)
-STIFFNESS_KEYS = ("file", "contact", "held", "digest")
 
 
 def source_of(stated: MeshKeys) -> MeshSource:
