@@ -5,6 +5,7 @@ Reference figures: Ø12.7 mm steel ball on a flat under 40 N, µ = 0.6, K = 2246
 
 from copy import deepcopy
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,16 @@ from tests.diagnosis.diagnosis_cases import nominal, with_effect
 from tests.simulation.point_contacts import STEEL
 from wirewear import record_of_result
 from wirewear.diagnosis import diagnose
+from wirewear.diagnosis.infer.search import search
+from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
+from wirewear.effects import all_effects
 from wirewear.loops.sensor import Sensor, SensorNoise
-from wirewear.records import AnyRecord
+from wirewear.records import AnyRecord, ExperimentRecord
+from wirewear.records.contact_tables import RECORDS
+from wirewear.records.values import MeasuredLoop
 from wirewear.simulation import run_study
 from wirewear.test import study_from_tables
 
@@ -94,6 +100,41 @@ def test_a_contact_that_sticks_slides_where_its_stroke_is_beyond_full_slip() -> 
     course = simulate(ball(), circumstances(full_um + 2.0), CYCLES)
     assert course.slip_um == pytest.approx(2.0, rel=1e-3)
     assert largest(course) == pytest.approx(FRICTION_N, rel=1e-6)
+
+
+def read_loops(course: PredictedLoops, amplitude_um: float) -> AnyRecord:
+    """Two noisy readings of predicted loops, as a record of the ball."""
+    asked = {"normal_load_N": LOAD_N, "displacement_amplitude_um": amplitude_um, "frequency_Hz": 10.0, "cycles": 100}
+    tables = RECORDS["ball-on-flat"].model_validate({
+        "format": 1, "name": "ball", "contact": {"kind": "ball-on-flat"}, "conditions": asked | {"drive": "stroke"},
+        "bodies": {"ball": {"diameter_mm": 12.7, **STEEL}, "flat": STEEL}, "files": {"loops": "loops.csv"},
+        "stated": {"friction": FRICTION, "tangential_stiffness_N_per_mm": 20000.0},
+    })  # fmt: skip
+    random, phase = np.random.default_rng(1), 2.0 * np.pi * np.arange(300) / 300
+    place, rises = amplitude_um * np.sin(phase), np.cos(phase) > 0.0
+    loops = []
+    for repeat, (cycle, x, q) in product(
+        (1, 2), zip(CYCLES, course.displacement_um, course.tangential_force_N, strict=True)
+    ):
+        force = np.where(rises, np.interp(place, x[0], q[0]), np.interp(-place, -x[1], q[1]))
+        noise, load = random.standard_normal((2, 300)), np.full(300, LOAD_N)
+        loops.append(
+            MeasuredLoop(repeat, int(cycle), phase / 62.83, place + 0.01 * noise[0], force + 0.1 * noise[1], load)
+        )
+    return ExperimentRecord(tables, tuple(loops))
+
+
+@pytest.mark.seconds
+def test_loops_that_stick_show_another_friction_at_the_ends_of_their_stroke() -> None:
+    stated = circumstances(2.0, compliance_um_per_N=0.05)
+    course = simulate(ball(), with_effect(stated, "friction_offset", {"friction": 0.5}), CYCLES)
+    observed = reduce(read_loops(course, 2.0))
+    others = all_effects().keys() - {"friction_offset", "sensor_lag", "tangential_compliance"}
+    found = search(ball(), replace(stated, motion=observed.motion), observed, tuple(others))
+    assert found.best.names == ("friction_offset",)
+    assert found.best.log_evidence > found.none.log_evidence + 8.0
+    (candidate,) = found.best.candidates
+    assert candidate.values(found.best.coordinates)["friction"] == pytest.approx(0.5, rel=0.04)
 
 
 def ball_record(folder: Path, conditions: dict[str, Any], *effects: dict[str, Any]) -> AnyRecord:
