@@ -65,10 +65,10 @@ def schur_complements(
     order = np.concatenate([elimination_order(tree), kept])
     rank[order] = np.arange(len(order))
     boundary, updates = eliminate(tree, System(matrix, graph, rank, d, held))
-    where = unknowns_of(rank[boundary] - len(eliminated), d)
+    where, own = unknowns_of(rank[boundary] - len(eliminated), d), unknowns_of(kept, d)
     results = []
-    for of_kept, update in zip(held[:, unknowns_of(kept, d)], updates, strict=True):
-        result = _matrix_block(matrix, kept, d)
+    for of_kept, update in zip(held[:, own], updates, strict=True):
+        result = np.asarray(matrix[own][:, own].toarray(order="F"))
         add_update(np.zeros((len(result), 0), order="F"), result, where, update)
         hold(result, of_kept)
         lower = np.tril(result)
@@ -92,11 +92,6 @@ def inverse(matrix: Array) -> Array:
     """Inverse (n, n) of the stiffness in a matrix's lower triangle; SolverError as of `cholesky_factor`."""
     lower, _ = lapack.dpotri(cholesky_factor(matrix), lower=1, overwrite_c=1)
     return np.asarray(np.tril(lower) + np.tril(lower, -1).T)
-
-
-def _matrix_block(matrix: csr_matrix, nodes: IntArray, d: int) -> Array:
-    where = unknowns_of(nodes, d)
-    return np.asarray(matrix[where][:, where].toarray(order="F"))
 
 
 def node_graph(matrix: csr_matrix, d: int) -> csr_matrix:

@@ -218,7 +218,11 @@ def friction_factor(upper: Layers, lower: Layers, local: LocalState) -> float | 
     """
     if not (upper or lower):
         return 1.0
-    layered = [(layers, body_is_upper) for layers, body_is_upper in ((upper, True), (lower, False)) if _rubs(layers)]
+    layered = [
+        (layers, body_is_upper)
+        for layers, body_is_upper in ((upper, True), (lower, False))
+        if any(layer.friction_factor is not None for layer in layers)
+    ]
     if not layered:
         return 1.0
     more = there = np.zeros(1)
@@ -237,7 +241,3 @@ def friction_factor(upper: Layers, lower: Layers, local: LocalState) -> float | 
             field = at(np.interp(depth, places, course))
             more, there = (more + field, there) if add else (more, there + field)
     return np.asarray(1.0 + more / np.maximum(there, 1.0))
-
-
-def _rubs(layers: Layers) -> bool:
-    return any(layer.friction_factor is not None for layer in layers)

@@ -107,7 +107,8 @@ def units(checked: CheckedRecord) -> Iterator[Remark]:
         odd &= (ratio > 1.0) | (ratio < 1.0 / OTHER_UNIT)  # a drive that holds something else has that at most
     if odd.any():
         middle = float(np.nanmedian(ratio[odd]))
-        unit = {-3: ": it looks like millimetres", 3: ": it looks like nanometres"}.get(_decade(middle), "")
+        decade = round(float(np.log10(middle))) if middle > 0.0 else 0
+        unit = {-3: ": it looks like millimetres", 3: ": it looks like nanometres"}.get(decade, "")
         asked = f"the {conditions.displacement_amplitude_um:g} µm asked for"
         text = f"The displacement amplitude is {middle:.3g} times {asked} in {where(checked, odd)}{unit}."
         strange = bool(np.nanmedian(np.abs(np.log(np.maximum(ratio, 1e-12)))) > np.log(OTHER_UNIT))
@@ -127,10 +128,6 @@ def units(checked: CheckedRecord) -> Iterator[Remark]:
 
 def _most(loops: BoolArray) -> bool:
     return 2 * int(np.count_nonzero(loops)) > loops.size
-
-
-def _decade(ratio: float) -> int:
-    return round(float(np.log10(ratio))) if ratio > 0.0 else 0
 
 
 def normal_force(checked: CheckedRecord) -> Iterator[Remark]:

@@ -79,9 +79,10 @@ def write_fields(
         folder.mkdir(parents=True, exist_ok=True)
         for states in tracked(moments, "writing"):
             for state in states:
-                written.append(_write_state(folder, state))
+                written.append(write_grid(folder / f"{_name(state)}.vtu", body_grid(state)))
                 if integration_points:
-                    written.append(_write_points(folder, state))
+                    points = integration_point_cloud(state)
+                    written.append(write_grid(folder / f"{_name(state)}_points.vtp", points))
         written.append(_write_series(folder / f"cycle_{logged:07d}.pvd", moments))
     touching = [states for states in moments if any(state.applied.any() for state in states)]
     if pictures:
@@ -105,14 +106,6 @@ def _draw(folder: Path, states: Sequence[BodyState]) -> list[Path]:
         save(lambda: draw_cut(states), folder / f"cut_{place}.png"),
         save(lambda: draw_tractions(states), folder / f"tractions_{place}.png"),
     ]
-
-
-def _write_state(folder: Path, state: BodyState) -> Path:
-    return write_grid(folder / f"{_name(state)}.vtu", body_grid(state))
-
-
-def _write_points(folder: Path, state: BodyState) -> Path:
-    return write_grid(folder / f"{_name(state)}_points.vtp", integration_point_cloud(state))
 
 
 def _write_series(path: Path, moments: Sequence[Sequence[BodyState]]) -> Path:

@@ -304,17 +304,13 @@ def _typed(step: Step, chosen: Mapping[str, object]) -> list[str]:
         elif isinstance(value, str) and value.isprintable() and len(value) <= _MOST_SIGNS and not option.is_flag:
             typed.append(f"{flag}={value.strip()}")
             if not isinstance(option.type, click.Path):
-                _require_taken(option, value.strip())
+                try:
+                    option.type.convert(value.strip(), option, None)
+                except click.BadParameter as problem:
+                    raise ValueError(f"{option.opts[0]}: {problem.format_message()}") from None
         else:
             raise ValueError(f"{flag} is {shown(value)}, which it cannot be.")
     return typed
-
-
-def _require_taken(option: click.Option, value: str) -> None:
-    try:
-        option.type.convert(value, option, None)
-    except click.BadParameter as problem:
-        raise ValueError(f"{option.opts[0]}: {problem.format_message()}") from None
 
 
 def end_with_input() -> None:
