@@ -28,11 +28,10 @@ from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.values import stated_study
 from wirewear.reference import first_loading_force, partial_slip_point, sliding_threshold
 from wirewear.simulation import simulate
-from wirewear.simulation.control import HeldFigure, amplitude_from
+from wirewear.simulation.control import HELD_FIGURES, HeldFigure, amplitude_from
 from wirewear.simulation.cycling import FIGURES, Ending
 from wirewear.simulation.runs import run_study
-from wirewear.test.conditions import Stop
-from wirewear.test.programme import held_keys
+from wirewear.test.conditions import Asked, Stop, held_keys
 
 STEEL_WIRES = Path(__file__).parents[2] / "studies" / "steel_wires" / "study.toml"
 ON_A_RIG = (
@@ -375,3 +374,7 @@ def test_a_held_force_is_found_where_force_goes_with_the_way_or_is_there_before_
 
     held = HeldFigure("held_tangential_force_N", 1.0, "N", 1e6, lambda *_: 0.0, None, 0.0)
     assert force(amplitude_from(held, force, moved_to)) == pytest.approx(1.0, rel=1e-3)
+
+
+def test_every_figure_that_a_drive_can_hold_is_measured() -> None:
+    assert [key.split("_")[1] for key in Asked.model_fields if key.startswith("held_")] == list(HELD_FIGURES)

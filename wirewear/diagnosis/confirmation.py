@@ -25,7 +25,7 @@ from wirewear.effects import Age, Seam, applied
 from wirewear.loops.branches import lean_of
 from wirewear.loops.sensor import Sensor
 from wirewear.results import read_loops
-from wirewear.test.programme import held_keys
+from wirewear.test.conditions import held_keys
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.wording import Diagnosed

@@ -10,7 +10,7 @@ from wirewear.loops.analysis import EARLY, ELLIPSE, HIDDEN, LATE, MAY_DRIFT, RUN
 from wirewear.loops.cleaning import BACKWARDS, DRIFTS
 from wirewear.records.normal_force import impossible_loads
 from wirewear.records.remarks import COURSE, FEWEST_SAMPLES, CheckedRecord, Remark, coarse_step_of, plural, where
-from wirewear.test.programme import held_keys
+from wirewear.test.conditions import held_keys
 
 #: What of the analysis' notes nothing here has words of its own for.
 NOTED = (LATE, EARLY, RUNS_ON, BACKWARDS, DRIFTS, MAY_DRIFT, ELLIPSE, HIDDEN)

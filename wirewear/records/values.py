@@ -19,8 +19,9 @@ from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.scars import MeasuredScar
 from wirewear.records.tables import RecordTables, StatedRig
 from wirewear.test import study_from_tables
+from wirewear.test.conditions import held_by
 from wirewear.test.messages import validated
-from wirewear.test.programme import CycleBlock, Schedule, held_by, worked_course
+from wirewear.test.programme import CycleBlock, Schedule, worked_course
 
 #: What changes over the cycles, as keys of `[stated]` and as effects of a study.
 _EVOLUTIONS = ("friction_evolution", "wear_rate_evolution")

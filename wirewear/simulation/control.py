@@ -1,9 +1,9 @@
 """Drives that hold a figure of the loop in place of their amplitude: slip, force, energy or a sensor's reading."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from wirewear.effects import Age, Seam, applied
 from wirewear.loops.sensor import LoopSignals, Sensor
 from wirewear.simulation.measures import Probe, friction_work_mJ, is_half, slip_amplitude_mm
 from wirewear.test import AnyStudy
-from wirewear.test.programme import held_by
+from wirewear.test.conditions import held_by
 
 WITHIN = 1e-3  #: A drive is corrected until what it holds is met within this share.
 _LEAST, _MOST = 0.3, 3.0  # Of an amplitude: those to be tried next.
@@ -146,29 +146,49 @@ class AmplitudeSearch:
         return amplitude_mm + lacking / growth
 
 
-def _slip_um(trace: CycleTrace, probe: Probe | None) -> float:
+@dataclass(frozen=True)
+class SlidingOnset:
+    """A contact that just slides as a whole, without its rig: its force, slip amplitude, energy of a cycle and motion.
+
+    The motion is the amplitude of the bodies against each other, where they are held.
+    """
+
+    force_N: float
+    slip_um: float
+    energy_mJ: float
+    moved_um: Callable[[], float]  #: Works out the motion, which most drives need not know.
+
+    @property
+    def motion_um(self) -> float:
+        return self.moved_um()
+
+
+def _per_um(_: CycleTrace) -> float:
+    return 1e3
+
+
+@dataclass(frozen=True)
+class Figure:
+    """How a figure that a drive may hold is measured; its key is in `Asked`."""
+
+    unit: str
+    measure: Callable[[Sensor, CycleTrace, Probe | None], float]  #: With a sensor at the drive, without its lag.
+    #: The figure from which on bodies slide as a whole, by their onset of sliding and the rig's travel in µm then.
+    slides_from: Callable[[SlidingOnset, float], float]
+    slope: Callable[[CycleTrace], float] | None = _per_um  #: As that of `HeldFigure`.
+    of_state: Callable[[ContactState], float] | None = None
+
+
+def _slip_um(_: Sensor, trace: CycleTrace, probe: Probe | None) -> float:
     return 1e3 * slip_amplitude_mm(trace, probe)
 
 
-def _apart_um(trace: CycleTrace, _: Probe | None) -> float:
+def _apart_um(_: Sensor, trace: CycleTrace, __: Probe | None) -> float:
     """Amplitude in µm of the bodies' relative motion between their holders, half of its range."""
     return 500.0 * float(np.ptp([state.drive - state.holder_x for state in (trace.start, *trace.states)]))
 
 
-def _largest_force_N(trace: CycleTrace, _: Probe | None = None) -> float:
-    return float(np.abs(trace.tangential_force).max())
-
-
-def _force_N(state: ContactState) -> float:
-    return abs(float(state.primary_force[:, 0].sum()))
-
-
-def _energy_mJ(trace: CycleTrace, _: Probe | None) -> float:
-    return friction_work_mJ(trace)
-
-
 def _read_um(sensor: Sensor, trace: CycleTrace, _: Probe | None) -> float:
-    """Amplitude in µm that a sensor at the drive reads, without its lag."""
     drive, force, normal = 1e3 * trace.drive, trace.tangential_force, trace.normal_force
     if is_half(trace):
         drive, force, normal = np.append(drive, -drive), np.append(force, -force), np.append(normal, normal)
@@ -177,28 +197,47 @@ def _read_um(sensor: Sensor, trace: CycleTrace, _: Probe | None) -> float:
     )
 
 
+def _largest_force_N(trace: CycleTrace) -> float:
+    return float(np.abs(trace.tangential_force).max())
+
+
+#: All figures by the second word of their keys.
+HELD_FIGURES: Mapping[str, Figure] = {
+    "slip": Figure("um", _slip_um, lambda onset, _: onset.slip_um),
+    "motion": Figure("um", _apart_um, lambda onset, _: onset.motion_um),
+    "reading": Figure("um", _read_um, lambda onset, carried_um: onset.motion_um + carried_um),
+    "tangential": Figure(
+        "N",
+        lambda _, trace, __: _largest_force_N(trace),
+        lambda onset, _: onset.force_N,
+        None,
+        lambda state: abs(float(state.primary_force[:, 0].sum())),
+    ),
+    "energy": Figure(
+        "mJ",
+        lambda _, trace, __: friction_work_mJ(trace),
+        lambda onset, _: onset.energy_mJ,
+        lambda trace: 4.0 * _largest_force_N(trace),
+    ),
+}
+
+
 def held_of(study: AnyStudy[Any]) -> HeldFigure | None:
     """The figure that a study's drive holds in place of its amplitude; None if it holds the amplitude."""
     stated, largest_um = held_by(study.conditions), study.conditions.displacement_amplitude_um
     if stated is None:
         return None
-    holder = study.tables.rig
+    holder, figure = study.tables.rig, HELD_FIGURES[stated.figure]
     friction_N = study.contact.friction * holder.normal_load_N
     sensor = replace(applied(study.effects, Seam.SENSOR, Sensor(), Age.new()), lag_s=0.0)
-    unit, per_mm = "um", cast("Callable[[CycleTrace], float] | None", lambda _: 1e3)
-    measure: Measure
-    of_state: Callable[[ContactState], float] | None = None
-    match stated.figure:
-        case "slip":
-            measure = _slip_um
-        case "motion":
-            measure = _apart_um
-        case "reading":
-            measure = partial(_read_um, sensor)
-        case "energy":
-            measure, unit, per_mm = _energy_mJ, "mJ", lambda trace: 4.0 * _largest_force_N(trace)
-        case _:
-            measure, unit, per_mm, of_state = _largest_force_N, "N", None, _force_N
     carried_um = 1e3 * friction_N * holder.compliance_at_contact_mm_per_N
-    first_mm = 1e-3 * stated.first_um(friction_N, carried_um, largest_um)
-    return HeldFigure(stated.key, stated.value, unit, 1e-3 * largest_um, measure, per_mm, first_mm, of_state)
+    return HeldFigure(
+        stated.key,
+        stated.value,
+        figure.unit,
+        1e-3 * largest_um,
+        partial(figure.measure, sensor),
+        figure.slope,
+        1e-3 * stated.first_um(friction_N, carried_um, largest_um),
+        figure.of_state,
+    )

@@ -26,14 +26,14 @@ from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.base.memory import free_memory
 from wirewear.results import PRESSURE_LENGTH
+from wirewear.simulation.control import SlidingOnset
 from wirewear.simulation.expected_contact import wear_factors
 from wirewear.simulation.problem import laws_of, measured, too_much
-from wirewear.simulation.sliding_onset import SlidingOnset, expected_to_stick
+from wirewear.simulation.sliding_onset import expected_to_stick
 from wirewear.simulation.yielding import pressure_limit, spread_by_yield
 from wirewear.test.conditions import HolderTable
 from wirewear.test.faces import Face, WIDEST_mm, half_width_of
 from wirewear.test.fidelity import LINE_LEVELS, level_of
-from wirewear.test.programme import held_by
 from wirewear.test.study import LineStudy
 from wirewear.test.surfaces import StatedSurface
 
@@ -240,10 +240,12 @@ def _onset(study: LineStudy, friction_N: float) -> SlidingOnset:
     """
     own = study.pad.elastic, study.specimen.elastic
     spread = friction_N / pi * sum((1.0 - each.poissons_ratio) / each.shear_modulus_MPa for each in own)
-    motion = 0.0
-    if held_by(study.conditions) is None or study.conditions.held_motion_um or study.conditions.held_reading_um:
-        motion = friction_N / bodies_stiffness_N_per_mm2(study)
-    return SlidingOnset(friction_N, motion, 0.5 * log(2.0) * spread, friction_N * spread)
+    return SlidingOnset(
+        friction_N,
+        500.0 * log(2.0) * spread,
+        friction_N * spread,
+        lambda: 1e3 * friction_N / bodies_stiffness_N_per_mm2(study),
+    )
 
 
 def limit_of_lines(study: LineStudy, hertz: reference.LineContact) -> PressureLimit | None:

@@ -46,7 +46,7 @@ from wirewear.simulation.statistics import Tally, judge, mirrored_mismatch
 from wirewear.simulation.store import MeshHistory
 from wirewear.simulation.yielding import STRAIN, limit_settings
 from wirewear.test import Body, Study
-from wirewear.test.programme import held_keys
+from wirewear.test.conditions import held_keys
 from wirewear.test.surfaces import LayerTable
 
 Worn = tuple[PlacedBody, Array, Array, Array, Array, Array | None]

@@ -5,28 +5,18 @@ half-spaces, for a line contact that of its bodies, in series with the rig.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from wirewear import reference
 from wirewear.effects import Age, ContactLaw, Loading, Seam, applied
+from wirewear.simulation.control import HELD_FIGURES, SlidingOnset
 from wirewear.test import AnyStudy, Study
 from wirewear.test.bodies import hertz_of
-from wirewear.test.programme import held_by
+from wirewear.test.conditions import held_by
 
 _AGES = 200
-
-
-@dataclass(frozen=True)
-class SlidingOnset:
-    """A contact that just slides as a whole, without its rig: its force, motion, slip and energy."""
-
-    force_N: float
-    motion_mm: float  #: Amplitude of the bodies' relative motion, where they are held.
-    slip_mm: float  #: Slip amplitude, half of the loop's width.
-    energy_mJ: float  #: Energy of a cycle.
 
 
 def least_friction_N(study: AnyStudy[Any]) -> float:
@@ -59,17 +49,10 @@ def expected_to_stick(study: AnyStudy[Any], onset_at: Callable[[float], SlidingO
         return False
     onset, stated = onset_at(friction_N), held_by(study.conditions)
     rig = applied(study.effects, Seam.HOLDER, study.tables.rig, Age.new())
-    driven_um = 1e3 * (onset.motion_mm + friction_N * rig.compliance_at_contact_mm_per_N)
+    carried_um = 1e3 * friction_N * rig.compliance_at_contact_mm_per_N
     if stated is None:
-        return bool(study.conditions.displacement_amplitude_um < driven_um)
-    slides_from = {
-        "tangential": onset.force_N,
-        "energy": onset.energy_mJ,
-        "slip": 1e3 * onset.slip_mm,
-        "motion": 1e3 * onset.motion_mm,
-        "reading": driven_um,
-    }
-    return bool(stated.value < slides_from[stated.figure])
+        return bool(study.conditions.displacement_amplitude_um < onset.motion_um + carried_um)
+    return bool(stated.value < HELD_FIGURES[stated.figure].slides_from(onset, carried_um))
 
 
 def point_sticks(study: Study) -> bool:
@@ -86,6 +69,6 @@ def point_sticks(study: Study) -> bool:
         contact = reference.partial_slip_point(friction_N, 1.0, radius, modulus)
         motion = contact.full_slip_displacement_mm
         slip, energy = reference.slip_amplitude(contact, motion), reference.energy_per_cycle(contact, friction_N)
-        return SlidingOnset(friction_N, motion, slip, energy)
+        return SlidingOnset(friction_N, 1e3 * slip, energy, lambda: 1e3 * motion)
 
     return expected_to_stick(study, onset)

@@ -1,5 +1,6 @@
 """What a test of any contact states besides its bodies, table by table: every key with its range, default, meaning."""
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
@@ -40,6 +41,51 @@ class Asked(keys.Table):
         None, description="the drive holds this largest tangential force of a cycle"
     )
     held_energy_mJ: keys.HeldEnergy | None = Field(None, description="the drive holds this energy of a cycle")
+
+
+def held_keys(conditions: object) -> list[str]:
+    """The keys by which conditions state what the drive holds in place of its amplitude; more than one is a
+    contradiction.
+    """
+    known = type(conditions).model_fields if isinstance(conditions, keys.Table) else {}
+    return [key for key in known if key.startswith("held_") and getattr(conditions, key) is not None]
+
+
+@dataclass(frozen=True)
+class HeldTarget:
+    """The figure that a drive holds in place of its amplitude: slip, motion or reading (µm), energy (mJ) or
+    force (N).
+    """
+
+    key: str
+    value: float  #: The value to hold; for a line contact that of one millimetre if the study is.
+
+    @property
+    def figure(self) -> str:
+        """The second word of its key."""
+        return self.key.split("_")[1]
+
+    def first_um(self, friction_N: float, carried_um: float, largest_um: float) -> float:
+        """First guess in µm of the drive's amplitude at which a contact that slides as a whole holds the figure.
+
+        carried_um: travel of the rig by friction.  largest_um: the drive's largest amplitude.
+        """
+        match self.figure:
+            case "slip" | "motion":
+                first = self.value + carried_um
+            case "reading":
+                first = self.value
+            case "energy":
+                first = 1e3 * self.value / (4.0 * friction_N) + carried_um if friction_N else largest_um
+            case _:
+                first = 0.3 * largest_um + self.value * (carried_um / friction_N if friction_N else 0.0)
+        return min(first, largest_um)
+
+
+def held_by(conditions: object) -> HeldTarget | None:
+    """The figure that the drive holds in place of its amplitude, with its target; None if it holds its amplitude."""
+    key = next(iter(held_keys(conditions)), None)
+    return None if key is None else HeldTarget(key, float(getattr(conditions, key)))
 
 
 class DrivenConditions(Asked):

@@ -5,6 +5,7 @@ from typing import Any
 
 from wirewear.base.errors import StudyError
 from wirewear.test.bodies import Wire
+from wirewear.test.conditions import held_keys
 from wirewear.test.drive import BulkTable
 from wirewear.test.fidelity import FIDELITIES
 from wirewear.test.keys import NO_PIVOT, Inconsistency, Table, merged
@@ -12,7 +13,7 @@ from wirewear.test.kinds import kind_named
 from wirewear.test.life import LifeTable
 from wirewear.test.messages import Keys, place, table_above, validated
 from wirewear.test.own_bodies import OwnBody, StiffBody
-from wirewear.test.programme import held_keys, logged_ends, placed, too_many
+from wirewear.test.programme import logged_ends, placed, too_many
 from wirewear.test.shapes import ShapedBody
 from wirewear.test.surfaces import StatedSurface, unfit_layers
 from wirewear.test.tables import CommonTables, ContactTables

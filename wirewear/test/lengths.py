@@ -6,8 +6,10 @@ One millimetre of a line contact is computed; files state the whole contact or v
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol, Self, TypeVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Protocol, Self, TypeVar, cast
+
+from pydantic import BaseModel
 
 from wirewear.base.errors import WirewearError
 
@@ -16,7 +18,7 @@ from wirewear.base.errors import WirewearError
 _POWERS = {"N": 1, "N_per_mm": 1, "N_mm_per_rad": 1, "mJ": 1, "J": 1, "mm3": 1, "um_per_N": -1, "um_per_N2": -2}
 _UNIT = re.compile(rf"(?<!_per)_({'|'.join(_POWERS)})$")
 
-GROWING = ("conditions", "holder", "stop")  #: Tables of a study whose numbers may grow with the length.
+_GROWING = ("conditions", "holder", "stop")  #: Tables of a study whose numbers may grow with the length.
 
 #: Keys of one millimetre and those of the whole contact, by their tables.
 _OF_WHOLE = {
@@ -49,6 +51,7 @@ class HasLength(Protocol):
 
 
 AnyResult = TypeVar("AnyResult", bound=HasLength)
+Named = TypeVar("Named")  #: Values by name: a mapping, or the fields of a table or an effect.
 
 
 @dataclass(frozen=True)
@@ -173,32 +176,45 @@ def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def lengthened(values: Mapping[str, Any], factor: float) -> dict[str, Any]:
-    """Values by their keys for a contact longer by `factor`; values that are not numbers do not change."""
-
-    def own(key: str, value: Any) -> Any:
-        unit = _UNIT.search(key)
-        return value * factor ** _POWERS[unit[1]] if unit is not None and _is_number(value) else value
-
-    return {key: own(key, value) for key, value in values.items()}
+def lengthened(values: Named, factor: float) -> Named:
+    """A mapping, table or effect for a contact longer by `factor`; what is no number does not change."""
+    own = ((key, value, _UNIT.search(key)) for key, value in _named(values).items() if _is_number(value))
+    return _changed(values, {key: value * factor ** _POWERS[unit[1]] for key, value, unit in own if unit is not None})
 
 
-def study_of_length(study: Mapping[str, Any], length_mm: float) -> Mapping[str, Any]:
-    """The resolved study of a line contact, as results keep it, for another length of the contact."""
-    if length_mm == (own := stated_length_mm(study)):
+def study_of_length(study: Named, length_mm: float) -> Named:
+    """The study of a line contact, as its tables or as results keep it, for another length of the contact.
+
+    Load, force and energy per millimetre stay as they are.
+    """
+    tables = _named(study)
+    if length_mm == (own := stated_length_mm(tables)):
         return study
-    factor, found = length_mm / own, dict(study)
-    for name in GROWING:
-        if study.get(name):
-            found[name] = lengthened(study[name], factor)
-    found["effects"] = [lengthened(effect, factor) for effect in study.get("effects") or ()]
-    found["programme"] = [
-        {**block, "conditions": lengthened(block.get("conditions") or {}, factor)}
-        for block in study.get("programme") or ()
-    ]
-    return found | {"contact": {**study["contact"], "length_mm": length_mm}}
+    factor = length_mm / own
+    found: dict[str, object] = {name: lengthened(tables[name], factor) for name in _GROWING if tables.get(name)}
+    for name, longer in (("effects", lengthened), ("programme", _lengthened_block)):
+        rows = [] if tables.get(name) is None else tables[name]
+        found[name] = type(rows)(longer(row, factor) for row in rows)
+    return _changed(study, found | {"contact": _changed(tables["contact"], {"length_mm": length_mm})})
+
+
+def _lengthened_block(block: Named, factor: float) -> Named:
+    return _changed(block, {"conditions": lengthened(_named(block).get("conditions") or {}, factor)})
+
+
+def _named(values: object) -> Mapping[str, Any]:
+    return values if isinstance(values, Mapping) else vars(values)
+
+
+def _changed(values: Named, changes: Mapping[str, object]) -> Named:
+    """The values with changes that are not checked."""
+    if isinstance(values, Mapping):
+        return cast("Named", {**values, **changes})
+    return (
+        values.model_copy(update=changes) if isinstance(values, BaseModel) else replace(cast("Any", values), **changes)
+    )
 
 
 def stated_length_mm(study: Mapping[str, Any]) -> float:
     """Length of the contact in the tables of a line contact's study; 1 if not stated."""
-    return float(study["contact"].get("length_mm", 1.0))
+    return float(_named(study["contact"]).get("length_mm", 1.0))

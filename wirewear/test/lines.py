@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator
 
@@ -18,7 +18,7 @@ from wirewear.test.conditions import DrivenConditions, FrictionTable
 from wirewear.test.drive import bulk_of
 from wirewear.test.faces import FACE_KEYS, PadFace, PadFaceOrFile
 from wirewear.test.keys import Inconsistency
-from wirewear.test.lengths import GROWING, given_length_mm, key_of_whole, lengthened, whole_test
+from wirewear.test.lengths import given_length_mm, key_of_whole, study_of_length, whole_test
 from wirewear.test.surfaces import LayerTable, layers_of
 from wirewear.test.tables import CommonTables, StatesItsKind
 from wirewear.test.template import Template
@@ -26,9 +26,6 @@ from wirewear.test.template import Template
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]
 
 TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}  #: An alloy like Ti-6Al-4V.
-
-
-AnyTable = TypeVar("AnyTable", bound=keys.Table)
 
 
 class ResolutionTable(keys.Table):
@@ -245,25 +242,7 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
 
     def of_length(self, length_mm: float) -> Self:
         """The test on another length of the contact, with the same load, force and energy per millimetre."""
-        if length_mm == self.contact.length_mm:
-            return self
-        factor = length_mm / self.contact.length_mm
-
-        def of(table: AnyTable) -> AnyTable:
-            return table.model_copy(update=lengthened(dict(table), factor))
-
-        changed = {name: of(own) for name in GROWING if (own := getattr(self, name)) is not None} | {
-            "programme": tuple(
-                block.model_copy(update={"conditions": lengthened(block.conditions, factor)})
-                for block in self.programme
-            ),
-            "contact": self.contact.model_copy(update={"length_mm": length_mm}),
-            "effects": tuple(
-                replace(effect, **lengthened({name: getattr(effect, name) for name in effect.parameters()}, factor))
-                for effect in self.effects
-            ),
-        }
-        return self.model_copy(update=changed)
+        return study_of_length(self, length_mm)
 
     def contradiction(self) -> Inconsistency | None:
         """The first of: a pad without a face, a holder that tips over, two wear laws; None if there is none."""

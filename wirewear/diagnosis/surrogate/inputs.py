@@ -16,7 +16,8 @@ from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.effects import COLUMNS, Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
 from wirewear.effects.effect import LineChain
 from wirewear.test import AnyStudy
-from wirewear.test.programme import Schedule, held_by, worked_course
+from wirewear.test.conditions import held_by
+from wirewear.test.programme import Schedule, worked_course
 from wirewear.test.tables import compliance
 
 #: Friction force and amplitude of the article's test of wires, for which effects state what one expects of them.

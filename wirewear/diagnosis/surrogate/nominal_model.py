@@ -22,7 +22,7 @@ from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
 from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.test import AnyStudy, LineStudy, Study
-from wirewear.test.programme import held_by, held_keys
+from wirewear.test.conditions import held_by, held_keys
 from wirewear.test.study import JointStudy
 
 
