@@ -196,7 +196,8 @@ def run(
         _require_nothing_lost(folder)
     if (several := many_contacts(study_path)) is not None:
         _refuse(
-            bool(variant or record_path or as_json or resume), "several contacts take --fidelity and --output alone."
+            bool(variant or record_path or as_json or resume),
+            "several contacts take no --variant, --cycles-of, --json or --resume: --overwrite runs them again.",
         )
         _run_contacts(several, fidelity, folder)
         return
