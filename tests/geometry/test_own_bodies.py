@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from geometry import BlockGeometry, Elastic, GradedAxis, build_body
+from geometry.body import gmsh_session
 from geometry.embedded import EmbeddedGeometry, as_grid
 from geometry.mesh_files import digest_of
 from geometry.own_surface import MeshSource, own_surface
@@ -55,6 +56,33 @@ def test_a_block_embedded_in_a_files_elements_gives_way_as_one_fine_mesh(written
     fine = build_body(BLOCK.with_layering(BLOCK.layering.deeper(2.0)))
     built = condense(fine.mesh, fine.patch, STEEL)
     found = condense_meshed(embedded, STEEL)
+    np.testing.assert_allclose(
+        under_hertz(found.patch, found.compliance), under_hertz(built.patch, built.compliance), rtol=0.01
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("order", "element_mm"), [(1, 0.15), (2, 0.25)])
+def test_a_ball_of_tetrahedra_gives_way_as_the_programs_own(order: int, element_mm: float, tmp_path: Path) -> None:
+    with gmsh_session() as gmsh:
+        solids = gmsh.model.occ
+        ball = solids.addSphere(0.0, 0.0, -1.0 / CURVED, 1.0 / CURVED)
+        solids.intersect([(3, ball)], [(3, solids.addBox(-1.5, -1.5, -1.5, 3.0, 3.0, 3.0))])
+        solids.synchronize()
+        faces = [tag for _, tag in gmsh.model.getEntities(2)]
+        for name, kind in (("contact", "Sphere"), ("grip", "Plane")):
+            gmsh.model.addPhysicalGroup(2, [tag for tag in faces if gmsh.model.getType(2, tag) == kind], name=name)
+        gmsh.model.addPhysicalGroup(3, [tag for _, tag in gmsh.model.getEntities(3)], name="body")
+        gmsh.option.setNumber("Mesh.MeshSizeMax", element_mm)
+        gmsh.option.setNumber("Mesh.ElementOrder", order)
+        gmsh.model.mesh.generate(3)
+        gmsh.write(file := str(tmp_path / "ball.msh"))
+    source = MeshSource(file, digest_of(file), 1.0, "contact", "grip")
+    found = condense_meshed(
+        build_body(EmbeddedGeometry(CURVED, CURVED, 0.6, 0.6, 0.6, AXIS, AXIS, 0.15, source=source)), STEEL
+    )
+    fine = build_body(BLOCK.with_layering(BLOCK.layering.deeper(2.0)))
+    built = condense(fine.mesh, fine.patch, STEEL)
     np.testing.assert_allclose(
         under_hertz(found.patch, found.compliance), under_hertz(built.patch, built.compliance), rtol=0.01
     )
