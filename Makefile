@@ -63,10 +63,10 @@ pictures: $(DEVELOPED)
 	$(BIN)/python -m tools.pictures
 
 # Pages are looked at in Chromium, where there is one: without it their tests are skipped, and say so. Types are checked
-# meanwhile, and remembered as long as $(VENV) stays.
+# while it is installed, and remembered as long as $(VENV) stays.
 test: style
-	@sh tools/prepare_machine.sh "$(PYTHON)" chromium
-	@$(MAKE) --no-print-directory types & types=$$!; $(PYTEST) $(TESTS); tested=$$?; wait $$types && exit $$tested
+	@$(MAKE) --no-print-directory types & types=$$!; sh tools/prepare_machine.sh "$(PYTHON)" chromium; \
+	$(PYTEST) $(TESTS); tested=$$?; wait $$types && exit $$tested
 
 test-all: TESTS := --all
 test-all: test

@@ -164,7 +164,7 @@ def cycle_through(
 
 
 class _OtherMeshesError(Exception):
-    """The contact has begun to stick in its middle, or to slide as a whole, and needs the meshes for that."""
+    """The contact has started to stick in its middle, or to slide as a whole, and needs the meshes for that."""
 
     def __init__(self, history: MeshHistory) -> None:
         super().__init__()
