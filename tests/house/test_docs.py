@@ -18,6 +18,7 @@ from pydantic import BaseModel
 
 import wirewear
 from studies.blind.commands import exam
+from tests.house.project import ODD
 from tools.pictures import commands_of, every_picture
 from tools.reference import pages
 from wirewear.app.cli import cli
@@ -80,10 +81,6 @@ def test_all_pages_are_read_in_an_afternoon() -> None:
     site = [page for page in PAGES if page.parent.name != "paper"]
     words = [word for page in site for word in page.read_text(encoding="utf-8").split()]
     assert sum(any(map(str.isalnum, word)) for word in words) <= MOST_WORDS_OF_ALL
-
-
-#: Words that read oddly in a page for engineers.
-ODD = re.compile(r"\b(told|believed|foreseen?|foresees|mended|begun|anew|in vain|lends)\b", re.IGNORECASE)
 
 
 @pytest.mark.parametrize("page", READ_BY_PEOPLE, ids=lambda page: str(page.relative_to(ROOT)))

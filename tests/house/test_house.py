@@ -15,7 +15,7 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
-from tests.house.project import PROJECT, ROOT, imported_modules
+from tests.house.project import ODD, PROJECT, ROOT, imported_modules
 from tools.house import branches_on_kinds, circles, imports_among, modules_of, nodes_of, rooms_among, weights
 from wirewear.base.cache import CONDENSATION_CODE, RUN_CODE
 
@@ -313,6 +313,18 @@ def test_questions_for_the_kind_of_contact_are_counted(tmp_path: Path) -> None:
 def test_a_question_for_the_kind_in_other_words_is_counted(tmp_path: Path, line: str) -> None:
     (asking := tmp_path / "asking.py").write_text(line, encoding="utf-8")
     assert branches_on_kinds([asking]) > 0
+
+
+def test_docstrings_are_in_plain_english() -> None:
+    odd = [
+        f"{file}: {said}"
+        for layer in LAYERS
+        for file in (ROOT / layer).rglob("*.py")
+        for node in nodes_of(file)
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and (said := ast.get_docstring(node))
+        if ODD.search(said)
+    ]
+    assert odd == []
 
 
 def test_no_class_has_the_name_of_another() -> None:
