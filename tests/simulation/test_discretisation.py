@@ -165,6 +165,15 @@ def test_a_contact_that_sticks_in_its_middle_has_elements_that_shrink_towards_it
     assert plan.increments_per_wear_cycle == 8
 
 
+def test_no_line_touches_the_rim_of_an_oblique_contact_that_sticks_in_its_middle() -> None:
+    crossing = STICKING.replace("[wires]", "[wires]\ncrossing_angle_deg = 30.0")
+    plan = discretise(parse_study(crossing, "study"), "quick")
+    assert plan.expected.sticks
+    axis = plan.moving.axial
+    nearest = np.abs(axis.half_lines() - plan.expected.fresh.reach(0.0)).min()
+    assert nearest > 0.1 * axis.fine_mm
+
+
 @pytest.mark.parametrize(
     ("conditions", "sticks"),
     [
