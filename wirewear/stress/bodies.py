@@ -219,8 +219,9 @@ body_states = INSIDE_POINTS.states
 def stressed_grid(state: InnerState[Any], kind: pyvista.CellType) -> pyvista.UnstructuredGrid:
     """A body's elements, all of one kind of cell, with the point and cell data that bodies of any dimension have.
 
-    Point data: displacement_um, stress_MPa, von_mises_MPa, tresca_MPa, principal_MPa, hydrostatic_MPa.  Cell data:
-    von_mises_MPa, scaled_jacobian.  Field data: bulk_stress_MPa of a body that carries any.
+    Point data: displacement_um, stress_MPa, von_mises_MPa, tresca_MPa, principal_MPa, hydrostatic_MPa, and
+    residual_stress_MPa of a body with any.  Cell data: von_mises_MPa, scaled_jacobian.  Field data: bulk_stress_MPa
+    of a body that carries any.
     """
     import pyvista
 
@@ -231,6 +232,8 @@ def stressed_grid(state: InnerState[Any], kind: pyvista.CellType) -> pyvista.Uns
     points, cells = grid.point_data, grid.cell_data
     points["displacement_um"] = 1e3 * state.displacement @ turn.T
     points["stress_MPa"] = stress
+    if state.residual is not None:
+        points["residual_stress_MPa"] = turned(state.residual.at(state.places_mm, state.body.patch), turn)
     points["von_mises_MPa"] = von_mises(stress)
     points["tresca_MPa"] = values[:, 0] - values[:, 2]
     points["principal_MPa"] = values

@@ -20,6 +20,7 @@ from solvers.stress.interior import Interior
 from solvers.stress.line_surface_stress import LineSurfaceStress
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
+from wirewear.stress.residual import Residual, residual_of
 
 if TYPE_CHECKING:
     import pyvista
@@ -93,16 +94,27 @@ class InnerState(Generic[B]):
     position: int  #: Its place in `forces`.
     displacement: Array  #: (n, 3) of the nodes.
     is_upper: bool  #: It stands above and is held.
+    residual: Residual | None = None  #: What first loading has left in it.
 
     @classmethod
-    def of(cls, body: B, forces: ContactForces, positions: Sequence[int], *, is_upper: bool) -> tuple[Self, ...]:
+    def of(
+        cls,
+        body: B,
+        forces: ContactForces,
+        positions: Sequence[int],
+        *,
+        is_upper: bool,
+        residual: Residual | None = None,
+    ) -> tuple[Self, ...]:
         """States of a body at chosen positions of a recorded cycle, in their order; positions: indices into
         `forces`.
         """
         positions = list(positions)
         nodes = body.patch.nodes.ravel()[forces.nodes]
         displacements = body.interior.displacements(nodes, forces.force_N[positions])
-        return tuple(cls(body, forces, k, moved, is_upper) for k, moved in zip(positions, displacements, strict=True))
+        return tuple(
+            cls(body, forces, k, moved, is_upper, residual) for k, moved in zip(positions, displacements, strict=True)
+        )
 
     @cached_property
     def stress_at_points(self) -> Array:
@@ -111,12 +123,15 @@ class InnerState(Generic[B]):
 
     def stress_at(self, points: IntegrationPoints) -> Array:
         """Stresses (m, q, 6) at some of the body's integration points: what the finite elements compute of the
-        contact's forces, and the bulk stress of a bar whose axis lies at the middle of the body's height.
+        contact's forces, residual stress, and the bulk stress of a bar whose axis lies at the middle of the body's
+        height.
         """
         found, bulk = points.stresses(self.body.material, self.displacement), self.forces.bulk_stress_MPa
+        mesh, places = self.body.mesh, points.positions.reshape(-1, points.mesh.points.shape[1])
+        if self.residual is not None:
+            found += self.residual.at(places, self.body.patch).reshape(found.shape)
         if bulk is None:
             return found
-        mesh, places = self.body.mesh, points.positions.reshape(-1, points.mesh.points.shape[1])
         across = 0.0
         if isinstance(mesh, QuadMesh):
             places, across = _beneath(places), self.body.material.poissons_ratio
@@ -207,7 +222,8 @@ class Inside(Generic[S]):
         forces = result.forces(cycle, body)
         chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
         of_body = self.body(result, forces, worn)
-        found = self.state.of(of_body, forces, chosen, is_upper=result.is_upper(body))
+        residual = residual_of(result, forces)
+        found = self.state.of(of_body, forces, chosen, is_upper=result.is_upper(body), residual=residual)
         if at is None:
             # Of a whole cycle nothing is left to be solved, and factors are most of a body's memory.
             of_body.interior.forget()

@@ -116,7 +116,7 @@ class FrictionTable(keys.Table):
         Coulomb(), description='"coulomb", or a table of another law\'s name and parameters; friction is its start'
     )
     plasticity: Annotated[
-        Literal["limited pressure", "none"], PlainValidator(keys.one_of("limited pressure", "none"))
+        Literal["limited pressure", "near zone", "none"], PlainValidator(keys.one_of("limited pressure", "none"))
     ] = Field(
         "limited pressure",
         description='what a body that states its yield_stress_MPa does: "limited pressure", or "none" to stay elastic',
@@ -126,6 +126,14 @@ class FrictionTable(keys.Table):
 class Contact(FrictionTable):
     """Keys of the friction law, and of how the contact conditions are imposed."""
 
+    plasticity: Annotated[
+        Literal["limited pressure", "near zone", "none"],
+        PlainValidator(keys.one_of("limited pressure", "near zone", "none")),
+    ] = Field(
+        "limited pressure",
+        description='what a body that states its yield_stress_MPa does: "limited pressure"; "near zone", which '
+        'adds the residual stress of first loading to stresses inside; or "none" to stay elastic',
+    )
     formulation: Annotated[Formulation, PlainValidator(keys.one_of("augmented-lagrangian", "penalty"))] = Field(
         "augmented-lagrangian", description='"augmented-lagrangian" (exact) or "penalty" (a thin elastic layer)'
     )
