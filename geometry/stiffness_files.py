@@ -64,7 +64,7 @@ class OwnStiffness(OwnGrid):
 
     @property
     def read(self) -> FileStiffness:
-        """What the file holds."""
+        """The condensed stiffness in the file."""
         return read_stiffness(self.source)
 
     @property

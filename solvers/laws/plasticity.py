@@ -18,8 +18,10 @@ _STEPS = 30  #: Of Newton's method for one point.
 
 @dataclass(frozen=True)
 class Metal:
-    """Where a metal yields in tension and how it hardens, MPa: by so much per plastic strain, of that the kinematic
-    share by a shift of the yield surface. recall: gamma, of that shift, which is then C/gamma at most.
+    """Yield stress in tension and hardening of a metal, MPa.
+
+    hardening_MPa: stress per plastic strain, of which `kinematic_share` shifts the yield surface and the rest widens
+    it. recall: γ, by which the shift recovers, so that it stays below its hardening over γ.
     """
 
     yield_stress_MPa: float
@@ -36,8 +38,9 @@ class Metal:
 
 @dataclass(frozen=True)
 class Flow:
-    """What k points of a metal remember: plastic strain and shift of the yield surface (k, 6), of tensors in the order
-    of `TENSOR_PLACES`, the shift in MPa, and the accumulated plastic strain (k,).
+    """State of k points of a metal: plastic strain and shift of the yield surface, and accumulated plastic strain (k,).
+
+    The first two are tensors (k, 6) in the order of `TENSOR_PLACES`, the shift in MPa.
     """
 
     strain: Array
@@ -46,12 +49,15 @@ class Flow:
 
     @classmethod
     def none(cls, points: int) -> "Flow":
-        """Of points that have never flown."""
+        """The state of k points that have never yielded."""
         return cls(np.zeros((points, 6)), np.zeros((points, 6)), np.zeros(points))
 
 
 def flown(metal: Metal, shear_MPa: float, trial_MPa: Array, before: Flow) -> Flow:
-    """The points after a step by whose strain stresses would become trial ones (k, 6), were it elastic."""
+    """The state of k points after a strain step under which elastic stresses would become `trial_MPa` (k, 6).
+
+    before: their state so far. Where the yield surface is exceeded, plastic strain returns the stress to it.
+    """
     strain, shift, accumulated = before.strain.copy(), before.shift.copy(), before.accumulated.copy()
     _return(trial_MPa, strain, shift, accumulated, shear_MPa, *metal.moduli)
     return Flow(strain, shift, accumulated)

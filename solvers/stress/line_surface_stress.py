@@ -59,7 +59,9 @@ class LineSurfaceStress:
 
     @cached_property
     def stencil(self) -> Array:
-        """What elements make of a unit traction at one node, linear to zero at the next, (2 m - 1, 6, 3)."""
+        """Stresses (2 m - 1, 6, 3) that elements give under a unit traction at one node, falling linearly to zero at
+        the next.
+        """
         nu, count = self.material.poissons_ratio, len(self.patch.axial_mm[self.window])
         error = line_lattice_error(self.spacing_mm, *self.layers, nu)
         reach, half = count - 1, len(error) // 2
@@ -97,9 +99,8 @@ class LoadedLine:
         return np.column_stack([along, np.zeros(len(along))])
 
     def correction(self, points_mm: Array) -> Array:
-        """What the elements' stress lacks at points (k, 2) of the patch, (k, 6) in MPa, in the body's axes.
-
-        Zero outside the window, and farther from the contact than its tractions are summed.
+        """Stresses (k, 6) in MPa, in the body's axes, to be added to the elements' stresses at points (k, 2) of the
+        patch.
         """
         lines, along_mm = self.surface.patch.axial_mm[self.surface.window], points_mm[:, 0]
         places = np.interp(along_mm, lines, np.arange(float(len(lines))))

@@ -94,7 +94,9 @@ class SurfaceStress:
 
     @property
     def stencil(self) -> Array:
-        """What elements make of a unit traction at one node, (2 w + 1, 2 w + 1, 6, 3), nothing of it out of reach."""
+        """Stresses (2 w + 1, 2 w + 1, 6, 3) that elements give under a unit traction at one node; zero beyond w
+        nodes.
+        """
         return _stencil(*self.spacing_mm, *self.layers, self.material.poissons_ratio)
 
     @cached_property
@@ -107,7 +109,7 @@ class SurfaceStress:
 
     @cached_property
     def is_symmetric(self) -> bool:
-        """Whether the window is its own mirror image about y = 0."""
+        """True if the window is its own mirror image about y = 0."""
         across, normals = self.lines[1], self.window_normals
         alike_lines = np.allclose(across, -across[::-1], rtol=0.0, atol=_MIRRORED * self.spacing_mm[1])
         return bool(alike_lines and np.abs(normals - normals[:, ::-1] * [1.0, -1.0, 1.0]).max() < _MIRRORED)
@@ -158,9 +160,8 @@ class LoadedSurface:
         return self._places(self.between.edge())
 
     def correction(self, points_mm: Array) -> Array:
-        """What the elements' stress lacks at points (k, 2) of the patch, (k, 6) in MPa, in the body's axes.
-
-        Zero at points outside the window, and farther from the contact than its tractions are summed.
+        """Stresses (k, 6) in MPa, in the body's axes, to be added to the elements' stresses at points (k, 2) of the
+        patch.
         """
         if not self._is_symmetric:
             return self._correction(points_mm)

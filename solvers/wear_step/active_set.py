@@ -26,7 +26,7 @@ _LARGEST_FALL = 0.2
 
 @dataclass(frozen=True)
 class Improved:
-    """What a step of Newton's method comes to."""
+    """Result of one step of Newton's method."""
 
     pressure: Array  #: (N,).
     height: Array  #: (positions,).

@@ -57,7 +57,9 @@ class Influences:
             self._add(k, missing[(missing >= begin) & (missing < end)] - begin)
 
     def dense(self, k: int) -> Array:
-        """Those at one position, (u, 3, u, 3) with the traction's unknown and component last, zero where not known."""
+        """Influences at the position of index k, (u, 3, u, 3): the traction's unknown and component last; 0 where not
+        yet known.
+        """
         begin, end = self._start[k], self._start[k + 1]
         matrix, known = np.zeros((end - begin, 3, end - begin, 3)), begin + np.flatnonzero(self.at[begin:end] >= 0)
         for j in known:

@@ -46,7 +46,7 @@ class Position:
 
     @property
     def slides(self) -> bool:
-        """Whether any slip belongs to this position."""
+        """True if the bodies slide before or after this position."""
         return bool(self.before.any() or self.after.any())
 
 
@@ -255,7 +255,9 @@ class Orbits:
         return hstack([own, self.secondary]).tocsr()
 
     def opening_by(self, rates: tuple[Rate, Rate]) -> Opening:
-        """What opens by wear coefficients of the primary and the secondary, one for all or of each node."""
+        """Opening of the gap per wear work, from the wear coefficients of the primary and the secondary: one for all,
+        or by node.
+        """
         coefficients = np.empty(self.worked.shape[1])
         coefficients[: self._primary], coefficients[self._primary :] = map(np.ravel, rates)
         return Opening(_scaled_columns(self._faced, coefficients), self.worked)
@@ -266,7 +268,9 @@ class Orbits:
         return both[: self._primary], both[self._primary :]
 
     def opening(self, primary_depth: Array, secondary_depth: Array) -> Array:
-        """By how much depths of both bodies, each of its patch's shape, open the gap along z at the unknowns, (N,)."""
+        """Opening (N,) in mm of the gap along z at the unknowns, by worn depths in mm on both patches, each of its
+        patch's shape.
+        """
         return np.asarray(primary_depth.ravel()[self.nodes] + self.secondary @ secondary_depth.ravel())
 
 

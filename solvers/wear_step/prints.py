@@ -44,7 +44,7 @@ def as_printed(start: ContactState, trace: CycleTrace, symmetry: Symmetry) -> tu
 
 
 def yield_at(problem: ContactProblem, cycle: Cycle) -> YieldAtNodes | None:
-    """What the unknowns (N,) of a cycle bear, with the prints that it started with; None where nothing yields."""
+    """Pressure limits at the unknowns (N,) of a cycle, given its initial prints; None if nothing yields."""
     own, other = cycle.wear.prints
     if problem.limit is None or own is None or other is None:
         return None

@@ -163,7 +163,7 @@ def _stretched(cycle: Cycle, stroke: range, end: int, face: Facing, released: Ar
 
 @dataclass(frozen=True)
 class StageSolution:
-    """What a stage comes to."""
+    """Solution of one stage of a cycle jump."""
 
     pressure: Array  #: (N,) MPa.
     height: Array  #: (positions,) of the holder, mm.

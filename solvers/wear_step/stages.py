@@ -46,7 +46,7 @@ _MARGIN = 5.0
 
 @dataclass(frozen=True)
 class Stages:
-    """Both stages' solutions, the problem after the step, and the wear state that they leave."""
+    """Solutions of both stages of a jump, the problem after it, and the wear state at its end."""
 
     problem: ContactProblem
     first: StageSolution
@@ -187,7 +187,7 @@ def state_at(stages: Stages, cycle: Cycle, index: int) -> ContactState:
 
 @dataclass(frozen=True)
 class CycleJump:
-    """What a jump came to."""
+    """Result of a cycle jump."""
 
     state: ContactState  #: After it, at the end of the stroke where the traced cycle, or half of it, ended.
     guide: Guide

@@ -120,12 +120,14 @@ class Cycle:
 
     @cached_property
     def strained(self) -> bool:
-        """Whether slip depends on the bodies' strain; see `strain_counts`."""
+        """True if slip depends on the bodies' strain; see `strain_counts`."""
         return strain_counts(self.positions, self.half_cycle)
 
     @cached_property
     def uncertain(self) -> bool:
-        """Whether slip depends on the bodies' strain, or is what rig and strain leave over; see `slip_is_left_over`."""
+        """True if slip depends on the bodies' strain, or is a small difference of large motions; see
+        `slip_is_left_over`.
+        """
         return self.strained or slip_is_left_over(self.positions, self.half_cycle)
 
     def facing(self, problem: ContactProblem, depths: Depths) -> Facing:

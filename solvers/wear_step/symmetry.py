@@ -61,16 +61,20 @@ class Symmetry:
 
     @property
     def order(self) -> int:
-        """How often each unknown stands for itself and its images."""
+        """Number of images of each unknown under the symmetries, itself included: 1, 2 or 4."""
         return (2 if self.across else 1) * self.strokes
 
     @property
     def strokes(self) -> int:
-        """How often what is traced comes by in a cycle: twice where it is half of one."""
+        """2 if half a cycle is traced, whose image is the other half; else 1."""
         return 2 if self.half_cycle else 1
 
     def under(self, drive: Drive) -> "Symmetry":
-        """Those that a cycle of this drive has: both halves must be loaded alike, and no surface be sheared."""
+        """The symmetries that a cycle of this drive keeps.
+
+        A mirror onto the other half of the cycle needs equal loading of both halves; one across the motion, surfaces
+        that no bulk stress shears.
+        """
         return Symmetry(None if drive.shears else self.across, self.half_cycle if drive.symmetric else None)
 
 
@@ -140,15 +144,15 @@ def with_images(guide: Guide, mirror: Mirror | None) -> Guide:
 
 
 def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symmetry: Symmetry) -> float | None:
-    """How far pressures of a closed cycle of m states, from one end of the stroke to itself, are from their own mirror
-    image. The state at its start may be the first.
+    """Difference of a closed cycle's pressures from their own mirror image, 0 to 1; None without a symmetry, or if load
+    or bulk stress differ.
 
-    The largest over the cycle of half the area-weighted difference, over the largest load of the cycle, 0 to 1:
-    numerical error alone, where bodies, rig and effects are symmetric. Under a held approach bodies may nearly part on
-    their way: over the load of such a place a single node would count for much. None where there is no symmetry, or
-    load or bulk stress differ.
-    Compared are states of the way out with those of the way back at the mirrored drive; where a way has more states
-    than the other, those that it has alone are left out.
+    states: m states from one end of the stroke to itself; the state at its start may be the first.
+
+    Half the area-weighted difference at each place, the largest over the cycle, over the cycle's largest load:
+    numerical error alone, where bodies, rig and effects are symmetric. States on the way out are compared with those on
+    the way back at the mirrored drive; those that one way has alone are left out. The largest load is the reference
+    because bodies may nearly part on their way, where a single node would count for much of the load there.
     """
     mirror = symmetry.half_cycle
     if mirror is None:

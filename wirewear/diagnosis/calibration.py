@@ -44,7 +44,7 @@ class Constant:
 
     @property
     def tuned(self) -> bool:
-        """Whether it was set so that answers are right."""
+        """True if it was chosen so that answers come out right; see `UNTUNED` for other sources."""
         return self.source not in UNTUNED
 
 

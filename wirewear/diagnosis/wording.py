@@ -325,7 +325,7 @@ def of_the_record(
 
 
 def of_pairs(record: AnyRecord) -> tuple[str, ...]:
-    """What the blind check taught of two effects at once, for the contacts where they are seldom both named."""
+    """Sentences on the limits of finding two effects at once, for contacts where the blind check seldom named both."""
     if not record.tables.crosses_askew:
         return ()
     said = (

@@ -313,7 +313,7 @@ class Effect(ABC, Generic[T]):
 
     @classmethod
     def answer_to(cls, measurement: Measurement) -> str:
-        """What a measurement would show if this effect were the cause; empty if not known."""
+        """Words on what a measurement would show if this effect were the cause; "" if not known."""
         return next((answer.text for answer in cls.answers if answer.measurement == measurement), "")
 
     @classmethod

@@ -33,7 +33,7 @@ class Contacts(ABC):
     @property
     @abstractmethod
     def inside(self) -> Inside[Any]:
-        """How stresses inside the bodies are computed and drawn."""
+        """Functions that compute and draw the stresses inside the bodies."""
 
     @abstractmethod
     def write_meshes(self, study: Any, fidelity: str, folder: Path, ending: str) -> list[Path]:

@@ -109,7 +109,7 @@ class LineRun(PlannedRun):
         return cls(study, fidelity, line_plan(study, fidelity))
 
     def recorder(self) -> LineRunRecord:
-        """What records the run."""
+        """The recorder of the run."""
         return LineRunRecord(self)
 
     @property

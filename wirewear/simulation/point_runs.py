@@ -66,7 +66,7 @@ class PointRun(PlannedRun):
         return cls(study, fidelity, discretisation, meshes)
 
     def recorder(self) -> "PointRunRecord":
-        """What records the run."""
+        """The recorder of the run."""
         return PointRunRecord(self)
 
     @property

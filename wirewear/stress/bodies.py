@@ -47,7 +47,7 @@ class WornBody(SolvedBody[BodyMesh]):
 
 @dataclass(frozen=True, eq=False)
 class BodyState(InnerState[WornBody]):
-    """What a wire is like at one position of a cycle."""
+    """Displacements and stresses of a body at one position of a cycle."""
 
     @cached_property
     def reaction_N(self) -> Array:
@@ -130,7 +130,7 @@ class Section:
 
     @property
     def places(self) -> Triangulation:
-        """Its triangles as matplotlib takes them."""
+        """Triangulation of the section for matplotlib."""
         return Triangulation(self.along, self.height, self.triangles)
 
 

@@ -71,7 +71,7 @@ class LifeCriterion(Protocol):
 
     @property
     def name(self) -> str:
-        """What it is called in studies."""
+        """Name of the criterion in studies."""
 
     @property
     def curve(self) -> LifeCurve:

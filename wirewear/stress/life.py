@@ -34,7 +34,7 @@ WEAR_STATES = 6  #: Wear states of a life at most, if not asked for more.
 
 @dataclass(frozen=True, eq=False)
 class LifeState:
-    """What a cycle takes of the life of a body at one wear state, in columns on lines (a,) and (t,) of its patch."""
+    """Damage of a body by one cycle at one state of wear, in columns on lines (a,) and (t,) of its patch."""
 
     cycle: int
     axial_mm: Array
@@ -94,7 +94,7 @@ def wear_state(
 
 @dataclass(frozen=True, eq=False)
 class BodyLife:
-    """How long a body lasts until a crack begins in it, which is None where it never does."""
+    """Life of a body until a crack begins in it; `initiation` is None if none does."""
 
     body: str
     table: LifeTable  #: What was asked, with all data.
@@ -119,7 +119,7 @@ class BodyLife:
 
     @property
     def averaged(self) -> bool:
-        """Whether stresses are averaged over a length; else lives do not converge with the mesh."""
+        """True if stresses are averaged over a length; otherwise lives do not converge with the mesh."""
         return averaging_radius_mm(self.table, plane=self.plane) > 0.0
 
     @cached_property
@@ -137,7 +137,7 @@ class BodyLife:
 
     @property
     def depth_um(self) -> float:
-        """How deep below the surface that is worn by then."""
+        """Depth in µm of the crack's place below the surface as worn when the crack begins."""
         worn = float(self.damage.worn_mm(min(self._crack.cycles, self.damage.end))[self._crack.column])
         return 1e3 * max(float(self.damage.levels_mm[self._crack.level]) - worn, 0.0)
 

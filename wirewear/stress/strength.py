@@ -94,7 +94,9 @@ class Where:
 
 @dataclass(frozen=True)
 class StrengthAsked:
-    """What stresses are compared with, and the length over which they are averaged; no yield strength is None."""
+    """Strengths with which stresses are compared, and the length over which they are averaged; None: no yield
+    strength.
+    """
 
     yield_strength_MPa: float | None = None
     crossland_slope: float = 0.3
@@ -129,7 +131,7 @@ class Strength:
 
     @property
     def yields(self) -> bool | None:
-        """Whether the largest von Mises stress exceeds the stated yield strength."""
+        """True if the largest von Mises stress exceeds the stated yield strength; None without one."""
         limit = self.asked.yield_strength_MPa
         return None if limit is None else self.von_mises.value_MPa > limit
 

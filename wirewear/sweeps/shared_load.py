@@ -26,7 +26,7 @@ Simulate = Callable[[Study, str], RunResult]  #: Run a study under a label.
 
 @dataclass(frozen=True, eq=False)
 class SharedLoad:
-    """How n contacts shared the load in b blocks of cycles."""
+    """Shares of the load that n contacts bore in b blocks of cycles."""
 
     test: ManyContacts
     ends: tuple[int, ...]  #: (b,) last cycle of each block.

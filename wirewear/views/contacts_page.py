@@ -23,7 +23,7 @@ _HEADINGS = {
 
 
 def sentence(shared: SharedLoad) -> str:
-    """How the load is shared at the start and at the end."""
+    """Sentence on the shares of the load at the start and at the end."""
     first, last = ("; ".join(written(each) for each in shared.load_N[:, block]) for block in (0, -1))
     then = f", after {shared.ends[-1]} cycles {last}" if len(shared.ends) > 1 else ""
     return (

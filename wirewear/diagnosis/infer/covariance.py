@@ -221,11 +221,13 @@ def noise_factors(observed: Observations, scattered: Array) -> Array:
 
 
 def noise_evidence(observed: Observations, scattered: Array) -> dict[str, NoiseEvidence]:
-    """What the repeats show of each observable's noise, by its name; nothing where there is one repeat.
+    """Evidence on each observable's noise variance from the differences of repeats, by its name; empty evidence if
+    there is one.
 
-    `scattered` (n, n) is the covariance of one repeat's specimens and zeros. What a repeat differs by from the mean of
-    those before it is normal, of scatter and noise; given all its other numbers, one of them has a variance of which
-    the share s is noise, and its squared deviate shows a factor of 1 + (square − 1)/s, with s² for a weight.
+    `scattered` (n, n) is the covariance of one repeat's specimens and zeros. The difference of a repeat from the mean
+    of those before it is normal, of scatter and noise. Given all other numbers, one number has a variance of which the
+    share s is noise; its squared deviate indicates a factor of 1 + (square − 1)/s on the noise variance, with weight
+    s².
     """
     evidence = {part.observable.name: NoiseEvidence() for part in observed.layout}
     for seen, apart, noise in _contrasts(observed):

@@ -156,7 +156,7 @@ class Columns:
 
 
 def families_of(layout: Layout) -> tuple[Family, ...]:
-    """Those that a layout can show: of loops, of what changes over several logged cycles, of profiles."""
+    """Families of distortions that a layout can show: of loops, of changes over several logged cycles, of profiles."""
     loops = any(not part.observable.of_scars for part in layout)
     several = np.unique(layout.cycle).size > 1
     found = tuple(one for one in FAMILIES if loops and (several or not one.column))

@@ -141,7 +141,7 @@ Shape = Callable[[Branches, float], PredictedLoops]
 
 
 def force_read(power: Callable[[Array], Array]) -> Shape:
-    """A force channel that reads Q + Q* f(Q/Q*)."""
+    """Shape of a force channel that reads Q + size Q* power(Q/Q*), with Q* the plateau force."""
 
     def shape(b: Branches, size: float) -> PredictedLoops:
         true = b.course.tangential_force_N

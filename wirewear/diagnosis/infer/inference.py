@@ -131,7 +131,7 @@ Asking = Generator[list[SurrogateInputs], list[Array], Found]
 
 
 def together(problem: Problem, searches: Sequence[Asking[Found]]) -> list[Found]:
-    """What several searches come to, whose residuals are computed together."""
+    """Results of several searches, in their order, run at once so that all their predictions are computed together."""
     asked = {place: next(search) for place, search in enumerate(searches)}
     found: dict[int, Found] = {}
     while asked:

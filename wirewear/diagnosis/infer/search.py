@@ -348,5 +348,5 @@ def plausible(known: Mapping[tuple[str, ...], float]) -> Classes:
 
 
 def joined(first: Classes, second: Classes) -> Classes:
-    """One set and, after it, the classes of another that share no effect with it."""
+    """The classes of `first`, followed by those of `second` that share no effect with them."""
     return (*first, *(members for members in second if not any(set(members) & set(kept) for kept in first)))

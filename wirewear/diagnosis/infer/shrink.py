@@ -205,14 +205,18 @@ class Shrink:
 
     @property
     def scar_words(self) -> str:
-        """What was left out of scars, before the cycle: "scar of the fixed wire, "."""
+        """Words for the scars that were held out, before a cycle, such as "scar of the fixed wire, "; "" if
+        none was.
+        """
         if self.scar_held_out == STRETCHES:
             return f"{STRETCHES} of the profiles, "
         return f"scar of the {called(self.scar_held_out)}, " if self.scar_held_out else ""
 
     @property
     def shows_gap(self) -> bool:
-        """Whether what was left out of the fit shows a gap at all."""
+        """True if the held-out data show a gap clearly: more than `CLEAR_GAP` times what a perfect model would
+        leave.
+        """
         return self.before > CLEAR_GAP * self.floor
 
     def leaves_little(self, most: float) -> bool:
@@ -221,7 +225,7 @@ class Shrink:
 
     @property
     def supports(self) -> bool:
-        """Whether the held-out cycles bear the explanation out, or show no gap by which to judge it."""
+        """True if the explanation shrinks the gap of held-out data by at least `LEAST_SHRINK`, or they show no gap."""
         return not self.shows_gap or self.shrink >= LEAST_SHRINK
 
 

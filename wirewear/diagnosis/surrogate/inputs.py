@@ -31,7 +31,9 @@ UM3_PER_MJ = 1e6
 
 
 class AtWork(Protocol):
-    """What changes a test as fast models take it: an effect, or a quantity that changes freely."""
+    """A change of the test as fast models represent it: an effect, or a quantity that may change freely over the
+    cycles.
+    """
 
     @property
     def seam(self) -> Seam | None:
@@ -40,7 +42,7 @@ class AtWork(Protocol):
 
     @property
     def ages(self) -> Ageing:
-        """What it follows over a test."""
+        """The quantity over which it changes."""
         ...
 
     def changed(self, described: Any, age: Age) -> Any:
@@ -133,12 +135,12 @@ class SurrogateInputs:
 
     @property
     def follows_wear(self) -> bool:
-        """Whether an effect follows the dissipated energy or the worn volume."""
+        """True if an effect depends on the dissipated energy or the worn volume."""
         return any(effect.ages is Ageing.BY_WEAR for effect in self.effects)
 
     @property
     def stated(self) -> Stated:
-        """What a study of this test states, by its keys."""
+        """Values of the test that a study would state, by their keys."""
         return {
             "conditions.displacement_amplitude_um": self.amplitude_um,
             "conditions.normal_load_N": self.load_N,

@@ -137,9 +137,10 @@ class LayeredWires:
 
 
 def remembered(height: Array, worn: Array, power: float) -> Array:
-    """The height (n,) under which a scar was worn: the mean of those at volumes (n,), which do not fall, to a power.
+    """Effective layer height (n,) under which a scar was worn, from heights (n,) at non-decreasing worn volumes (n,).
 
-    Before the first volume the layer was as it is there.
+    The mean of the heights over the volume raised to `power`; before the first volume the height is taken to be
+    constant.
     """
     total = worn**power
     weights = np.diff(total, prepend=0.0)

@@ -74,7 +74,7 @@ class WornLine:
 
 @lru_cache(maxsize=512)
 def worn_line(contact: WornLineContact) -> WornLine:
-    """How a contact wears, over the worn area."""
+    """Profiles of a line contact as it wears, over the worn area."""
     x = np.linspace(0.0, contact.reach_mm, _PLACES)
     weight = np.full(x.size, 2.0 * x[1])
     weight[[0, -1]] = x[1]

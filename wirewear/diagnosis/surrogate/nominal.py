@@ -101,14 +101,18 @@ def require_the_same(record: AnyRecord, study: AnyStudy[Any], pairs: Mapping[str
 
 
 def wears_evenly(study: AnyStudy[Any]) -> bool:
-    """Whether a study's worn volume is its coefficient times work or sliding, by the same factor all along."""
+    """True if a study's worn volume is one constant factor times friction work or sliding: plain wear laws, and no
+    layers.
+    """
     plain = all(isinstance(law, EnergyLaw | Archard) for law in study.laws[1:])
     return plain and not any(study.layers.values())
 
 
 @dataclass(frozen=True)
 class NominalRun:
-    """A study as it is run: it wears by its coefficients times a margin, the first that a run ends with."""
+    """A study as its nominal run wears it: the coefficients are multiplied by the first of `margins` with which the run
+    completes.
+    """
 
     study: AnyStudy[Any]
     margins: Sequence[float]
@@ -116,13 +120,13 @@ class NominalRun:
 
 
 def point_run(study: Study) -> NominalRun:
-    """Of a contact at a point."""
+    """The nominal run of a contact at a point."""
     increments = study.fidelity("quick").increments_per_cycle or INCREMENTS_PER_CYCLE
     return NominalRun(wearing(study), _WEAR_MARGINS, {"fidelity": {"quick": {"increments_per_cycle": increments}}})
 
 
 def line_run(study: LineStudy) -> NominalRun:
-    """Of a line contact."""
+    """The nominal run of a line contact."""
     tolerance = study.mesh.jump_tolerance or JUMP_TOLERANCE
     return NominalRun(study, (WEAR_MARGIN,), {"mesh": {"jump_tolerance": tolerance}})
 

@@ -38,7 +38,7 @@ _ORDERS, _SHARES = _KNOWN.pair("orders"), _KNOWN.pair("shares")
 
 
 def sticks(result: RunResult) -> bool:
-    """Whether no loop of a run comes to slide as a whole, under the friction of its bodies or of the layers on them."""
+    """True if no loop of a run slides as a whole, under the friction of its bodies or of the layers on them."""
     study = study_from_tables(result.study, result.label)
     layers = [layer.friction for own in study.layers.values() for layer in own]
     friction = min(study.contact.friction, *(own for own in (*layers, np.inf) if own is not None))

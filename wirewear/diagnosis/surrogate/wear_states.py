@@ -118,7 +118,7 @@ class WearStates:
 
     @property
     def sticks(self) -> bool:
-        """Whether the contact sticks in its middle, all through the nominal run."""
+        """True if the contact sticks in its middle throughout the nominal run."""
         return self.orders.size > 0
 
     @property
@@ -193,7 +193,7 @@ class WearStates:
 
     @property
     def least_similarity(self) -> float:
-        """What keeps the logarithm of the first row's similarity, which is zero, finite."""
+        """Smallest similarity above zero, used in place of the first row's zero where its logarithm is taken."""
         return float(self.similarity[1]) if self.similarity.size > 1 else 1.0
 
     @cached_property
