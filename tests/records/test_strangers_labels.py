@@ -135,6 +135,21 @@ def test_blocks_of_a_file_are_read_as_their_cycles(tmp_path: Path, again: bool, 
     require_right(path)
 
 
+@pytest.mark.parametrize("every", [90, 128, 300])
+@pytest.mark.parametrize(("head", "clock"), [("", False), ("Machine 7\n\n", True)])
+def test_names_that_are_repeated_within_a_table_part_no_cycles(
+    tmp_path: Path, every: int, head: str, clock: bool
+) -> None:
+    step_s, x, q = TIME[1] - TIME[0], np.tile(X, 4), np.concatenate([LOOPS[0]] * 4)
+    times = [f"12:59:{58 + n * step_s:07.4f}" if clock else f"{n * step_s:.5f}" for n in range(x.size)]
+    lines = [f"{t},{own:.4f},{force:.5f}\n" for t, own, force in zip(times, x, q, strict=True)]
+    parts = ("".join(lines[n : n + every]) for n in range(0, len(lines), every))
+    path = tmp_path / "log.csv"
+    path.write_text(head + "".join(f"Time,Displacement,Force\ns,um,N\n{part}" for part in parts), encoding="utf-8")
+    found = read_loops(path, normal_load="2")
+    assert [loop.displacement_um.size for loop in found] == [128] * 4
+
+
 @pytest.mark.parametrize("head", [[["Machine", 7], []], pytest.param([], marks=pytest.mark.slow)])
 @pytest.mark.parametrize("titles", ["Cycle {}", "Zyklus_{}", "N={}"])
 def test_sheets_of_a_workbook_are_read_as_their_cycles(tmp_path: Path, titles: str, head: list[list[object]]) -> None:

@@ -9,7 +9,7 @@ import csv
 import hashlib
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -376,13 +376,51 @@ def read_delimited(path: Path, layout: DelimitedLayout = CSV) -> DelimitedText:
     return DelimitedText(path, _first_rows(data, layout), layout)
 
 
+def repeated_heads(lines: Sequence[str], layout: DelimitedLayout) -> list[int]:
+    """Indices of lines that repeat the head of a table that goes on below them: some column, as of time, never falls.
+
+    Empty if there are none, or the tables below them are others.
+    """
+    height = layout.lines_before_rows - layout.header_lines
+    head = list(lines[layout.header_lines : layout.lines_before_rows])
+    if not layout.names_line or not head or not head[0].strip():
+        return []
+    starts = [n for n, line in enumerate(lines) if line == head[0] and lines[n : n + height] == head]
+    if len(starts) < 2 or starts[0] != layout.header_lines:
+        return []
+    places: list[int] = []
+    for start, after in zip(starts, [*starts[1:], len(lines)], strict=True):
+        rows = [n for n in range(start + height, after) if lines[n].strip()]
+        places += [rows[0], rows[len(rows) // 2], rows[-1]] if rows else []
+    fields = [fields_of(lines[n], layout.delimiter) for n in places]
+    numbers = [[_as_number(field, layout.decimal) for field in row] for row in fields if len(row) == len(fields[0])]
+    steps = np.diff(np.array(numbers), axis=0)
+    goes_on = len(numbers) == len(places) and bool(((steps >= 0.0).all(axis=0) & (steps[2::3] > 0.0).all(axis=0)).any())
+    return [start + n for start in starts[1:] for n in range(height)] if goes_on else []
+
+
+def _as_number(field: str, decimal: str) -> float:
+    """Number or time of day of a field; NaN for anything else."""
+    try:
+        return float(ungrouped(field, decimal).replace(decimal, "."))
+    except ValueError:
+        seconds = _seconds(field)
+        return math.nan if seconds is None else seconds
+
+
 def _first_rows(data: bytes, layout: DelimitedLayout) -> bytes:
     if layout.blocks:
         lines = data.decode(_UTF8).split("\n")
         head = layout.header_lines
         return "\n".join(numbered(lines, head, layout.delimiter)).encode() if head < len(lines) else data
     if layout.most_rows is None:
-        return data
+        names = b"\n" + b"".join(data.split(b"\n", layout.header_lines + 1)[layout.header_lines : -1]) + b"\n"
+        if not layout.names_line or data.count(names) < 1 + (layout.header_lines > 0):
+            return data
+        lines = data.decode(_UTF8).split("\n")
+        for place in repeated_heads(lines, layout):
+            lines[place] = ""
+        return "\n".join(lines).encode()
     ends = np.flatnonzero(np.frombuffer(data, dtype=np.uint8) == ord("\n"))
     last = layout.lines_before_rows + layout.most_rows
     return data[: int(ends[last - 1]) + 1] if last <= ends.size else data

@@ -110,6 +110,10 @@ def guessed_layout(path: Path) -> GuessedLayout:
         # Names with blanks between columns that are parted by blanks, or none: numbers name columns.
         layout = delimited.DelimitedLayout(best.delimiter, best.decimal, encoding, best.first, names_line=False)
     rate, tables = _rate(lines[: best.first], best), _tables(text, layout)
+    if layout.names_line:
+        first = replace(layout, header_lines=lines.index(lines[layout.header_lines]))
+        if delimited.repeated_heads(text.split("\n"), first):
+            layout, tables = first, ()
     step = _STEP.search("\n".join(lines[: best.first]))
     step_um = float(step[1].replace(",", ".")) * FIELD_UNITS["um"][step[2]] if step else None
     guessed = GuessedLayout(layout, names, units, best.width, rate, bool(best.clocks), tables, step_um, best.words)
