@@ -67,6 +67,7 @@ def test_wear_under_a_held_force_ends_as_evaluated_independently(
 ) -> None:
     shape = reference.worn_under_load(6.35, MODULUS, 40.0, share)
     assert shape.load_N(MODULUS) == pytest.approx(40.0)
+    assert 2.0 * SHEAR * shape.stick_radius_mm * shape.slip_mm(0.6, MODULUS, SHEAR) == pytest.approx(share * 24.0)
     assert 1e9 * shape.volume_mm3 == pytest.approx(volume_um3, rel=1e-4)
     assert 1e3 * shape.edge_radius_mm == pytest.approx(edge_um, rel=1e-5)
 

@@ -24,7 +24,7 @@ from wirewear.verification.partial_slip import (
     sliding_rows,
     worn_pressure_rows,
 )
-from wirewear.verification.partial_slip_run import block_rows, partial_slip_run_rows
+from wirewear.verification.partial_slip_run import block_rows, held_force_rows, partial_slip_run_rows
 from wirewear.verification.rows import compared, observed_order
 from wirewear.verification.sliding import book_keeping_rows, half_width_at_zero_force, limit_rows, rig_loop_rows
 
@@ -95,7 +95,7 @@ def test_on_a_coarse_mesh_too_partial_slip_is_nearly_mindlins() -> None:
 PLANE = (line_contact_rows, stuck_line_rows, line_surface_rows, line_rows)
 SOLID = (
     hertz_rows, ellipse_rows, block_rows, partial_slip_rows, partial_slip_wear_rows, partial_slip_run_rows,
-    rig_loop_rows, book_keeping_rows, worn_pressure_rows, limit_rows, wire_rows, surface_rows,
+    held_force_rows, rig_loop_rows, book_keeping_rows, worn_pressure_rows, limit_rows, wire_rows, surface_rows,
 )  # fmt: skip
 
 

@@ -157,6 +157,11 @@ class LimitingShape:
         c = self.stick_radius_mm
         return 2.0 * modulus_MPa * (self.approach_mm * c - c**3 / (3.0 * self.sphere_radius_mm))
 
+    def slip_mm(self, friction: float, modulus_MPa: float, tangential_modulus_MPa: float) -> float:
+        """Amplitude of the bodies at a distance with which the edge of the stick zone is about to slip, mm."""
+        deeper = self.approach_mm - self.stick_radius_mm**2 / self.sphere_radius_mm
+        return friction * modulus_MPa / tangential_modulus_MPa * deeper
+
     def volume_after_slip_mm3(self, slip_mm: float, curvature_per_mm: float) -> float:
         """Volume where slip is no longer small beside the contact, to first order.
 

@@ -10,7 +10,7 @@ from wirewear.verification.interior import interior_rows, surface_rows
 from wirewear.verification.line_contact import bulk_rows, line_contact_rows, line_surface_rows, stuck_line_rows
 from wirewear.verification.near_zone import near_zone_rows
 from wirewear.verification.partial_slip import partial_slip_rows, partial_slip_wear_rows, worn_pressure_rows
-from wirewear.verification.partial_slip_run import block_rows, partial_slip_run_rows
+from wirewear.verification.partial_slip_run import block_rows, held_force_rows, partial_slip_run_rows
 from wirewear.verification.rows import FULL, QUICK, Level, Row, table, write_json
 from wirewear.verification.sliding import book_keeping_rows, limit_rows, rig_loop_rows
 from wirewear.verification.yielding import yielding_rows
@@ -33,6 +33,7 @@ FAMILIES: tuple[Family, ...] = (
     ("partial slip", partial_slip_rows),
     ("wear under partial slip", partial_slip_wear_rows),
     ("a whole run in partial slip", partial_slip_run_rows),
+    ("a run under a held force in partial slip", held_force_rows),
     ("loop behind the rig's spring", rig_loop_rows),
     ("wear and energy book-keeping", book_keeping_rows),
     ("pressures of a worn line contact", worn_pressure_rows),

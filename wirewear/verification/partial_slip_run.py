@@ -34,9 +34,42 @@ _DEPTH_TOLERANCE = 0.15
 _LOAD_N = 100.0
 _SHARE = 0.7
 
+#: Load of a ball, share of its friction at which the force is held, and cycles until next to nothing wears.
+_HELD_N, _HELD_SHARE, _HELD_CYCLES = 40.0, 0.6, 20_000
+_HELD_TOLERANCE = 0.08
+_BALL_mm = 12.7
+
 _WEAR = {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.5}
 _FLAT: Mapping[str, object] = {"shape": "flat"}
-_BALL: Mapping[str, object] = {"shape": "ball", "diameter_mm": 12.7}
+_BALL: Mapping[str, object] = {"shape": "ball", "diameter_mm": _BALL_mm}
+
+
+def held_force_rows(_level: Level) -> tuple[Row, ...]:
+    """Rows on volume and largest depth of both bodies and pressure in the middle, when a ball on a flat has ended to
+    wear under a held load and force, at quick fidelity.
+    """
+    force_N = _HELD_SHARE * FRICTION * _HELD_N
+    study = study_of(
+        _FLAT,
+        _BALL,
+        cycles=_HELD_CYCLES,
+        conditions={"normal_load_N": _HELD_N, "held_tangential_force_N": force_N},
+        wear=_WEAR | {"energy_wear_coefficient_mm3_per_J": 2.0e-3},
+        log={"loop_cycles": [1, _HELD_CYCLES]},
+    )
+    result, radius, modulus = simulate(study, fidelity="quick"), 0.5 * _BALL_mm, hertz.CONTACT_MODULUS_MPa
+    exact = reference.worn_under_load(radius, modulus, _HELD_N, _HELD_SHARE)
+    slip = exact.slip_mm(FRICTION, modulus, reference.tangential_contact_modulus(hertz.STEEL, hertz.STEEL))
+    volume, deep = exact.volume_after_slip_mm3(slip, 0.5 / radius), exact.deepest_mm[0]
+    moving, fixed = (result.scar(_HELD_CYCLES, body) for body in ("moving", "fixed"))
+    depth, pressure = 1e-3 * float((moving.depth_um + fixed.depth_um).max()), fixed.pressure_MPa
+    middle, peak = float(pressure[tuple(size // 2 for size in pressure.shape)]), float(exact.pressure(0.0, modulus))
+    name, most = "Partial slip, a run under a held force", _HELD_TOLERANCE
+    return (
+        compared(name, "worn volume of both bodies [mm³]", float(result.worn_volume_mm3[-1]), volume, most),
+        compared(name, "largest depth of both bodies [mm]", depth, deep, most),
+        compared(name, "pressure in the middle [MPa]", middle, peak, most),
+    )
 
 
 def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
@@ -128,23 +161,26 @@ def study_of(
     upper: Mapping[str, object],
     amplitude_um: float = 30.0,
     cycles: int = 1,
+    conditions: Mapping[str, float] | None = None,
     **tables: Mapping[str, object],
 ) -> Study:
-    """Study of two steel bodies in contact at a point; lower and upper are their tables, `tables` any further ones."""
+    """Study of two steel bodies in contact at a point; lower and upper are their tables, `tables` any further ones;
+    conditions: beside those of the others or in their place.
+    """
     steel = {"youngs_modulus_MPa": hertz.STEEL.youngs_modulus_MPa, "poissons_ratio": hertz.STEEL.poissons_ratio}
-    conditions = {
+    stated = {
         "normal_load_N": _LOAD_N,
         "displacement_amplitude_um": amplitude_um,
         "frequency_Hz": 1.0,
         "cycles": cycles,
-    }
+    } | dict(conditions or {})
     study: Study = study_from_tables(
         {
             "format": 1,
             "name": "bodies of a reference problem",
             "kind": "point-contact",
             "bodies": {"lower": {**lower, **steel}, "upper": {**upper, **steel}},
-            "conditions": conditions,
+            "conditions": stated,
             "contact": {"friction": FRICTION},
             **tables,
         },
