@@ -142,15 +142,15 @@ def test_metal_that_may_not_spread_between_layers_of_strain_leaves_its_thickness
 
 
 @pytest.mark.seconds
-@pytest.mark.parametrize(("beyond", "residual"), [(4.1, 0.14), (8.7, 0.23), (58.0, 0.49)])
+@pytest.mark.parametrize(("beyond", "residual"), [(4.1, 0.14), (8.7, 0.23), (458.0, 0.72)])
 def test_metal_that_flows_bears_what_published_curves_say(beyond: float, residual: float) -> None:
     """A sphere on a perfectly plastic body, and of its penetration the part that finite elements leave as a print."""
     limit = limit_at(beyond)
-    contact = (0.75 * known.LOAD_N * known.RADIUS_mm / MODULUS_MPa) ** (1.0 / 3.0) * beyond**0.06
+    contact = (0.75 * known.LOAD_N * known.RADIUS_mm / MODULUS_MPa) ** (1.0 / 3.0) * beyond**0.08
     material = Elastic(MODULUS_MPa * (1.0 - 0.3**2), 0.3)
     zone, gap = under_sphere(known.RADIUS_mm, material, Metal(limit.yield_stress_MPa), contact, 4)
     with threadpool_limits(limits=1, user_api="blas"):
-        *_, last = indented(zone, gap, known.LOAD_N * np.array([0.05, 0.2, 0.4, 0.6, 0.8, 1.0]))
+        *_, last = indented(zone, gap, known.LOAD_N * np.linspace(0.1, 1.0, 10) ** 2)
     assert jackson_green(limit, last.approach_mm) == pytest.approx(known.LOAD_N, rel=0.05)
     assert kogut_etsion(limit, last.approach_mm) == pytest.approx(known.LOAD_N, rel=0.05)
     assert last.print_mm / last.approach_mm == pytest.approx(residual, rel=0.12, abs=0.01)
