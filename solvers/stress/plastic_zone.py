@@ -21,8 +21,10 @@ _TOLERANCE = 1e-3  #: Of the plastic strain of a step over the largest elastic o
 
 @dataclass(frozen=True)
 class Flowed:
-    """A half-space after a step: what its points remember, their stresses (l, n_x, n_y, 6) in MPa, the displacement
-    (n_x, n_y, 3) of the surface by plastic strain, mm, and the traction (n_x, n_y, 3) on it, MPa.
+    """A half-space after a step of loading: state of its points, stresses, residual displacement and traction.
+
+    `stress` (l, n_x, n_y, 6) in MPa; `residual_mm` (n_x, n_y, 3), displacement of the surface by plastic strain;
+    `traction_MPa` (n_x, n_y, 3).
     """
 
     flow: Flow

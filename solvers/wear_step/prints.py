@@ -14,8 +14,10 @@ from solvers.wear_step.symmetry import Symmetry
 
 
 def mirrored_prints(state: ContactState, symmetry: Symmetry) -> ContactState:
-    """The state with prints as deep as their mirror images: what yields first on one side of a stroke will on the
-    other.
+    """The state with each print made as deep as the deepest of its mirror images under the symmetries, itself included.
+
+    While half a cycle is traced, one side of the contact yields before the other; the other half of the cycle evens
+    this out.
     """
     own, other = state.wear.prints
     if own is None or other is None or (symmetry.across is None and symmetry.half_cycle is None):

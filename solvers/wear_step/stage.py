@@ -182,9 +182,10 @@ class StageSolution:
 def solve_stage(
     problem: ContactProblem, cycle: Cycle, before: WearState, lasting: Callable[[Array], Array], pressure: Array
 ) -> StageSolution:
-    """Solve for the pressures on surfaces that each of them has worn for some cycles from a state `before`.
+    """Solve for the pressures of a cycle on surfaces that wear under these very pressures, from the wear state
+    `before`.
 
-    lasting: how many (N,) under pressures (N,).  pressure: (N,) first guess.
+    lasting: from pressures (N,) to the number of cycles (N,) for which each of them wears. pressure: (N,) first guess.
     Raises NotConvergedError if no active set was found that fits.
     """
     nothing = np.zeros_like(before.primary_depth), np.zeros_like(before.secondary_depth)

@@ -204,12 +204,12 @@ class CycleJump:
 def jump_cycles(
     problem_at: ProblemAt, start: ContactState, trace: CycleTrace, symmetry: Symmetry, done: float, cycles: float
 ) -> CycleJump:
-    """Let the surfaces wear for `cycles` cycles after `done`.
+    """Let the surfaces wear for `cycles` cycles after the first `done` of a test, in one step, and return the result.
 
-    start, trace: the state at an end of the stroke, and the cycle from there with the wear frozen; its first half where
-    the symmetry maps that onto the second.
-    Raises NotConvergedError if no pressures were found that fit, and PatchLeftError if the contact has reached the edge
-    of either patch.
+    problem_at: gives the contact problem after a number of cycles and a friction energy. start, trace: the state at an
+    end of the stroke, and the cycle from there with worn depths held fixed; only its first half where the symmetry maps
+    that onto the second. Raises NotConvergedError if no pressures were found that fit, and PatchLeftError if the
+    contact has reached the edge of either patch.
     """
     start, trace = as_printed(start, trace, symmetry)
     problem, across = problem_at(done, start.wear.energy_mJ), symmetry.across

@@ -245,7 +245,7 @@ class RunResult:
         )
 
     def of_extent(self, extent: Extent) -> RunResult:
-        """The result of a contact of another extent; unchanged for a contact at a point."""
+        """The result of a line contact of another extent; that of a contact at a point is returned unchanged."""
         return extent.of_result(self)
 
     @property

@@ -76,8 +76,8 @@ class Meshes(ABC):
         return None
 
     def fitted(self, _history: MeshHistory, _problem: ContactProblem, _state: ContactState, /) -> MeshHistory | None:
-        """The history with meshes whose lines fit the core that sticks at the end of the first loading; None where they
-        do, or need not.
+        """The mesh history continued with meshes whose lines follow the edge of the core, the part that sticks; None if
+        not needed.
         """
         return None
 

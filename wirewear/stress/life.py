@@ -162,7 +162,9 @@ class BodyLife:
 
     @property
     def plane_angle_deg(self) -> float | None:
-        """Angle of that plane to the plane of the contact; None of a criterion without planes."""
+        """Angle in degrees between the crack's plane and the plane of the contact; None for a criterion without
+        planes.
+        """
         size = float(np.linalg.norm(self.normal))
         return float(np.degrees(np.arccos(np.clip(abs(self.normal[2]) / size, 0.0, 1.0)))) if size else None
 

@@ -36,7 +36,7 @@ class BallTable(GrippedBody, _Diameter):
 
 
 class TwoBodies(StatedBodies, ABC):
-    """Keys of two bodies in [bodies], by their names."""
+    """Keys of the table [bodies], which holds the tables of two bodies by their names."""
 
     @abstractmethod
     def of_test(self) -> tuple[Body, Body]:

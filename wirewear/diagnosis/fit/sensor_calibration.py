@@ -108,7 +108,7 @@ class LoadPolynomial:
 
     @property
     def sensor(self) -> Sensor:
-        """Sensor that reads the remote point."""
+        """The sensor that reads the remote point when the near point is the true displacement."""
         return Sensor(linear_um_per_N=self.linear_um_per_N.value, quadratic_um_per_N2=self.quadratic_um_per_N2.value)
 
 

@@ -124,9 +124,11 @@ class Weighed:
 
 
 def distances(problem: Problem, fits: Sequence[Fit], known: Sequence[Fit] = ()) -> Array:
-    """Least distance (k, k) from each fit to every other's effects; symmetric by the larger of both.
+    """Distances (k, k) between fits: how far each one's prediction stays from what the other's effects can predict at
+    best.
 
-    Effects may have any size, or those that they are known to have. Pairs are compared that have one in common.
+    In standard deviations, the larger of both directions; infinite for fits that `_differing` excludes. Effects may
+    take any size, or are expected as in `known`.
     """
     count = len(fits)
     matrix = np.full((count, count), np.inf)
