@@ -40,15 +40,17 @@ _BRACKET, _HEIGHT_TOLERANCE = 1.25, 1e-8  # Of heights at which surfaces that yi
 def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
     """Apply the normal load, or the holder's approach, without friction and without motion.
 
-    A holder's height other than 0 is a first guess. Everything that touches counts as stuck from then on. SolverError
-    when no contact is found under the load.
+    A holder's height other than 0 at which the bodies touch is a first guess. Everything that touches counts as stuck
+    from then on. SolverError when no contact is found under the load.
     """
     frictionless = replace(problem, friction=0.0)
     if problem.holder.approach_mm is not None:
         lowered = replace(state, holder_z=-problem.holder.approach_mm, pressed_z=-problem.holder.approach_mm)
         held, report = solve_increment(frictionless, lowered, state.drive, 0.0)
         return _stuck(held), report
-    height = state.holder_z or min(_height_under_load(frictionless, state), _height_that_bears(problem, state))
+    height, gaps = state.holder_z, vertical_gaps(problem, state, state.drive, state.holder_x)
+    if height == 0.0 or not (gaps + height < 0.0).any():
+        height = min(_height_under_load(frictionless, state), _height_that_bears(problem, state))
     start = replace(state, holder_z=height, pressed_z=height)
     rigid = replace(frictionless, holder=replace(problem.holder, normal_stiffness_N_per_mm=0.0))
     try:

@@ -116,9 +116,10 @@ class CycleEquations:
         on, start, facing, held = terms.on, terms.start, self.facing, self.problem.holder.approach_mm is not None
         blocks, entry = [], 0
         for k, (begin, end) in enumerate(pairwise(np.searchsorted(terms.position, np.arange(len(start))))):
-            own, size = on[begin:end], (end - begin) * (start[k + 1] - start[k])
+            own, nodes = on[begin:end], start[k + 1] - start[k]
+            size = len(own) * nodes
             block = np.zeros((len(own) + 1, len(own) + 1), order="F")
-            block[:-1, :-1] = moved[entry : entry + size].reshape(len(own), -1)[:, own - start[k]].T
+            block[:-1, :-1] = moved[entry : entry + size].reshape(len(own), nodes)[:, own - start[k]].T
             block[np.arange(len(own)), np.arange(len(own))] += terms.softness[own]
             block[:-1, -1] = facing.upward[own]
             if not held:
@@ -145,11 +146,16 @@ class CycleEquations:
 
 
 def _comparable(coupled: Coupled) -> Array:
-    """Factors that make loads of the size of gaps: by what pressures of a unit load open where that is most."""
+    """Factors that make loads of the size of gaps: by what pressures of a unit load open where that is most.
+    Raises NotConvergedError if nothing bears the load at a position.
+    """
     lifts = np.array([np.abs(block[-1, :-1]).max(initial=0.0) for block in coupled.blocks])
     size = float((coupled.diagonal + coupled.own).max(initial=0.0))
     heights = np.array([abs(block[-1, -1]) for block in coupled.blocks])
-    return np.concatenate([np.ones(len(coupled.own)), 1.0 / np.maximum(lifts / max(size, 1e-300), heights)])
+    borne = np.maximum(lifts / max(size, 1e-300), heights)
+    if not borne.all():
+        raise NotConvergedError("nothing is left in contact that bears the load at a position of the cycle")
+    return np.concatenate([np.ones(len(coupled.own)), 1.0 / borne])
 
 
 class _Terms(NamedTuple):

@@ -91,7 +91,7 @@ def test_friction_rig_and_wear_of_both_bodies_are_found(face: str) -> None:
     coefficient = fit.parameters["specimen_energy_wear_coefficient_mm3_per_J"].value
     assert volume / energy == pytest.approx(coefficient, rel=0.01)
     assert isinstance(fit.study, LineStudy)
-    assert fit.study.holder.tangential_stiffness_N_per_mm == pytest.approx(2000.0, rel=0.06)
+    assert fit.study.of_length(1.0).holder.tangential_stiffness_N_per_mm == pytest.approx(2000.0, rel=0.06)
     assert fit.study.log.loop_cycles == (1, 30, 300, CYCLES)
 
 

@@ -70,8 +70,8 @@ def test_the_table_of_the_readme_is_what_a_fresh_run_comes_to(runs: dict[str, Ru
         "friction energy of the first loop": [
             100.0 * (first["dissipated_energy_mJ"] / reference.dissipated_energy(contact, 0.06, 167.0) - 1.0)
         ],
-        "loop area against friction work, worst loop": [100.0 * quality["loop_area_against_friction_work"]],
-        "pressures against their mirror image, worst loop": [100.0 * quality["mirror_error"]],
+        "largest difference of loop area and friction work": [100.0 * quality["loop_area_against_friction_work"]],
+        "largest difference of pressures and their mirror image": [100.0 * quality["mirror_error"]],
         "after 100 000 cycles: depth of fixed, moving wire": [last["max_depth_fixed_um"], last["max_depth_moving_um"]],
         "δ0, largest tangential force": [last["slip_amplitude_um"], last["max_tangential_force_N"]],
     }

@@ -287,7 +287,8 @@ def test_a_flat_wears_to_what_a_ball_sunk_by_the_approach_sweeps(tmp_path: Path)
 @pytest.mark.slow
 def test_wires_at_a_small_angle_press_by_hertz_and_wear_by_energy(tmp_path: Path) -> None:
     asked = TEST["conditions"] | {"normal_load_N": 2.0}
-    (found,) = run_study(study(wires(0.0, 20.0), conditions=asked), fidelity="quick", output=tmp_path)
+    fine = {"quick": {"increments_per_cycle": 64}}
+    (found,) = run_study(study(wires(0.0, 20.0), conditions=asked, fidelity=fine), fidelity="quick", output=tmp_path)
     last = {name: values[-1] for name, values in found.evolution.items()}
     assert found.settings["fresh_max_pressure_MPa"] == pytest.approx(found.settings["hertz_pressure_MPa"], rel=0.05)
     assert last["dissipated_energy_mJ"] == pytest.approx(4e-3 * FRICTION * 2.0 * last["slip_amplitude_um"], rel=0.005)

@@ -136,6 +136,14 @@ def test_the_contact_carries_the_load_and_nothing_sideways() -> None:
     assert report.complementarity < 1e-6
 
 
+def test_bodies_are_pressed_from_wherever_the_holder_last_was() -> None:
+    """In a cycle that opens it may have been where the bodies are apart."""
+    problem = bodies.crossed_wires(FINE_mm)
+    blank = unloaded_state(problem)
+    heights = [press(problem, dataclasses.replace(blank, holder_z=height))[0].holder_z for height in (0.0, 0.5, -0.002)]
+    assert heights == pytest.approx([heights[0]] * 3, rel=1e-6)
+
+
 @pytest.mark.seconds
 def test_the_contact_of_equal_crossed_wires_is_as_long_as_it_is_wide(hertz: PointContact) -> None:
     _, report = bodies.pressed(bodies.crossed_wires(FINE_mm))
