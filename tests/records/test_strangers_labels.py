@@ -150,6 +150,14 @@ def test_names_that_are_repeated_within_a_table_part_no_cycles(
     assert [loop.displacement_um.size for loop in found] == [128] * 4
 
 
+def test_of_cycles_that_are_not_numbered_in_every_row_it_is_said_how_many_lack_a_number(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    numbered = rows(LOOPS[0], "1") + rows(LOOPS[1], "")
+    path.write_text(f"Cycle,Displacement (um),Force (N)\n{numbered}", encoding="utf-8")
+    with pytest.raises(RecordError, match=r"cycle is missing in 128 of 256 rows, but must be a whole number"):
+        read_loops(path, normal_load="2")
+
+
 @pytest.mark.parametrize("head", [[["Machine", 7], []], pytest.param([], marks=pytest.mark.slow)])
 @pytest.mark.parametrize("titles", ["Cycle {}", "Zyklus_{}", "N={}"])
 def test_sheets_of_a_workbook_are_read_as_their_cycles(tmp_path: Path, titles: str, head: list[list[object]]) -> None:

@@ -165,7 +165,9 @@ def require_recorded(file: Path, **columns: Array) -> None:
         column = RECORD_COLUMNS.get(name)
         place = None if column is None else column.first_wrong(values)
         if column is not None and place is not None:
-            raise RecordError(f"{file}: {name} is {values[place]:g}, but must be {column.kind}.")
+            lacking = f"missing in {np.isnan(values).sum()} of {values.size} rows"
+            found = lacking if np.isnan(values[place]) else f"{values[place]:g}"
+            raise RecordError(f"{file}: {name} is {found}, but must be {column.kind}.")
 
 
 def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
