@@ -206,7 +206,7 @@ def test_one_file_that_cannot_be_read_does_not_keep_the_others_from_being_guesse
 def test_what_is_assumed_of_the_wires_is_said(tmp_path: Path) -> None:
     files = write(KINDS["units in brackets"](ENGLISH), tmp_path)
     remarks = " ".join(guessed(files, {"diameter_mm": 0.45}).remarks)
-    assert "the wires are taken to cross at 90°" in remarks
+    assert "taken for wires that cross at 90°; --kind" in remarks
     crossed = guessed(files, {"diameter_mm": 0.45, "crossing_angle_deg": 60.0})
     assert crossed.tables["wires"]["crossing_angle_deg"] == 60.0
     assert "90°" not in " ".join(crossed.remarks)

@@ -147,7 +147,9 @@ class Wires(GripKeys, MaterialKeys, _DiameterOfWires, StatedBodies):
         if "diameter_mm" not in known:
             remarks.append("no file states the wires' diameter, in millimetres: --diameter does it, too")
         if "crossing_angle_deg" not in known:
-            remarks.append("the wires are taken to cross at 90°; --crossing-angle says otherwise")
+            remarks.append(
+                "the bodies are taken for wires that cross at 90°; --kind and --crossing-angle say otherwise"
+            )
         angle = known.get("crossing_angle_deg", 90.0)
         wires = {"diameter_mm": known.get("diameter_mm", OPEN), "crossing_angle_deg": angle, **elastic}
         bodies = cls.model_validate(wires).of_test() if "diameter_mm" in known else ()
