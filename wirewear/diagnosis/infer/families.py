@@ -193,7 +193,10 @@ def stiffening() -> Shape:
 
 
 def force_after_play() -> Shape:
-    """A force channel that comes after the force by a play: a reading stays until it is taken up, then lags by half."""
+    """Shape of a force channel behind free play: after each reversal its reading rests until the play is taken up.
+
+    Its size is half of the play over the plateau force.
+    """
 
     def shape(b: Branches, size: float) -> PredictedLoops:
         half = size * b.force_N

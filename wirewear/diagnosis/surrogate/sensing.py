@@ -95,7 +95,7 @@ def slip_amplitude(contact: SlidingContact, slip: Array) -> Array:
 
 
 def micro_slip(contact: SlidingContact) -> Array:
-    """Half of the travel (n,) of a contact that sticks in its middle: Mindlin's by Masing's rule, of any order."""
+    """Half of the closed loop's travel (n,) for a contact that sticks in its middle, by Masing's rule; of any order."""
     left = 1.0 - contact.share
     return np.asarray(contact.yielding_um_per_N * contact.tip_N * (1.0 - left ** (1.0 / contact.order)))
 

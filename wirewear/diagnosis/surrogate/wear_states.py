@@ -146,7 +146,9 @@ class WearStates:
         return np.asarray(self.orders[row] + np.minimum(share, 1.0) * (self.orders[row + 1] - self.orders[row]))
 
     def friction_between(self, row: NDArray[np.intp], share: Array) -> Array:
-        """Friction of the surfaces over the stated one (k,) on shares of the way from rows to the next."""
+        """Friction over the stated coefficient (k,), interpolated by `share` (k,) of the way from row `row` to the next
+        one.
+        """
         known = self.friction_shares
         return known[row] + np.minimum(share, 1.0) * (known[row + 1] - known[row]) if known.size else np.ones(row.size)
 
