@@ -1,5 +1,4 @@
-"""Kinds of elements: their shape functions, faces and integration points; solid ones as mesh files hold, and the
-quadrilateral.
+"""Shape functions, faces and integration points of the quadrilateral and of the solid elements that mesh files hold.
 
 Nodes are numbered as in Abaqus and VTK: corners first, then the middles of edges, of faces, and of the element. The
 reference hexahedron is [-1, 1]³, the tetrahedron has its corners at the origin and on the axes, the prism is the
