@@ -31,7 +31,7 @@ class ReducedRecord:
     """A record as it is read, what its check says, and its observables; its study, with the nominal run of that."""
 
     record: AnyRecord
-    study: AnyStudy[Any]
+    study: AnyStudy
     states: WearStates
     setup: SurrogateInputs
     observed: Observations
@@ -43,7 +43,7 @@ class PreparedRecord:
     """A record that can be diagnosed, and the study of its test, which is yet to be run."""
 
     record: AnyRecord  #: With what its loops and scars give of friction and wear where its owner states none.
-    study: AnyStudy[Any]
+    study: AnyStudy
     is_stated: bool  #: Whether the study is what the record states; else it was given beside it.
     unknown: Mapping[str, float] = field(default_factory=dict)  #: Relative deviations of what is not stated.
 
@@ -85,7 +85,7 @@ class PreparedRecord:
 
 
 def prepared(
-    record: AnyRecord, model: AnyStudy[Any] | None = None, further: Sequence[AnyRecord] = ()
+    record: AnyRecord, model: AnyStudy | None = None, further: Sequence[AnyRecord] = ()
 ) -> tuple[PreparedRecord, ...]:
     """A record with the study that it states, or with `model`, and after it further records of the same rig.
 
@@ -99,7 +99,7 @@ def prepared(
     return first, *(_prepared(other, None) for other in further)
 
 
-def _prepared(record: AnyRecord, model: AnyStudy[Any] | None) -> PreparedRecord:
+def _prepared(record: AnyRecord, model: AnyStudy | None) -> PreparedRecord:
     if model is None:
         unknown: dict[str, float] = {}
         if record.tables.missing:

@@ -63,7 +63,7 @@ LEAST_LISTED = _KNOWN.number("least_listed")
 def diagnose(
     record: AnyRecord,
     *,
-    model: AnyStudy[Any] | None = None,
+    model: AnyStudy | None = None,
     further: Sequence[AnyRecord] = (),
     observer_of: ObserverOf | None = None,
     left_out: Sequence[str] = (),
@@ -109,7 +109,7 @@ def diagnose_prepared(
 
 def judged(
     record: AnyRecord,
-    study: AnyStudy[Any],
+    study: AnyStudy,
     states: WearStates,
     observed: Observations,
     found: Search,

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import floor, inf, log10
-from typing import Any
 
 from wirewear.base.frame import figure
 from wirewear.base.notebook import notebook_table
@@ -48,7 +47,7 @@ class Diagnosed:
 
     diagnosis: Diagnosis
     record: AnyRecord
-    study: AnyStudy[Any]
+    study: AnyStudy
     states: WearStates
     setup: SurrogateInputs
     observed: Observations

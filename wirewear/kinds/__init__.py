@@ -43,7 +43,7 @@ def load_any_study(path: str | Path, *, varied: bool = False) -> Any:
     return any_study(read_study(path), str(path), varied=varied)
 
 
-def any_study(tables: Mapping[str, Any], where: str, *, varied: bool = False) -> Any:
+def any_study(tables: Mapping[str, object], where: str, *, varied: bool = False) -> Any:
     """A study of the kind that its tables state, with measured surfaces levelled; `where` names their origin in
     messages.
 

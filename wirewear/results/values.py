@@ -42,7 +42,7 @@ STATUSES = ("complete", "running", "failed")
 _LATER_OF_LOOPS = ("normal_force_N", "friction_work_mJ", "tilt_deg")
 
 
-def sensor_of(study: Mapping[str, Any], sensor: Sensor = _IDEAL, age: Age = _NEW) -> Sensor:
+def sensor_of(study: Mapping[str, object], sensor: Sensor = _IDEAL, age: Age = _NEW) -> Sensor:
     """A sensor with the sensor effects of a study added to its own errors, at an age of the test.
 
     study: resolved tables, as results hold them. Raises StudyError if the study has an effect that is not installed

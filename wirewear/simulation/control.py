@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -222,7 +221,7 @@ HELD_FIGURES: Mapping[str, Figure] = {
 }
 
 
-def held_of(study: AnyStudy[Any]) -> HeldFigure | None:
+def held_of(study: AnyStudy) -> HeldFigure | None:
     """The figure that a study's drive holds in place of its amplitude; None if it holds the amplitude."""
     stated, largest_um = held_by(study.conditions), study.conditions.displacement_amplitude_um
     if stated is None:

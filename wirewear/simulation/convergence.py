@@ -179,7 +179,7 @@ class RefinedSubject:
     #: From a study and a fidelity: for each of its resolutions, the changes of tables that refine it by a factor.
     finer: Callable[[Any, str], Mapping[Resolution, Callable[[float], Changes]]]
 
-    def refined(self, study: AnyStudy[Any], fidelity: str) -> Any:
+    def refined(self, study: AnyStudy, fidelity: str) -> Any:
         """A study whose variants are the given study and its refinements.
 
         Raises StudyError if the given study has variants of its own.
@@ -247,7 +247,7 @@ LINES = RefinedSubject(
 
 
 def converge(
-    study: AnyStudy[Any],
+    study: AnyStudy,
     subject: RefinedSubject,
     *,
     fidelity: str,

@@ -7,7 +7,6 @@ of few elements. The gap between unworn bodies is Ax² + By²; angles are from t
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import cos, hypot, nan, pi, radians, sin, sqrt
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from geometry.arrays import Array
 from solvers import Archard, ContactProblem, ContactState, Coulomb, EnergyLaw, WearRates
 from solvers.contact.between_nodes import SpreadPressure
 from wirewear import reference
-from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, applied
+from wirewear.effects import Age, AnyEffect, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.results import BORNE, BORNE_IS
 from wirewear.results.scar import called
 from wirewear.simulation.sliding_onset import point_sticks
@@ -151,7 +150,7 @@ class WearFactors:
         return max(self.mean / _MARGIN, 1.0)
 
 
-def wear_factors(effects: Sequence[Effect[Any]], friction: float, load_N: float, cycles: float) -> WearFactors:
+def wear_factors(effects: Sequence[AnyEffect], friction: float, load_N: float, cycles: float) -> WearFactors:
     """The factors of effects on wear, relative to the nominal friction, load and wear law."""
     if not effects or friction * load_N == 0.0:
         return WearFactors(1.0, 1.0)
@@ -160,7 +159,7 @@ def wear_factors(effects: Sequence[Effect[Any]], friction: float, load_N: float,
     return WearFactors(float(np.mean(factors)) / (friction * load_N), max(factors) / (friction * load_N))
 
 
-def _work(effects: Sequence[Effect[Any]], contact: ContactLaw, loading: Loading, age: Age) -> float:
+def _work(effects: Sequence[AnyEffect], contact: ContactLaw, loading: Loading, age: Age) -> float:
     """Friction force in N times the factor on the wear coefficient, at an age of the test."""
     friction = applied(effects, Seam.CONTACT, contact, age).friction
     load = applied(effects, Seam.LOADING, loading, age).normal_load_N
@@ -239,7 +238,7 @@ def _worn_volume(study: Study, factors: WearFactors) -> float:
     return per_sliding * conditions.drive.mean_load * conditions.normal_load_N * sliding_m
 
 
-def borne_settings(study: AnyStudy[Any]) -> dict[str, float | str]:
+def borne_settings(study: AnyStudy) -> dict[str, float | str]:
     """The pressure that the softer body of a study bears at most, and in words what it is taken from, as results record
     them.
 

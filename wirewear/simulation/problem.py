@@ -267,7 +267,7 @@ def standing_out(problem: solvers.ContactProblem) -> list[str]:
     return said
 
 
-def laws_of(study: AnyStudy[Any]) -> dict[str, Any]:
+def laws_of(study: AnyStudy) -> dict[str, Any]:
     """Rig, friction, drive and wear of a study, as arguments of `ContactProblem`, without effects and variation."""
     return {
         "holder": study.tables.rig,

@@ -179,7 +179,7 @@ def _report(found: Found, observer: Observer) -> None:
 
 
 @singledispatch
-def plan_of(study: AnyStudy[Any], fidelity: str) -> PointRun | LineRun:
+def plan_of(study: AnyStudy, fidelity: str) -> PointRun | LineRun:
     """The plan of a study's run.
 
     Raises StudyError if the study cannot be discretised, or is of a kind without bodies to simulate.
@@ -199,7 +199,7 @@ def _(study: LineStudy, fidelity: str) -> LineRun:
 
 
 def run_study(
-    study: AnyStudy[Any],
+    study: AnyStudy,
     *,
     fidelity: str = "standard",
     output: str | Path,
@@ -252,7 +252,7 @@ def run_study(
     )
 
 
-def simulate(study: AnyStudy[Any], *, fidelity: str = "standard", observer: Observer | None = None) -> RunResult:
+def simulate(study: AnyStudy, *, fidelity: str = "standard", observer: Observer | None = None) -> RunResult:
     """Simulate a study without variants, or one variant, and leave no file.
 
     Raises StudyError if it has variants, cannot be discretised, or needs more memory or cycle jumps than are allowed;
@@ -263,7 +263,7 @@ def simulate(study: AnyStudy[Any], *, fidelity: str = "standard", observer: Obse
     return cycle_through(plan.test, plan.recorder(), RunStore(plan.identity), observer or Observer(), resume=False)
 
 
-def needed_memory(study: AnyStudy[Any], fidelity: str) -> float:
+def needed_memory(study: AnyStudy, fidelity: str) -> float:
     """Bytes that the run of a study takes at least; StudyError if it cannot be discretised."""
     return float(plan_of(study, fidelity).needed_memory)
 

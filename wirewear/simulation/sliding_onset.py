@@ -5,7 +5,6 @@ half-spaces, for a line contact that of its bodies, in series with the rig.
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from wirewear.test.conditions import held_by
 _AGES = 200
 
 
-def least_friction_N(study: AnyStudy[Any]) -> float:
+def least_friction_N(study: AnyStudy) -> float:
     """Smallest amplitude in N of a tangential force in proportion to the drive that friction bears at any time of the
     test.
 
@@ -39,7 +38,7 @@ def least_friction_N(study: AnyStudy[Any]) -> float:
     return float(least * study.drive.least_load_per_place)
 
 
-def expected_to_stick(study: AnyStudy[Any], onset_at: Callable[[float], SlidingOnset]) -> bool:
+def expected_to_stick(study: AnyStudy, onset_at: Callable[[float], SlidingOnset]) -> bool:
     """True if the drive of a study of one block does not make its contact slide.
 
     onset_at: gives the onset of sliding for a friction force in N.

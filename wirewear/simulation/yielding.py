@@ -1,7 +1,6 @@
 """The pressure limit of a study's bodies that yield, the size of their contact, and what a result records of both."""
 
 from math import pi, sqrt
-from typing import Any
 
 from solvers import ContactProblem, IncrementReport, PressureLimit
 from wirewear import reference
@@ -20,7 +19,7 @@ def limit_of_points(study: Study) -> PressureLimit | None:
 
 
 def pressure_limit(
-    study: AnyStudy[Any], load: float, pressure_MPa: float, semi_axes_mm: tuple[float, float], *, power: float
+    study: AnyStudy, load: float, pressure_MPa: float, semi_axes_mm: tuple[float, float], *, power: float
 ) -> PressureLimit | None:
     """The pressure limit of a contact, from its elastic contact under a load in N (line contacts N/mm); None for
     elastic bodies.

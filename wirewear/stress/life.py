@@ -256,7 +256,7 @@ def recorded_cycles(result: RunResult, body: str) -> list[int]:
     return sorted({one.cycle for one in result.contact_forces if one.body == body})
 
 
-def require_life(study: AnyStudy[Any], bodies: Sequence[str], values: Mapping[str, object]) -> None:
+def require_life(study: AnyStudy, bodies: Sequence[str], values: Mapping[str, object]) -> None:
     """Raise StudyError or ResultError where the run of a study will lack what the lives of its bodies need."""
     life_data(study, bodies, values)
     cycles = (*study.log.loop_cycles, study.conditions.cycles) if study.log.contact_states else ()

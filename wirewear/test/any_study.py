@@ -9,13 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, Generic, Self, TypeVar
+from typing import Any, Generic, Self
+
+from typing_extensions import TypeVar
 
 from solvers import Drive, FrictionLaw, WearLaw
 from wirewear.base.errors import StudyError
 from wirewear.base.notebook import notebook_table
 from wirewear.base.words import as_sentence, counted, shown
-from wirewear.effects import Effect, effects_of_tables
+from wirewear.effects import AnyEffect, effects_of_tables
 from wirewear.test.conditions import Log
 from wirewear.test.consistency import checked_tables, default_loop_cycles, inconsistency
 from wirewear.test.keys import Table, merged, values_in_no_variant
@@ -75,7 +77,7 @@ def _put(data: dict[str, Any], key: str, value: Any, where: str) -> None:
         here[last] = value
 
 
-Tables = TypeVar("Tables", bound=CommonTables)
+Tables_co = TypeVar("Tables_co", bound=CommonTables, default=CommonTables, covariant=True)
 
 
 T_co = TypeVar("T_co", covariant=True)
@@ -87,20 +89,20 @@ class _OfTables(Generic[T_co]):
     def __set_name__(self, _study: type, name: str) -> None:
         self.name = name
 
-    def __get__(self, study: AnyStudy[Any], _type: type) -> T_co:
+    def __get__(self, study: AnyStudy, _type: type) -> T_co:
         value: T_co = getattr(study.tables, self.name)
         return value
 
 
 @dataclass(frozen=True, repr=False)
-class AnyStudy(Generic[Tables]):
+class AnyStudy(Generic[Tables_co]):
     """A study whose keys have been checked; `variants` pairs each variant's name with its complete tables.
 
     `variant_name` is the name of the variant that this study is; it is empty for a study as a whole.
     """
 
-    tables: Tables
-    variants: tuple[tuple[str, Tables], ...] = ()
+    tables: Tables_co
+    variants: tuple[tuple[str, Tables_co], ...] = ()
     variant_name: str = ""
 
     name = _OfTables[str]()
@@ -114,7 +116,7 @@ class AnyStudy(Generic[Tables]):
     laws = _OfTables[tuple[FrictionLaw | WearLaw, ...]]()  #: The friction law and, if the test wears, the wear law.
     layers = _OfTables[dict[str, tuple[LayerTable, ...]]]()  #: Coatings and hard skins on both bodies, by their names.
     drive = _OfTables[Drive]()  #: Displacement, load and bulk stresses in the course of a cycle.
-    effects = _OfTables[tuple[Effect[Any], ...]]()  #: Effects that the nominal model lacks.
+    effects = _OfTables[tuple[AnyEffect, ...]]()  #: Effects that the nominal model lacks.
     log = _OfTables[Log]()  #: Which cycles are recorded.
     worn_per_cycle = _OfTables[float]()
 
@@ -170,12 +172,11 @@ class AnyStudy(Generic[Tables]):
 
     def logging(self, cycles: tuple[int, ...]) -> Self:
         """The study and its variants with the loops of these cycles recorded."""
-
-        def logged(tables: Tables) -> Tables:
-            return tables.model_copy(update={"log": tables.log.of_cycles(cycles)})
-
-        variants = tuple((name, logged(tables)) for name, tables in self.variants)
-        return replace(self, tables=logged(self.tables), variants=variants)
+        variants = tuple(
+            (name, tables.model_copy(update={"log": tables.log.of_cycles(cycles)})) for name, tables in self.variants
+        )
+        own = self.tables.model_copy(update={"log": self.tables.log.of_cycles(cycles)})
+        return replace(self, tables=own, variants=variants)
 
     def unused_values(self) -> Iterator[tuple[str, str, object]]:
         """Table, key and value of everything that the file states for all variants although each variant
@@ -208,7 +209,7 @@ class AnyStudy(Generic[Tables]):
         variants = tuple((one, with_values(tables, values, f"{where}, variant {one}")) for one, tables in self.variants)
         return type(self)(with_values(self.tables, values, where), variants, self.variant_name)
 
-    def with_effects(self, *effects: Effect[Any]) -> Self:
+    def with_effects(self, *effects: AnyEffect) -> Self:
         """The study without variants, with these effects in place of its own.
 
         Raises StudyError if an effect is given twice, or contradicts another key of the study.
@@ -268,7 +269,7 @@ class AnyStudy(Generic[Tables]):
         return data
 
 
-Of = TypeVar("Of", bound=AnyStudy[Any])
+Of = TypeVar("Of", bound=AnyStudy)
 
 
 def alone(study: Of, how: str = "choose one with --variant") -> Of:
@@ -282,9 +283,7 @@ def alone(study: Of, how: str = "choose one with --variant") -> Of:
     return study
 
 
-def life_data(
-    study: AnyStudy[Any], bodies: Iterable[str], values: Mapping[str, Any] | None = None
-) -> dict[str, LifeTable]:
+def life_data(study: AnyStudy, bodies: Iterable[str], values: Mapping[str, Any] | None = None) -> dict[str, LifeTable]:
     """The [life] tables of bodies by name: as stated, with `values` of its keys, completed by the data of each
     material.
 

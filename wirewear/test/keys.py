@@ -17,7 +17,7 @@ from solvers.laws.friction_law import friction_law
 from solvers.laws.wear_law import wear_law
 from wirewear.base.units import Quantity, finite_number
 from wirewear.base.words import shown
-from wirewear.effects import Effect, effects_of_tables, tables_of_effects
+from wirewear.effects import AnyEffect, effects_of_tables, tables_of_effects
 from wirewear.test.materials import material_named
 
 FORMAT = 1
@@ -103,7 +103,7 @@ def with_constants_of_material(table: Any) -> Any:
 
 
 MaterialName = Annotated[str, PlainValidator(_checked_material)]
-Effects = Annotated[tuple[Effect[Any], ...], PlainValidator(effects_of_tables), PlainSerializer(tables_of_effects)]
+Effects = Annotated[tuple[AnyEffect, ...], PlainValidator(effects_of_tables), PlainSerializer(tables_of_effects)]
 Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.02, 20.0))]
 Length = Annotated[float, PlainValidator(Quantity("mm", 0.05, 200.0))]
 YoungsModulus = Annotated[float, PlainValidator(Quantity("MPa", 1e3, 1.5e6))]
@@ -228,7 +228,7 @@ class Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
-def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+def merged(base: Mapping[str, object], overrides: Mapping[str, object]) -> dict[str, Any]:
     """`base` with the values of `overrides` in place of its own, table by table."""
     whole = dict(base)
     for key, value in overrides.items():

@@ -125,7 +125,7 @@ def extent_of(length_mm: float | None) -> Extent:
 
 
 def whole_test(
-    data: Mapping[str, Any], where: str, error: type[WirewearError], length_mm: float | None = None
+    data: Mapping[str, object], where: str, error: type[WirewearError], length_mm: float | None = None
 ) -> dict[str, Any]:
     """Tables of a line contact's test and its blocks, with values per millimetre converted to the whole contact.
 
@@ -138,7 +138,7 @@ def whole_test(
         raise error(f"{where} {problem}.") from None
 
 
-def given_length_mm(data: Mapping[str, Any]) -> float | None:
+def given_length_mm(data: Mapping[str, object]) -> float | None:
     """Length of the contact in a file's tables; None if they state no number."""
     contact = data.get("contact")
     own = contact.get("length_mm") if isinstance(contact, Mapping) else None
@@ -215,6 +215,6 @@ def _changed(values: Named, changes: Mapping[str, object]) -> Named:
     )
 
 
-def stated_length_mm(study: Mapping[str, Any]) -> float:
+def stated_length_mm(study: Mapping[str, object]) -> float:
     """Length of the contact in the tables of a line contact's study; 1 if not stated."""
     return float(_named(study["contact"]).get("length_mm", 1.0))

@@ -4,7 +4,7 @@ averaged.
 
 from collections.abc import Mapping
 from math import pi, sqrt
-from typing import Annotated, Any, Literal, Self, cast
+from typing import Annotated, Literal, Self, cast
 
 from pydantic import Field, PlainValidator
 
@@ -150,7 +150,7 @@ class LifeTable(keys.Table):
         return 0.2 if self.scatter_decades is None else self.scatter_decades
 
 
-def material_of_body(tables: Mapping[str, Any], body: str) -> str | None:
+def material_of_body(tables: Mapping[str, object], body: str) -> str | None:
     """The material that a study names for a body, or for all of its bodies; None if it states constants."""
     for holder in (tables, *(one for one in tables.values() if isinstance(one, Mapping))):
         own = holder.get(body)

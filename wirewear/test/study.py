@@ -114,7 +114,7 @@ def load_study(path: str | Path) -> Study:
     return point_study(read_study(path), str(path))
 
 
-def point_study(data: Mapping[str, Any], where: str) -> Study:
+def point_study(data: Mapping[str, object], where: str) -> Study:
     """A study of a contact at a point from nested tables; `where` names their origin in messages.
 
     Raises StudyError, in one sentence, if they are not a valid study of this kind.
@@ -158,7 +158,7 @@ def parse_study(text: str, where: str) -> Study:
     return point_study(parsed_toml(text, where, StudyError), where)
 
 
-def study_from_tables(data: Mapping[str, Any], where: str) -> Any:
+def study_from_tables(data: Mapping[str, object], where: str) -> Any:
     """A study of any kind from nested tables such as `Study.resolved()` returns; `where` names their origin in
     messages.
 
@@ -176,7 +176,7 @@ def study_from_tables(data: Mapping[str, Any], where: str) -> Any:
     return next(own for own in (Study, LineStudy, JointStudy) if isinstance(tables, own.of))(tables, variants)
 
 
-def variants_in(data: Mapping[str, Any], where: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+def variants_in(data: Mapping[str, object], where: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Names of the variants in a study's tables, and the values that each overrides.
 
     Raises StudyError if variants are not tables, or have names that are not allowed.

@@ -188,7 +188,7 @@ def kept(x: Array, y: Array, depth: Array) -> dict[str, Any]:
     return dict(zip(KEPT, (*lines, text), strict=True))
 
 
-def surfaces_in(table: Mapping[str, Any], *place: str) -> Iterator[tuple[tuple[str, ...], Mapping[str, Any]]]:
+def surfaces_in(table: Mapping[str, object], *place: str) -> Iterator[tuple[tuple[str, ...], Mapping[str, Any]]]:
     """The tables of surfaces in a study's tables, each with the keys that lead to it."""
     for key, value in table.items():
         if key == "surface" and isinstance(value, Mapping):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -55,7 +54,7 @@ class FittedTest:
     """Result of fitting a record."""
 
     record: AnyRecord
-    study: AnyStudy[Any]
+    study: AnyStudy
     #: Fitted parameters of the study by name; absent if the record does not show them.
     parameters: dict[str, FittedParameter]
     found: dict[str, FittedParameter]  #: Further figures by name: energies, volumes, stiffnesses of loop and contact.

@@ -15,7 +15,7 @@ from wirewear.base import kinds
 from wirewear.base.errors import StudyError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
-from wirewear.effects import Effect, Parameter, Stated, all_effects
+from wirewear.effects import AnyEffect, Parameter, Stated, all_effects
 from wirewear.test import LineStudy, Study
 from wirewear.test.bodies import Gap
 
@@ -33,7 +33,7 @@ class Candidate:
     found like parameters, and stand behind them in coordinates.
     """
 
-    kind: type[Effect[Any]]
+    kind: type[AnyEffect]
     parameters: Mapping[str, Parameter]
     held: Mapping[str, Parameter]
     chosen: Mapping[str, str] = field(default_factory=dict)
@@ -42,7 +42,7 @@ class Candidate:
     @classmethod
     def of(
         cls,
-        kind: type[Effect[Any]],
+        kind: type[AnyEffect],
         stated: Stated,
         chosen: Mapping[str, str] | None = None,
         scales: Mapping[str, float] | None = None,
@@ -89,7 +89,7 @@ class Candidate:
         found = {name: p.value(float(z)) for (name, p), z in zip(self.unknowns.items(), coordinates, strict=True)}
         return {**found, **{name: p.value(0.0) for name, p in self.held.items()}}
 
-    def effect(self, coordinates: Array) -> Effect[Any]:
+    def effect(self, coordinates: Array) -> AnyEffect:
         """The effect with the parameter values of these coordinates (p,)."""
         return self.kind(**self.values(coordinates), **self.chosen)
 
@@ -169,7 +169,7 @@ def unsupported(setup: SurrogateInputs) -> tuple[str, ...]:
     )
 
 
-def _is_supported(kind: type[Effect[Any]], setup: SurrogateInputs) -> bool:
+def _is_supported(kind: type[AnyEffect], setup: SurrogateInputs) -> bool:
     try:
         setup.with_effect(kind.sized("easy", setup.stated)).chain(1.0, 1.0, *np.ones((3, 1)))
     except StudyError:

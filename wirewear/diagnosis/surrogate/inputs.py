@@ -97,7 +97,7 @@ class SurrogateInputs:
 
     @classmethod
     def of(
-        cls, study: AnyStudy[Any], drive: Literal["sensor", "stroke"], wear_mm3_per_J: float, length_mm: float = 0.0
+        cls, study: AnyStudy, drive: Literal["sensor", "stroke"], wear_mm3_per_J: float, length_mm: float = 0.0
     ) -> SurrogateInputs:
         """The circumstances that a study states, as inputs of the fast model; drive: where its displacement is held."""
         conditions, friction, holder = study.conditions, study.contact.friction, study.holder
@@ -216,7 +216,7 @@ def _driven(conditions: Any, friction_N: float, compliance_um_per_N: float, driv
 
 
 def _worked(
-    study: AnyStudy[Any], friction_N: Callable[[Any], float], compliance_um_per_N: float
+    study: AnyStudy, friction_N: Callable[[Any], float], compliance_um_per_N: float
 ) -> tuple[tuple[float, float], ...]:
     """Of a test by blocks, cycles with how many of the study's own conditions wear as much as all so far.
 

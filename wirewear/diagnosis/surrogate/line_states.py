@@ -27,7 +27,7 @@ from wirewear.test.faces import Face
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
-    from wirewear.effects import Chain, Effect
+    from wirewear.effects import AnyEffect, Chain
     from wirewear.results import Loop, RunResult
 
 
@@ -149,7 +149,7 @@ class LineStates(WearStates):
         own = {} if self.described else {"compliance": self.full_slip / float(self.stiffness_N_per_um[0])}
         return {**self.unknown, **own}
 
-    def model_error(self, kind: type[Effect[Any]]) -> float:
+    def model_error(self, kind: type[AnyEffect]) -> float:
         """Profiles under a bed and a lack of oxygen are predicted better than what both do to wires."""
         return MODEL_ERROR if kind.name in _MODELLED else kind.model_error
 

@@ -90,7 +90,7 @@ def nominal_study(record: AnyRecord) -> Any:
     return stated_study(record.tables)
 
 
-def require_the_same(record: AnyRecord, study: AnyStudy[Any], pairs: Mapping[str, tuple[float, float]]) -> None:
+def require_the_same(record: AnyRecord, study: AnyStudy, pairs: Mapping[str, tuple[float, float]]) -> None:
     """Refuse a model of another test; pairs: numbers of model and record by their keys."""
     for key, (own, recorded) in pairs.items():
         if abs(own - recorded) > SAME * max(abs(own), abs(recorded)):
@@ -100,7 +100,7 @@ def require_the_same(record: AnyRecord, study: AnyStudy[Any], pairs: Mapping[str
             )
 
 
-def wears_evenly(study: AnyStudy[Any]) -> bool:
+def wears_evenly(study: AnyStudy) -> bool:
     """True if a study's worn volume is one constant factor times friction work or sliding: plain wear laws, and no
     layers.
     """
@@ -114,7 +114,7 @@ class NominalRun:
     completes.
     """
 
-    study: AnyStudy[Any]
+    study: AnyStudy
     margins: Sequence[float]
     changes: Mapping[str, Any]  #: How it is logged and resolved, as tables of a study.
 
@@ -132,7 +132,7 @@ def line_run(study: LineStudy) -> NominalRun:
 
 
 def nominal_run(
-    study: AnyStudy[Any], observer_of: ObserverOf | None = None, asked: Callable[[Any], NominalRun] = point_run
+    study: AnyStudy, observer_of: ObserverOf | None = None, asked: Callable[[Any], NominalRun] = point_run
 ) -> RunResult:
     """The quick run of a study, from the cache or made now; its wear coefficients are the stated ones times a margin.
 
@@ -153,7 +153,7 @@ def nominal_run(
     return of_own_block(replace(result, path=path), nominal.study)
 
 
-def of_own_block(result: RunResult, study: AnyStudy[Any]) -> RunResult:
+def of_own_block(result: RunResult, study: AnyStudy) -> RunResult:
     """The run of a programme with the loops alone of the block whose conditions the study states as its own."""
     if not study.schedule.blocks:
         return result
@@ -162,12 +162,12 @@ def of_own_block(result: RunResult, study: AnyStudy[Any]) -> RunResult:
     return replace(result, loops=tuple(loop for loop in result.loops if blocks[loop.cycle] in own))
 
 
-def _own_blocks(study: AnyStudy[Any]) -> set[int]:
+def _own_blocks(study: AnyStudy) -> set[int]:
     own = (study.conditions, study.contact)
     return {one.block for one in study.schedule.stretches if (one.study.conditions, one.study.contact) == own}
 
 
-def logged_by(study: AnyStudy[Any]) -> tuple[int, ...]:
+def logged_by(study: AnyStudy) -> tuple[int, ...]:
     """Cycles at which a nominal run is logged; of a programme those nearest to them in the study's own block."""
     cycles = study.conditions.cycles
     wanted = {*half_decades(cycles), cycles}
@@ -199,7 +199,7 @@ def wearing(study: Study) -> Study:
     return study.changed({"wear": Wear(energy_wear_coefficient_mm3_per_J=coefficient)})
 
 
-def limits_of(nominal: RunResult, study: AnyStudy[Any]) -> tuple[str, ...]:
+def limits_of(nominal: RunResult, study: AnyStudy) -> tuple[str, ...]:
     """Sentences on what limits wear states taken from a run: bulk stress that is left out, or an end before its last
     cycle.
     """

@@ -17,7 +17,7 @@ from wirewear.diagnosis.surrogate.joint_states import JointStates
 from wirewear.diagnosis.surrogate.line_states import LineStates
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_the_same, wears_evenly
 from wirewear.diagnosis.surrogate.wear_states import WearStates
-from wirewear.effects import Effect
+from wirewear.effects import AnyEffect
 from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
 from wirewear.results import RunResult
 from wirewear.results.scar import called
@@ -61,7 +61,7 @@ class PointModel:
         """The circumstances that the study states, with the surrogate's numerical freedoms as expected."""
         return nominal_inputs(self.study, tables.conditions.drive)
 
-    def with_effects(self, effects: Sequence[Effect[Any]], amplitude_um: float, increments: int) -> Study:
+    def with_effects(self, effects: Sequence[AnyEffect], amplitude_um: float, increments: int) -> Study:
         """The study with further effects and another amplitude. increments: of a loop, where quick runs state none."""
         stated = self.study.fidelity("quick").increments_per_cycle or increments
         return self.study.with_effects(*self.study.effects, *effects).changed(
@@ -113,7 +113,7 @@ class LineModel:
         """The circumstances of a test, from a record's tables, as inputs of the fast model."""
         return nominal_line_setup(self.study, tables.conditions.drive)
 
-    def with_effects(self, effects: Sequence[Effect[Any]], amplitude_um: float, _increments: int) -> LineStudy:
+    def with_effects(self, effects: Sequence[AnyEffect], amplitude_um: float, _increments: int) -> LineStudy:
         """The study with further effects and another amplitude."""
         every = (*self.study.effects, *effects)
         return self.study.changed({"effects": every, "conditions": {"displacement_amplitude_um": amplitude_um}})
@@ -145,14 +145,14 @@ class JointModel:
 States = TypeVar("States", bound=WearStates)
 
 
-def _of_run(states: States, result: RunResult, study: AnyStudy[Any]) -> States:
+def _of_run(states: States, result: RunResult, study: AnyStudy) -> States:
     """The states of a run, sliding under the friction of its layers and wearing as it does."""
     if not states.sticks and any(layer.friction is not None for own in study.layers.values() for layer in own):
         states = states.under_layers()
     return _driven(states if wears_evenly(study) else states.wearing_as(result), study)
 
 
-def _driven(states: States, study: AnyStudy[Any]) -> States:
+def _driven(states: States, study: AnyStudy) -> States:
     """The states. Raises RunError if the drive holds a force under which the bodies slide."""
     held = held_by(study.conditions)
     if held is not None and held.figure == "tangential" and not states.sticks:
@@ -166,7 +166,7 @@ def _driven(states: States, study: AnyStudy[Any]) -> States:
 NominalModel = PointModel | LineModel | JointModel
 
 
-def nominal_model(study: AnyStudy[Any]) -> NominalModel:
+def nominal_model(study: AnyStudy) -> NominalModel:
     """What a diagnosis and a fit ask of the study of a record's test."""
     if isinstance(study, JointStudy):
         return JointModel(study)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ from wirewear.test.bodies import Gap, hertz_of, unworn_stiffness_N_per_um
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
-    from wirewear.effects import Chain, Effect
+    from wirewear.effects import AnyEffect, Chain
     from wirewear.results import RunResult
 
 
@@ -131,7 +131,7 @@ class WearStates:
         """Standard deviations of what is not stated and the same in all repeats."""
         return self.unknown
 
-    def model_error(self, kind: type[Effect[Any]]) -> float:
+    def model_error(self, kind: type[AnyEffect]) -> float:
         """Relative error of the fast model in the change that an effect of this class makes."""
         return kind.model_error
 
