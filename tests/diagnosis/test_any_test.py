@@ -3,16 +3,21 @@
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.diagnosis.test_sticking_diagnosis import ball, circumstances
-from tests.simulation.point_contacts import STEEL
+from tests.simulation.point_contacts import STEEL, TEST
 from wirewear import record_of_result
+from wirewear.base.errors import RunError
 from wirewear.diagnosis import diagnose
+from wirewear.diagnosis.record_diagnosis import _unfit
+from wirewear.diagnosis.surrogate.candidates import nominal_inputs
 from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.nominal_model import _driven
 from wirewear.diagnosis.surrogate.sensing import KNEE, POSITIONS
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.simulation import run_study
@@ -62,6 +67,23 @@ def with_keys(keys: dict[str, Any], *effects: dict[str, Any]) -> dict[str, Any]:
         table, _, name = key.rpartition(".")
         (tables[table] if table else tables)[name] = value
     return tables
+
+
+def test_a_contact_that_sticks_under_a_load_that_varies_is_refused() -> None:
+    study = study_from_tables(with_keys({"conditions.load_cycle": {"amplitude_share": 0.4}}), "s")
+    with pytest.raises(RunError, match="sticks in its middle under a load that varies"):
+        _driven(ball(), study)
+
+
+def test_a_pad_is_not_suspected_to_be_flattened() -> None:
+    pad = {"shape": "pad", "face_half_width_mm": 0.2, "edge_radius_mm": 5.0, **STEEL}
+    bodies = {"lower": {"shape": "flat", **STEEL}, "upper": pad}
+    study: Any = study_from_tables(deepcopy(TEST) | {"kind": "point-contact", "bodies": bodies}, "s")
+    prepared: Any = SimpleNamespace(study=study, setup=nominal_inputs(study, "stroke"))
+    assert "plasticity" in _unfit(prepared)
+    ball_on_flat = bodies | {"upper": {"shape": "ball", "diameter_mm": 6.0, **STEEL}}
+    prepared.study = study_from_tables(deepcopy(TEST) | {"kind": "point-contact", "bodies": ball_on_flat}, "s")
+    assert "plasticity" not in _unfit(prepared)
 
 
 @pytest.mark.slow

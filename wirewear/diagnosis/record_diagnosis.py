@@ -26,7 +26,7 @@ from wirewear.diagnosis.infer.shrink import physical_gap, shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, force_zero, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import Place, Resemblance, changes, findings, places, relevance_of, resemblances
 from wirewear.diagnosis.observe.reduction import Observations
-from wirewear.diagnosis.preparation import PreparedRecord, prepared
+from wirewear.diagnosis.preparation import PreparedRecord, ReducedRecord, prepared
 from wirewear.diagnosis.surrogate.candidates import effect_of
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage
 from wirewear.diagnosis.surrogate.wear_states import WearStates
@@ -40,7 +40,7 @@ from wirewear.diagnosis.wording import (
     remaining,
     sentence_of,
 )
-from wirewear.effects import all_effects, measurements
+from wirewear.effects import Seam, all_effects, measurements
 from wirewear.records import AnyRecord
 from wirewear.test import AnyStudy
 
@@ -97,7 +97,7 @@ def diagnose_prepared(
             raise StudyError(f"there is no effect {name!r} to be left out: the effects are {', '.join(known)}.")
     first, *others = (one.reduced(observer_of, stage) for one in records)
     with stage("searching for causes"):
-        found = search(first.states, first.setup, first.observed, left_out)
+        found = search(first.states, first.setup, first.observed, (*left_out, *_unfit(first)))
         for other in others:
             found = updated(found, other.states, other.setup, other.observed)
         read = [other.record for other in others]
@@ -105,6 +105,18 @@ def diagnose_prepared(
     problems = tuple(remark.text for remark in first.checked if remark.level == "problem")
     answer = replace(diagnosed.diagnosis, notes=(*problems, *diagnosed.diagnosis.notes), checked=first.checked)
     return replace(diagnosed, diagnosis=answer)
+
+
+def _unfit(prepared: ReducedRecord) -> tuple[str, ...]:
+    """Names of the effects of specimens that a record's bodies cannot have, such as pads that are flattened."""
+    found = []
+    for name, kind in all_effects().items():
+        if kind.seam is Seam.SPECIMENS:
+            try:
+                prepared.study.with_effects(kind.sized("easy", prepared.setup.stated))
+            except StudyError:
+                found.append(name)
+    return tuple(found)
 
 
 def judged(

@@ -97,6 +97,15 @@ class ScarFigures(_OfScars):
                     noise[place] = np.hypot(FIGURE_ERROR, _shallow(figures, least))
         return values, noise
 
+    def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
+        """What noise adds to the depth of a shallow scar: the outermost of its points lie some three deviations out."""
+        off = np.zeros(len(sites))
+        for scar in reading.scars:
+            raised = 3.0 * noise_um(scar.depth_um) / max(scar.figures["depth"], DEPTH_ERROR_um)
+            if raised > 1.0 / STANDS_OUT:
+                off[(sites.wire == scar.body) & (sites.figure == "depth")] = raised
+        return off
+
     def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
         figure = np.array([SCAR_FIGURES.index(name) for name in sites.figure], dtype=int)
         least = np.where(figure == SCAR_FIGURES.index("depth"), DEPTH_ERROR_um, 1e-6)
