@@ -27,11 +27,12 @@ if TYPE_CHECKING:
     from wirewear.simulation.problem import contact_problem
     from wirewear.simulation.runs import ObserverOf, needed_memory, run_study, simulate
     from wirewear.simulation.workbench import write_line_meshes, write_meshes
+    from wirewear.simulation.yielding import limit_of_points, spread_by_yield
 
 __all__ = [
-    "LINES", "POINTS", "Converged", "Moment", "Observer", "ObserverOf", "ProgressBar",
-    "bodies_stiffness_N_per_mm2", "contact_problem", "converge", "convergence_table", "discretise", "last_of",
-    "line_plan", "mean_pressures", "needed_memory", "require_affordable_wires", "run_study", "simulate",
+    "LINES", "POINTS", "Converged", "Moment", "Observer", "ObserverOf", "ProgressBar", "bodies_stiffness_N_per_mm2",
+    "contact_problem", "converge", "convergence_table", "discretise", "last_of", "limit_of_points", "line_plan",
+    "mean_pressures", "needed_memory", "require_affordable_wires", "run_study", "simulate", "spread_by_yield",
     "write_convergence", "write_line_meshes", "write_meshes",
 ]  # fmt: skip
 

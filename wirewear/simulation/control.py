@@ -167,7 +167,7 @@ def _per_um(_: CycleTrace) -> float:
 
 
 @dataclass(frozen=True)
-class Figure:
+class HeldMeasure:
     """How a figure that a drive may hold is measured; its key is in `Asked`."""
 
     unit: str
@@ -201,18 +201,18 @@ def _largest_force_N(trace: CycleTrace) -> float:
 
 
 #: All figures by the second word of their keys.
-HELD_FIGURES: Mapping[str, Figure] = {
-    "slip": Figure("um", _slip_um, lambda onset, _: onset.slip_um),
-    "motion": Figure("um", _apart_um, lambda onset, _: onset.motion_um),
-    "reading": Figure("um", _read_um, lambda onset, carried_um: onset.motion_um + carried_um),
-    "tangential": Figure(
+HELD_FIGURES: Mapping[str, HeldMeasure] = {
+    "slip": HeldMeasure("um", _slip_um, lambda onset, _: onset.slip_um),
+    "motion": HeldMeasure("um", _apart_um, lambda onset, _: onset.motion_um),
+    "reading": HeldMeasure("um", _read_um, lambda onset, carried_um: onset.motion_um + carried_um),
+    "tangential": HeldMeasure(
         "N",
         lambda _, trace, __: _largest_force_N(trace),
         lambda onset, _: onset.force_N,
         None,
         lambda state: abs(float(state.primary_force[:, 0].sum())),
     ),
-    "energy": Figure(
+    "energy": HeldMeasure(
         "mJ",
         lambda _, trace, __: friction_work_mJ(trace),
         lambda onset, _: onset.energy_mJ,

@@ -22,7 +22,7 @@ from solvers.stress.pressing import indented
 from wirewear import reference
 from wirewear.base.errors import ResultError
 from wirewear.results import ContactForces, RunResult
-from wirewear.simulation.yielding import limit_of_points, spread_by_yield
+from wirewear.simulation import limit_of_points, spread_by_yield
 from wirewear.test import Study, study_from_tables
 from wirewear.test.bodies import hertz_of
 
