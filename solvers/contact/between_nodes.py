@@ -152,9 +152,7 @@ class SpreadPressure:
 
 @dataclass(frozen=True, eq=False)
 class WithinElements:
-    """How pressure varies within the elements of a patch, at the positions in a cycle of k nodes; computed on first
-    use.
-    """
+    """Pressure within a patch's elements around k nodes, each at its own position in a cycle; computed on first use."""
 
     patch: ContactPatch
     pressures_MPa: Sequence[Array]  #: Nodal pressures (n,) at each position in the cycle.

@@ -339,7 +339,7 @@ def law_at(
 
 
 def within_elements(problem: ContactProblem, states: Sequence[ContactState], position: IntArray) -> WithinElements:
-    """How the pressures of states vary within the primary's elements, at k nodes; `position` (k,) is the state of each.
+    """Pressure within the primary's elements around k nodes; `position` (k,) is each node's index in `states`.
 
     Pressures are tractions along z: slopes are small where pressure vanishes.
     """

@@ -21,7 +21,7 @@ ROUND_OFF = 1e-9  #: How far beside a patch, in cells, a point still counts as o
 
 
 class NodalTransfer(NamedTuple):
-    """Weights of a patch's n nodes at each of k contact nodes, row after row: a sparse (k, n) matrix."""
+    """Weights of a patch's n nodes at each of k contact nodes: a sparse (k, n) matrix in compressed rows (CSR)."""
 
     first: IntArray  #: (k + 1,) index of each row's first entry, and the number of all entries.
     columns: IntArray  #: (e,) patch node of each entry.

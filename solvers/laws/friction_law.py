@@ -73,7 +73,7 @@ class Coulomb(FrictionLaw):
 
 
 class Within(Protocol):
-    """How pressure varies within the elements around k nodes; see `WithinElements`."""
+    """Pressure within the elements around k nodes, as `WithinElements` gives it."""
 
     def among(self, chosen: slice | IntArray, /) -> "Within":
         """The description of pressure at chosen nodes: `chosen` is an index or slice into the nodes of this object."""

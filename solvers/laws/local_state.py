@@ -17,7 +17,7 @@ from solvers.errors import SolverError
 
 
 class LocalField(Protocol):
-    """A field that a contact problem adds to the local state."""
+    """A quantity at contact nodes that users add to `ContactProblem.fields` and laws read by name, as a temperature."""
 
     def at(self, local: "LocalState", /) -> Array:
         """Values (k,) of the field at the k nodes, from the other fields of the local state."""

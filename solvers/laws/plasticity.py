@@ -31,7 +31,7 @@ class Metal:
 
     @property
     def moduli(self) -> tuple[float, float, float, float]:
-        """Yield stress, H_i, C and gamma."""
+        """Yield stress, isotropic hardening H_i, kinematic hardening C (all MPa) and recall γ."""
         shift = self.kinematic_share * self.hardening_MPa
         return self.yield_stress_MPa, self.hardening_MPa - shift, shift, self.recall
 

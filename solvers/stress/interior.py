@@ -99,7 +99,7 @@ class CycleImage:
 
     @cached_property
     def computed(self) -> IntArray:
-        """The states that are images of no others."""
+        """Indices of the states that are not mirror images of earlier ones, and so must be computed."""
         return np.flatnonzero(self.source == np.arange(len(self.source)))
 
     def with_images(self, points_mm: Array) -> tuple[Array, IntArray]:

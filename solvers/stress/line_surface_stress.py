@@ -38,7 +38,7 @@ class LineSurfaceStress:
 
     @cached_property
     def window(self) -> slice:
-        """The patch's lines between which elements are alike."""
+        """Slice of the patch's lines that are evenly spaced: the window in which stresses are corrected."""
         return alike(self.patch.axial_mm)
 
     @property

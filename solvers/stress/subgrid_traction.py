@@ -215,7 +215,7 @@ def bicubic_coefficients(square: Array, i: int, j: int, result: Array) -> None:
 
 @compiled
 def polynomial(coefficients: Array, u: float, v: float) -> float:
-    """Its value at a place in the cell."""
+    """Value of the polynomial of `coefficients` (4, 4), of u^m v^n, at the point (u, v) of a cell."""
     total = 0.0
     for m in range(3, -1, -1):
         row = coefficients[m]

@@ -63,7 +63,7 @@ class SurfaceStress:
 
     @property
     def spacing_mm(self) -> tuple[float, float]:
-        """Size of elements between them along and across."""
+        """Spacing of `lines` along and across."""
         along, across = (float(np.diff(lines).mean()) for lines in self.lines)
         return along, across
 
@@ -109,7 +109,7 @@ class SurfaceStress:
 
     @cached_property
     def is_symmetric(self) -> bool:
-        """True if the window is its own mirror image about y = 0."""
+        """True if the window's lines (`lines`) and normals are their own mirror images about y = 0."""
         across, normals = self.lines[1], self.window_normals
         alike_lines = np.allclose(across, -across[::-1], rtol=0.0, atol=_MIRRORED * self.spacing_mm[1])
         return bool(alike_lines and np.abs(normals - normals[:, ::-1] * [1.0, -1.0, 1.0]).max() < _MIRRORED)

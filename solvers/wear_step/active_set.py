@@ -37,7 +37,7 @@ class Improved:
 
 @dataclass(frozen=True)
 class CycleEquations:
-    """Conditions on N pressures of all positions and their holder heights."""
+    """Contact conditions for the N pressures (MPa) at all positions of a cycle and the holder's height (mm) at each."""
 
     problem: ContactProblem
     cycle: Cycle

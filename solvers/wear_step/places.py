@@ -23,7 +23,7 @@ _LEAST_LOAD = 0.1
 
 
 class WearStop(NamedTuple):
-    """An increment of a traced cycle at which surfaces wear."""
+    """A position of a traced cycle at which wear is computed, which may stand for several increments."""
 
     state: ContactState
     begins: ContactState  #: From which the slip before it starts.

@@ -97,7 +97,7 @@ class Cycle:
 
     @cached_property
     def sticks(self) -> BoolArray:
-        """Which unknowns (N,) carry tractions of sticking nodes."""
+        """Marks (N,) of the unknowns that carry tractions of sticking nodes."""
         return np.asarray(self.nodes.stuck[self.nodes.rows].any(axis=1))
 
     @cached_property

@@ -104,7 +104,7 @@ class Partial:
 
 @dataclass(frozen=True)
 class Remaining:
-    """What an explanation leaves of a gap: its share, the place where it lies, and both in words."""
+    """Gap that an explanation leaves: its share of the whole gap, the place where it lies, and both in words."""
 
     share: float
     where: str
@@ -191,7 +191,7 @@ class Diagnosis:
 
 
 def program() -> dict[str, str]:
-    """What gave an answer: the version, and hashes of the program's sources and of the constants fitted for it."""
+    """Version of this program, and hashes of its sources and fitted constants, which identify an answer's origin."""
     return {"version": version("wirewear"), "sources": code_hash(), "calibration": digest()}
 
 

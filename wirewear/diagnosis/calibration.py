@@ -77,16 +77,16 @@ class Constants:
         return value
 
     def each(self, *names: str) -> tuple[float, ...]:
-        """One number of each name."""
+        """Values of the constants of these names, each a single number, in their order."""
         return tuple(self.number(name) for name in names)
 
     def pair(self, name: str) -> tuple[float, float]:
-        """Both values of `name`, a list of two numbers, in their order."""
+        """The two numbers of the list `name`, in its order."""
         first, second = self.numbers(name)
         return first, second
 
     def all(self) -> dict[str, float]:
-        """Every number of the table."""
+        """Values of the table's constants by name, all of which must be single numbers."""
         return {name: self.number(name) for name in self.known}
 
 
@@ -102,7 +102,7 @@ def all_constants() -> Iterator[Constant]:
 
 
 def sources() -> Mapping[str, Mapping[str, str]]:
-    """What set the constants: `what` in words, and the `command`, by the names of the sources."""
+    """Origins of the constants by name: `what` in words, and the `command` that fits them."""
     found: Mapping[str, Mapping[str, str]] = _tables()["sources"]
     return found
 

@@ -255,7 +255,7 @@ def remaining(left: float, where: Sequence[GapFinding]) -> Remaining:
 
 
 def of_remainder(remainder: Remaining | None) -> str:
-    """The sentence on it, after that of the answer."""
+    """Sentence on the unexplained part of the gap, to follow the answer; empty for None."""
     return f" These numbers hold, though {remainder.text}." if remainder else ""
 
 
@@ -334,7 +334,7 @@ def of_pairs(record: AnyRecord) -> tuple[str, ...]:
 
 
 def of_laws(causes: Sequence[Cause]) -> tuple[str, ...]:
-    """A note for each cause whose law is not its source's."""
+    """A note for each cause whose fitted law differs from the one in its literature source."""
     notes = []
     for cause in causes:
         for name, estimate in cause.form.items():

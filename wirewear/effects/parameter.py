@@ -32,7 +32,7 @@ _LARGEST_LOGARITHM = math.log(sys.float_info.max)
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number of an effect."""
+    """A numerical parameter of an effect: meaning, quantity, neutral value and ranges."""
 
     meaning: str
     quantity: Quantity  #: Unit and range.

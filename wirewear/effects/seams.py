@@ -29,7 +29,7 @@ class Seam(StrEnum):
 
 @dataclass(frozen=True)
 class Age:
-    """How far a test has come: cycles done, and friction energy dissipated in J."""
+    """Age of a test: cycles done, and friction energy dissipated in J."""
 
     cycles: float
     energy_J: float
@@ -68,7 +68,7 @@ class Specimens:
 
 @dataclass(frozen=True)
 class Control:
-    """What the drive holds: a displacement amplitude in µm or, with None, the slip or energy that the study states."""
+    """Amplitude in µm that the drive holds constant; None if it holds the slip or energy that the study states."""
 
     displacement_amplitude_um: float | None
 
@@ -86,7 +86,7 @@ class ChangesASeam(Protocol):
 
     @property
     def seam(self) -> Seam | None:
-        """The seam that it changes; None if it changes several."""
+        """The seam at which the change acts; None if it acts at several."""
         ...
 
     def changed(self, described: Any, age: Age) -> Any:

@@ -40,7 +40,7 @@ class LinearFit:
 def fit_linear(design: Array, values: Array, iterations: int = 4) -> LinearFit:
     """Fit values (n,) by design (n, p) × coefficients, reweighting `iterations` times by Tukey's biweights.
 
-    The covariance uses the residual scale of the weighted fit, widened by CHOICE.
+    The covariance (p, p) follows from the weighted residuals' scale, times CHOICE for weights taken from the same data.
     """
     count, parameters = design.shape
     weights = np.ones(count)

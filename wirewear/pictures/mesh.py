@@ -80,7 +80,7 @@ def body_meshes(
     names: tuple[str, str],
     first_moving: BodyMesh | None = None,
 ) -> Figure:
-    """Both meshes in contact, and a close view of the driven body's patch; grips are dark, contact patches red.
+    """Picture of both meshes in contact, with a close view of the driven patch; grips are dark, contact patches red.
 
     names: of the driven and the held body.
     first_moving: mesh of the driven body for the fresh contact, shown beside the one for the grown scar.

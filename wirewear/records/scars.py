@@ -47,7 +47,7 @@ class MeasuredScar:
 
     @property
     def field(self) -> tuple[Array, Array, Array]:
-        """Lines x (n_x,) and y (n_y,), and depths (n_x, n_y)."""
+        """Lines x (n_x,) and y (n_y,), and depths (n_x, n_y), all in µm."""
         return self.x_um, self.y_um, self.depth_um
 
     def of_field(self, depth_um: Array) -> "MeasuredScar":

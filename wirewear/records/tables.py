@@ -276,7 +276,7 @@ class PointRecordTables(OfRecord, PointTest):
 
     @property
     def wear(self) -> dict[str, tuple[str, ...]]:
-        """One wear coefficient for both bodies together."""
+        """Names of the bodies that each wear coefficient covers, by its key: one for both bodies together."""
         return {"energy_wear_coefficient_mm3_per_J": self.body_names}
 
     @property
@@ -294,7 +294,7 @@ class PointRecordTables(OfRecord, PointTest):
         return unworn_stiffness_N_per_um(self.conditions.normal_load_N, *self.bodies_of_test)
 
     def placed(self, surface: MeasuredScar) -> MeasuredScar:
-        """Map turned so that x runs along the motion."""
+        """The map turned from the axes it was measured in so that x runs along the motion."""
         of_body = getattr(self.files.frames, f"{SCARS.name}_{surface.body}") == "wire"
         return surface.turned(self.body(surface.body).axis_angle_deg if of_body else 0.0)
 

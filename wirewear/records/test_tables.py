@@ -141,7 +141,7 @@ class OfRecord(OfTest, ABC):
     @property
     @abstractmethod
     def of_study(self) -> dict[str, float | None]:
-        """Values that distinguish tests, by the keys of a study."""
+        """The record's stated values by the study keys that identify a test; None where a value is not stated."""
 
     @abstractmethod
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:

@@ -56,7 +56,7 @@ class PointContact:
 
     @property
     def mean_pressure_MPa(self) -> float:
-        """Load over contact area, two thirds of the peak."""
+        """Mean pressure: load over contact area, two thirds of the peak pressure."""
         return 2.0 / 3.0 * self.peak_pressure_MPa
 
     def pressure(self, x_mm: ArrayLike, y_mm: ArrayLike = 0.0) -> Array:
@@ -87,7 +87,7 @@ class LineContact:
 
     @property
     def mean_pressure_MPa(self) -> float:
-        """Load over contact width, π/4 of the peak."""
+        """Mean pressure: load over contact width, π/4 of the peak pressure."""
         return math.pi / 4.0 * self.peak_pressure_MPa
 
     def pressure(self, x_mm: ArrayLike) -> Array:

@@ -40,12 +40,12 @@ class SliderLoop:
 
     @property
     def slip_amplitude_mm(self) -> float:
-        """Half of the range over which the ball slides."""
+        """Slip amplitude: half of the range of `slid_mm`."""
         return 0.5 * float(np.ptp(self.slid_mm))
 
     @property
     def energy_mJ(self) -> float:
-        """Area of the loop, by the trapezoidal rule."""
+        """Dissipated energy: area of the force–displacement loop, by the trapezoidal rule."""
         means = 0.5 * (self.force_N + np.roll(self.force_N, 1))
         return float(means @ (self.displacement_mm - np.roll(self.displacement_mm, 1)))
 

@@ -74,7 +74,7 @@ class Health:
 
 
 class Judged(Protocol):
-    """A result with qualities."""
+    """A result that holds measures of its own numerical quality."""
 
     @property
     def quality(self) -> Mapping[str, float]:

@@ -168,7 +168,7 @@ def _per_um(_: CycleTrace) -> float:
 
 @dataclass(frozen=True)
 class HeldMeasure:
-    """How a figure that a drive may hold is measured; its key is in `Asked`."""
+    """Functions that measure, in `unit`, a quantity that a drive may hold constant; `Asked` lists its key."""
 
     unit: str
     measure: Callable[[Sensor, CycleTrace, Probe | None], float]  #: With a sensor at the drive, without its lag.

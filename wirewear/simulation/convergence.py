@@ -36,7 +36,7 @@ CSV_FILE_NAME = "convergence.csv"
 
 @dataclass(frozen=True)
 class Limit:
-    """The value that three values at falling spacings tend to."""
+    """Value extrapolated to zero spacing from three values at falling spacings."""
 
     value: float
     error: float  #: Error of the limit: the extrapolated part or, without a trend, the range of the values.

@@ -40,7 +40,7 @@ class Ending:
 
     @classmethod
     def of(cls, stated: Stop | None) -> "Ending":
-        """The stops that a study states."""
+        """The stops that a study states, with no figures yet."""
         given = {} if stated is None else {key: getattr(stated, key) for key in FIGURES}
         return cls({key: float(target) for key, target in given.items() if target is not None})
 

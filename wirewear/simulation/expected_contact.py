@@ -79,7 +79,7 @@ class PatchAxis:
 
 @dataclass(frozen=True)
 class PatchAxes:
-    """Both axes of a body's patch."""
+    """The axes of a body's patch, along the body and across it."""
 
     axial: PatchAxis
     transverse: PatchAxis

@@ -180,7 +180,7 @@ class PointMeshes(Meshes):
         return self.next_stage(replace(history, stage=_STICKING - 1 if sticks else _STICKING), now)
 
     def fitted(self, history: MeshHistory, problem: ContactProblem, state: ContactState, /) -> MeshHistory | None:
-        """Once, on meshes for what slips about a core."""
+        """The history with the sticking share of the contact as its core, once and if part slips; None if it stays."""
         sticking = history.stage == (0 if self.expected.sticks else _STICKING)
         if self.for_core is None or not sticking or history.core is not None:
             return None

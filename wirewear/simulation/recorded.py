@@ -350,7 +350,7 @@ class Recorded(ABC):
         return True
 
     def further_columns(self, _loop: Loop, _scars: tuple[Scar, Scar]) -> dict[str, float]:
-        """Further columns of a row of the evolution."""
+        """Columns of an evolution row that only this kind of contact has, by name; by default none."""
         return {}
 
     @abstractmethod

@@ -79,7 +79,7 @@ class Tally:
     _started: float = 0.0
 
     def start_cycling(self) -> None:
-        """Start the clock of cycling, when meshes are prepared."""
+        """Start the clock of cycling; call it once meshes are prepared."""
         self._started = time.perf_counter()
 
     @property

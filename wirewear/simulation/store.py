@@ -34,7 +34,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class MeshHistory:
-    """The meshes that a run has, and how they have changed."""
+    """State of a run's meshes, and the record of their changes so far."""
 
     stage: int = 0  #: Index of the stage of the scar's growth.
 

@@ -181,7 +181,7 @@ class Tracked(Protocol):
 
 
 def untracked(each: Sequence[T], _doing: str, /) -> Iterable[T]:
-    """The items, with nothing shown."""
+    """The items of `each`, without any display of progress."""
     return each
 
 

@@ -71,7 +71,7 @@ class Initiation:
 
 @dataclass(frozen=True, eq=False)
 class Damage:
-    """The damage of columns of a body as it wears."""
+    """Fatigue damage in c columns of points below a body's surface as it wears."""
 
     depths_mm: Array  #: (d,) of the rates below the worn surface, from 0.
     spans: Sequence[Span]
@@ -80,7 +80,7 @@ class Damage:
 
     @property
     def end(self) -> float:
-        """The last cycle."""
+        """Number of the last cycle of the run."""
         return self.spans[-1].end
 
     @cached_property
@@ -91,11 +91,11 @@ class Damage:
         return np.unique(np.concatenate([np.arange(0.0, deepest, below[1]), deepest + below]))
 
     def present(self, worn_mm: Array) -> BoolArray:
-        """Which points (c, z) are there when so much is worn off."""
+        """Marks (c, z) of the points not yet worn off, from the depth worn (c,) of each column."""
         return np.asarray(self.levels_mm >= worn_mm[:, None] - 1e-12)
 
     def of_present(self, now: Sum) -> Array:
-        """The sum (c, z) of what is there, zero of the rest; the uppermost level has that of the surface itself."""
+        """Damage sum (c, z) of points not yet worn off, else zero; their uppermost level has the sum at the surface."""
         present = self.present(now.worn_mm)
         there = np.where(present, now.damage, 0.0)
         columns, top = np.arange(len(there)), np.minimum(present.argmax(axis=1), there.shape[1] - 2)

@@ -109,7 +109,7 @@ class BodyLife:
 
     @property
     def begun(self) -> Initiation | None:
-        """What `initiation` was called in 1.0.0."""
+        """Name of `initiation` in version 1.0.0; warns of its removal."""
         renamed("BodyLife.begun", "BodyLife.initiation")
         return self.initiation
 
@@ -187,7 +187,7 @@ class BodyLife:
 
     @cached_property
     def growth(self) -> tuple[Array, Array]:
-        """Cycles (n,) and the largest sum (n,) of what is there."""
+        """Cycles (n,), and the largest damage sum (n,) then at points not yet worn off."""
         steps = [(now.cycle, float(self.damage.of_present(now).max())) for now in self.damage.course()]
         return np.array([cycle for cycle, _ in steps]), np.array([largest for _, largest in steps])
 

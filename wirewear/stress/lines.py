@@ -40,7 +40,7 @@ class LineBody(SolvedBody[PlanarMesh]):
 
     @property
     def outer_faces(self) -> IntArray:
-        """None: its surface is a line."""
+        """Empty array: a planar body's surface is a line without faces."""
         return np.zeros((0, 4), dtype=np.int64)
 
 

@@ -39,7 +39,9 @@ _PIXELS = 1100
 
 
 def draw_section(states: Sequence[BodyState]) -> Figure:
-    """Both bodies at one moment: whole along the motion, near the contact along it and across it."""
+    """Picture of both bodies' von Mises stress in three sections: whole along the motion, near the contact along it and
+    across it.
+    """
     grids = [body_grid(state) for state in states]
     centre, reach = _contact(states)
     largest = _largest(grids)
@@ -110,7 +112,7 @@ def _spread(places: Array, loaded: BoolArray, step: float) -> IntArray:
 
 
 def draw_cut(states: Sequence[BodyState]) -> Figure:
-    """Both bodies cut open along the motion, from all of them to the contact, coloured by von Mises stress."""
+    """Picture of both bodies cut open along the motion, whole and near the contact, coloured by von Mises stress."""
     grids = [body_grid(state) for state in states]
     centre, reach = _contact(states)
     largest = _largest(grids)

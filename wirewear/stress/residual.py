@@ -51,7 +51,7 @@ class Residual:
 
 
 def residual_of(result: RunResult, forces: ContactForces) -> Residual | None:
-    """What first loading leaves in a body of a run; None where it stays elastic, or the study asks for none."""
+    """Residual stress after first loading of a run's body; None if it stays elastic, or the study asks for none."""
     if result.study.get("contact", {}).get("plasticity") != "near zone":
         return None
     tables = json.dumps(result.study, sort_keys=True, default=str)

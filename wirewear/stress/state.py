@@ -61,23 +61,22 @@ class SolvedBody(Generic[M]):
 
     @property
     def mesh(self) -> Any:
-        """Its elements: a `HexMesh`, or of a line contact a `QuadMesh`."""
+        """The body's mesh: a `HexMesh`, or a `QuadMesh` for a line contact."""
         return self.meshed.mesh
 
     @property
     def patch(self) -> ContactPatch:
-        """Its contact patch."""
         return self.meshed.patch
 
     @property
     def outer_faces(self) -> IntArray:
-        """Corners (f, 4) of its elements' faces that may touch."""
+        """Corner nodes (f, 4) of the elements' faces that may touch."""
         faces: IntArray = self.mesh.surfaces["contact"]
         return faces
 
     @cached_property
     def surface(self) -> Any:
-        """Its contact surface, for corrections of the stresses at it."""
+        """The contact surface as a `corrected` object, which corrects stresses near it between the nodes."""
         made: Any = self.corrected
         return made.of(self.meshed, self.material)
 
@@ -184,7 +183,7 @@ class InnerState(Generic[B]):
 
     @property
     def origin_um(self) -> Array:
-        """Where the body's first point of contact is in the axes of the test, moved with its holder, (3,)."""
+        """Position (3,) of the body's point of first contact, moved with its holder, in the test's axes."""
         forces, k = self.forces, self.position
         if self.is_upper:
             return np.array([forces.holder_x_um[k], 0.0, forces.holder_z_um[k]])
@@ -200,7 +199,7 @@ S = TypeVar("S", bound=InnerState[Any])
 
 @dataclass(frozen=True)
 class Inside(Generic[S]):
-    """How bodies of a kind of contact are looked into."""
+    """Functions that give stress states and grids of the bodies of one kind of contact."""
 
     state: type[S]  #: What a body is at one position.
     #: One as it was when such forces acted, with its nodes in the worn surface or where they were when fresh.

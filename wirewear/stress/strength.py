@@ -177,7 +177,7 @@ def assessable(
 
 @dataclass(frozen=True)
 class Shown:
-    """A body whose strength is assessed: how it is called, turned and drawn."""
+    """A body whose strength is assessed: its name, material, axes, surface nodes and grids to be drawn."""
 
     cycle: int
     wire: str

@@ -122,7 +122,7 @@ class AnyStudy(Generic[Tables_co]):
 
     @property
     def body_names(self) -> tuple[str, ...]:
-        """Names of the driven body and of the held one."""
+        """Names of the driven and the held body, in this order."""
         return tuple(self.layers)
 
     @property

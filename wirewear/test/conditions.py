@@ -62,7 +62,7 @@ class HeldTarget:
 
     @property
     def figure(self) -> str:
-        """The second word of its key."""
+        """Quantity that is held: the second word of `key`, such as "slip"."""
         return self.key.split("_")[1]
 
     def first_um(self, friction_N: float, carried_um: float, largest_um: float) -> float:

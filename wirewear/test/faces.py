@@ -119,7 +119,7 @@ class PadFace(Table):
         return Cylinder(self.radius_mm or 0.0, curved_along=True)
 
     def missing_face(self, kind: str = kinds.LINE_CONTACT) -> str | None:
-        """Which keys would give the pad one face, as the rest of a sentence; None if it has one.
+        """Rest of an error message on keys that give the pad no face, or none that is valid; None if they do.
 
         kind: the kind of contact, as the file names it.
         """

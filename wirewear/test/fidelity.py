@@ -68,7 +68,7 @@ class WireLevel:
         )
 
     def coarser(self, factor: float) -> "WireLevel":
-        """The level with elements larger by `factor`."""
+        """A copy of the level with elements `factor` times as large."""
         return replace(
             self,
             per_contact_radius=self.per_contact_radius / factor,

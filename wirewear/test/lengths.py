@@ -44,7 +44,7 @@ _RENAMED = {
 
 
 class HasLength(Protocol):
-    """A result, which may be of a line contact."""
+    """A result that can be converted to another contact length."""
 
     def of_length(self, length_mm: float) -> Self:
         """The result for a contact of this length."""

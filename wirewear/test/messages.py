@@ -76,9 +76,7 @@ def telling_problem(error: ValidationError) -> ErrorDetails:
 
 
 def place(keys: Keys, where: str, spelled: Spelling) -> str:
-    """Where a key stands: ``in [wires] of study.toml``, ``in [[vary]] number 1 of sweep.toml``; keys: from the top to
-    it.
-    """
+    """Table of a key in words, as ``in [wires] of study.toml``; `keys` lead from the top of the file to this key."""
     if len(keys) > 2 and isinstance(keys[-2], int):
         return f"in [[{'.'.join(map(str, keys[:-2]))}]] number {keys[-2] + 1} of {where}"
     table = spelled(keys)

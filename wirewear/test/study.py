@@ -40,7 +40,7 @@ class Study(AnyStudy[ContactTables]):
 
     @property
     def wires(self) -> Wires:
-        """Both wires as the file of crossed wires states them; see also `bodies`."""
+        """The table [wires] of a study of crossed wires; `bodies` gives them as bodies."""
         return cast("StudyTables", self.tables).wires
 
     @cached_property

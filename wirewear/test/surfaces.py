@@ -153,7 +153,7 @@ class StatedSurface(Table):
 
     @property
     def area_mm2(self) -> float:
-        """Area that the body's section along the motion lacks."""
+        """Cross-section along the motion that is missing from the unworn body."""
         x, y, depth = self.map
         return max(1e-6 * float(np.trapezoid(depth[:, np.abs(y).argmin()], x)), 0.0)
 

@@ -219,9 +219,9 @@ def bulk_rows(level: Level) -> tuple[Row, ...]:
 def largest_tension(
     body: PlanarMesh | BodyMesh, surface: LineSurfaceStress | SurfaceStress, force: Array, axis: int = 0
 ) -> float:
-    """Largest stress along an axis at the contact's edges of a body, from forces (n, 3) on its patch's nodes.
+    """Largest normal stress in MPa along an axis (0 for x, 1 for y) at the edges of a body's contact, tension positive.
 
-    force: in N, or N/mm for a planar body.
+    force: (n, 3) on the patch's nodes, in N, or N/mm for a planar body. surface: corrects the stresses between nodes.
     """
     nodes = body.patch.nodes.ravel()
     points, material = integration_points(body.mesh), surface.material

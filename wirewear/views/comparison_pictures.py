@@ -192,7 +192,7 @@ def depth_maps(pairs: Sequence[ScarPair]) -> list[list[DepthMap]]:
 
 
 def every_map(pairs: Sequence[ScarPair]) -> list[DepthMap]:
-    """All maps of `depth_maps` in one list."""
+    """Depth maps of all pairs of scars, in one list."""
     return [shown for row in depth_maps(pairs) for shown in row] if pairs else []
 
 

@@ -56,7 +56,7 @@ class WorkspaceServer(ThreadingHTTPServer):
 
     @property
     def url(self) -> str:
-        """Where the page is."""
+        """Address of the workspace's page, with its secret path."""
         return f"http://{LOOPBACK}:{self.server_address[1]}/{self.secret}/"
 
     def door(self) -> Path:
@@ -71,7 +71,7 @@ class WorkspaceServer(ThreadingHTTPServer):
         return path
 
     def server_close(self) -> None:
-        """Close the port, and the door with it."""
+        """Close the port and delete the file that leads the browser here."""
         super().server_close()
         with suppress(OSError):
             (self.workspace.folder / _DOOR).unlink(missing_ok=True)

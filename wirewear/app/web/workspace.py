@@ -68,7 +68,7 @@ class Step:
 
     @property
     def options(self) -> list[dict[str, object]]:
-        """What can be chosen: flag, help, and a list of choices, or a hint at the value; a flag has neither."""
+        """The command's options: flag, help, and a list of choices or a hint at the value; none for a mere switch."""
         return [_described(one) for one in _options_of(self.command)]
 
 

@@ -194,7 +194,7 @@ def alike(cycle: IntArray, reach: float) -> Array:
 
 @dataclass(frozen=True)
 class NoiseEvidence:
-    """How much larger the noise variance of one observable is than stated, as the differences of repeats show it.
+    """Noise variance of one observable in excess of the stated one, from the differences of repeats.
 
     The observed variance is 1 + `more` / `weight` times the stated one; `weight` is the effective number of values
     behind it.

@@ -36,7 +36,7 @@ KNOTS = _KNOWN.count("knots")
 
 @dataclass(frozen=True, eq=False)
 class Distortion:
-    """One family beside one explanation."""
+    """Fit of a family of distortions added to one explanation."""
 
     family: Family
     beside: Fit
@@ -129,7 +129,7 @@ class FreeInTime:
 
     @property
     def seam(self) -> Seam | None:
-        """None: it changes the chain itself."""
+        """None, since the change is to the chain of predicted quantities and not at one seam."""
         return None
 
     def changed(self, described: object, _age: Age) -> object:
@@ -137,7 +137,7 @@ class FreeInTime:
         return described
 
     def predicted(self, chain: Chain) -> Chain:
-        """The chain with the column changed."""
+        """A copy of the chain with `column` changed."""
         share = np.interp(np.log(np.maximum(chain.cycles, 1.0)), self.knots, self.values)
         was = getattr(chain, self.column)
         return replace(chain, **{self.column: was * (1.0 + share) if self.scale == 0.0 else was + self.scale * share})
@@ -145,7 +145,7 @@ class FreeInTime:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """A family around one explanation."""
+    """Derivatives of the observables by a family's unknowns, about one explanation."""
 
     family: Family  #: Whose they are.
     weight: float  #: Belief in them before looking, among all of one family.

@@ -367,7 +367,7 @@ def aside(power: int) -> Callable[[Array], Array]:
 
 
 def widened(b: Branches, size: float) -> PredictedLoops:
-    """Scars that are wider by a share, of the same area."""
+    """The computed loops with profiles of all scars wider by the share `size`, of unchanged area."""
     changed = {
         body: (x, np.interp(x / (1.0 + size), x, depth) / (1.0 + size))
         for body, (x, depth) in b.course.profiles.items()

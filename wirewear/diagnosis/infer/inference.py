@@ -38,10 +38,10 @@ _COMPARABLE = _KNOWN.number("comparable")
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What is to be explained: the observables of `layout`, with their mean and covariance, by the fast model.
+    """Measured observables to be explained by the fast model: `mean` (n,), listed by `layout`.
 
-    `whitening` (m, n) turns residuals into m independent standard deviates. `known` are the observables under setups
-    that were looked at: problems of one record on the same states share them.
+    `whitening` (m, n) turns residuals into m independent standard deviates. `known` caches the predicted observables
+    by setup; problems of one record on the same states share them.
     """
 
     states: WearStates

@@ -75,7 +75,7 @@ class Search:
 
     @property
     def removed(self) -> float:
-        """Share of χ² that it takes."""
+        """Share of the nominal test's χ² that the best explanation removes."""
         return 1.0 - self.best.distance2 / self.none.distance2 if self.none.distance2 > 0.0 else 0.0
 
     def left(self, one: Fit) -> float:

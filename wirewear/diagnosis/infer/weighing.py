@@ -73,7 +73,7 @@ class Weighed:
 
     @property
     def verdict(self) -> Literal["no_gap", "explained", "ambiguous", "unexplained"]:
-        """What is likeliest: no gap, a cause of no library, or a class of effects, which explains it from `SURE` on."""
+        """The likeliest answer: no gap, a cause outside the library, or effects ("explained" at `SURE` or more)."""
         none, leading = self.probabilities[()], self.leading
         if none >= max(leading, self.outside):
             return "no_gap"
@@ -151,7 +151,7 @@ def distances(problem: Problem, fits: Sequence[Fit], known: Sequence[Fit] = ()) 
 
 
 def relevant(fits: Sequence[Fit]) -> list[Fit]:
-    """Fits worth comparing, best first."""
+    """Fits with a log evidence within `_NEGLIGIBLE` of the best one's, at most `_MOST_COMPARED`, best first."""
     ordered = sorted(fits, key=lambda one: -one.merit)
     near = [one for one in ordered if ordered[0].log_evidence - one.log_evidence < _NEGLIGIBLE]
     return near[:_MOST_COMPARED]
@@ -293,7 +293,7 @@ class Remainder:
 
     @property
     def log_surprise(self) -> float:
-        """Surprise of the worst block, as the least of several."""
+        """`log_surprise` of the worst block's p-value, corrected for being the smallest of `blocks`."""
         return log_surprise(-expm1(self.blocks * log1p(-min(self.block_p_value, 0.5))))
 
 

@@ -58,7 +58,7 @@ class Place:
 
 @dataclass(frozen=True)
 class GapFinding:
-    """A zone that differs, over the cycles at which it does."""
+    """A zone of the loops or scars that differs from the prediction, with the first and last such cycle."""
 
     observable: str
     zone: str
@@ -69,12 +69,12 @@ class GapFinding:
 
     @property
     def place(self) -> str:
-        """What differs and where, for a person: "worn depth along the profile at the edges of the scar"."""
+        """Quantity and place in words: "worn depth along the profile at the edges of the scar"."""
         return self.text.partition(": ")[0]
 
 
 def places(problem: Problem, covariance: Covariance, setup: SurrogateInputs) -> list[Place]:
-    """All zones and cycles, flagged where they differ."""
+    """Differences between record and prediction under `setup`, by zone and cycle, flagged where significant."""
     predicted = problem.predicted(setup)
     residual = problem.mean - predicted
     found = _places(problem, covariance, predicted, residual, _unaccounted(residual, covariance))
@@ -188,7 +188,7 @@ def _unit(observable: Observable) -> str:
 
 @dataclass(frozen=True)
 class Largest:
-    """The difference that lies farthest beyond its tolerance, or nearest to it; `relative` to the whole quantity."""
+    """The difference that is largest over its tolerance: observable, size relative to the quantity, and in words."""
 
     observable: str
     relative: float
@@ -197,7 +197,7 @@ class Largest:
 
 @dataclass(frozen=True)
 class Relevance:
-    """Whether there is a difference beyond chance, and whether it matters in practice."""
+    """A difference: `detected` if beyond chance, `relevant` if also beyond its tolerance, and the largest one."""
 
     detected: bool
     relevant: bool
@@ -205,7 +205,7 @@ class Relevance:
 
 
 def relevance_of(places: Sequence[Place], tolerance: Mapping[str, float], *, detected: bool) -> Relevance:
-    """Judged by the places that are flagged, or by all where none is."""
+    """Relevance of the differences at the flagged places, or at all if none is, by the tolerances' names."""
     judged = [place for place in places if place.flagged] or places
     if not judged:
         return Relevance(detected, detected, None)
@@ -217,7 +217,7 @@ def relevance_of(places: Sequence[Place], tolerance: Mapping[str, float], *, det
 
 @dataclass(frozen=True)
 class Resemblance:
-    """One family that a gap behaves like."""
+    """A family of distortions that would produce a gap like the observed one."""
 
     seam: str
     family: str

@@ -139,7 +139,7 @@ def _levels(branches: list[ObservedBranch], force_N: float) -> list[float]:
 
 
 class ShelfTravel(observable.OfLoops):
-    """Travel of each branch at nearly zero force. Levels are the largest forces in N that count as zero."""
+    """Travel in µm of a branch across its shelf, while |force| stays below a site's `level` in N, as with free play."""
 
     name = "shelf"
     words, unit = "travel without force", "um"
@@ -164,9 +164,9 @@ class ShelfTravel(observable.OfLoops):
         return observable.travel_um(course, sites, -sites.level, sites.level)
 
     def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
-        """Error (n,) in µm common to all repeats: half of the variance by the distance between samples.
+        """Standard deviation (n,) in µm of the error that all repeats share, one value for all sites.
 
-        A repeatable drive takes its samples at the same places of every branch.
+        Half of the variance by the samples' spacing: a repeatable drive samples every branch at the same displacements.
         """
         unsure = [
             travel_between(loop.branches[int(site.branch < 0)], site.level)[1]

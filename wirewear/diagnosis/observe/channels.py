@@ -166,7 +166,7 @@ class NormalForceAtEnds(_AlongStroke):
 
 
 class NormalForceBySides(_AlongStroke):
-    """Normal force at the end at +x less that at −x, while sliding."""
+    """Normal force in N while sliding at the stroke's +x end, minus that at its −x end."""
 
     name = "normal_sides"
     words = "normal force, one side of the stroke less the other"
@@ -204,7 +204,7 @@ class EvolutionFigure(Observable):
         """Figure (n,) of computed loops (n, 2, m)."""
 
     def sites(self, reading: Reading) -> list[Site]:
-        """Cycles farther than the factor FAR from all logged loops."""
+        """Sites at the evolution's cycles that differ by more than the factor FAR from those of all logged loops."""
         logged = np.array(reading.cycles, dtype=float)
         known = sorted({int(cycle) for part in reading.evolution for cycle in part.columns["cycle"] if cycle > 0})
         far = [cycle for cycle in known if np.all(np.abs(np.log(cycle / logged)) > np.log(FAR))]

@@ -51,7 +51,7 @@ class ObservedBranch:
 
     @property
     def knee_um(self) -> float:
-        """Displacement at the knee, multiplied by the direction."""
+        """Displacement in µm at the knee, times the branch's direction (±1)."""
         return float(self.displacement_um[self.knee])
 
     @cached_property
@@ -62,7 +62,7 @@ class ObservedBranch:
 
     @property
     def stick_top_N(self) -> float:
-        """Force up to which the branch certainly sticks."""
+        """Force in N, in the branch's direction, up to which it certainly sticks."""
         low = min(float(self.force_N[: self.knee + 1].min()), self.reversal_N)
         return low + STICK_SHARE * (float(self.force_N[self.knee]) - low)
 

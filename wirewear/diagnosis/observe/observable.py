@@ -64,7 +64,7 @@ class Sites:
 
     @classmethod
     def of(cls, sites: Sequence[Site]) -> Sites:
-        """Arrays from single sites."""
+        """Arrays of the fields of a list of sites."""
         return cls(
             np.array([site.cycle for site in sites], dtype=np.int64),
             np.array([site.branch for site in sites], dtype=np.int64),
@@ -151,7 +151,7 @@ class ModelLoops:
 
     @cached_property
     def scale(self) -> Scale:
-        """Amplitude, and the smallest of the loops' largest forces."""
+        """Reference amplitude in µm and force in N: the smallest of the loops' largest forces."""
         force = np.abs(self.course.tangential_force_N).max(axis=(1, 2))
         return Scale(self.setup.amplitude_um, float(force.min()))
 
@@ -247,7 +247,7 @@ class Observable(ABC):
         """
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002
-        """Standard deviations by which solvers differ, beyond the tolerance, on a test with these computed loops."""
+        """Standard deviations, by site, of solvers' differences on a test with these loops, beyond the tolerance."""
         return SolverSize(np.zeros(len(sites)))
 
     def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002

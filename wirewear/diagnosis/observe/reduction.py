@@ -127,7 +127,7 @@ class Part:
 
     @property
     def rows(self) -> slice:
-        """Slice of its numbers in the layout."""
+        """Slice of the part's numbers in the layout."""
         return slice(self.start, self.start + len(self.sites))
 
 
@@ -317,7 +317,7 @@ def all_observables() -> tuple[Observable, ...]:
 
 
 def row_labels() -> dict[str, str]:
-    """Labels of all zones by name, in the order of a map's rows."""
+    """Labels of all zones by zone name, in the row order of a picture of gaps."""
     return {zone.name: zone.picture for observable in all_observables() for zone in observable.zones}
 
 

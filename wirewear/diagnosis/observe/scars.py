@@ -74,7 +74,7 @@ class _OfScars(observable.Observable):
 
 
 class ScarFigures(_OfScars):
-    """Logarithms of the figures of scars (SCAR_FIGURES)."""
+    """Logarithms of scars' volume in µm³, depth, length and width in µm (SCAR_FIGURES)."""
 
     name = "scar"
     words, unit = "scar", "relative"
@@ -84,7 +84,7 @@ class ScarFigures(_OfScars):
         return [replace(site, figure=figure) for site in _of_bodies(reading) for figure in SCAR_FIGURES]
 
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
-        """Logarithms (n,) of a scar's figures, from the worn part of its map, and their standard deviations (n,)."""
+        """Logarithms (n,) of each site's figure, from the worn part of its map, and their standard deviations (n,)."""
         values, noise = np.full((2, len(sites)), np.nan)
         for scar in maps_of(reading, repeat):
             figures = scar.figures
@@ -98,7 +98,7 @@ class ScarFigures(_OfScars):
         return values, noise
 
     def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
-        """What noise adds to the depth of a shallow scar: the outermost of its points lie some three deviations out."""
+        """Error (n,) that all repeats share: bias of a shallow scar's log depth, 3 noise deviations over depth."""
         off = np.zeros(len(sites))
         for scar in reading.scars:
             raised = 3.0 * noise_um(scar.depth_um) / max(scar.figures["depth"], DEPTH_ERROR_um)
@@ -113,7 +113,7 @@ class ScarFigures(_OfScars):
 
 
 class ScarSkew(_OfScars):
-    """Skew of a scar in rad, by which the crossing angle shows."""
+    """Skew of a scar in rad, from which the crossing angle can be inferred."""
 
     name = "skew"
     words, unit = "skew of the scar", "rad"

@@ -81,7 +81,7 @@ class Candidate:
 
     @property
     def unknowns(self) -> dict[str, Parameter]:
-        """What is to be found, in the order of coordinates: parameters, then forms."""
+        """Parameters to be inferred by name, in the order of coordinates: the effect's parameters, then its forms."""
         return {**self.parameters, **self.forms}
 
     def values(self, coordinates: Array) -> dict[str, float]:

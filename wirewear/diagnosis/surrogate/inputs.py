@@ -37,12 +37,12 @@ class AtWork(Protocol):
 
     @property
     def seam(self) -> Seam | None:
-        """The seam that it changes; None if it changes the chain itself."""
+        """The seam at which the change acts; None if it acts on the chain of the fast model itself."""
         ...
 
     @property
     def ages(self) -> Ageing:
-        """The quantity over which it changes."""
+        """The quantities by which the change's strength varies during the test."""
         ...
 
     def changed(self, described: Any, age: Age) -> Any:
@@ -50,7 +50,7 @@ class AtWork(Protocol):
         ...
 
     def predicted(self, chain: Chain) -> Chain:
-        """The chain with it at work."""
+        """A copy of the chain of the fast model with the change applied."""
         ...
 
 

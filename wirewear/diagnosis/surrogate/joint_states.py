@@ -20,7 +20,7 @@ from wirewear.test.study import JointStudy
 
 @dataclass(frozen=True, eq=False)
 class JointStates(WearStates):
-    """States of a joint, of which two rows are alike."""
+    """States of a joint, which does not wear: two equal rows, as interpolation needs two."""
 
     has_layers = False
     stiffening: ClassVar[float] = 0.0  #: What is stated of a joint holds at any load.

@@ -114,7 +114,10 @@ class LayeredWires:
         return np.asarray(self._of_loops(np.stack([self._height(under), share, self._volume(similarity)], axis=-1)))
 
     def scar(self, worn_under: float, similarity: float) -> tuple[Array, Array]:
-        """Changes of the scars' depths (2,), and of the logarithms of their lengths and widths (2, 2)."""
+        """Changes of depths (2,) in δ²/R, and of log lengths and log widths (2, 2), of the moving and the fixed scar.
+
+        worn_under: layer height in δ²/R under which the scars were worn. similarity: V R/δ⁴.
+        """
         where = np.array([self._height(np.array(worn_under)), self._volume(np.array(similarity))])
         found = self._of_scars(where)[0]
         return found[:2], found[2:].reshape(2, 2)
@@ -237,7 +240,7 @@ def _pressures(overlap: Array, stiffness: Array, heights: Array, engagement: flo
 
 @dataclass(frozen=True, eq=False)
 class FlatteningChange:
-    """Changes by flattening at (n,) moments."""
+    """Changes of loops and scars at n moments by flattening of the wires before any wear."""
 
     slope: Array  #: (n, m) of θ in δ/R, at the `positions` of `FlattenedWires`.
     stiffness: Array  #: (n,) logarithm of the contact's stiffness.

@@ -142,15 +142,14 @@ class LineStates(WearStates):
 
     @property
     def doubts(self) -> Mapping[str, float]:
-        """And the compliance of bodies that are not described.
-
-        Of what is positive and known in size alone, the standard deviation is the size itself: maximum entropy.
+        """Standard deviations of unstated quantities that all repeats share, by name: `unknown`, and "compliance" in
+        µm/N if bodies are not described: of a positive quantity known in size alone, it is that size (maximum entropy).
         """
         own = {} if self.described else {"compliance": self.full_slip / float(self.stiffness_N_per_um[0])}
         return {**self.unknown, **own}
 
     def model_error(self, kind: type[AnyEffect]) -> float:
-        """Profiles under a bed and a lack of oxygen are predicted better than what both do to wires."""
+        """Relative error of the fast model in the change by an effect, smaller if worn profiles are computed."""
         return MODEL_ERROR if kind.name in _MODELLED else kind.model_error
 
     def similar(self, worn_um3: Array, slip_um: Array) -> Array:

@@ -30,7 +30,7 @@ EDGE = 0.03
 
 @dataclass(frozen=True)
 class WornLineContact:
-    """A line contact of one millimetre, and what it wears under."""
+    """A line contact of 1 mm length, with the debris and oxygen that affect its wear."""
 
     face: Face  #: Of the pad; load, Hertz's half-width and modulus are those before any wear.
     load_N_per_mm: float
@@ -51,7 +51,7 @@ class WornLineContact:
 
 @dataclass(frozen=True, eq=False)
 class WornLine:
-    """A worn line contact over the area that both bodies have lost."""
+    """Profiles of a line contact at k worn cross-sections (`area_mm2`, of both bodies together)."""
 
     x_mm: Array  #: (m,) from the middle outwards.
     area_mm2: Array  #: (k,) increasing.

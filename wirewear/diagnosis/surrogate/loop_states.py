@@ -249,7 +249,7 @@ class FastMotion:
         return np.stack([there, back], axis=-2)
 
     def at(self, phase: Array) -> Array:
-        """The motion at phases (...)."""
+        """Displacement over amplitude at phases (...) in rad."""
         return np.interp(phase, _even_phases(), self._even, period=2.0 * np.pi)
 
     @cached_property
@@ -258,7 +258,7 @@ class FastMotion:
 
     @cached_property
     def top(self) -> float:
-        """The phase in the middle of its rest at the end in +x."""
+        """Phase in rad at which the drive is at +x, in the middle of its rest there."""
         (there, come), (back, left) = self._tables
         return float(0.5 * (come[there > there[-1] - _AT_REST][0] + left[back < back[0] + _AT_REST][-1]))
 

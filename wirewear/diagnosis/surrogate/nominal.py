@@ -84,7 +84,7 @@ def kept_or_made(
 
 
 def nominal_study(record: AnyRecord) -> Any:
-    """What the record's owner states, as a study of its kind of contact; what is not stated is ideal.
+    """Study of the test as the record states it; a rig property that is not stated is taken to be ideal.
     Raises RecordError if friction or wear is not stated, or friction twice and differently.
     """
     return stated_study(record.tables)

@@ -174,7 +174,7 @@ NominalModel = PointModel | LineModel | JointModel
 
 
 def nominal_model(study: AnyStudy) -> NominalModel:
-    """What a diagnosis and a fit ask of the study of a record's test."""
+    """The fast model's interface to the study of a record's test, by its kind: joint, line or point contact."""
     if isinstance(study, JointStudy):
         return JointModel(study)
     return LineModel(study) if isinstance(study, LineStudy) else PointModel(cast("Study", study))

@@ -49,22 +49,22 @@ class SlidingContact:
     share: Array  #: Of the friction that the force comes to, one where the contact slides.
 
     def taken(self, moments: NDArray[np.intp]) -> "SlidingContact":
-        """Some moments only."""
+        """The contact at the chosen moments (indices) only."""
         return SlidingContact(*(column[moments] for column in vars(self).values()))
 
     @property
     def tip_N(self) -> Array:
-        """Force (n,) at the ends of the branches, their mean."""
+        """Tangential force (n,) at the end of the stroke, the mean over the branches."""
         return np.asarray(self.force_N[..., END].mean(axis=1))
 
     @property
     def knee_N(self) -> Array:
-        """Force (n,) where the branches come to slide, their mean."""
+        """Tangential force (n,) at the onset of gross slip, the mean over the branches."""
         return np.asarray(self.force_N[..., 0].mean(axis=1))
 
     @property
     def yielding_um_per_N(self) -> Array:
-        """Elastic displacement (n,) per force of a contact that slides."""
+        """Elastic displacement (n,) of a sliding contact over its tangential force."""
         return self.order / self.stiffness_N_per_um
 
 
@@ -142,7 +142,9 @@ def read_along(known: Array, values: Array, row: NDArray[np.intp], at: Array) ->
 def read_by_sensors(
     setup: SurrogateInputs, chain: Chain, x: Array, q: Array, contact: SlidingContact
 ) -> tuple[Array, Array, Array]:
-    """Both branches as the sensors read them, of true ones (n, 2, m), and the normal force."""
+    """Displacement x, tangential force q and normal force (n, 2, m) as sensors read n loops of two branches, from true
+    x and q.
+    """
     load, slides = contact.load_N, contact.share[:, None, None] >= 1.0
     # A branch sticks under the load of the end where it begins, or on the way from it to that under which it slides.
     before = load[:, ::-1, END:]

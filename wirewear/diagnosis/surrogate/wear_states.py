@@ -128,7 +128,7 @@ class WearStates:
 
     @property
     def doubts(self) -> Mapping[str, float]:
-        """Standard deviations of what is not stated and the same in all repeats."""
+        """Relative standard deviations, by name, of unstated quantities that all repeats of the test share."""
         return self.unknown
 
     def model_error(self, kind: type[AnyEffect]) -> float:
@@ -173,14 +173,14 @@ class WearStates:
         return np.asarray(1.0 - chain.retained_fraction)
 
     def wearing(self, setup: SurrogateInputs, chain: Chain, slip_um: Array) -> Array:  # noqa: ARG002
-        """Worn volume of both bodies per friction energy (n,)."""
+        """Worn volume (n,) of both bodies per friction energy, µm³/mJ."""
         if not self.energy_J.size or not setup.wear_um3_per_mJ:
             return chain.wear_um3_per_mJ
         now = np.interp(chain.energy_J, self.energy_J, self.worn_um3_per_mJ)
         return np.asarray(chain.wear_um3_per_mJ / setup.wear_um3_per_mJ * now)
 
     def wearing_as(self, result: RunResult) -> Self:
-        """These states, wearing per energy as a run does."""
+        """A copy of the states with the worn volume per energy of a run, unless it has one row alone."""
         energy, volume = result.evolution["accumulated_energy_J"], 1e9 * result.worn_volume_mm3
         kept = np.concatenate([[True], np.diff(energy) > 0.0])
         if np.count_nonzero(kept) == 1:
@@ -200,7 +200,7 @@ class WearStates:
 
     @cached_property
     def log_similarity(self) -> Array:
-        """Logarithms (n,) of the similarities and the least one."""
+        """Logarithms (n,) of `similarity` + `least_similarity`, on which states are interpolated."""
         return np.asarray(np.log(self.similarity + self.least_similarity))
 
     @cached_property

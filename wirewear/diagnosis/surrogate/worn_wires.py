@@ -29,11 +29,10 @@ _NEWTON_STEPS, _NEWTON_TOLERANCE = 40, 1e-3
 
 @dataclass(frozen=True, eq=False)
 class WornWires:
-    """Both wires at several flattenings (k): half of the plane, y ≥ 0; by symmetry only positions s ≥ 0 are needed.
+    """Two wires with gap (along·x² + y²)/2, in k cases, for y ≥ 0 and positions s ≥ 0 of the stroke.
 
-    Their gap is (along·x² + y²)/2: wires at any angle and other bodies have it in sheared coordinates.
-
-    What they have lost is `fixed` (k, y, x) and `moving` (k, y, X), X reaching a stroke further to either side.
+    Bodies other than wires at right angles have this gap in sheared coordinates; symmetry gives the other halves.
+    Worn depths are `fixed` (k, y, x) and `moving` (k, y, X), where X reaches a stroke further to either side.
     """
 
     x: Array
@@ -57,18 +56,18 @@ class WornWires:
 
     @property
     def step(self) -> float:
-        """Distance of the grid's points, and of the positions."""
+        """Spacing in δ of the grid lines x and y and of the positions s."""
         return float(self.y[1])
 
     @property
     def moving_x(self) -> Array:
-        """Places along the moving wire (X,)."""
+        """Coordinates (X,) in δ of the grid lines along the moving wire."""
         half = self.moving.shape[-1] // 2
         return self.step * np.arange(-half, half + 1.0)
 
     @property
     def areas(self) -> Array:
-        """Areas of a point of each row (y,), those of y < 0 added."""
+        """Areas (y,) in δ² that a point of each row stands for, its mirror image at −y included."""
         return np.where(self.y > 0.0, 2.0, 1.0) * self.step**2
 
     def windows(self, moving: Array) -> Array:
