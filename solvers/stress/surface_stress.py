@@ -68,7 +68,7 @@ class SurfaceStress:
         return along, across
 
     def on_lines(self, nodal: Array) -> Array:
-        """Values (n_a, n_t, ...) at the patch's nodes, at the nodes of these lines."""
+        """Values `nodal` (n_a, n_t, ...) at the patch's nodes, interpolated to the window's nodes (m_a, m_t, ...)."""
         for axis, (known, wanted) in enumerate(
             zip((self.patch.axial_mm, self.patch.transverse_mm), self.lines, strict=True)
         ):
@@ -239,7 +239,7 @@ class LoadedSurface:
 
 
 def corrected_nodes(size: Array, spacing_mm: tuple[float, ...]) -> BoolArray:
-    """Nodes of a grid of elements alike from which tractions of these sizes are in reach, and all of them known."""
+    """Marks of an even grid's nodes to be corrected: near tractions `size`, and far from where the grid cuts them."""
     loaded = size > _LOADED * size.max(initial=0.0)
     away = distance_transform_edt(~loaded, sampling=spacing_mm) if loaded.any() else np.inf * size
     # Points no farther from loaded nodes than so many elements are corrected.
@@ -310,7 +310,7 @@ def even_lines(lines: Array, place_mm: float = np.inf) -> Array:
 
 
 def between(known: Array, values: Array, wanted: Array) -> Array:
-    """Values (n, ...) at known lines (n,), linearly between them at wanted ones."""
+    """Values at the lines `wanted`, interpolated linearly from `values` (n, ...) at the lines `known` (n,)."""
     if np.isin(wanted, known).all():
         return np.asarray(values[np.isin(known, wanted)])
     cell = np.clip(np.searchsorted(known, wanted, side="right") - 1, 0, len(known) - 2)
@@ -319,7 +319,7 @@ def between(known: Array, values: Array, wanted: Array) -> Array:
 
 
 def unspread(lines: Array, force: Array) -> Array:
-    """Values at nodes of a line whose linear field has these forces (n, ...)."""
+    """Nodal values (n, ...) of the piecewise linear field whose integrals with hat functions on `lines` are `force`."""
     size = np.diff(lines)
     bands = np.zeros((3, len(lines)))
     bands[0, 1:] = bands[2, :-1] = size / 6.0

@@ -112,7 +112,7 @@ class _Factors:
 
 
 class SimilarEquations:
-    """Solves equations of some of a set of unknowns, and keeps their factors for the next ones."""
+    """Solver of linear equations on subsets of one set of unknowns; factors are kept for similar subsets."""
 
     def __init__(self) -> None:
         """Nothing is known yet."""

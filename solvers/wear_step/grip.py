@@ -18,7 +18,7 @@ from solvers.wear_step.symmetry import Mirror
 
 
 def grip_of_core(problem: ContactProblem, state: ContactState, across: Mirror | None) -> Array:
-    """Factors (n,) on friction at the primary's nodes, 1 beside the core; those of the state where it is the same."""
+    """Factors (n,) on friction at the primary's nodes, 1 outside the core; the state's own if its core is as before."""
     if len(state.grip) and np.array_equal(state.grip != 1.0, state.core):
         return state.grip
     nodes = np.flatnonzero(state.core)

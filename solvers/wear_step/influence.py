@@ -50,7 +50,7 @@ class Influences:
         self.at, self.store, self._used = np.full(self._start[-1], -1), np.empty(0), 0
 
     def know(self, loaded: BoolArray) -> None:
-        """Work out what tractions on loaded ones of the unknowns (N,) do."""
+        """Compute and keep the influences of tractions on the unknowns marked in `loaded` (N,)."""
         missing = np.flatnonzero(loaded & (self.at < 0))
         for k in np.unique(np.searchsorted(self._start, missing, side="right") - 1):
             begin, end = self._start[k], self._start[k + 1]

@@ -81,7 +81,7 @@ def _spans(pressed: BoolArray, kept: IntArray, count: int) -> list[tuple[int, in
 
 
 def worn_places(problem: ContactProblem, trace: CycleTrace, count: int) -> WornPlaces:
-    """About so many increments of a closed cycle, or of half of one, spread evenly over the slip."""
+    """About `count` increments of a closed cycle, or of half of one, spread evenly over the slip."""
     states = (trace.start, *trace.states)
     load = np.array([float(problem.surface.areas @ state.traction[:, 2]) for state in states])
     slip = trace.slips

@@ -52,7 +52,7 @@ def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispe
 
 
 def forms(candidate: Candidate, coordinates: Array, deviations: Array, dispersion: float) -> dict[str, Estimate]:
-    """Numbers of a fitted effect's law in which others differ from its source's, with intervals."""
+    """Fitted numbers, by name, by which an effect's law may differ from its source's, with 95 % intervals."""
     return {
         name: _estimate(form, float(coordinates[i]), 1.96 * float(deviations[i]) * dispersion**0.5)
         for i, (name, form) in enumerate(candidate.forms.items(), len(candidate.parameters))

@@ -28,7 +28,7 @@ _NOT_STATED = (
 
 @dataclass(frozen=True, eq=False)
 class ReducedRecord:
-    """A record as it is read, what its check says, and its observables; its study, with the nominal run of that."""
+    """A record, remarks of its check and its observables; its study, with wear states of its nominal run."""
 
     record: AnyRecord
     study: AnyStudy

@@ -127,7 +127,7 @@ def judged(
     found: Search,
     further: Sequence[AnyRecord] = (),
 ) -> Diagnosed:
-    """The diagnosis that a search comes down to, of a record and of further ones that it took in."""
+    """Diagnosis of a record from the result of a search; `further` are the records that updated the search."""
     setup = found.problem.setup
     near = [*relevant(found.singles), *found.pairs]
     classes = classes_of(near, found.apart(near))

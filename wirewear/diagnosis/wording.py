@@ -124,7 +124,7 @@ def explanations(causes: Sequence[Cause], equivalent: Sequence[Sequence[str]]) -
 
 
 def worth_telling(diagnosis: Diagnosis, least: float = 0.01) -> list[Explanation]:
-    """The likeliest explanation, and others that are not beyond belief."""
+    """The likeliest explanation, and the others whose probability is `least` or more."""
     found = explanations(diagnosis.causes, diagnosis.equivalent)
     return [one for one in found if one is found[0] or one.probability >= least]
 
@@ -269,7 +269,7 @@ def _one(cause: Cause, equivalent: Sequence[Sequence[str]]) -> str:
 
 
 def of_zero(zero: ForceZero) -> tuple[str, ...]:
-    """A zero of the force that lies further off than is expected of any."""
+    """A sentence on the zero error of the force if it is larger than expected, else none."""
     if not zero.stands_out:
         return ()
     size = f"{zero.value_N:+.2g} N, {abs(zero.deviations):.0f} times what is expected".replace("-", "−")

@@ -99,7 +99,7 @@ def extensive(name: str) -> bool:
 
 
 def scaled(columns: Mapping[str, Array], factor: float) -> dict[str, Array]:
-    """Columns of a line contact whose length is multiplied by a factor."""
+    """The columns of a line contact for a length multiplied by `factor`; extensive quantities grow with it."""
     return {name: column * factor if extensive(name) else column for name, column in columns.items()}
 
 
@@ -145,7 +145,7 @@ Forces = TypeVar("Forces", Loop, ContactForces)
 
 
 def longer(one: Forces, factor: float) -> Forces:
-    """A loop, or contact forces, of a line contact whose length is multiplied by a factor."""
+    """The loop or contact forces `one` of a line contact, for a length multiplied by `factor`."""
     return replace(one, **{f.name: getattr(one, f.name) * factor for f in fields(one) if extensive(f.name)})
 
 

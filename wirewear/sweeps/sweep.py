@@ -286,7 +286,7 @@ class Sweep:
         return self.study, self.design.values(place)
 
     def study_of(self, place: int) -> Study | LineStudy:
-        """Study of the run of this index. Raises StudyError if a key does not exist, or a value is not allowed."""
+        """Study of the run with index `place`. Raises StudyError if a key does not exist, or a value is not allowed."""
         return varied(*self.case(place))
 
 

@@ -143,7 +143,7 @@ class BulkTable(keys.Table):
         )
 
     def unfit(self, *, is_round: bool) -> str | None:
-        """Why a body that is a round bar or not cannot carry this stress, as the rest of a sentence; None if it can."""
+        """End of an error message if a body, round bar or not, cannot carry this bulk stress; None if it can."""
         if (self.torsion_stress_MPa or self.torsion_stress_amplitude_MPa) and not is_round:
             return "gives a torsion stress, which is of round bars, wires and tubes alone"
         return None

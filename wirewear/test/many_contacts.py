@@ -73,7 +73,7 @@ class ManyContacts:
         return wire.youngs_modulus_MPa * pi / 64.0 * (wire.diameter_mm**4 - wire.bore_mm**4)
 
     def alone(self, contact: int, blocks: list[tuple[int, float]]) -> Study:
-        """The study of one contact by its index, under normal loads in N that change after so many cycles each."""
+        """The study of the contact of this index; `blocks` are pairs of number of cycles and normal load in N."""
         own = {key: value for key, value in self.contacts[contact] if key != "at_mm" and value}
         ends = np.cumsum([cycles for cycles, _ in blocks]).tolist()
         programme = [{"cycles": cycles, "conditions": {"normal_load_N": load}} for cycles, load in blocks]

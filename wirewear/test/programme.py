@@ -205,7 +205,7 @@ def as_driven(
 
 
 def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:
-    """Why a programme has more blocks than a run can go through, as the rest of a sentence; None if it has not."""
+    """End of an error message on a programme with more blocks than a run can go through; None if it has not."""
     count = cycles / sum(block.cycles for block in blocks) * len(blocks) if blocks else 1.0
     if count <= MOST_BLOCKS:
         return None

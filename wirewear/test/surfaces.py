@@ -64,7 +64,7 @@ def layers_of(stated: Sequence[LayerTable], friction: float) -> tuple[SurfaceLay
 
 
 def unfit_layers(stated: Sequence[LayerTable], friction: float) -> str | None:
-    """Why layers do not fit the coefficient of friction, as the rest of a sentence; None if they do."""
+    """End of an error message on layers that do not fit the coefficient of friction; None if they do."""
     if friction == 0.0 and any(one.friction is not None for one in stated):
         return "give a friction of their own, which goes with a friction above 0 in [contact] alone"
     return None

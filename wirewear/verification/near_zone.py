@@ -42,7 +42,7 @@ _SHEAR_MPa, _MODULUS_MPa, _PASSES = 100.0, 200_000.0, 8
 def under_sphere(
     radius_mm: float, material: Elastic, metal: Metal, contact_mm: float, resolution: int
 ) -> tuple[PlasticZone, Array]:
-    """A half-space and its gap in mm to a sphere, on a grid with so many points to a contact radius in mm."""
+    """A half-space, and its gap in mm to a sphere, on a grid of `resolution` points per contact radius `contact_mm`."""
     step, count = contact_mm / resolution, int(_WIDE * resolution) // 2 * 2 + 1
     space = HalfSpace(material, (count, count), (step, step), contact_mm * _LAYERS)
     along, across = space.axes_mm()
@@ -78,7 +78,7 @@ def rows_of(case: Pressed, resolution: int, tolerance: float) -> tuple[Row, ...]
 
 
 def pressed_by(case: Pressed, resolution: int, hardening: float = 0.0) -> Indentation:
-    """Bodies under their load, whose yield stress rises by that share of their modulus per plastic strain."""
+    """The bodies of a case under their load; the yield stress rises by `hardening` × modulus per plastic strain."""
     bodies = study_of(case).bodies
     contact, nu = hertz_of(case.load_N, *bodies), bodies[1].material.poissons_ratio
     size, radius = contact.contact_radius_mm, contact.contact_radius_mm**2 / contact.approach_mm

@@ -165,7 +165,7 @@ def components(states: WearStates, setup: SurrogateInputs, layout: Layout) -> di
 
 
 def smooth_covariance(layout: Layout, size: Array, scale: Scale) -> Array:
-    """Covariance (n, n) of smooth differences of those sizes (n,), as solvers have them."""
+    """Covariance (n, n) of solvers' differences of deviations `size` (n,), smooth along branches and cycles."""
     covariance = np.zeros((len(layout), len(layout)))
     for part in layout:
         covariance[part.rows, part.rows] = smooth_block(part, size[part.rows], scale)
@@ -273,7 +273,7 @@ class Covariance:
 
 
 def estimate(states: WearStates, setup: SurrogateInputs, observed: Observations) -> Covariance:
-    """The covariance around one setup; the repeats' scatter is estimated from them and the expectation, pooled."""
+    """The covariance about one setup, with the scatter of repeats as they show it, pooled with its expected value."""
     layout = observed.layout
     stated = observed.stated_scatter
     sizes = {name: max(stated.get(name, size), LEAST_NOISE * size) for name, size in SCATTER.items()}
@@ -320,7 +320,7 @@ def with_model_error(
     covariance: Covariance,
     share: float,
 ) -> Covariance:
-    """The covariance with a smooth error of that share of the change from one setup to the other."""
+    """The covariance with an added smooth error of `share` times the change from the setup `nominal` to `changed`."""
     before, after = layout.computed(states, nominal, changed)
     scale = Scale(nominal.amplitude_um, nominal.plateau_force_N)
     extra = smooth_covariance(layout, share * np.abs(np.nan_to_num(after - before)), scale)

@@ -51,7 +51,7 @@ class Distortion:
 
 
 def distortions(problem: Problem, fits: Sequence[Fit]) -> tuple[Distortion, ...]:
-    """All families beside each of some explanations, the most telling first."""
+    """Every family of distortions added to each explanation in turn, largest log evidence first."""
     found = [one for fit in fits for one in _beside(problem, fit)]
     # Explanations that are one to the model keep their order.
     return tuple(sorted(found, key=lambda one: -round(one.log_evidence, 6)))
@@ -164,7 +164,7 @@ def families_of(layout: Layout) -> tuple[Family, ...]:
 
 
 def columns_of(problem: Problem, setup: SurrogateInputs) -> tuple[tuple[Columns, ...], ...]:
-    """All families around a setup; of each, the columns that it may have, one set instead of another."""
+    """Derivatives of the observables about a setup: for each family, its alternative sets of columns."""
     layout, states = problem.layout, problem.states
     course = simulate(states, setup, layout.cycles)
     base = layout.observed(course)

@@ -151,7 +151,7 @@ def force_read(power: Callable[[Array], Array]) -> Shape:
 
 
 def displacement_read(power: Callable[[Array], Array]) -> Shape:
-    """A displacement channel that reads δ + δa f(δ/δa), f being 0 at both ends, as the drive holds them."""
+    """Shape of a displacement channel that reads δ + δa f(δ/δa), f being 0 at both ends, as the drive holds them."""
 
     def shape(b: Branches, size: float) -> PredictedLoops:
         true = b.course.displacement_um
@@ -162,17 +162,17 @@ def displacement_read(power: Callable[[Array], Array]) -> Shape:
 
 
 def resisting(share: Callable[[Branches], Array]) -> Shape:
-    """A contact that resists sliding by a share f of the plateau force more, f (n, 2, m)."""
+    """Shape of a contact that resists sliding by a share f of the plateau force more, f (n, 2, m)."""
     return lambda b, size: b.sliding_under(size * b.force_N * share(b))
 
 
 def loaded(share: Callable[[Branches], Array]) -> Shape:
-    """A load that is higher by a share f, f (n, 2, m): the resistance follows it."""
+    """Shape of a normal load that is higher by a share f (n, 2, m), and the friction force with it."""
     return lambda b, size: b.sliding_under(size * b.p_N * share(b), size * share(b))
 
 
 def yielding(released: float) -> Shape:
-    """A holder that slips, with hysteresis, once the force has swung by twice a share of the plateau force."""
+    """Shape of a holder that slips once the force has changed by 2 `released` × plateau force since a reversal."""
 
     def shape(b: Branches, size: float) -> PredictedLoops:
         held = released * b.force_N
@@ -184,7 +184,7 @@ def yielding(released: float) -> Shape:
 
 
 def stiffening() -> Shape:
-    """A holder whose elastic give departs from the straight line by a cubic share, alike in both directions."""
+    """Shape of a holder whose elastic displacement has an additional term in force³, equal in both directions."""
 
     def shape(b: Branches, size: float) -> PredictedLoops:
         return b.held_with(size * b.amplitude_um * (b.p_N / b.force_N) ** 3)
@@ -344,7 +344,7 @@ FAMILIES: tuple[Family, ...] = (
 
 
 def worn(share: Callable[[Array], Array]) -> Shape:
-    """Bodies that wear by a share f(x/w) of the largest depth more, w the scar's half-width."""
+    """Shape of profiles deeper by a share f(x/w) of the largest depth, w the scar's half-width."""
 
     def shape(b: Branches, size: float) -> PredictedLoops:
         changed = {

@@ -94,7 +94,7 @@ class Fit:
 
     @property
     def merit(self) -> float:
-        """Log evidence by which fits are ordered: effects that are one to the model keep the library's order."""
+        """Log evidence rounded to six digits: sorting then keeps the order of effects that are equal to the model."""
         return round(self.log_evidence, 6)
 
     def parts(self) -> list[tuple[Candidate, Array, Array]]:

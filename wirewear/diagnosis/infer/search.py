@@ -79,7 +79,7 @@ class Search:
         return 1.0 - self.best.distance2 / self.none.distance2 if self.none.distance2 > 0.0 else 0.0
 
     def left(self, one: Fit) -> float:
-        """Share that an explanation leaves of what χ² has beyond its expectation."""
+        """Share of the nominal test's excess of χ² over its expected value that an explanation leaves."""
         beyond = self.none.distance2 - self._numbers
         return max(one.distance2 - self._numbers, 0.0) / beyond if beyond > 0.0 else 0.0
 
@@ -145,7 +145,10 @@ def problem_around(
     effects: Sequence[Candidate] = (),
     before: Problem | None = None,
 ) -> tuple[Problem, Covariance]:
-    """A record as a problem, its covariance taken around a setup with these effects in it; `before` it was this one."""
+    """The problem of explaining a record, and the covariance about the setup `around`, which has `effects` in it.
+
+    before: an earlier problem of the record, whose cached predictions are shared.
+    """
     covariance = estimate(states, around, observed)
     error = max((states.model_error(effect.kind) for effect in effects), default=0.0)
     if error > 0.0:
@@ -247,7 +250,7 @@ class Updated(Search):
 
 
 def updated(first: Search, states: WearStates, setup: SurrogateInputs, observed: Observations) -> Search:
-    """A search with what another record shows, in its own circumstances and on its own nominal run."""
+    """The search updated by another record with the observables `observed`, under its own setup and wear states."""
     around = applied(first.best.candidates, setup, first.best.coordinates)
     problem, _ = problem_around(states, setup, around, observed, first.best.candidates)
     fits = (first.none, *first.singles, *first.pairs)

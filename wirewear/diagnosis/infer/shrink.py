@@ -90,7 +90,7 @@ class HeldOutScores:
         return float(np.sqrt(np.nanmean(squares)))
 
     def interval(self, squares: dict[str, Array], seed: int) -> tuple[float, float]:
-        """95 % interval of the shrink by drawing repeats and cycles again, as whole loops."""
+        """95 % interval of the shrink by bootstrap over repeats and cycles, whole loops at a time."""
         random = np.random.default_rng(seed)
         cycles = np.unique(self.features.cycle)
         sums = {

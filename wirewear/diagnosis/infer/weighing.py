@@ -91,13 +91,13 @@ class Weighed:
         return self._masses[self._classes(names)]
 
     def refuted(self, names: tuple[str, ...]) -> Weighed:
-        """The probability of an explanation and of all not distinguished from it, given to a cause of no library."""
+        """A copy in which the probability of an explanation and its class goes to a cause outside the library."""
         own = self._classes(names)
         kept = {one: 0.0 if self._classes(one) == own else p for one, p in self.probabilities.items()}
         return replace(self, probabilities=kept, outside=self.outside + self.mass(names))
 
     def with_remainder(self, names: tuple[str, ...]) -> Weighed:
-        """An explanation credited with what it has together with a cause of no library, which remains beside it."""
+        """A copy in which an explanation also has the probability of acting with a cause outside the library."""
         own = self._classes(names)
         credited = {one: p for one, p in self.beside.items() if one and self._classes(one) == own}
         kept = {one: p + credited.get(one, 0.0) for one, p in self.probabilities.items()}
@@ -115,7 +115,7 @@ class Weighed:
         return found
 
     def without_gap(self) -> Weighed:
-        """All that explains a difference which does not matter counts for no gap."""
+        """A copy in which all probability is that of no gap, for differences within the tolerance."""
         return replace(self, probabilities={names: float(not names) for names in self.probabilities}, outside=0.0)
 
     def class_of(self, name: str) -> tuple[str, ...]:
@@ -249,14 +249,14 @@ def undetectable(problem: Problem, candidates: Sequence[Candidate]) -> tuple[str
 
 @dataclass(frozen=True)
 class ForceZero:
-    """Mean zero error of the force channel over all repeats in N, and that over its expected standard deviation."""
+    """Mean zero error of the force channel over all repeats in N, and its ratio to the expected standard deviation."""
 
     value_N: float
     deviations: float
 
     @property
     def stands_out(self) -> bool:
-        """True if it is more than `SEPARABLE` expected standard deviations from zero."""
+        """True if the zero error exceeds `SEPARABLE` expected standard deviations."""
         return abs(self.deviations) > SEPARABLE
 
 

@@ -93,8 +93,8 @@ class Stick(observable.ByLocalLines):
         return sites.branch * read_along(np.maximum.accumulate(q, axis=1), x, row, sites.level)
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """Solver differences: shift of the branch if the loop turns at another force, and of readings on a shelf with
-        the zero.
+        """Solver differences in µm: shift of the branch by another force at reversal, and of readings on a shelf by an
+        error of the force's zero.
         """
         turned = observable.SLOPE_SHARE * loops.rise_N(sites) * loops.stick_compliance_um_per_N(sites)
         unsure_N = observable.FORCE_ERROR * loops.scale.force_N
@@ -115,7 +115,7 @@ class Stick(observable.ByLocalLines):
 
 
 def has_few_samples(branches: list[ObservedBranch], force_N: float) -> bool:
-    """True if one of several repeats' stick branches has so few samples that it is read at these."""
+    """True if a repeat's stick branch has at most `FEW_SAMPLES` samples, at which branches are then read."""
     return min(q.size for q in _samples(branches, force_N)) <= FEW_SAMPLES
 
 

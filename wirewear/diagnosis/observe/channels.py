@@ -272,7 +272,7 @@ class SlipAmplitude(EvolutionFigure):
         return _chord_error_um(reading)
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """Solver differences: crossings of Q = 0, which lie anywhere on a shelf, and alike on every shelf."""
+        """Solver differences in µm by the crossing of Q = 0: uncertain on a shelf, but equal on all shelves."""
         crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
         return SolverSize(np.zeros(len(sites)), own=crossing / np.sqrt(2.0), common=crossing)
 

@@ -160,7 +160,7 @@ class ModelLoops:
         return self._rise_N[rows_of(self.course, sites)]
 
     def stick_compliance_um_per_N(self, sites: Sites) -> Array:
-        """Travel over rise in force (n,) of the branch towards +x until it slides."""
+        """Travel over rise in force (n,), µm/N, of the branch towards +x until it slides."""
         x, q = self.course.displacement_um, self.course.tangential_force_N
         travel, rise = (values[:, 0, SLIDING] - values[:, 0, 0] for values in (x, q))
         return np.asarray(travel / np.maximum(rise, 1e-9))[rows_of(self.course, sites)]

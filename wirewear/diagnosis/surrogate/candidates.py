@@ -65,12 +65,12 @@ class Candidate:
 
     @property
     def name(self) -> str:
-        """The effect's name, and after a colon what is chosen of it beside the usual: ``sensor_lag:force``."""
+        """The effect's name, and after a colon each choice other than the default: ``sensor_lag:force``."""
         usual = {name: words[0] for name, words in self.kind.choices().items()}
         return ":".join([self.kind.name, *(word for name, word in self.chosen.items() if word != usual[name])])
 
     def unknown_spread(self, name: str) -> float:
-        """Standard deviation that a held parameter adds to the coordinate of the one that it goes with."""
+        """Largest standard deviation that a held parameter adds to the coordinate of the free parameter `name`."""
         spreads = [0.0]
         for held in self.held.values():
             if held.held_by is not None and held.held_by[0] == name:

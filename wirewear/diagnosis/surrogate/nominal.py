@@ -91,7 +91,7 @@ def nominal_study(record: AnyRecord) -> Any:
 
 
 def require_the_same(record: AnyRecord, study: AnyStudy, pairs: Mapping[str, tuple[float, float]]) -> None:
-    """Refuse a model of another test; pairs: numbers of model and record by their keys."""
+    """Raise RecordError unless numbers of model and record, `pairs` by key, agree within the share `SAME`."""
     for key, (own, recorded) in pairs.items():
         if abs(own - recorded) > SAME * max(abs(own), abs(recorded)):
             raise RecordError(

@@ -122,12 +122,12 @@ def branches_of(contact: SlidingContact, chain: Chain, slip: Array) -> tuple[Arr
 
 
 def still_to_come(place: Array) -> Array:
-    """The least place of branches (..., m) from each point on: what runs back in stick is passed again in sliding."""
+    """Smallest displacement of branches (..., m) at or after each point, which never falls along them."""
     return np.asarray(np.minimum.accumulate(place[..., ::-1], axis=-1)[..., ::-1])
 
 
 def read_along(known: Array, values: Array, row: NDArray[np.intp], at: Array) -> Array:
-    """Values (n,) on branches (r, m) where what does not fall along them is `at` (n,) on rows (n,), linear between."""
+    """Values (n,) interpolated in `values` (r, m) where the rising `known` (r, m) is `at` (n,), on rows `row` (n,)."""
     count, rows = known.shape[1], np.arange(known.shape[0])
     # One search serves all branches, each lifted above the one before.
     lift = float(known.max() - known.min()) + 1.0

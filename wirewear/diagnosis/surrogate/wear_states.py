@@ -136,11 +136,11 @@ class WearStates:
         return kind.model_error
 
     def reach(self, slip_um: Array) -> Array:
-        """Slip amplitudes (n,) by which states are similar: one where a contact sticks, whatever slips around it."""
+        """Slip amplitudes (n,) in µm that scale similar states; 1 if the contact sticks in its middle."""
         return np.ones_like(slip_um) if self.sticks else slip_um
 
     def order_between(self, row: NDArray[np.intp], share: Array) -> Array:
-        """Order of micro-slip (k,) on shares of the way from rows to the next."""
+        """Order of micro-slip (k,), interpolated by `share` (k,) of the way from the states `row` (k,) to the next."""
         if not self.sticks:
             return np.full(row.size, self.full_slip)
         return np.asarray(self.orders[row] + np.minimum(share, 1.0) * (self.orders[row + 1] - self.orders[row]))
@@ -153,7 +153,7 @@ class WearStates:
         return known[row] + np.minimum(share, 1.0) * (known[row + 1] - known[row]) if known.size else np.ones(row.size)
 
     def under_layers(self) -> Self:
-        """These states with the friction that a run shows as a share of that of the bodies below their layers."""
+        """A copy in which friction that changes as layers wear is held in `friction_shares` and not in `angle`."""
         known = np.tan(np.arctan(self.friction) + self.angle[:, 0]) / self.friction
         return replace(self, friction_shares=known, angle=self.angle * (np.arange(self.angle.shape[1]) > 0))
 
@@ -165,7 +165,7 @@ class WearStates:
 
     @property
     def spot_radius_um(self) -> float:
-        """Radius of a gap alike in all directions whose spots have the areas of this one's."""
+        """Radius of the axisymmetric gap whose contact spots have the same areas as those of this gap."""
         return self.radius_um / float(np.sqrt(self.along))
 
     def open_share(self, chain: Chain) -> Array:
@@ -222,13 +222,13 @@ class WearStates:
         return np.column_stack([self.slip_um, self.load_drop_N, self.lift_N])
 
     def between(self, row: NDArray[np.intp], share: Array) -> tuple[Array, Array, Array, Array]:
-        """Slip, stiffness (k,), slope (k, 5) and angle (k, 2) on shares of the way from rows to the next."""
+        """Slip, stiffness (k,), slope (k, 5) and angle (k, 2), interpolated as in `order_between`."""
         values = _on_the_way(self._columns, row, share)
         slopes = 2 + len(ODD_POWERS)
         return values[:, 0], values[:, 1], values[:, 2:slopes], values[:, slopes:]
 
     def loads(self, row: NDArray[np.intp], share: Array, slip_um: Array) -> tuple[Array, Array]:
-        """Drop of the load in mid-stroke (k,) and its rest (k, 2) over `LIFT_POWERS`, at slip amplitudes (k,)."""
+        """`load_drop_N` (k,) and `lift_N` (k, 2) at slip amplitudes (k,), interpolated as in `between`."""
         values = _on_the_way(self._loads, row, share)
         size = (slip_um / values[:, 0]) ** 2
         return values[:, 1] * size, values[:, 2:] * size[:, None]
