@@ -15,14 +15,13 @@ from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, 
 from wirewear.records.test_tables import FRICTION_FORCE, Metadata, OfRecord, of_kinds
 from wirewear.results.scar import BODIES
 from wirewear.test import keys, study_from_tables
-from wirewear.test.bodies import Body, MaterialKeys, StatedBody
+from wirewear.test.bodies import Body, CoatedBody, MaterialKeys
 from wirewear.test.faces import FACE_KEYS, PadFace, half_width_of
 from wirewear.test.joints import AskedOfJoint, JointStiffness
 from wirewear.test.keys import Inconsistency, Table, one_of
 from wirewear.test.lengths import stated_length_mm, whole_test
 from wirewear.test.lines import Extent, Pad, PadAndSpecimen, Specimen, WearOfBodies
 from wirewear.test.points import TwoBodies
-from wirewear.test.surfaces import LAYERS, LayerTable
 
 
 class RecordContact(keys.Table):
@@ -34,12 +33,11 @@ class RecordContact(keys.Table):
     length_mm: Extent = Field(description="length of the line contact", examples=[10.0])
 
 
-class RecordBody(MaterialKeys, StatedBody):
+class RecordBody(MaterialKeys, CoatedBody):
     """Body with its elastic constants, and its size between contact and grip, None if unknown."""
 
     height_mm: Extent | None = Field(None, description="height between the contact and where the body is held")
     half_width_mm: Extent | None = Field(None, description="half of the body's width along the motion")
-    layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
 
 
 class RecordPad(PadFace, RecordBody):

@@ -67,11 +67,16 @@ class MaterialKeys(YieldingKeys):
     hardening_modulus_MPa: keys.Hardening | None = Field(None, description=HARDENS)
 
 
-class SurfaceKeys(StatedBody):
+class CoatedBody(StatedBody):
+    """Keys of any body that may have layers, in studies and records."""
+
+    layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
+
+
+class SurfaceKeys(CoatedBody):
     """Keys of any body in a study: its measured surface, its layers and its bulk stress."""
 
     surface: StatedSurface | None = Field(None, description="its surface as measured before the test")
-    layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
 
 
 class GripKeys(keys.Table):
