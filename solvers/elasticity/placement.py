@@ -39,7 +39,7 @@ class SurfaceSample:
 
 @dataclass(frozen=True)
 class WornNodes:
-    """A surface worn by `depth` (n_a, n_t) in mm, at its patch's n nodes."""
+    """Surface worn by `depth` (n_a, n_t) in mm: heights (n,) in mm, and gradient of the depth (n, 2), at n nodes."""
 
     depth: Array
     heights: Array  #: (n,) in world z relative to the body's origin.

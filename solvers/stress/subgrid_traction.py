@@ -35,14 +35,14 @@ _POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 
 @dataclass(frozen=True, eq=False)
 class SubgridTraction:
-    """Tractions on a grid of equal elements: √square times ratio, between nodes bicubic and bilinear."""
+    """Tractions on a grid of equal elements: √square × ratio, square bicubic and ratio bilinear between nodes."""
 
     square: Array  #: (n_a, n_t) in MPa², negative outside.
     ratio: Array  #: (n_a, n_t, 3) of the traction to the pressure.
 
     @classmethod
     def of_nodes(cls, traction: Array) -> "SubgridTraction":
-        """From tractions (n_a, n_t, 3) at the nodes: x, y, and z outwards."""
+        """The field with tractions (n_a, n_t, 3) in MPa at the nodes, along x, y and the outward z."""
         pressure = np.maximum(-traction[..., 2], 0.0)
         loaded = pressure > _LOADED * pressure.max(initial=0.0)
         if not loaded.any():

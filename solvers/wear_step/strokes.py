@@ -122,6 +122,6 @@ def _apart(state: ContactState) -> float:
 
 
 def mean_slip(position: Position) -> float:
-    """Slip up to a position as a mean over its load, mm."""
+    """Mean slip in mm of the nodes in the increment before a position, weighted with their loads at it."""
     load = position.pairing.areas * np.maximum(position.state.traction[position.nodes, 2], 0.0)
     return float(load @ position.before) / max(float(load.sum()), 1e-300)

@@ -150,7 +150,7 @@ class Identity:
 
     @classmethod
     def of_text(cls, text: object) -> "Identity":
-        """Identity written in a file; one of an earlier format equals no other."""
+        """Identity from its text in a file; a text of an earlier format gives one that equals no other."""
         asked, _, made = str(text).partition(".")
         return cls(asked, made)
 

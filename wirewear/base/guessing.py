@@ -47,9 +47,7 @@ class NoTableError(RecordError):
 
 @dataclass(frozen=True)
 class GuessedLayout:
-    """Guessed layout of a text, with its column names, and their units as a line or the names state them ("" if
-    unstated).
-    """
+    """Guessed layout of a text with its column names and stated units ("" if unstated); further fields as commented."""
 
     layout: delimited.DelimitedLayout
     names: tuple[str, ...]

@@ -44,7 +44,7 @@ class Constant:
 
     @property
     def tuned(self) -> bool:
-        """True if it was chosen so that answers come out right; see `UNTUNED` for other sources."""
+        """True if the constant was chosen so that diagnoses come out right; see `UNTUNED` for other sources."""
         return self.source not in UNTUNED
 
 

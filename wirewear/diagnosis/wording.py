@@ -130,7 +130,7 @@ def worth_telling(diagnosis: Diagnosis, least: float = 0.01) -> list[Explanation
 
 
 def share(value: float) -> str:
-    """A share or probability in words that claim no more than is known."""
+    """A share or probability as rounded text."""
     return "< 1 %" if value < 0.01 else "> 99 %" if value > 0.99 else f"{100.0 * value:.0f} %"
 
 

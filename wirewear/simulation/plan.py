@@ -126,7 +126,7 @@ class PointMeshes(Meshes):
 
     @property
     def every(self) -> tuple[MeshStage, ...]:
-        """All stages by their numbers; the one for sticking is last and thus has the number -1."""
+        """All stages in order; the stage for a sticking contact is last, and so has the index -1."""
         return (*self.stages, *self.spare, *(() if self.sticking is None else (self.sticking,)))
 
     def first(self) -> MeshHistory:

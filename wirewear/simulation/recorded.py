@@ -208,7 +208,7 @@ def layer_settings(layers: Mapping[str, Sequence[LayerTable]]) -> dict[str, Any]
 
 
 def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
-    """The holder's elements as measured from a closed loop; empty if it has no forces in both directions."""
+    """Settings of the holder measured from a closed loop; empty if the loop lacks forces in either direction."""
     try:
         found = measured_holder(problem, trace.states)
     except SolverError:

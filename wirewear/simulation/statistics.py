@@ -50,7 +50,7 @@ class Counters:
     slip_between_nodes: float = nan
 
     def count(self, report: IncrementReport) -> None:
-        """Add the iterations of one increment and keep its residuals where they are the worst."""
+        """Add the iterations of one increment, and keep each residual that exceeds the largest so far."""
         self.increments += 1
         self.iterations += report.iterations
         self.worst("force_balance", report.force_error)

@@ -14,7 +14,9 @@ _RADII = (1.32, 1.54)
 
 
 def kernel_of(table: LifeTable, *, plane: bool) -> Callable[[float], tuple[Array, Array]]:
-    """Over what stresses are averaged about a point so deep: places (k, 3) in mm, beside it and in depth, weights."""
+    """Function of a point's depth in mm: places (k, 3) over which its stress is averaged, in mm along and across from
+    it and in depth, and their weights.
+    """
     distance = 1e-3 * table.distance_um
     stated = table.averaging_length_um or (None if distance else table.grain_um)
     nodes, weights = np.polynomial.legendre.leggauss(5)
@@ -46,7 +48,7 @@ def kernel_of(table: LifeTable, *, plane: bool) -> Callable[[float], tuple[Array
 
 
 def averaging_radius_mm(table: LifeTable, *, plane: bool) -> float:
-    """Largest distance in mm from a point to one that its average takes in; plane: of a line contact."""
+    """Largest distance in mm from a point over which its stress is averaged; plane: of a line contact."""
     places, _ = kernel_of(table, plane=plane)(1e3)
     return float(np.abs(places - [0.0, 0.0, 1e3]).max())
 

@@ -51,7 +51,7 @@ class BodyState(InnerState[WornBody]):
 
     @cached_property
     def reaction_N(self) -> Array:
-        """Forces of the grip on its nodes (h, 3) in N, from the contact's stresses inside."""
+        """Forces (h, 3) in N by the grip on the held nodes, from the stresses inside."""
         points = self.body.points
         inner = points.internal_forces(points.stresses(self.body.material, self.displacement)) - self.applied
         return np.asarray(inner[self.body.mesh.surface_nodes("grip")])
@@ -174,7 +174,7 @@ def fanned(points: Array, values: Array, polygons: Iterable[IntArray]) -> Sectio
 
 
 class Tracked(Protocol):
-    """Passes on what is done one after the other, and may show how far that is."""
+    """Function that passes on the items of a sequence and may show progress."""
 
     def __call__(self, each: Sequence[T], doing: str, /) -> Iterable[T]:
         """Yield the items in their order; `doing` says what is done with them."""

@@ -75,7 +75,7 @@ class LifeCriterion(Protocol):
 
     @property
     def curve(self) -> LifeCurve:
-        """Lives that go with its parameter."""
+        """Lives in cycles over the criterion's parameter."""
 
     def damage(self, history: Array) -> CycleDamage:
         """Damage that one cycle of stresses (s, n, 6) in MPa does at each of n points, as shares of its life."""

@@ -148,7 +148,7 @@ class BodyLife:
 
     @property
     def normal(self) -> Array:
-        """The normal (3,) of the plane on which it begins, in the axes of the test; zero of a criterion without."""
+        """Normal (3,) of the plane on which the crack begins, in the test's axes; zero if the criterion has none."""
         crack, k = self._crack, int(np.abs(self.damage.depths_mm - 1e-3 * self.depth_um).argmin())
         cycle = min((one.cycle for one in self.states), key=lambda own: abs(np.log(own / max(crack.cycles, 1.0))))
         if crack.beyond:
@@ -252,7 +252,7 @@ def life_of(
 
 
 def recorded_cycles(result: RunResult, body: str) -> list[int]:
-    """The cycles of which there are contact forces of a body."""
+    """Cycles at which a run has recorded contact forces on a body."""
     return sorted({one.cycle for one in result.contact_forces if one.body == body})
 
 

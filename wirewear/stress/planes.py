@@ -25,7 +25,7 @@ OnPlanes = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True, eq=False)
 class CriticalPlanes:
-    """A parameter (n,), the largest over all planes, and the normals of these (n, 3)."""
+    """Largest value (n,) of a parameter over all planes, and the normal (n, 3) of the plane with it."""
 
     parameter: Array
     normal: Array

@@ -40,7 +40,7 @@ def one_thread() -> Iterator[None]:
 
 @dataclass(frozen=True, eq=False)
 class SolvedBody(Generic[M]):
-    """A body with its nodes in the worn surface, or where they were when fresh, and its factors."""
+    """A meshed body, worn or fresh, with its stiffness matrix factorised to find stresses under any contact forces."""
 
     #: What corrects the stresses at its contact surface between the nodes.
     corrected: ClassVar[type[SurfaceStress] | type[LineSurfaceStress]]

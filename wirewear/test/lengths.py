@@ -85,7 +85,7 @@ class Extent:
         return {}
 
     def of(self, length_mm: float | None) -> "Extent":
-        """The extent of such a contact of another length; unchanged for a contact at a point."""
+        """The extent of a line contact of length `length_mm`; unchanged for a contact at a point."""
         del length_mm
         return self
 
@@ -156,7 +156,7 @@ def _of_whole(data: Mapping[str, Any], length_mm: float) -> dict[str, Any]:
 
 
 def key_of_whole(key: str, value: Any, length_mm: float) -> tuple[str, Any]:
-    """A key with dots and its value, converted to the whole contact."""
+    """A key with dots and its value, those per length converted to the whole contact of `length_mm`."""
     table, _, name = key.rpartition(".")
     ((own, number),) = _renamed(table.rpartition(".")[2], {name: value}, length_mm).items()
     return f"{table}.{own}" if table else own, number
@@ -177,7 +177,7 @@ def _is_number(value: object) -> bool:
 
 
 def lengthened(values: Named, factor: float) -> Named:
-    """A mapping, table or effect for a contact longer by `factor`; what is no number does not change."""
+    """A mapping, table or effect for a contact longer by `factor`; texts and other values that are no numbers stay."""
     own = ((key, value, _UNIT.search(key)) for key, value in _named(values).items() if _is_number(value))
     return _changed(values, {key: value * factor ** _POWERS[unit[1]] for key, value, unit in own if unit is not None})
 

@@ -79,7 +79,7 @@ class CommonTables(StatesItsKind, ABC):
         return keys.merged(data, variant or {})
 
     def known_as(self, key: str, value: Any) -> tuple[str, Any]:
-        """A key with dots and its value, converted to the key that these tables have."""
+        """The tables' own key and value for a key with dots that may be per length of a line contact, and its value."""
         return key, value
 
     @property

@@ -32,7 +32,7 @@ _HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unk
 
 
 def asked_of(known: Mapping[str, Any]) -> dict[str, Any]:
-    """Conditions of a test without files of loops. Raises RecordError if the options do not state all of them."""
+    """Conditions of a test without loops, by key, from options `known`. Raises RecordError if an option is missing."""
     missing = [option for key, option in _OPTIONS.items() if known.get(key) is None]
     if missing:
         raise RecordError(f"no file holds loops, so that only options can state the test: give {', '.join(missing)}.")
