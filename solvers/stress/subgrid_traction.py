@@ -35,7 +35,7 @@ _POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 
 @dataclass(frozen=True, eq=False)
 class SubgridTraction:
-    """Tractions on a grid of equal elements: √square × ratio, square bicubic and ratio bilinear between nodes."""
+    """Tractions on a grid of equal elements: √square × ratio, bicubic and bilinear between nodes."""
 
     square: Array  #: (n_a, n_t) in MPa², negative outside.
     ratio: Array  #: (n_a, n_t, 3) of the traction to the pressure.

@@ -158,7 +158,7 @@ class LimitingShape:
         return 2.0 * modulus_MPa * (self.approach_mm * c - c**3 / (3.0 * self.sphere_radius_mm))
 
     def slip_mm(self, friction: float, modulus_MPa: float, tangential_modulus_MPa: float) -> float:
-        """Amplitude in mm of the bodies' remote relative motion at which the edge of the stick zone is about to slip."""
+        """Amplitude in mm of the remote relative motion at which the edge of the stick zone is about to slip."""
         deeper = self.approach_mm - self.stick_radius_mm**2 / self.sphere_radius_mm
         return friction * modulus_MPa / tangential_modulus_MPa * deeper
 

@@ -215,7 +215,7 @@ def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:
 
 
 def worked_cycles(stretches: Sequence[Stretch[Any]], most: float) -> int:
-    """Number of equivalent cycles, each of wear `most`, that wear together as much as all cycles of the test."""
+    """Number of cycles, each wearing by `most`, that together wear as much as all cycles of the test."""
     return max(ceil(worked_course(stretches, lambda own: own.study.worn_per_cycle / most if most else 0.0)[-1][1]), 1)
 
 

@@ -237,7 +237,7 @@ def weigh(
 
 
 def undetectable(problem: Problem, candidates: Sequence[Candidate]) -> tuple[str, ...]:
-    """Names of effects whose change, at one prior standard deviation, is less than `SEPARABLE` deviations."""
+    """Names of effects that at one prior deviation change observables by less than `SEPARABLE` deviations."""
     unseen = []
     for candidate in candidates:
         ends = [side * np.eye(len(candidate.unknowns))[0] for side in (1.0, -1.0)]
