@@ -109,7 +109,7 @@ class BodyLife:
 
     @property
     def begun(self) -> Initiation | None:
-        """Name of `initiation` in version 1.0.0; warns of its removal."""
+        """Former name of `initiation`, as in version 1.0.0; warns that it is renamed."""
         renamed("BodyLife.begun", "BodyLife.initiation")
         return self.initiation
 
