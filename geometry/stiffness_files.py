@@ -129,9 +129,8 @@ def _require_stiffness(read: FileStiffness) -> None:
             f"it is not symmetric: two entries that should be equal differ by {off / largest:.1e} of it"
         )
     about = nodes - nodes.mean(axis=0)
-    turns = [np.cross(axis, about) / max(float(np.abs(about).max()), 1e-300) for axis in np.eye(3)]
-    rigid = [*(np.tile(axis, (len(nodes), 1)) for axis in np.eye(3)), *turns]
-    forces = np.abs(matrix @ np.stack([motion.ravel() for motion in rigid], axis=1)).max(axis=0)
+    motions = _by_motion(about / max(float(np.abs(about).max()), 1e-300))
+    forces = np.abs(matrix @ motions).max(axis=0)
     which = int(forces.argmax())
     if forces[which] > _ROUND_OFF * float(np.abs(matrix).sum(axis=1).max()):
         raise GeometryError(

@@ -13,6 +13,20 @@ from solvers.stress.plastic_zone import Flowed, PlasticZone
 _MOST_STEPS, _TOLERANCE = 400, 1e-7
 
 
+def depth_by_rectangle(along_mm: Array, across_mm: Array, wide_mm: float | Array, high_mm: float | Array) -> Array:
+    """Displacement of a half-space's surface by unit pressure on a rectangle, times π E*, in mm.
+
+    along_mm, across_mm: distances from the rectangle's middle along its sides, which are `wide_mm` and `high_mm` long;
+    all are broadcast (Love, Phil. Trans. R. Soc. A 228 (1929) 377).
+    """
+    depth: Array = np.zeros(np.broadcast_shapes(np.shape(along_mm), np.shape(across_mm)))
+    for side in (0.5, -0.5):
+        for end in (0.5, -0.5):
+            x, y = along_mm + side * wide_mm, across_mm + end * high_mm
+            depth += np.sign(side * end) * (x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y)))
+    return depth
+
+
 @dataclass(frozen=True, eq=False)
 class Indenter:
     """A profile with a gap (n_x, n_y) in mm, zero where it touches first, to an elastic surface of modulus E* [MPa]."""
@@ -23,24 +37,25 @@ class Indenter:
 
     @cached_property
     def _kernel(self) -> Array:
-        """Spectrum of displacements by unit pressure on a rectangle (Love, Phil. Trans. A 228 (1929) 377)."""
-        sizes = [fft.next_fast_len(2 * n) for n in self.gap_mm.shape]
-        along, across = (h * n * fft.fftfreq(n) for n, h in zip(sizes, self.step_mm, strict=True))
-        total = np.zeros(sizes)
-        for sign_x in (1.0, -1.0):
-            for sign_y in (1.0, -1.0):
-                x, y = along[:, None] + 0.5 * sign_x * self.step_mm[0], across + 0.5 * sign_y * self.step_mm[1]
-                total += sign_x * sign_y * (x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y)))
-        return np.asarray(fft.rfft2(total / (np.pi * self.modulus_MPa)))
+        """Spectrum of displacements by unit pressure on a cell."""
+        along, across = (h * n * fft.fftfreq(n) for n, h in zip(self._size, self.step_mm, strict=True))
+        return np.asarray(
+            fft.rfft2(depth_by_rectangle(along[:, None], across, *self.step_mm) / (np.pi * self.modulus_MPa))
+        )
+
+    @property
+    def _size(self) -> tuple[int, ...]:
+        """Cells of the grid on which convolutions do not come round."""
+        return tuple(fft.next_fast_len(2 * n) for n in self.gap_mm.shape)
 
     def displacement(self, pressure: Array) -> Array:
         """Elastic displacement (n_x, n_y) in mm of both surfaces by pressures (n_x, n_y) in MPa."""
         n_x, n_y = pressure.shape
-        size = tuple(fft.next_fast_len(2 * n) for n in pressure.shape)
-        return np.asarray(fft.irfft2(fft.rfft2(pressure, s=size) * self._kernel, s=size)[:n_x, :n_y])
+        spectrum = fft.rfft2(pressure, s=self._size) * self._kernel
+        return np.asarray(fft.irfft2(spectrum, s=self._size)[:n_x, :n_y])
 
-    def borne(self, load_N: float, print_mm: Array, guess: Array) -> tuple[Array, float]:
-        """Pressures (n_x, n_y) in MPa, zero or more, that bear the load on surfaces with prints, and the approach in
+    def carried(self, load_N: float, print_mm: Array, guess: Array) -> tuple[Array, float]:
+        """Pressures (n_x, n_y) in MPa, zero or more, that carry the load on surfaces with prints, and the approach in
         mm, by conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206).
         """
         gap, mean = self.gap_mm + print_mm, load_N / (self.step_mm[0] * self.step_mm[1])
@@ -104,7 +119,7 @@ def indented(zone: PlasticZone, gap_mm: Array, loads_N: Array) -> Iterator[Inden
         def traction(residual_mm: Array, load: float = load) -> Array:
             nonlocal pressure, approach
             # At first everything touches barely.
-            pressure, approach = indenter.borne(load, -residual_mm[..., 2], np.maximum(pressure, 1e-12))
+            pressure, approach = indenter.carried(load, -residual_mm[..., 2], np.maximum(pressure, 1e-12))
             return np.stack([np.zeros_like(pressure), np.zeros_like(pressure), -pressure], axis=-1)
 
         state = zone.loaded(traction, state)

@@ -15,6 +15,7 @@ from scipy.special import ellipk
 
 from geometry import RimGradedAxis
 from geometry.arrays import Array
+from solvers.stress.pressing import depth_by_rectangle
 from wirewear.simulation.expected_contact import Ellipse
 
 #: By how much lines are stretched at most, and how many stretches are tried.
@@ -43,7 +44,7 @@ class _Cells(NamedTuple):
 
     @property
     def area(self) -> float:
-        """Their area in mm²."""
+        """Area of the rectangles in mm²."""
         return float(self.wide @ self.high)
 
     @property
@@ -99,16 +100,10 @@ def _within(axial: RimGradedAxis, transverse: RimGradedAxis, core: Ellipse, axia
 def punch_stiffness(x: Array, y: Array, wide: Array, high: Array) -> float:
     """Load over depth of a flat punch of rectangles, over π times the contact modulus: in mm.
 
-    x, y, wide, high: (n,) middles and sizes of the rectangles in mm. Each carries an even pressure (Love, Phil. Trans.
-    R. Soc. A 228 (1929) 377).
+    x, y, wide, high: (n,) middles and sizes of the rectangles in mm. Each carries an even pressure.
     """
-    along, across = x[:, None] - x, y[:, None] - y
-    depth = np.zeros(along.shape)
-    for side in (0.5, -0.5):
-        for end in (0.5, -0.5):
-            u, v = along + side * wide, across + end * high
-            depth += np.sign(side * end) * (u * np.arcsinh(v / np.abs(u)) + v * np.arcsinh(u / np.abs(v)))
-    return float((wide * high) @ np.linalg.solve(depth, np.ones(len(along))))
+    depth = depth_by_rectangle(x[:, None] - x, y[:, None] - y, wide, high)
+    return float((wide * high) @ np.linalg.solve(depth, np.ones(len(x))))
 
 
 def _slopes(along: Array, across: Array, core: Ellipse, reach: Array, turn: float) -> tuple[Array, Array]:
