@@ -17,9 +17,8 @@ from wirewear.base.units import Quantity
 from wirewear.test import keys
 from wirewear.test.bodies import Body, Wire
 from wirewear.test.messages import validated
-from wirewear.test.study import Study, point_study, read_study
+from wirewear.test.study import SEVERAL, Study, point_study, read_study
 
-CONTACTS, SPAN = "contacts", "span"  #: Names of the tables that a study of several contacts has beside the usual ones.
 Along = Annotated[float, PlainValidator(Quantity("mm", -1e4, 1e4))]
 Values = Mapping[str, Any]
 
@@ -85,10 +84,10 @@ class ManyContacts:
 def many_contacts(path: Path) -> ManyContacts | None:
     """The test in a file with several contacts; None if it states none. StudyError, in one sentence, if it is unfit."""
     data = read_study(path)
-    if CONTACTS not in data and SPAN not in data:
+    if not data.keys() & SEVERAL:
         return None
-    rest = {key: value for key, value in data.items() if key not in (CONTACTS, SPAN)}
-    asked = validated(_Several, {key: data[key] for key in (CONTACTS, SPAN) if key in data}, str(path), StudyError)
+    rest = {key: value for key, value in data.items() if key not in SEVERAL}
+    asked = validated(_Several, {key: value for key, value in data.items() if key in SEVERAL}, str(path), StudyError)
     study = point_study(rest, str(path))
     places = [own.at_mm for own in asked.contacts]
     found = ManyContacts(study, rest, asked.contacts, asked.span.loads_at_mm or (float(np.mean(places)),))

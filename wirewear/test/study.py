@@ -25,6 +25,8 @@ from wirewear.test.tables import ContactTables, StudyTables
 from wirewear.test.wires import Wires
 
 FILE_KEYS = ("profile_file", "file")  #: Keys that name a file.
+#: Names of the tables that a study of several contacts has beside the usual ones.
+SEVERAL = frozenset({"contacts", "span"})
 
 
 class Study(AnyStudy[ContactTables]):
@@ -164,7 +166,7 @@ def study_from_tables(data: Mapping[str, object], where: str) -> Any:
 
     Raises StudyError, in one sentence, if the tables are not a valid study.
     """
-    if "contacts" in data or "span" in data:
+    if data.keys() & SEVERAL:
         raise StudyError(f"{where} states several contacts in [[contacts]], which wirewear run takes and nothing else.")
     known = kind_named(data.get("kind")).tables.known
     base = {key: value for key, value in data.items() if key != "variants"}
