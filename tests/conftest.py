@@ -65,7 +65,7 @@ def pytest_configure() -> None:
 
 
 def pytest_collection_finish() -> None:
-    """All is loaded."""
+    """Collect garbage once after loading, and leave what is loaded out of later collections."""
     gc.collect()
     gc.freeze()
     gc.set_threshold(10_000, 20, 10)

@@ -147,15 +147,15 @@ class CycleEquations:
 
 def _comparable(coupled: Coupled) -> Array:
     """Factors that make loads of the size of gaps: by what pressures of a unit load open where that is most.
-    Raises NotConvergedError if nothing bears the load at a position.
+    Raises NotConvergedError if nothing carries the load at a position.
     """
     lifts = np.array([np.abs(block[-1, :-1]).max(initial=0.0) for block in coupled.blocks])
     size = float((coupled.diagonal + coupled.own).max(initial=0.0))
     heights = np.array([abs(block[-1, -1]) for block in coupled.blocks])
-    borne = np.maximum(lifts / max(size, 1e-300), heights)
-    if not borne.all():
-        raise NotConvergedError("nothing is left in contact that bears the load at a position of the cycle")
-    return np.concatenate([np.ones(len(coupled.own)), 1.0 / borne])
+    carried = np.maximum(lifts / max(size, 1e-300), heights)
+    if not carried.all():
+        raise NotConvergedError("nothing is left in contact that carries the load at a position of the cycle")
+    return np.concatenate([np.ones(len(coupled.own)), 1.0 / carried])
 
 
 class _Terms(NamedTuple):
