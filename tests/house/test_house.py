@@ -269,11 +269,11 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): its weight when a version is made, with 3 % of slack for the next one.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 79_600,
-    "lines of wirewear": 62_900,
+    "lines of geometry, solvers and wirewear": 80_600,
+    "lines of wirewear": 63_600,
     "lines of studies": 17_100,
-    "lines of tests": 33_700,
-    "files of geometry, solvers and wirewear": 390,
+    "lines of tests": 34_200,
+    "files of geometry, solvers and wirewear": 402,
     "rooms of wirewear": 20,
     "arrows between rooms": 110,
     "questions for the kind of contact": 0,
