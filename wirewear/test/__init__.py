@@ -1,4 +1,5 @@
-"""Studies: the tables of a study's TOML file, how they are read and checked, and studies as values.
+"""Tests as studies state them: the tables of keys of a study's TOML file, how they are read and checked, and studies as
+values.
 
 A module of this package is imported when one of its names is first used.
 """

@@ -1,7 +1,7 @@
 """Studies of all kinds as immutable values: their tables, variants, blocks of cycles, and copies with changed values.
 
-A key is named with dots for the tables above it, such as "conditions.normal_load_N". A study's values may be left out
-in its file; a resolved study states all of them.
+A key is named with the tables above it, as "conditions.normal_load_N". A variant replaces some of a study's values; a
+block is a number of cycles under conditions of its own. A resolved study states every value, defaults included.
 """
 
 from __future__ import annotations
@@ -33,10 +33,9 @@ AnyTable = TypeVar("AnyTable", bound=Table)
 
 
 def with_values(tables: CommonTables, values: Mapping[str, Any], where: str) -> Any:
-    """The tables with these values by their keys, checked like those of a file; None sets a key to its default.
-
-    If the length of the test changes, the same cycles are recorded as far as it goes, and its last. Raises StudyError,
-    in one sentence, if a key does not exist or its value is not allowed; `where` names the tables in it.
+    """A checked copy of the tables with these values by their keys with dots; None sets a key to its default.
+    If the length of the test changes, recorded cycles beyond its end are dropped and its last is added. where: name of
+    the tables for messages. Raises StudyError, in one sentence, if a key does not exist or its value is not allowed.
     """
     data = tables.model_dump(mode="json", exclude_none=True)
     values = dict(tables.known_as(key, value) for key, value in values.items())
@@ -48,7 +47,7 @@ def with_values(tables: CommonTables, values: Mapping[str, Any], where: str) -> 
 
 
 def value_at(tables: CommonTables, key: str) -> Any:
-    """The value of a key with dots; None if there is none."""
+    """The value of a key with dots, as JSON holds it; None if the tables have no such key."""
     here: Any = tables.model_dump(mode="json")
     for part in tables.known_as(key, None)[0].split("."):
         here = here.get(part) if isinstance(here, Mapping) else None
@@ -96,9 +95,8 @@ class _OfTables(Generic[T_co]):
 
 @dataclass(frozen=True, repr=False)
 class AnyStudy(Generic[Tables_co]):
-    """A study whose keys have been checked; `variants` pairs each variant's name with its complete tables.
-
-    `variant_name` is the name of the variant that this study is; it is empty for a study as a whole.
+    """A checked study of a test. tables: its own values; variants: pairs (name, complete tables) in the file's order.
+    variant_name: name of the variant that this study was taken from; empty for the study of a whole file.
     """
 
     tables: Tables_co
@@ -122,12 +120,12 @@ class AnyStudy(Generic[Tables_co]):
 
     @property
     def body_names(self) -> tuple[str, ...]:
-        """Names of the driven and the held body, in this order."""
+        """(driven, held): names of the bodies; empty for a joint."""
         return tuple(self.layers)
 
     @property
     def driven(self) -> Self:
-        """The study with conditions and blocks as its effects on the drive change them; itself without such effects."""
+        """A copy with conditions and blocks as effects on the drive change them; the study itself if none does."""
         conditions, blocks = as_driven(self.conditions, self.tables.programme, self.effects)
         if conditions is self.conditions:
             return self
@@ -135,16 +133,14 @@ class AnyStudy(Generic[Tables_co]):
 
     @cached_property
     def schedule(self) -> Schedule[Self]:
-        """The blocks of cycles that the test goes through, each with the study of its conditions."""
+        """The test as stretches of cycles, each with the study of the conditions in it."""
         alone = replace(self, tables=self.tables.model_copy(update={"programme": ()}))
         return Schedule(self.tables.programme, self.conditions.cycles, alone, partial(_under, alone))
 
     @cached_property
     def envelope(self) -> Self:
-        """A study of one block with the largest load, stroke and friction of all blocks and their total worn volume,
-        for meshes.
-
-        The study itself if it has no programme.
+        """A study without programme for sizing meshes: the largest load, stroke and friction of all blocks, and as many
+        cycles as wear the total volume of all. The study itself if it has no programme.
         """
         if not self.tables.programme:
             return self
@@ -161,17 +157,17 @@ class AnyStudy(Generic[Tables_co]):
 
     @property
     def runs(self) -> tuple[Any, ...]:
-        """The tables of every variant, for every block of its programme."""
+        """The tables of every block of every variant (of the study itself, if it has none), each once."""
         own = [self.variant(name) for name in self.variant_names] or [self]
         every = (stretch.study for each in own for stretch in each.schedule.stretches)
         return tuple({id(study): study.tables for study in every}.values())
 
     def given(self) -> dict[str, Any]:
-        """The nested tables as the study's file states them, without defaults."""
+        """The nested tables as the file states them, without defaults and variants, ready for JSON."""
         return self.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
 
     def logging(self, cycles: tuple[int, ...]) -> Self:
-        """The study and its variants with the loops of these cycles recorded."""
+        """A copy that records the loops of these cycles, in its variants as well."""
         variants = tuple(
             (name, tables.model_copy(update={"log": tables.log.of_cycles(cycles)})) for name, tables in self.variants
         )
@@ -179,23 +175,17 @@ class AnyStudy(Generic[Tables_co]):
         return replace(self, tables=own, variants=variants)
 
     def unused_values(self) -> Iterator[tuple[str, str, object]]:
-        """Table, key and value of everything that the file states for all variants although each variant
-        overrides it.
-        """
+        """Yields (table, key, value) of what the file states for the whole study but every variant overrides."""
         return values_in_no_variant(self.tables, [tables for _, tables in self.variants])
 
     def changed(self, changes: Mapping[str, Any]) -> Self:
-        """The study without variants, with values changed; `changes` are nested as in its file.
-
-        The values are neither checked nor compared with each other.
-        """
+        """A copy without variants, with the values of `changes`, nested by table; they are not checked."""
         return type(self)(_changed(self.tables, changes), variant_name=self.variant_name)
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
-        """The study and its variants with values changed by their keys: `{"conditions.normal_load_N": 4}`.
-
-        Values are checked like those of a file; None sets a key to its default. Raises StudyError if a key does not
-        exist, its value is not allowed, or variants state the key differently.
+        """A checked copy with values by their keys with dots, as {"conditions.normal_load_N": 4}, in its variants as
+        well; None sets a key to its default. Raises StudyError if a key does not exist, its value is not allowed, or
+        variants state the key differently.
         """
         name = self.name if not self.variant_name else f"{self.name}, variant {self.variant_name}"
         where = f"the study {name!r}"
@@ -210,9 +200,8 @@ class AnyStudy(Generic[Tables_co]):
         return type(self)(with_values(self.tables, values, where), variants, self.variant_name)
 
     def with_effects(self, *effects: AnyEffect) -> Self:
-        """The study without variants, with these effects in place of its own.
-
-        Raises StudyError if an effect is given twice, or contradicts another key of the study.
+        """A copy without variants, with these effects in place of its own. Raises StudyError if an effect is given
+        twice, or contradicts another key of the study.
         """
         try:
             study = self.changed({"effects": effects_of_tables(effects)})
@@ -225,7 +214,7 @@ class AnyStudy(Generic[Tables_co]):
 
     @property
     def stated(self) -> dict[str, float]:
-        """Every number in the study's tables by its key, such as contact.friction."""
+        """Every number in the study's tables by its key with dots, in the unit of the key, defaults included."""
         return dict(_numbers(_plain(self.tables), ()))
 
     @property
@@ -234,7 +223,7 @@ class AnyStudy(Generic[Tables_co]):
         return tuple(name for name, _ in self.variants)
 
     def variant(self, name: str) -> Self:
-        """A variant as a complete study of its own. Raises StudyError if there is no such variant."""
+        """A variant as a study of its own, by its name. Raises StudyError if there is no such variant."""
         for own, tables in self.variants:
             if own == name:
                 return type(self)(tables, variant_name=name)
@@ -257,7 +246,7 @@ class AnyStudy(Generic[Tables_co]):
         return notebook_table(self.name, rows)
 
     def resolved(self) -> dict[str, Any]:
-        """All keys with their values, defaults included, ready for JSON; reading them gives the same study again."""
+        """Nested tables of all keys, defaults and variants included, ready for JSON and for `study_from_tables`."""
         data = _plain(self.tables)
         if self.variants:
             data["variants"] = {
@@ -273,9 +262,8 @@ Of = TypeVar("Of", bound=AnyStudy)
 
 
 def alone(study: Of, how: str = "choose one with --variant") -> Of:
-    """The study itself. Raises StudyError if it has variants.
-
-    how: how to choose a variant, for the message; {first} in it becomes the name of the first one.
+    """The study itself; StudyError if it has variants. how: advice at the end of that message on how to choose a
+    variant; {first} in it becomes the name of the first one.
     """
     if study.variant_names:
         how = how.replace("{first}", study.variant_names[0])
@@ -284,9 +272,8 @@ def alone(study: Of, how: str = "choose one with --variant") -> Of:
 
 
 def life_data(study: AnyStudy, bodies: Iterable[str], values: Mapping[str, Any] | None = None) -> dict[str, LifeTable]:
-    """The [life] tables of bodies by name: as stated, with `values` of its keys, completed by the data of each
-    material.
-
+    """The table [life] for each of these bodies, by name: as the study states it, with `values` of its keys in place,
+    and completed by the fatigue data of the body's material.
     Raises StudyError if a value is not allowed, or data that the criterion needs are missing.
     """
     tables = study.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)

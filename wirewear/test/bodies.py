@@ -1,7 +1,7 @@
 """Bodies: the keys that files state of any body, and bodies of contacts at a point as they are meshed.
 
 The driven body lies below, the held one above. A block or a bar has an axis, which lies in the plane of contact; along
-and across are relative to it.
+and across are relative to it. The size of a body is the length from which extents that are not stated are chosen.
 """
 
 from abc import ABC, abstractmethod
@@ -36,7 +36,7 @@ OPEN = "?"  #: Placeholder in a guessed file for values that only the user knows
 
 
 class StatedBody(keys.Table):
-    """Keys of any body, in studies, records and mappings of all kinds."""
+    """The keys of any body, in studies, records and mappings of all kinds."""
 
     bulk: BulkTable | None = Field(None, description=BULK)
 
@@ -56,31 +56,31 @@ class ElasticKeys(keys.OfMaterial):
 
 
 class YieldingKeys(ElasticKeys):
-    """Keys of a material, elastic or yielding without a stated hardening."""
+    """Keys of a material that is elastic or, with a yield stress, ideally plastic."""
 
     yield_stress_MPa: keys.YieldStress | None = Field(None, description=YIELDS)
 
 
 class MaterialKeys(YieldingKeys):
-    """Keys of a material of a body that is simulated."""
+    """Keys of the material of a simulated body: elastic or, with a yield stress, plastic with linear hardening."""
 
     hardening_modulus_MPa: keys.Hardening | None = Field(None, description=HARDENS)
 
 
 class CoatedBody(StatedBody):
-    """Keys of any body that may have layers, in studies and records."""
+    """Keys of any body that may have layers, such as coatings, in studies and records."""
 
     layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
 
 
 class SurfaceKeys(CoatedBody):
-    """Keys of any body in a study: its measured surface, its layers and its bulk stress."""
+    """Keys of any body in a study: its surface as measured before the test, its layers and its bulk stress."""
 
     surface: StatedSurface | None = Field(None, description="its surface as measured before the test")
 
 
 class GripKeys(keys.Table):
-    """The key for how stiffly a body is held."""
+    """The key for how stiffly the holder grips a body, per area."""
 
     grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
         "rigid", description='stiffness per area of what holds the body, a number or "rigid"'
@@ -92,13 +92,15 @@ class MountedBody(SurfaceKeys, GripKeys, MaterialKeys):
 
     @property
     def as_stated(self) -> dict[str, Any]:
-        """Arguments of `Body` that have keys of the same names, with their values."""
+        """The values of its keys that are also arguments of `Body`, by name."""
         return {own.name: getattr(self, own.name) for own in fields(Body) if own.name in type(self).model_fields}
 
 
 @dataclass(frozen=True)
 class Body(ABC):
-    """One body; axis_angle_deg is the angle of its axis to the motion, about the normal that points upwards."""
+    """A body of a contact at a point, as it is meshed. axis_angle_deg: angle of its axis to the motion, about the
+    normal that points upwards. grip_stiffness_N_per_mm3: of its holder per area.
+    """
 
     name: str
     youngs_modulus_MPa: float
@@ -119,29 +121,28 @@ class Body(ABC):
     @property
     @abstractmethod
     def curvatures_per_mm(self) -> tuple[float, float]:
-        """Curvatures of its surface along its axis and across, one over the radii; 0 where it is straight."""
+        """(along, across): curvatures in 1/mm of its face, one over the radii; 0 where straight."""
 
     @property
     def face(self) -> Face | None:
-        """The face of a pad; None for a body that its curvatures describe."""
+        """The profile of a pad's face; None for any other body, whose face follows from its curvatures."""
         return None
 
     @property
     def has_axis(self) -> bool:
-        """True if its curvatures along and across its axis differ."""
+        """True if its curvatures along and across its axis differ, so that its direction matters."""
         along, across = self.curvatures_per_mm
         return along != across
 
     @property
     def diameters_mm(self) -> tuple[float, float]:
-        """Diameters of its surface along its axis and across, infinite where it is straight."""
+        """(along, across): diameters of its face, infinite where straight."""
         along, across = (2.0 / k if k else float("inf") for k in self.curvatures_per_mm)
         return along, across
 
     def curvature_per_mm(self, turned_deg: float = 0.0) -> Array:
-        """Curvature matrix K (2, 2) in 1/mm of its surface ½ rᵀKr, with r along and across the motion.
-
-        turned_deg: angle by which its axis is turned further.
+        """Curvature matrix K (2, 2) in 1/mm of its face z = ½ rᵀKr, with r along and across the motion. turned_deg:
+        angle by which its axis is turned beyond axis_angle_deg.
         """
         angle = radians(self.axis_angle_deg + turned_deg)
         turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
@@ -149,27 +150,27 @@ class Body(ABC):
 
     @property
     def bedding_N_per_mm3(self) -> float | None:
-        """Stiffness of its grip per area; None if it is rigid."""
+        """Stiffness of its grip per area; None for a rigid one."""
         return None if isinstance(self.grip_stiffness_N_per_mm3, str) else self.grip_stiffness_N_per_mm3
 
     @abstractmethod
     def geometry(
         self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
     ) -> BodyGeometry:
-        """The geometry to mesh under a patch with these axes and layers. Raises StudyError if the patch does not fit on
-        the body.
+        """The geometry to mesh: a patch whose nodes lie on these axes (along and across the body's axis), with element
+        layers below it by `layering`. Raises StudyError if the patch does not fit on the body.
         """
 
 
 def yield_of(body: Body | MaterialKeys) -> tuple[float, float] | None:
-    """Yield stress and hardening modulus of a body in MPa; None for an elastic body."""
+    """(yield stress, hardening modulus) in MPa, 0 for no stated hardening; None for an elastic body."""
     return None if body.yield_stress_MPa is None else (body.yield_stress_MPa, body.hardening_modulus_MPa or 0.0)
 
 
 @dataclass(frozen=True)
 class BodiesByOptions:
-    """Bodies stated by options of a command: their tables in a mapping, remarks on assumptions, and the bodies if
-    known.
+    """Bodies stated by options of a command. tables: those of a mapping file; remarks: sentences on what was assumed;
+    bodies: (driven, held), empty if their size is not stated.
     """
 
     tables: Mapping[str, Any]
@@ -181,16 +182,14 @@ class BodiesByOptions:
 
 
 class StatedBodies(keys.Table):
-    """The keys by which the files of a kind of test state its bodies."""
+    """The keys by which the files of a kind of test state its bodies; each kind of test has a subclass."""
 
     @classmethod
     def by_options(
         cls, known: Mapping[str, object], elastic: Mapping[str, object], of_other: Mapping[str, object]
     ) -> BodiesByOptions:
-        """Bodies from options of a command.
-
-        known: values of keys.  elastic: elastic constants of the first body.  of_other: those of the other body. Raises
-        RecordError, in one sentence, if a needed value is missing.
+        """Bodies from options of a command. known: options by key, such as diameter_mm; elastic, of_other: elastic
+        constants of the driven and of the held body. Raises RecordError, in one sentence, if a needed value is missing.
         """
         del known, elastic, of_other
         raise RecordError(
@@ -201,7 +200,9 @@ class StatedBodies(keys.Table):
 
 @dataclass(frozen=True)
 class Wire(Body):
-    """A wire or, with a bore, a tube; with length_mm None the program chooses the length."""
+    """A round bar, gripped about its back or at its ends: a wire or, with bore_mm above 0, a tube. grip_angle_deg:
+    gripped part of its circumference. length_mm: None is chosen; grip_length_mm: None is all of it.
+    """
 
     diameter_mm: float
     length_mm: float | None
@@ -217,7 +218,6 @@ class Wire(Body):
     def geometry(
         self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
     ) -> WireGeometry:
-        """A round bar held about its back or at its ends."""
         reach, limit = transverse.half_extent_mm, 0.42 * self.diameter_mm
         if reach > limit:
             raise StudyError(
@@ -250,7 +250,9 @@ class Wire(Body):
 
 @dataclass(frozen=True)
 class BlockBody(Body):
-    """A block with the face of a ball, a barrel, a cylinder, a flat or a pad, held at its back and sides."""
+    """A block with the face of a ball, a barrel, a cylinder, a flat or a pad, held at its back and sides. half_width_mm
+    (to each side) and height_mm: None is chosen from size_mm and the curvatures (along, across).
+    """
 
     curvatures: tuple[float, float]
     half_width_mm: float | None
@@ -270,8 +272,7 @@ class BlockBody(Body):
     def geometry(
         self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
     ) -> BlockGeometry:
-        """A block as wide as its radii allow or, where it is straight, wide enough to keep its sides far from the
-        contact.
+        """A block as wide as its radii allow or, where straight, wide enough to keep its sides far from the contact.
 
         Held at back and sides, its approach is less than a half-space's by about 0.5 a² / size for a ball's contact of
         radius a.
@@ -322,16 +323,15 @@ class BlockBody(Body):
 class Gap:
     """The gap rᵀHr between two unworn bodies, with r along and across the motion; `form` is H (2, 2) in 1/mm.
 
-    Sheared by x → x + shear·y, which does not affect motion along x, it is (along·x² + y²)/2R: crossed wires of radius
-    R have along = sin²θ and shear = −cot θ; a ball on a flat has the gap of wires at 90°.
+    Sheared by x → x + shear·y, which does not affect motion along x, the gap is (along·x² + y²)/2R: crossed wires of
+    radius R have along = sin²θ and shear = −cot θ; a ball on a flat has the gap of wires at 90°.
     """
 
     form: Array
 
     @classmethod
     def of(cls, driven: Body, held: Body, turned_deg: float = 0.0) -> Self:
-        """The gap of two bodies; the held one may be turned further by `turned_deg`.
-
+        """The gap of two bodies, the held one turned by `turned_deg` about the normal beyond its angle.
         Raises StudyError if one has the face of a pad, whose worn shapes are not similar to each other.
         """
         if driven.face or held.face:
@@ -342,7 +342,7 @@ class Gap:
 
     @classmethod
     def like(cls, normal_load_N: float, driven: Body, held: Body) -> Self:
-        """The gap of two bodies, or of the ball that touches a flat as widely as a pad's face under this load."""
+        """The gap of two bodies; with a pad, of a ball on a flat whose Hertz contact under this load is as wide."""
         if not (driven.face or held.face):
             return cls.of(driven, held)
         modulus = reference.contact_modulus(driven.material, held.material)
@@ -351,27 +351,29 @@ class Gap:
 
     @property
     def spot_mm(self) -> Array:
-        """H⁻¹ (2, 2): squares and products of the half-widths of the ellipse that a plane cuts off, over its depth."""
+        """H⁻¹ (2, 2) in mm. Times a depth, its diagonal holds the squares of the half-widths, along x and y, of the
+        ellipse where the gap is below that depth.
+        """
         return np.asarray(np.linalg.inv(self.form), dtype=np.float64)
 
     @property
     def radius_mm(self) -> float:
-        """Effective radius R of the sheared gap."""
+        """Effective radius R in mm of the sheared gap (along·x² + y²)/2R."""
         return 0.5 * float(self.spot_mm[1, 1])
 
     @property
     def along(self) -> float:
-        """Curvature of the sheared gap along the motion over that across."""
+        """Ratio of the sheared gap's curvatures, along the motion over across it."""
         return 2.0 * float(self.form[0, 0]) * self.radius_mm
 
     @property
     def shear(self) -> float:
-        """λ = H_xy/H_xx: the shear x → x + λ·y that removes the gap's cross term."""
+        """λ = H_xy/H_xx, by which x → x + λ·y removes the gap's term in x·y."""
         return float(self.form[0, 1] / self.form[0, 0])
 
 
 def touch_along_line(driven: Body, held: Body) -> bool:
-    """True if two bodies touch along a line or nearly so."""
+    """True if two unworn bodies touch along a line or nearly so: their gap's curvatures differ a thousandfold."""
     crossing = radians(held.axis_angle_deg - driven.axis_angle_deg)
     small, large, _ = reference.gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, crossing)
     # Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
@@ -379,8 +381,7 @@ def touch_along_line(driven: Body, held: Body) -> bool:
 
 
 def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointContact:
-    """Hertz's contact of two unworn bodies; its angle is that of its major axis from the driven body's axis.
-
+    """Hertz's contact of two unworn bodies; its angle is from the driven body's axis to the contact's major axis.
     Raises StudyError if a pad is too small for the load.
     """
     if (face := driven.face or held.face) is not None:
@@ -391,13 +392,15 @@ def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointC
 
 
 def unworn_stiffness_N_per_um(normal_load_N: float, driven: Body, held: Body) -> float:
-    """Mindlin's tangential stiffness of a circular contact as large as Hertz's contact of two unworn bodies."""
+    """Mindlin's tangential stiffness of a circular contact with the radius of Hertz's contact of two unworn bodies."""
     modulus = reference.tangential_contact_modulus(driven.material, held.material)
     return 1e-3 * reference.mindlin_stiffness(modulus, hertz_of(normal_load_N, driven, held).contact_radius_mm)
 
 
 def on_pad(found: Callable[[], Found]) -> Found:
-    """A pad's contact or scar, as `found` returns it. Raises StudyError if its face does not reach far enough."""
+    """What the function `found` returns: a pad's contact or scar. Raises StudyError where it raises ValueError, because
+    the pad's face does not reach far enough.
+    """
     try:
         return found()
     except ValueError as problem:

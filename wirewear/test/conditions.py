@@ -1,4 +1,7 @@
-"""What a test of any contact states besides its bodies, table by table: every key with its range, default, meaning."""
+"""What a test of any contact states besides its bodies, table by table: every key with its type, default and meaning.
+
+A drive holds its displacement amplitude, unless the study states another quantity that it holds (a key held_...).
+"""
 
 from dataclasses import dataclass
 from typing import Annotated, Literal
@@ -16,8 +19,8 @@ WearUpdate = Literal["implicit", "explicit"]
 
 
 class Asked(keys.Table):
-    """Keys of load, stroke and length of any test. If another figure is held, displacement_amplitude_um is the largest
-    amplitude.
+    """Keys of load, stroke and length of any test. Where a key held_... is stated, displacement_amplitude_um is the
+    largest amplitude that the drive may take.
     """
 
     normal_load_N: keys.NormalLoad = Field(description="normal load between the bodies", examples=[2.0])
@@ -44,17 +47,15 @@ class Asked(keys.Table):
 
 
 def held_keys(conditions: object) -> list[str]:
-    """The keys by which conditions state what the drive holds in place of its amplitude; more than one is a
-    contradiction.
-    """
+    """The keys held_... of these conditions that are stated, in their order; more than one is a contradiction."""
     known = type(conditions).model_fields if isinstance(conditions, keys.Table) else {}
     return [key for key in known if key.startswith("held_") and getattr(conditions, key) is not None]
 
 
 @dataclass(frozen=True)
 class HeldTarget:
-    """The figure that a drive holds in place of its amplitude: slip, motion or reading (µm), energy (mJ) or
-    force (N).
+    """What a drive holds in place of its amplitude. key: the key held_... that states it; value in the key's unit (µm,
+    N or mJ).
     """
 
     key: str
@@ -62,13 +63,14 @@ class HeldTarget:
 
     @property
     def figure(self) -> str:
-        """Quantity that is held: the second word of `key`, such as "slip"."""
+        """The second word of `key`, which names what is held: "slip", "motion", "reading", "tangential" or "energy"."""
         return self.key.split("_")[1]
 
     def first_um(self, friction_N: float, carried_um: float, largest_um: float) -> float:
-        """First guess in µm of the drive's amplitude at which a contact that slides as a whole holds the figure.
+        """First guess in µm of the drive's amplitude at which a contact in gross slip holds the value; at most
+        largest_um.
 
-        carried_um: travel of the rig by friction.  largest_um: the drive's largest amplitude.
+        friction_N: friction force. carried_um: travel of the rig under it. largest_um: the drive's largest amplitude.
         """
         match self.figure:
             case "slip" | "motion":
@@ -83,17 +85,17 @@ class HeldTarget:
 
 
 def held_by(conditions: object) -> HeldTarget | None:
-    """The figure that the drive holds in place of its amplitude, with its target; None if it holds its amplitude."""
+    """What the drive holds in place of its displacement amplitude; None if it holds that."""
     key = next(iter(held_keys(conditions)), None)
     return None if key is None else HeldTarget(key, float(getattr(conditions, key)))
 
 
 class DrivenConditions(Asked):
-    """Keys of load, stroke and length of a simulated test, whose drive is known."""
+    """Keys of load, stroke and length of a test that is simulated."""
 
     @property
     def drive(self) -> Drive:
-        """Displacement and load over a cycle."""
+        """Displacement and normal load over a cycle, as the solvers take them; without bulk stresses."""
         return drive_of(self.displacement_amplitude_um, self.motion, self.load_cycle)
 
 
@@ -124,7 +126,7 @@ class FrictionTable(keys.Table):
 
 
 class Contact(FrictionTable):
-    """Keys of the friction law, and of how the contact conditions are imposed."""
+    """Keys of friction of a contact at a point, of yielding, and of how the contact conditions are imposed."""
 
     plasticity: Annotated[
         Literal["limited pressure", "near zone", "none"],
@@ -147,8 +149,8 @@ class Contact(FrictionTable):
 
 
 class Wear(keys.Table):
-    """Keys of the wear law: worn volume = coefficient × friction energy, or, by Archard's law, coefficient × load ×
-    sliding.
+    """Keys of the wear law of a contact at a point: worn volume of both bodies = coefficient × friction energy or, by
+    Archard's law, coefficient × load × sliding distance.
     """
 
     law: keys.WearLawKey | None = Field(
@@ -177,7 +179,7 @@ class Wear(keys.Table):
 
     @property
     def coefficients(self) -> dict[str, float]:
-        """The stated coefficients by their keys."""
+        """The wear coefficients that are stated, by their keys and in their units; empty if none is."""
         stated = {
             "energy_wear_coefficient_mm3_per_J": self.energy_wear_coefficient_mm3_per_J,
             "archard_wear_coefficient_mm3_per_N_m": self.archard_wear_coefficient_mm3_per_N_m,
@@ -186,23 +188,27 @@ class Wear(keys.Table):
 
     @property
     def of_law(self) -> WearLaw:
-        """The law that is stated, or the one to which the stated coefficient belongs."""
+        """The stated law; if none is, Archard's law if its coefficient is stated, else the energy law."""
         return self.law or (EnergyLaw() if self.archard_wear_coefficient_mm3_per_N_m is None else Archard())
 
     def volume_per_sliding_mm3_per_N_m(self, friction: float) -> float:
-        """Worn volume of both bodies per load and sliding distance in gross slip, without variation."""
+        """Worn volume of both bodies per load and sliding distance in gross slip, without variation; 0 without a
+        coefficient.
+
+        friction: coefficient of friction, by which the energy law dissipates.
+        """
         if self.archard_wear_coefficient_mm3_per_N_m is not None:
             return self.archard_wear_coefficient_mm3_per_N_m
         return (self.energy_wear_coefficient_mm3_per_J or 0.0) * friction
 
     @property
     def largest_factor(self) -> float:
-        """Largest factor on the wear coefficient among `variation_points`; 1 without any."""
+        """Largest factor on the wear coefficient among `variation_points`; 1 if there are none."""
         return max((factor for _, factor in self.variation_points), default=1.0)
 
     def factor(self, cycles: float, energy_J: float) -> float:
-        """Factor on the wear coefficient after this number of cycles and this accumulated friction energy in J, from
-        `variation_points`.
+        """Factor on the wear coefficient after `cycles` cycles and energy_J of friction energy, interpolated in
+        `variation_points` and constant beyond them; 1 without variation.
         """
         if self.variation == "none":
             return 1.0
@@ -226,7 +232,7 @@ class HolderTable(keys.Table):
 
 
 class Log(keys.Table):
-    """Keys of the cycles whose loops and scars are recorded, and of the length over which pressures are averaged."""
+    """Keys of what is recorded: cycles whose loops and scars are kept, and the length for mean pressures."""
 
     loop_cycles: keys.CycleList = Field(
         (),
@@ -244,12 +250,12 @@ class Log(keys.Table):
     )
 
     def of_cycles(self, cycles: tuple[int, ...]) -> "Log":
-        """The table with the loops of these cycles recorded."""
+        """A copy that records the loops of these cycles."""
         return self.model_copy(update={"loop_cycles": cycles})
 
 
 class Stop(keys.Table):
-    """Keys of what ends a test before its last cycle, whichever comes first."""
+    """Keys of limits that end a test before its last cycle; the first that is reached ends it."""
 
     depth_um: keys.WornDepth | None = Field(None, description="depth of the deepest scar")
     worn_volume_mm3: keys.WornVolume | None = Field(None, description="worn volume of both bodies")
@@ -261,7 +267,9 @@ class Stop(keys.Table):
 
 
 class Scatter(keys.Table):
-    """Keys of the scatter of a study's values from test to test, as standard deviations."""
+    """Keys of the scatter of a study's values from test to test, as standard deviations; relative ones are shares of
+    the value.
+    """
 
     friction: keys.RelativeScatter | None = Field(None, description="of the coefficient of friction, relative")
     normal_load: keys.RelativeScatter | None = Field(None, description="of the normal load, relative")
@@ -271,7 +279,7 @@ class Scatter(keys.Table):
 
 
 class Mesh(keys.Table):
-    """Keys of the extent of the fine mesh, and of how it follows wear."""
+    """Keys of a contact at a point for the extent of the fine mesh, and for how it follows wear."""
 
     scar_half_width_um: keys.ElementSize | None = Field(
         None, description="half-width of the finely meshed patch beyond the stroke; without it, predicted"

@@ -1,4 +1,7 @@
-"""Checks that the keys of a study fit together, each of which is valid by itself."""
+"""Checks that the keys of a study fit together, each of which is valid by itself.
+
+An idle key is one that is stated but has no effect, because another takes its place.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
@@ -29,10 +32,10 @@ def default_loop_cycles(cycles: int) -> tuple[int, ...]:
 def checked_tables(
     data: Mapping[str, object], where: str, overrides: Mapping[str, object] | None = None, prefix: str = ""
 ) -> CommonTables:
-    """A study's tables, checked, with the cycles to record filled in; `where` names them in messages.
-
-    overrides: the values that a variant states under `prefix`, so that messages name the right table. Raises
-    StudyError, in one sentence, if they are not valid tables of a study.
+    """The tables of a study from nested values, checked, blocks of its programme included, with the cycles to record
+    filled in.
+    where: name of their origin for messages. overrides: values that a variant states under `prefix`, so that messages
+    name its table. Raises StudyError, in one sentence, if they are not valid.
     """
 
     def spelled(keys: Keys) -> str:
@@ -65,7 +68,7 @@ def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
 
 
 def inconsistency(tables: CommonTables) -> Inconsistency | None:
-    """The first contradiction between a study's keys; None if there is none."""
+    """The first contradiction between a study's keys; None if all fit."""
     checks = (type(tables).contradiction, *(_OF_A_POINT if isinstance(tables, ContactTables) else ()), *_OF_ALL)
     return next((found for check in checks if (found := check(tables)) is not None), None)
 
@@ -201,9 +204,8 @@ Rule = Callable[[CommonTables], Iterator[Inconsistency]]
 
 
 def require_no_idle_key(runs: Sequence[CommonTables], where: str) -> None:
-    """Raise StudyError, in one sentence, for a key that a study states but that has no effect in any of its runs.
-
-    runs: the tables of its variants and blocks.
+    """Raise StudyError, in one sentence, for a key that is stated but has no effect in any of `runs`, the tables of a
+    study's variants and blocks. where: name of the study for messages.
     """
     for rule in _RULES:
         idle = [{found.keys: found for found in rule(tables)} for tables in runs]

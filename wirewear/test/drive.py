@@ -1,5 +1,6 @@
-"""The keys of a study for what drives a cycle: displacement and normal load over time, and bulk stresses of the
-bodies.
+"""The keys of a study for what drives a cycle: displacement and normal load over time, and bulk stresses of the bodies.
+
+Bulk stress is what a body carries besides the contact, by tension, bending and torsion.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -111,7 +112,9 @@ LoadCycleKey = Annotated[LoadCycle, PlainValidator(_load_cycle), PlainSerializer
 
 
 def drive_of(amplitude_um: float, motion: Waveform, load: LoadCycle | None) -> Drive:
-    """The drive of an amplitude in µm, a waveform and a load cycle; without one the load is constant."""
+    """The drive as the solvers take it: amplitude (given in µm) and waveform of the displacement, and the normal load
+    over the cycle, constant for None; without bulk stresses.
+    """
     return Drive(1e-3 * amplitude_um, motion, load or LoadCycle())
 
 
@@ -121,8 +124,8 @@ Phase = Annotated[float, PlainValidator(Quantity("deg", -360.0, 360.0))]
 
 
 class BulkTable(keys.Table):
-    """Bulk stress of one body along its own axis, given by its values at the contact: mean + amplitude cos(cycle −
-    phase), from when the drive is at +amplitude.
+    """Keys of one body's bulk stress along its own axis at the contact: mean + amplitude cos(cycle − phase), where the
+    cycle begins with the drive at +amplitude.
     """
 
     axial_stress_MPa: Stress = Field(0.0, description="mean axial stress, tension positive", examples=[300.0])
@@ -143,7 +146,9 @@ class BulkTable(keys.Table):
         )
 
     def unfit(self, *, is_round: bool) -> str | None:
-        """End of an error message if a body, round bar or not, cannot carry this bulk stress; None if it can."""
+        """The rest of a message "bulk ..." if a body cannot carry this stress: torsion of a body that is not round.
+        None if it can.
+        """
         if (self.torsion_stress_MPa or self.torsion_stress_amplitude_MPa) and not is_round:
             return "gives a torsion stress, which is of round bars, wires and tubes alone"
         return None
@@ -152,10 +157,8 @@ class BulkTable(keys.Table):
 def bulk_of(
     bodies: Sequence[tuple[BulkTable | None, Elastic]], *, plane_strain: bool = False
 ) -> tuple[BulkStress, ...]:
-    """Bulk stresses of the driven and the held body from the table and the material of each; empty if neither has a
-    table.
-
-    plane_strain: True for planar bodies.
+    """(driven, held): bulk stresses as the solvers take them, 0 for a body without a table; empty if neither has one.
+    bodies: table and elastic constants of the driven and the held body. plane_strain: True for planar bodies.
     """
     if all(table is None for table, _ in bodies):
         return ()

@@ -1,4 +1,7 @@
-"""Faces of pads as a study states them: of a line contact's pad, and of a pad of revolution about the normal."""
+"""Faces of pads as a study states them: of a line contact's pad, and of a pad of revolution about the normal.
+
+A face is the profile of a pad along the motion (or along any radius): round, flat with rounded edges, or tabled.
+"""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -43,7 +46,7 @@ _OF_KINDS = {kinds.CYLINDER_ON_FLAT: (_FACES[:1], "give radius_mm, the radius of
 
 
 def half_width_of(face: Face) -> float:
-    """Half-width in mm of a pad whose study does not state it."""
+    """Half-width in mm that a pad gets if its study does not state it."""
     match face:
         case Cylinder(radius_mm=radius):
             return min(WIDEST_mm, _ACROSS_RADIUS * radius)
@@ -81,7 +84,7 @@ def _points_of_file(name: object) -> list[tuple[float, float]]:
 
 
 def size_of(face: Face) -> float:
-    """Length in mm by which the extents of a turned pad's body are chosen."""
+    """Length in mm from which a turned pad's extents are chosen: radius, half-width of the flat, or reach."""
     match face:
         case Cylinder(radius_mm=radius):
             return radius
@@ -92,7 +95,7 @@ def size_of(face: Face) -> float:
 
 
 class PadFace(Table):
-    """The keys of a pad's face: round, flat with rounded edges, a flat cut off a round one, or any other profile."""
+    """Keys of a pad's face: round, flat with rounded edges, a flat cut off a round one, or any other profile."""
 
     radius_mm: Radius | None = Field(
         None, description="radius of a round pad; with face_half_width_mm a flat is cut off it", examples=[40.0]
@@ -109,7 +112,7 @@ class PadFace(Table):
 
     @property
     def profile(self) -> Face:
-        """The face that these keys state; they must state exactly one, see `missing_face`."""
+        """The face that these keys state, if they state exactly one (`missing_face` returns None)."""
         if self.profile_points_mm is not None:
             return TabledProfile(self.profile_points_mm)
         if self.face_half_width_mm is not None:
@@ -119,9 +122,8 @@ class PadFace(Table):
         return Cylinder(self.radius_mm or 0.0, curved_along=True)
 
     def missing_face(self, kind: str = kinds.LINE_CONTACT) -> str | None:
-        """Rest of an error message on keys that give the pad no face, or none that is valid; None if they do.
-
-        kind: the kind of contact, as the file names it.
+        """The rest of an error message if the keys state no face, several or an impossible one; None if they state one.
+        kind: name of the kind of contact in the file.
         """
         faces, wanted = _OF_KINDS.get(kind, (_FACES, _ANY_FACE))
         if {key for key in FACE_KEYS if getattr(self, key) is not None} not in faces:
@@ -137,7 +139,7 @@ FACE_KEYS = tuple(PadFace.model_fields)  #: The keys of a face.
 
 
 class PadFaceOrFile(PadFace):
-    """The keys of a pad's face, or a file that holds its profile."""
+    """Keys of a pad's face, or of a file that holds its profile."""
 
     profile_file: str | None = Field(
         None, description="table of x_um and height_um, taken over as profile_points_mm", examples=["pad.csv"]

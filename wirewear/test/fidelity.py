@@ -1,6 +1,4 @@
-"""Levels of fidelity: element sizes and steps of contacts at a point and line contacts, unless a study states
-its own.
-"""
+"""Levels of fidelity, from quick to fine: element sizes and steps of a run where its study states none."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -14,7 +12,7 @@ FIDELITIES = ("quick", "standard", "fine")
 
 
 def level_of(levels: Mapping[str, Level], name: str) -> Level:
-    """The settings of a level of fidelity. Raises StudyError if there is no such level."""
+    """The entry of `levels` (by name of the level) called `name`; StudyError if there is none."""
     if name not in levels:
         raise StudyError(f"there is no fidelity {name!r}: choose one of {', '.join(levels)}.")
     return levels[name]
@@ -22,7 +20,7 @@ def level_of(levels: Mapping[str, Level], name: str) -> Level:
 
 @dataclass(frozen=True)
 class WireLevel:
-    """Resolution of a contact at a point in space and time."""
+    """Resolution in space and time of a contact at a point at one level of fidelity."""
 
     per_contact_radius: float  #: Elements per radius of the fresh contact, in all directions.
 
@@ -54,9 +52,7 @@ class WireLevel:
     sticking: bool = False
 
     def for_sticking(self, *, wears: bool) -> "WireLevel":
-        """The level for a contact whose middle sticks for good, which needs few positions; wears: whether the test has
-        wear.
-        """
+        """A copy for a contact whose middle sticks for good, with fewer positions a cycle. wears: the test wears."""
         return replace(
             self,
             to_rim=self.to_rim_worn if wears else self.to_rim,
@@ -68,7 +64,7 @@ class WireLevel:
         )
 
     def coarser(self, factor: float) -> "WireLevel":
-        """A copy of the level with elements `factor` times as large."""
+        """A copy with elements `factor` times as large."""
         return replace(
             self,
             per_contact_radius=self.per_contact_radius / factor,
@@ -129,10 +125,10 @@ WIRE_LEVELS = {
 
 @dataclass(frozen=True)
 class LineLevel:
-    """Resolution of a worn line contact: elements per half-width of the fresh contact and of the scar, and steps.
+    """Resolution of a line contact at one level of fidelity: elements per half-width of the fresh contact (per_contact)
+    and of the scar (per_scar), time steps, and the relative error allowed to a cycle jump.
 
-    Jump tolerances are those at which pressures at the edges of a growing scar no longer change; depths need a tenth of
-    that.
+    That tolerance keeps pressures at the edges of a growing scar; depths alone would allow ten times as much.
     """
 
     per_contact: float

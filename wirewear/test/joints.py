@@ -1,6 +1,4 @@
-"""Joints: tests of which loops alone are known, such as those of a bolted joint or a damper, without bodies and
-wear.
-"""
+"""Joints: tests of which loops alone are known, as of a bolted joint or a damper, without bodies and wear."""
 
 from collections.abc import Mapping
 from typing import Annotated, Literal
@@ -36,7 +34,7 @@ class JointConditions(AskedOfJoint, DrivenConditions):
 
 
 class JointStiffness(StatedBodies):
-    """The key for a joint's own stiffness, all that is stated in place of bodies."""
+    """The key of a joint's own stiffness, which is stated in place of bodies."""
 
     contact_stiffness_N_per_mm: keys.HolderStiffness = Field(
         "rigid", description='stiffness of the joint itself, without the rig, a number or "rigid"'
@@ -55,9 +53,7 @@ class JointContact(FrictionTable, JointStiffness):
 
 
 class JointTables(CommonTables, StatesItsKind):
-    """The study of a joint without its variants. It can be fitted and diagnosed, but not simulated by finite
-    elements.
-    """
+    """The tables of a joint's study, without variants; it can be fitted and diagnosed, but not simulated."""
 
     kind: Literal["joint"] = Field(description="kind of contact", examples=[kinds.JOINT])
     conditions: JointConditions = Field(description="load, stroke, frequency and length of the test")
@@ -68,12 +64,10 @@ class JointTables(CommonTables, StatesItsKind):
 
     @property
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
-        """Empty: there are no bodies."""
         return {}
 
     @property
     def materials(self) -> dict[str, Elastic]:
-        """Empty: there are no bodies."""
         return {}
 
     @property
@@ -89,7 +83,6 @@ class JointTables(CommonTables, StatesItsKind):
         return WearRates()
 
     def contradiction(self) -> Inconsistency | None:
-        """The key of the effects if one of them needs bodies; None otherwise."""
         if any(effect.seam is Seam.SPECIMENS for effect in self.effects):
             return Inconsistency(("effects",), "hold one of bodies, which a joint does not state")
         return None

@@ -1,6 +1,6 @@
-"""The keys of a study's TOML file: the values that each may take, in its unit, and tables of keys.
+"""The keys of a study's TOML file: the type of each value, with its unit and range, and tables of keys.
 
-Keys carry their units; values are kept as given. A key of a number is checked by its `Quantity`.
+A key's name ends in the unit of its value, and values are kept in that unit. A `Quantity` checks a number's range.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -33,21 +33,21 @@ NO_PIVOT = "says that the holder rotates, but pivot_height_mm, the height of its
 
 
 def checked_format(value: object) -> int:
-    """FORMAT, the only version there is; ValueError for any other value."""
+    """`value` if it is FORMAT, the only version of the file format; ValueError for any other value."""
     if value != FORMAT or isinstance(value, bool):
         raise ValueError(f"is {shown(value)}, but this version of wirewear reads format {FORMAT}")
     return FORMAT
 
 
 def checked_text(value: object) -> str:
-    """The value if it is a text that is not blank; ValueError otherwise."""
+    """`value` if it is a text that is not blank; ValueError otherwise."""
     if not isinstance(value, str) or not value.strip():
         raise ValueError(f'is {shown(value)}, but must be a text such as "steel wires"')
     return value
 
 
 def one_of(*words: str) -> Callable[[object], str]:
-    """A function that returns a value that is one of these words, and raises ValueError for any other."""
+    """A function that returns its argument if it is one of `words`, and raises ValueError otherwise."""
     choice = " or ".join(f'"{word}"' for word in words)
 
     def check(value: object) -> str:
@@ -81,9 +81,9 @@ def _checked_material(value: object) -> str:
 
 
 def with_constants_of_material(table: Any) -> Any:
-    """A table that names its material, with the material's elastic constants and, unless stated, its yield stress.
-
-    Raises ValueError if the table states other constants as well.
+    """The table with the elastic constants of the material that it names and, unless stated, its yield stress and
+    hardening; unchanged if it is no mapping, or names no material or an unknown one. Raises ValueError if it states
+    elastic constants other than the material's.
     """
     if not isinstance(table, Mapping) or table.get("material") is None:
         return table
@@ -194,10 +194,8 @@ WearLawKey = Annotated[
 def pairs_of(
     value: object, example: str, least: float = -inf, *, given: str = "is", must: str = "be a list of"
 ) -> tuple[tuple[float, float], ...]:
-    """A list of pairs of finite numbers, none below `least`.
-
-    Raises ValueError otherwise; the message continues a sentence that begins with the key and contains the example,
-    given and must are words of it.
+    """The pairs of a list as floats, all finite and at least `least`; ValueError otherwise.
+    The message follows a key's name: `given` is its verb, `must` comes before "pairs such as" and `example`.
     """
     points = []
     for item in value if isinstance(value, list | tuple) else [None]:
@@ -222,14 +220,14 @@ Points = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_poi
 
 
 class Table(BaseModel):
-    """A table of keys: immutable, and without keys that it does not know."""
+    """A table of keys of a TOML file as an immutable value; an unknown key raises pydantic's ValidationError."""
 
     # Checks are built when a table is first read: those of most kinds of contact are never.
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 def merged(base: Mapping[str, object], overrides: Mapping[str, object]) -> dict[str, Any]:
-    """`base` with the values of `overrides` in place of its own, table by table."""
+    """A new nested table: `base`, with the values of `overrides` in place of its own at every level."""
     whole = dict(base)
     for key, value in overrides.items():
         below = whole.get(key)
@@ -238,9 +236,7 @@ def merged(base: Mapping[str, object], overrides: Mapping[str, object]) -> dict[
 
 
 def values_in_no_variant(tables: Table, variants: Sequence[Table]) -> Iterator[tuple[str, str, object]]:
-    """Table, key and value of everything that a file states for all variants although each variant has another
-    value.
-    """
+    """Yields (table, key, value) of what `tables` state but every variant states otherwise; nothing without any."""
     for name in sorted(tables.model_fields_set):
         own = getattr(tables, name)
         for key in sorted(own.model_fields_set) if isinstance(own, Table) and variants else ():
@@ -250,7 +246,7 @@ def values_in_no_variant(tables: Table, variants: Sequence[Table]) -> Iterator[t
 
 
 class OfMaterial(Table):
-    """A table whose elastic constants are stated, or follow from the name of a material."""
+    """A table of elastic constants, which may name a material of materials.toml instead of stating them."""
 
     @model_validator(mode="before")
     @classmethod
@@ -261,7 +257,7 @@ class OfMaterial(Table):
 
 
 class NamedTable(Table):
-    """A whole file: the keys with which every study begins."""
+    """The keys with which every study file begins: version of the format, and title."""
 
     format: Annotated[int, PlainValidator(checked_format)] = Field(
         description="version of this file's format", examples=[FORMAT]
@@ -272,7 +268,7 @@ class NamedTable(Table):
 
 
 def quantity_of(field: FieldInfo) -> Quantity | None:
-    """The `Quantity` that checks a key; None if the key does not hold a number."""
+    """The `Quantity` (unit and range) that checks a key's number; None if the key does not hold a number."""
     inside_optional = [item for part in get_args(field.annotation) for item in getattr(part, "__metadata__", ())]
     for item in [*field.metadata, *inside_optional]:
         if isinstance(item, PlainValidator) and isinstance(item.func, Quantity):
@@ -281,14 +277,16 @@ def quantity_of(field: FieldInfo) -> Quantity | None:
 
 
 def table_of(field: FieldInfo) -> type[Table] | None:
-    """The class of the table that a key holds, or each item of its list; None if it holds no table."""
+    """The class of the table that a key holds, or of the tables in a list that it holds; None if it holds neither."""
     held = get_args(field.annotation)
     candidates: tuple[Any, ...] = (field.annotation, *held, *(item for one in held for item in get_args(one)))
     return next((c for c in candidates if isinstance(c, type) and issubclass(c, Table)), None)
 
 
 class Inconsistency(NamedTuple):
-    """A key that does not fit another, and the rest of the sentence that begins with it."""
+    """A contradiction between the keys of a study. keys: the path from the top of the file to one of them; problem: the
+    rest of a sentence that begins with that key.
+    """
 
     keys: tuple[str, ...]
     problem: str

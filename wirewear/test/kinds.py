@@ -1,4 +1,4 @@
-"""Kinds of tests: the data that distinguish them. Everything else follows from the types of their tables."""
+"""Kinds of tests, such as crossed wires or a line contact, and the data by which one differs from another."""
 
 from __future__ import annotations
 
@@ -17,9 +17,7 @@ from wirewear.test.wires import Wires
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of test. Other code distinguishes studies, records, mappings and results by their types, not by
-    this name.
-    """
+    """What distinguishes a kind of test from others; code tells studies of different kinds apart by their class."""
 
     name: str  #: Name of the kind in studies, records and results.
     tables: type[CommonTables]  #: Tables of its studies.
@@ -61,19 +59,19 @@ KINDS: dict[str, Kind] = {
 
 
 class OfAKind(Protocol):
-    """A study, a record or a result."""
+    """Anything that names its kind of test: a study, a record or a result."""
 
     @property
     def contact_kind(self) -> str:
-        """The name of its kind."""
+        """Name of its kind, a key of KINDS."""
 
 
 def kind_of(one: OfAKind) -> Kind:
-    """The kind of a study, a record or a result."""
+    """The kind of test of a study, a record or a result. Raises KeyError for a name that is not in KINDS."""
     return KINDS[one.contact_kind]
 
 
 def kind_named(asked: object) -> Kind:
-    """The kind with this name or synonym; crossed wires for an unknown name, whose tables then refuse it."""
+    """The kind of test with this name or synonym; crossed wires for any other value, which their tables refuse."""
     found = (KINDS[name] for name, names in kinds.NAMES.items() if asked in names)
     return next(found, KINDS[kinds.CROSSED_WIRES])

@@ -1,7 +1,8 @@
-"""Lengths of line contacts: conversion of keys per millimetre into those of the whole contact, and of tables to a
+"""Lengths of line contacts: conversion of keys per millimetre to those of the whole contact, and of studies to another
 length.
 
-One millimetre of a line contact is computed; files state the whole contact or values per millimetre.
+One millimetre of a line contact is computed; files state the whole contact or values per millimetre. A value grows with
+the length if it is a force, energy, volume or stiffness, by the unit at the end of its key.
 """
 
 import re
@@ -44,10 +45,10 @@ _RENAMED = {
 
 
 class HasLength(Protocol):
-    """A result that can be converted to another contact length."""
+    """A result or study of a line contact that can be converted to another contact length."""
 
     def of_length(self, length_mm: float) -> Self:
-        """The result for a contact of this length."""
+        """A copy for a contact of `length_mm`, with equal loads and energies per millimetre."""
 
 
 AnyResult = TypeVar("AnyResult", bound=HasLength)
@@ -56,7 +57,9 @@ Named = TypeVar("Named")  #: Values by name: a mapping, or the fields of a table
 
 @dataclass(frozen=True)
 class Extent:
-    """The extent of a contact across its motion; this class is for contacts at a point, which are computed whole."""
+    """How much of a contact is computed, and units that follow from it; this class is for contacts at a point, computed
+    whole. length_mm: length of the line contact, None at a point.
+    """
 
     length_mm: float | None = None
     per: ClassVar[str] = ""  #: Suffix of units of computed values.
@@ -67,32 +70,32 @@ class Extent:
 
     @property
     def share(self) -> float:
-        """Share of the contact that is computed."""
+        """Computed share of the contact, 0 to 1: 1 at a point, 1/length_mm of a line contact."""
         return 1.0
 
     @property
     def said(self) -> str:
-        """The part of the contact to which forces and energies belong, in words; empty if it is the whole contact."""
+        """Part of a contact that forces and energies belong to, as "10 mm of the contact"; empty at a point."""
         return ""
 
     def of_result(self, result: AnyResult) -> AnyResult:
-        """A result for a contact of this extent; unchanged for a contact at a point."""
+        """A result of one millimetre converted to this length; unchanged for a contact at a point."""
         return result
 
     def units(self, per_length: Mapping[str, float]) -> dict[str, float]:
-        """Factors of units per length as units of the whole contact; empty for a contact at a point."""
+        """`per_length`, factors by unit for values per millimetre, multiplied by length_mm; empty at a point."""
         del per_length
         return {}
 
     def of(self, length_mm: float | None) -> "Extent":
-        """The extent of a line contact of length `length_mm`; unchanged for a contact at a point."""
+        """The extent of a line contact of length `length_mm`, of 1 mm for None; unchanged for a contact at a point."""
         del length_mm
         return self
 
 
 @dataclass(frozen=True)
 class Length(Extent):
-    """The extent of a line contact, of which one millimetre is computed."""
+    """The extent of a line contact of length_mm, of which one millimetre is computed."""
 
     length_mm: float = 1.0
     per, suffix, worn, fewest_across = "/mm", "_per_mm", "profiles", 1
@@ -120,17 +123,16 @@ WHOLE = Extent()  #: The extent of any contact at a point.
 
 
 def extent_of(length_mm: float | None) -> Extent:
-    """The extent of a contact of this length; None for a contact at a point."""
+    """The extent of a line contact of this length; that of a contact at a point for None."""
     return Length(length_mm) if length_mm else WHOLE
 
 
 def whole_test(
     data: Mapping[str, object], where: str, error: type[WirewearError], length_mm: float | None = None
 ) -> dict[str, Any]:
-    """Tables of a line contact's test and its blocks, with values per millimetre converted to the whole contact.
-
-    length_mm: length of the contact, if it is not stated in [contact] of these tables. Raises `error`, in one sentence,
-    if a value is given in both ways.
+    """The nested tables of a line contact's study and of its blocks, with values per millimetre converted to the whole
+    contact. length_mm: length of the contact; None takes that in [contact] of `data`, or 1. where: name of the file for
+    messages. Raises `error`, in one sentence, if a value is stated both ways.
     """
     try:
         return _of_whole(data, length_mm or given_length_mm(data) or 1.0)
@@ -139,7 +141,7 @@ def whole_test(
 
 
 def given_length_mm(data: Mapping[str, object]) -> float | None:
-    """Length of the contact in a file's tables; None if they state no number."""
+    """The contact's length in mm in [contact] of a file's nested tables; None if it is missing or no number."""
     contact = data.get("contact")
     own = contact.get("length_mm") if isinstance(contact, Mapping) else None
     return own if _is_number(own) else None
@@ -156,7 +158,7 @@ def _of_whole(data: Mapping[str, Any], length_mm: float) -> dict[str, Any]:
 
 
 def key_of_whole(key: str, value: Any, length_mm: float) -> tuple[str, Any]:
-    """A key with dots and its value, those per length converted to the whole contact of `length_mm`."""
+    """A key with dots and its value for the whole contact of `length_mm`; as given if it is not per length."""
     table, _, name = key.rpartition(".")
     ((own, number),) = _renamed(table.rpartition(".")[2], {name: value}, length_mm).items()
     return f"{table}.{own}" if table else own, number
@@ -177,15 +179,14 @@ def _is_number(value: object) -> bool:
 
 
 def lengthened(values: Named, factor: float) -> Named:
-    """A mapping, table or effect for a contact longer by `factor`; texts and other values that are no numbers stay."""
+    """A copy of a mapping, table or effect for a contact `factor` times as long; numbers change by their units."""
     own = ((key, value, _UNIT.search(key)) for key, value in _named(values).items() if _is_number(value))
     return _changed(values, {key: value * factor ** _POWERS[unit[1]] for key, value, unit in own if unit is not None})
 
 
 def study_of_length(study: Named, length_mm: float) -> Named:
-    """The study of a line contact, as its tables or as results keep it, for another length of the contact.
-
-    Load, force and energy per millimetre stay as they are.
+    """A copy of a line contact's study, as tables or as a nested mapping, for another length of the contact in mm, with
+    equal load, force and energy per millimetre.
     """
     tables = _named(study)
     if length_mm == (own := stated_length_mm(tables)):
@@ -216,5 +217,5 @@ def _changed(values: Named, changes: Mapping[str, object]) -> Named:
 
 
 def stated_length_mm(study: Mapping[str, object]) -> float:
-    """Length of the contact in the tables of a line contact's study; 1 if not stated."""
+    """Length in mm of the contact in the nested tables of a line contact's study; 1 if not stated."""
     return float(_named(study["contact"]).get("length_mm", 1.0))

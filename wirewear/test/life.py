@@ -1,6 +1,4 @@
-"""The [life] table of a study: a criterion of crack initiation, fatigue data, and the length over which stresses are
-averaged.
-"""
+"""The [life] table of a study: criterion of crack initiation, fatigue data, and averaging of stresses."""
 
 from collections.abc import Mapping
 from math import pi, sqrt
@@ -39,7 +37,7 @@ CURVE_KEYS = (
 
 
 class LifeTable(keys.Table):
-    """Keys for the number of cycles until a crack begins; data that are left out are those of the material."""
+    """Keys for the number of cycles until a crack begins; fatigue data left out are taken from the material."""
 
     criterion: Annotated[
         Literal["smith-watson-topper", "fatemi-socie", "crossland", "stress-life"],
@@ -85,8 +83,8 @@ class LifeTable(keys.Table):
     )
 
     def of_material(self, named: str | None) -> Self:
-        """The table completed with fatigue data of its material, which it names itself or which is `named` by a
-        body.
+        """A copy completed with the fatigue data of the material it names or, if it names none, of `named`; of neither
+        if both are None. A tensile strength without curve data adds medians for steel.
         """
         name = self.material or named
         known = {} if name is None else {"material": name, **dict(material_named(name).fatigue)}
@@ -98,7 +96,7 @@ class LifeTable(keys.Table):
         return self.model_validate(stated)
 
     def required(self, *names: str) -> tuple[float, ...]:
-        """Values of these keys. Raises StudyError if one is not known."""
+        """Values of the keys `names`, in their order and units. Raises StudyError if one is not stated."""
         lacking = [name for name in names if getattr(self, name) is None]
         if lacking:
             known = ", ".join(item.name for item in materials() if item.fatigue)
@@ -110,7 +108,7 @@ class LifeTable(keys.Table):
 
     @property
     def needed(self) -> tuple[str, ...]:
-        """Keys that the criterion and the averaging need, including the partners of keys that have no effect alone."""
+        """Keys that must be stated for this criterion and averaging."""
         found: tuple[str, ...] = CURVE_KEYS[:2] if self.criterion in ("crossland", "stress-life") else CURVE_KEYS
         if self.criterion == "fatemi-socie" and self.fatemi_socie_factor is not None:
             found += ("yield_strength_MPa",)
@@ -125,7 +123,7 @@ class LifeTable(keys.Table):
 
     @property
     def slope(self) -> float:
-        """Crossland's weight of the hydrostatic stress; from both fatigue limits if it is not stated, else 0.3."""
+        """Crossland's weight of the hydrostatic stress: as stated, or of both fatigue limits, or 0.3."""
         if self.crossland_slope is not None:
             return self.crossland_slope
         if self.fatigue_limit_MPa is None or self.torsion_fatigue_limit_MPa is None:
@@ -134,9 +132,7 @@ class LifeTable(keys.Table):
 
     @property
     def distance_um(self) -> float:
-        """The critical distance: stated, or El Haddad's (ΔK / Δσ)² / π (Int. J. Fract. 16 (1980) 15); 0 if neither is
-        known.
-        """
+        """Critical distance: as stated, or El Haddad's (ΔK / Δσ)² / π (Int. J. Fract. 16 (1980) 15); 0 if unknown."""
         if self.critical_distance_um is not None:
             return self.critical_distance_um
         if self.threshold_MPa_sqrt_m is None or self.fatigue_limit_MPa is None:
@@ -145,13 +141,15 @@ class LifeTable(keys.Table):
 
     @property
     def scatter(self) -> float:
-        """Standard deviation of the decimal logarithm of lives."""
+        """Standard deviation of the decimal logarithm of lives; 0.2 if not stated."""
         # Where none is stated.
         return 0.2 if self.scatter_decades is None else self.scatter_decades
 
 
 def material_of_body(tables: Mapping[str, object], body: str) -> str | None:
-    """The material that a study names for a body, or for all of its bodies; None if it states constants."""
+    """Name of the material of the body called `body` in the nested tables of a study, or the one stated for both wires;
+    None if constants are stated instead.
+    """
     for holder in (tables, *(one for one in tables.values() if isinstance(one, Mapping))):
         own = holder.get(body)
         if isinstance(own, Mapping) and own.get("material"):

@@ -1,4 +1,6 @@
-"""Tables of a line contact's study: a pad on a flat in plane strain, of a length across the motion."""
+"""Tables of a line contact's study: a pad held on a flat specimen that is driven, in plane strain, of a stated length
+across the motion. Numbers are those of the whole length.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -29,7 +31,7 @@ TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}  #: An alloy 
 
 
 class ResolutionTable(keys.Table):
-    """Keys of the resolution in space and time; values that are left out follow from --fidelity."""
+    """Keys of the resolution of a line contact in space and time; None follows from the level of fidelity."""
 
     contact_mesh_um: keys.ElementSize | None = Field(None, description="element size under the contact")
     far_mesh_mm: Extent = Field(1.0, description="largest element far from the contact")
@@ -37,14 +39,14 @@ class ResolutionTable(keys.Table):
 
 
 class HeldTable(MountedBody):
-    """Keys of a body that is held at its back."""
+    """Keys of the pad or the specimen, each held at its back."""
 
     grip_width_mm: Extent | None = Field(
         None, description="width of the back that is held, about its middle; all by default"
     )
 
     def held(self, geometry: PlanarGeometry) -> PlanarGeometry:
-        """The geometry with this body's grip."""
+        """A copy of `geometry` with the width and stiffness of this body's grip."""
         stiffness, width = self.grip_stiffness_N_per_mm3, self.grip_width_mm
         return replace(
             geometry,
@@ -72,20 +74,20 @@ class Specimen(HeldTable):
 
 
 class LineConditions(DrivenConditions):
-    """Keys of load, stroke, frequency and length of the test."""
+    """Keys of load, stroke, frequency and length of a line contact's test."""
 
     frequency_Hz: keys.Frequency = Field(1.0, description="cycles per second")
 
 
 class LineContactTable(FrictionTable):
-    """Keys of friction, and the length of the contact."""
+    """Keys of a line contact's friction and length."""
 
     length_mm: Extent = Field(1.0, description="length of the contact across the motion", examples=[10.0])
 
 
 class WearOfBodies(keys.Table):
-    """Keys of each body's wear coefficients: per dissipated energy, or by Archard's law per load and sliding
-    distance.
+    """Keys of the wear coefficients of pad and specimen: worn volume per dissipated energy or, by Archard's law, per
+    load and sliding distance.
     """
 
     WEAR: ClassVar[tuple[str, ...]] = tuple(
@@ -109,12 +111,12 @@ class WearOfBodies(keys.Table):
 
     @property
     def coefficients(self) -> dict[str, float]:
-        """All four coefficients by their keys, 0 for those that are not stated."""
+        """The four coefficients by their keys, in the order of WEAR and in the keys' units; 0 where not stated."""
         return {key: getattr(self, key) or 0.0 for key in self.WEAR}
 
 
 class LineWear(WearOfBodies):
-    """Keys of each body's wear coefficients, and the wear law."""
+    """Keys of the wear coefficients of pad and specimen, and of the wear law."""
 
     law: keys.WearLawKey | None = Field(
         None, description='"energy", or a table of another law\'s name and parameters, for energy coefficients'
@@ -122,12 +124,12 @@ class LineWear(WearOfBodies):
 
     @property
     def of_law(self) -> WearLaw:
-        """The law of the energy coefficients."""
+        """The stated law, or the energy law."""
         return self.law or EnergyLaw()
 
 
 class LineMeshing(ResolutionTable):
-    """Keys of the resolution in space and time, and the extent of the fine mesh."""
+    """Keys of a line contact's resolution in space and time, and of the extent of its fine mesh."""
 
     scar_half_width_um: keys.ElementSize | None = Field(
         None, description="half-width of the finely meshed patch beyond the stroke; without it, predicted"
@@ -140,7 +142,7 @@ class LineMeshing(ResolutionTable):
 
 
 class PadAndSpecimen(StatedBodies):
-    """Keys of a pad above a flat that is driven."""
+    """Keys of a pad and, below it, a flat that is driven."""
 
     pad: Pad = Field(description="the pad")
     specimen: Specimen = Field(description="the flat")
@@ -167,7 +169,7 @@ class PadAndSpecimen(StatedBodies):
 
 
 class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
-    """A whole study of a line contact without its variants."""
+    """The tables of a study of a line contact, without its variants."""
 
     kind: Annotated[
         Literal["line-contact", "cylinder-on-flat"], PlainValidator(keys.one_of(*kinds.NAMES[kinds.LINE_CONTACT]))
@@ -179,7 +181,6 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
 
     @property
     def contact_kind(self) -> str:
-        """ "line-contact", also for a cylinder on a flat."""
         return kinds.LINE_CONTACT
 
     @classmethod
@@ -195,12 +196,10 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
 
     @property
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
-        """Coatings of the specimen and of the pad."""
         return {"specimen": self.specimen.layers, "pad": self.pad.layers}
 
     @property
     def materials(self) -> dict[str, Elastic]:
-        """Elastic constants of the specimen and of the pad."""
         return {"specimen": self.specimen.elastic, "pad": self.pad.elastic}
 
     @property
@@ -228,7 +227,7 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
         return sum(self.energy_coefficients()) * self.contact.friction
 
     def energy_coefficients(self) -> tuple[float, float]:
-        """Wear of pad and specimen per dissipated energy, in mm³/J.
+        """(pad, specimen): worn volume per dissipated energy in mm³/J, 0 where nothing wears.
 
         Archard's law h = k p s is the energy law h = α µ p s with α = k/µ wherever Coulomb friction slides.
         """
@@ -241,11 +240,11 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
         return combined(pad_energy, pad_archard), combined(specimen_energy, specimen_archard)
 
     def of_length(self, length_mm: float) -> Self:
-        """The test on another length of the contact, with the same load, force and energy per millimetre."""
+        """A copy for a contact of length_mm, with equal load, force and energy per millimetre."""
         return study_of_length(self, length_mm)
 
     def contradiction(self) -> Inconsistency | None:
-        """The first of: a pad without a face, a holder that tips over, two wear laws; None if there is none."""
+        """The first contradiction of the bodies, the holder (the pad may tip over) or wear laws; None if all fit."""
         return self._of_bodies() or self._of_holder() or self._of_wear()
 
     def _of_bodies(self) -> Inconsistency | None:

@@ -1,4 +1,4 @@
-"""Tests in which one wire touches several: places of its contacts, and how the wire between them shares the load."""
+"""Tests in which one held wire touches several driven bodies: their places, and how the wire shares its load."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Values = Mapping[str, Any]
 
 
 class PlacedContact(keys.Table):
-    """Keys of one of several contacts; its tables state what is different from the study's."""
+    """Keys of one of several contacts: its place, and values that differ from the study's."""
 
     at_mm: Along = Field(description="place of the contact along the held wire", examples=[0.0])
     contact: Values = Field({}, description="friction in it")
@@ -34,7 +34,7 @@ class PlacedContact(keys.Table):
 
 
 class SpanTable(keys.Table):
-    """Keys of the held wire between its contacts."""
+    """Keys of the held wire between its contacts, which bends as a beam."""
 
     loads_at_mm: tuple[Along, ...] = Field(
         (), description="places along the held wire at which the normal load acts in equal parts; without it the middle"
@@ -48,7 +48,9 @@ class _Several(keys.Table):
 
 @dataclass(frozen=True)
 class ManyContacts:
-    """One held wire over several driven ones, which all move alike; the normal load is that of all contacts."""
+    """A test of one held wire over several driven bodies, which move alike. study, tables: of a contact that states
+    nothing of its own; loads_at_mm: places along the held wire at which equal parts of the load act.
+    """
 
     study: Study  #: The test of a contact that states nothing of its own.
     tables: Mapping[str, Any]  #: Of that study, as stated.
@@ -57,12 +59,11 @@ class ManyContacts:
 
     @property
     def load_N(self) -> float:
-        """Normal load of all contacts together."""
         return float(self.study.conditions.normal_load_N)
 
     @property
     def places_mm(self) -> Array:
-        """Places (n,) of the contacts along the held wire."""
+        """Places (n,) of the contacts along the held wire, in the file's order."""
         return np.array([own.at_mm for own in self.contacts])
 
     @property
@@ -72,7 +73,9 @@ class ManyContacts:
         return wire.youngs_modulus_MPa * pi / 64.0 * (wire.diameter_mm**4 - wire.bore_mm**4)
 
     def alone(self, contact: int, blocks: list[tuple[int, float]]) -> Study:
-        """The study of the contact of this index; `blocks` are pairs of number of cycles and normal load in N."""
+        """The study of one contact. contact: its index from 0; blocks: (number of cycles, normal load in N) of each
+        block of its programme, at whose end a loop is recorded.
+        """
         own = {key: value for key, value in self.contacts[contact] if key != "at_mm" and value}
         ends = np.cumsum([cycles for cycles, _ in blocks]).tolist()
         programme = [{"cycles": cycles, "conditions": {"normal_load_N": load}} for cycles, load in blocks]
@@ -82,7 +85,9 @@ class ManyContacts:
 
 
 def many_contacts(path: Path) -> ManyContacts | None:
-    """The test in a file with several contacts; None if it states none. StudyError, in one sentence, if it is unfit."""
+    """The test in a study file with several contacts; None if it states none. Raises StudyError, in one sentence, if it
+    is not valid or states what is not taken with several contacts.
+    """
     data = read_study(path)
     if not data.keys() & SEVERAL:
         return None

@@ -1,4 +1,4 @@
-"""The materials that studies can name, from materials.toml."""
+"""Materials that studies can name, read from materials.toml."""
 
 import re
 import tomllib
@@ -16,9 +16,10 @@ _TABLE = Path(__file__).parent / "materials.toml"
 
 @dataclass(frozen=True)
 class Material:
-    """A material: its names, elastic constants, fatigue data and yield stress, each with its source.
+    """A material: first name, synonyms (`also`), elastic constants, fatigue data and yield stress.
 
-    verified: True if the source itself has been read.
+    Of each of the three data: its source, and verified: True if that source itself has been read. `fatigue` holds pairs
+    (key of `LifeTable`, value), `yields` pairs (key of a body, value); each is empty where the table has none.
     """
 
     name: str
@@ -37,9 +38,7 @@ class Material:
 
     @property
     def fatigue_note(self) -> str:
-        """The source of its fatigue data, after a word of caution if they are estimates or their source has not been
-        read.
-        """
+        """Source of the fatigue data, after a caution if it was not read or gives estimates; empty without data."""
         measured = "fatigue_strength_coefficient_MPa" in dict(self.fatigue)
         doubt = "the tests behind them were not read: " if measured else "estimates from the tensile strength: "
         return f"{'' if self.fatigue_verified else doubt}{self.fatigue_source}"
@@ -47,7 +46,7 @@ class Material:
 
 @cache
 def materials() -> tuple[Material, ...]:
-    """Every material of the table, in its order."""
+    """All materials of materials.toml, in the file's order."""
     entries = {entry["name"]: entry for entry in tomllib.loads(_TABLE.read_text(encoding="utf-8"))["material"]}
     return tuple(_material({**entries.get(entry.get("like"), {}), "also": (), **entry}) for entry in entries.values())
 
@@ -74,7 +73,7 @@ def _data(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
 
 
 def names() -> tuple[str, ...]:
-    """First names of all materials."""
+    """First names of all materials, without synonyms."""
     return tuple(material.name for material in materials())
 
 

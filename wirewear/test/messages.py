@@ -1,4 +1,8 @@
-"""Failed checks of a TOML file's tables as one sentence: what is wrong, where, and what would be right."""
+"""Failed checks of a TOML file's tables as one sentence: what is wrong, where, and what would be right.
+
+`keys` are the path from the top of a file to a key, a number standing for the place in a list of tables; `where` is the
+name of the file in messages; a `Spelling` gives the table that holds a key, as that file writes it.
+"""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -21,7 +25,7 @@ Spelling = Callable[[Keys], str]  #: Gives the table that holds a key, as it is 
 
 
 def table_above(keys: Keys) -> str:
-    """The table that holds a key, as it is spelled in a file without variants."""
+    """The table that holds a key, as a file without variants writes it: "holder" for ("holder", "pivot_height_mm")."""
     return ".".join(map(str, keys[:-1]))
 
 
@@ -32,10 +36,7 @@ def validated(
     kind: type[WirewearError],
     spelled: Spelling = table_above,
 ) -> Model:
-    """The tables as an instance of `model`; `where` names their origin in messages.
-
-    Raises `kind`, in one sentence, if the tables do not fit the model.
-    """
+    """An instance of `model` of these tables. Raises `kind`, in one sentence, if they do not fit the model."""
     try:
         return model.model_validate(data)
     except ValidationError as error:
@@ -45,9 +46,7 @@ def validated(
 def first_problem(
     error: ValidationError, where: str, model: type[BaseModel] = StudyTables, spelled: Spelling = table_above
 ) -> str:
-    """The most telling problem that pydantic found in the tables of a model, as one sentence; or a sentence per unknown
-    key.
-    """
+    """One sentence on what pydantic found in the tables of `model`; several if there are several unknown keys."""
     problems = error.errors(include_url=False)
     unknown = [problem for problem in problems if problem["type"] == "extra_forbidden"]
     sentences = [_sentence(problem, where, model, spelled) for problem in unknown or problems[:1]]
@@ -70,13 +69,13 @@ def _sentence(problem: ErrorDetails, where: str, model: type[BaseModel], spelled
 
 
 def telling_problem(error: ValidationError) -> ErrorDetails:
-    """The problem that explains the others: an unknown key before a missing one."""
+    """The problem that explains the others: an unknown key, else the first one."""
     problems = error.errors(include_url=False)
     return next((p for p in problems if p["type"] == "extra_forbidden"), problems[0])
 
 
 def place(keys: Keys, where: str, spelled: Spelling) -> str:
-    """Table of a key in words, as ``in [wires] of study.toml``; `keys` lead from the top of the file to this key."""
+    """A key's table in words, as "in [wires] of study.toml", or "in study.toml" for a key at the top."""
     if len(keys) > 2 and isinstance(keys[-2], int):
         return f"in [[{'.'.join(map(str, keys[:-2]))}]] number {keys[-2] + 1} of {where}"
     table = spelled(keys)
@@ -126,7 +125,7 @@ def _missing_key(table: Keys, key: str, where: str, spelled: Spelling, model: ty
 
 
 def same_but_for_unit(key: str, name: str, unit: str) -> bool:
-    """True if `key` is `name`, which ends in `unit`, with another unit or none at its end."""
+    """True if `key` is `name` but for another unit, none, or other letter case; False if `name` ends not in `unit`."""
     suffix = f"_{unit}"
     if not name.endswith(suffix):
         return False
@@ -141,9 +140,7 @@ def field_of(model: type[BaseModel], key: str) -> FieldInfo | None:
 
 
 def known_fields(table: Keys, model: type[BaseModel]) -> Mapping[str, FieldInfo]:
-    """Keys and fields of the table at the keys `table`, from the top of a model's tables; empty if there is no
-    table.
-    """
+    """The fields by key of the table at the path `table` in a model; empty if no table is there."""
     inner: type[BaseModel] | None = model
     # The place of a table in a list is no key.
     for key in (one for one in table if isinstance(one, str)):

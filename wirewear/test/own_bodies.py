@@ -1,4 +1,7 @@
-"""Bodies from files, of meshes or of stiffnesses: their keys in a study, and their geometry under a contact patch."""
+"""Bodies from files, of meshes or of condensed stiffnesses: their keys, and their geometry under a contact patch.
+
+A patch is the finely meshed part of a surface that may touch.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +52,7 @@ def _unstated(
 
 
 def unfit_stiffness(stated: MeshKeys) -> tuple[str, str] | None:
-    """The key and the rest of a sentence on why a file gives no body by its stiffness; None if it does."""
+    """(key, rest of a sentence on it) if the stated file gives no body by its condensed stiffness; None if it does."""
     if problem := _unstated(stated, "stiffness", MATRICES, ("file", "contact", "held")):
         return problem
     try:
@@ -85,7 +88,7 @@ Place = Annotated[tuple[float, float, float], BeforeValidator(_checked_place)]
 
 
 class MeshKeys(keys.Table):
-    """Keys of a body from a mesh file."""
+    """Keys of a body from a mesh file or from a file of its condensed stiffness."""
 
     file: str | None = Field(
         None,
@@ -127,7 +130,7 @@ MESH_KEYS = tuple(MeshKeys.model_fields)
 
 
 def source_of(stated: MeshKeys) -> MeshSource:
-    """The mesh file, sets and directions that these keys state."""
+    """The file, sets, directions and materials of parts that these keys state; unstated names are empty."""
     return MeshSource(
         stated.file or "",
         stated.digest or "",
@@ -142,7 +145,7 @@ def source_of(stated: MeshKeys) -> MeshSource:
 
 
 def unfit_mesh(stated: MeshKeys, poissons_ratio: float) -> tuple[str, str] | None:
-    """The key and the rest of a sentence on why a file cannot be used as a body; None if it can."""
+    """(key, rest of a sentence on it) if the mesh file gives no body of this Poisson's ratio; None if it does."""
     if problem := _unstated(stated, "mesh", FORMATS, ("file", "unit", "contact", "held")):
         return problem
     try:
@@ -172,7 +175,7 @@ def unfit_mesh(stated: MeshKeys, poissons_ratio: float) -> tuple[str, str] | Non
 
 @dataclass(frozen=True)
 class OwnBody(Body):
-    """A body from a mesh file."""
+    """A body from a mesh file, `source`."""
 
     source: MeshSource
 
@@ -187,9 +190,7 @@ class OwnBody(Body):
     def geometry(
         self, axial: GradedAxis | RimGradedAxis, transverse: GradedAxis | RimGradedAxis, layering: Layering
     ) -> BodyGeometry:
-        """The file's elements unchanged if they are a grid that resolves the contact; otherwise a block embedded in
-        them.
-        """
+        """The file's elements if they are a grid that resolves the contact; else a finer block embedded in them."""
         grid = as_grid(self.source, self.bedding_N_per_mm3)
         wanted = (axial, transverse)
         if grid is not None and _resolves(grid, wanted):
@@ -245,7 +246,7 @@ def _resolves(grid: OwnGrid, wanted: tuple[GradedAxis | RimGradedAxis, ...]) -> 
 
 @dataclass(frozen=True)
 class StiffBody(Body):
-    """A body whose condensed stiffness a file gives."""
+    """A body whose condensed stiffness is read from the file `source`."""
 
     source: MeshSource
 

@@ -1,4 +1,7 @@
-"""Studies of contacts at a point between any two bodies, and of a ball on a flat, their short form."""
+"""Studies of contacts at a point between any two bodies, and of a ball on a flat, their short form.
+
+The driven body lies below, the held one above.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -36,19 +39,19 @@ class BallTable(GrippedBody, _Diameter):
 
 
 class TwoBodies(StatedBodies, ABC):
-    """Keys of the table [bodies], which holds the tables of two bodies by their names."""
+    """Keys of the table [bodies] of a study, which holds the tables of two bodies by their names."""
 
     @abstractmethod
     def of_test(self) -> tuple[Body, Body]:
-        """The driven body, which lies below, and the held one above it."""
+        """(driven body, held body), as they are meshed."""
 
     def contradiction(self) -> Inconsistency | None:
-        """The key that does not fit the others; None if all fit."""
+        """The first contradiction among the keys of the bodies; None if all fit."""
         return None
 
 
 class BallAndFlat(TwoBodies):
-    """Keys of a ball held above a flat that is driven."""
+    """Keys of a ball and, below it, a flat that is driven."""
 
     ball: BallTable = Field(description="the ball, whose holder carries the rig's compliance")
     flat: GrippedBody = Field(description="the flat, which is driven")
@@ -72,7 +75,7 @@ class BallAndFlat(TwoBodies):
 
 
 class LowerAndUpper(TwoBodies):
-    """Keys of two bodies of any shapes."""
+    """Keys of two bodies of any shapes; the lower one is driven."""
 
     lower: ShapedBody = Field(description="the lower body, which is driven")
     upper: ShapedBody = Field(description="the upper body, whose holder carries the rig's compliance")
@@ -84,7 +87,6 @@ class LowerAndUpper(TwoBodies):
         return self.lower.body("lower", size), self.upper.body("upper", size)
 
     def contradiction(self) -> Inconsistency | None:
-        """The key of a shape without its diameters, or of bodies that touch along a line; None if all fit."""
         for name, body in (("lower", self.lower), ("upper", self.upper)):
             if (unfit := body.missing()) is not None:
                 return Inconsistency(("bodies", name, *unfit.keys), unfit.problem)
@@ -109,28 +111,28 @@ class _OfTwoBodies(StatesItsKind):
 
 
 class TwoBodiesTables(ContactTables, _OfTwoBodies):
-    """A study whose [bodies] state two bodies by their names."""
+    """The tables of a study whose [bodies] state two bodies by their names, without its variants."""
 
     def bodies_of_test(self) -> tuple[Body, Body]:
         found: tuple[Body, Body] = self.bodies.of_test()
         return found
 
     def contradiction(self) -> Inconsistency | None:
-        """The key of a body that does not fit, a key of crossed wires, or a stroke longer than a body is thick; None if
-        all fit.
+        """The first contradiction: of the bodies, of keys that crossed wires alone take, or of an amplitude above a
+        body's diameter. None if all fit.
         """
         return self.bodies.contradiction() or _of_wires(self) or self.too_far()
 
 
 class BallOnFlatTables(TwoBodiesTables):
-    """A whole study of a ball on a flat without its variants."""
+    """The tables of a study of a ball on a flat, without its variants."""
 
     kind: Literal["ball-on-flat"] = Field(description="kind of contact", examples=[kinds.BALL_ON_FLAT])
     bodies: BallAndFlat = Field(description="both bodies")
 
 
 class PointTables(TwoBodiesTables):
-    """A whole study of a contact at a point without its variants."""
+    """The tables of a study of any two bodies that touch at a point, without its variants."""
 
     kind: Literal["point-contact"] = Field(description="kind of contact", examples=[kinds.POINT_CONTACT])
     bodies: LowerAndUpper = Field(description="both bodies")

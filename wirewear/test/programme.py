@@ -1,7 +1,7 @@
 """A test's programme: blocks of cycles under conditions of their own, repeated in turn for as long as the test lasts.
 
-A stretch or stage is a range of cycles under one block's conditions; a turn is one pass through all blocks. A block's
-number is from 1 in a programme, its index from 0.
+A stretch or a stage is a range of cycles under one block's conditions: after `start`, up to and with `end`. A turn is
+one pass through all blocks. A block's number is from 1 in a programme, its index from 0.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -48,7 +48,7 @@ Values = dict[str, Any]
 
 
 class CycleBlock(keys.Table):
-    """Keys of a block of cycles; keys that it does not state are as in the study's tables."""
+    """Keys of a block of cycles; values that it does not state are those of the study."""
 
     name: Annotated[str, PlainValidator(keys.checked_text)] | None = Field(None, description="what the block is called")
     cycles: keys.Cycles = Field(description="length of the block", examples=[1000])
@@ -59,12 +59,12 @@ class CycleBlock(keys.Table):
 
     @property
     def values(self) -> dict[str, Values]:
-        """The tables that the block states, by their names."""
+        """The tables that the block states, by name; those that are empty are left out."""
         return {name: getattr(self, name) for name in _OF_THE_TEST if getattr(self, name)}
 
 
 def placed(values: Mapping[str, Values], tables: Mapping[str, Any]) -> dict[str, Any]:
-    """A block's values nested as in a study's tables: a bulk stress moves into the table of its body."""
+    """A block's values nested as in a study's `tables`: its bulk stresses, by body, move into each body's table."""
     found: dict[str, Any] = {name: own for name, own in values.items() if name != "bulk"}
     if "bulk" in values:
         bodies = {name: {"bulk": own} for name, own in values["bulk"].items()}
@@ -75,7 +75,7 @@ def placed(values: Mapping[str, Values], tables: Mapping[str, Any]) -> dict[str,
 
 @dataclass(frozen=True)
 class Stretch(Generic[AnyStudy]):
-    """The cycles after `start` up to `end` of a test, and the study of their conditions."""
+    """The cycles after `start`, up to and with `end`, and the study of the conditions in them."""
 
     start: int
     end: int
@@ -85,7 +85,7 @@ class Stretch(Generic[AnyStudy]):
 
 @dataclass(frozen=True)
 class Schedule(Generic[AnyStudy]):
-    """A test as a sequence of stretches of cycles; successive blocks with equal conditions form one stretch."""
+    """A test as a sequence of stretches. blocks: of its programme, empty without one; cycles: length of the test."""
 
     blocks: tuple[CycleBlock, ...]
     cycles: int
@@ -94,7 +94,7 @@ class Schedule(Generic[AnyStudy]):
 
     @cached_property
     def stretches(self) -> tuple[Stretch[AnyStudy], ...]:
-        """All stretches in the order of the test."""
+        """All stretches in the order of the test; successive blocks with equal conditions form one."""
         if not self.blocks:
             return (Stretch(0, self.cycles, 1, self.alone),)
         studies = [self.under(block.values) for block in self.blocks]
@@ -114,13 +114,13 @@ class Schedule(Generic[AnyStudy]):
         return any(own.study.drive.bulk for own in every)
 
     def at(self, done: float) -> Stretch[AnyStudy]:
-        """The stretch to which cycle number `done` belongs."""
+        """The stretch to which cycle `done` belongs; the last one for a cycle beyond the test's end."""
         return next((own for own in self.stretches if done <= own.end), self.stretches[-1])
 
 
 @dataclass(frozen=True)
 class Stage:
-    """The cycles after `start` up to `end` of a test."""
+    """The cycles after `start`, up to and with `end`, under the conditions of a block."""
 
     start: float
     end: float
@@ -133,7 +133,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class BlockCourse:
-    """The stages that a test went through, and one turn of the stages that would follow."""
+    """What a test went through. done: its stages; ahead: those of one more turn; names: of the blocks, by index."""
 
     done: tuple[Stage, ...]
     ahead: tuple[Stage, ...]  #: Stages of one turn after the test's end, of blocks that the test has reached.
@@ -141,7 +141,7 @@ class BlockCourse:
 
     @classmethod
     def of(cls, schedule: Schedule[Any], end: float) -> Self:
-        """The stages of a test that ended at cycle `end`, and those still to come."""
+        """The stages of a test that ended at cycle `end`, and those of the turn that would follow."""
         turn = sum(block.cycles for block in schedule.blocks) or 1
         alike: list[Any] = []
         names, every = [], []
@@ -160,15 +160,15 @@ class BlockCourse:
 
     @property
     def not_reached(self) -> tuple[str, ...]:
-        """Names of the blocks that the test did not reach."""
+        """Names of the blocks of which the test ran no cycle."""
         return tuple(name for block, name in enumerate(self.names) if all(one.block != block for one in self.done))
 
     def among(self, cycles: Iterable[int], block: int) -> list[int]:
-        """The cycles among `cycles` that belong to a block."""
+        """Those of `cycles` that the test ran under the conditions of the block with this index."""
         return [cycle for cycle in cycles if any(cycle in one for one in self.done if one.block == block)]
 
     def latest(self, block: int) -> Stage:
-        """The last stage of a block that was at least half as long as its longest one."""
+        """The last stage of the block with this index that is at least half as long as its longest one."""
         own = [one for one in self.done if one.block == block]
         longest = max(one.end - one.start for one in own)
         return next(one for one in reversed(own) if one.end - one.start >= 0.5 * longest)
@@ -190,7 +190,9 @@ Asked = TypeVar("Asked", bound=keys.Table)
 def as_driven(
     conditions: Asked, blocks: tuple[CycleBlock, ...], effects: Sequence[ChangesASeam]
 ) -> tuple[Asked, tuple[CycleBlock, ...]]:
-    """Conditions and blocks after effects on the drive: one may make it hold its displacement in all blocks."""
+    """(conditions, blocks) after effects on the drive; returned as given unless an effect makes the drive hold its
+    displacement amplitude, which then replaces all keys held_... in both.
+    """
     own = [*(key for key in type(conditions).model_fields if key.startswith("held_")), _AMPLITUDE]
     holds = held_keys(conditions) or [key for block in blocks for key in block.conditions if key in own[:-1]]
     stated = Control(None if holds else getattr(conditions, _AMPLITUDE))
@@ -205,7 +207,7 @@ def as_driven(
 
 
 def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:
-    """End of an error message on a programme with more blocks than a run can go through; None if it has not."""
+    """The rest of a message "programme ..." if more than MOST_BLOCKS blocks come in `cycles` cycles; None otherwise."""
     count = cycles / sum(block.cycles for block in blocks) * len(blocks) if blocks else 1.0
     if count <= MOST_BLOCKS:
         return None
@@ -215,16 +217,17 @@ def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:
 
 
 def worked_cycles(stretches: Sequence[Stretch[Any]], most: float) -> int:
-    """Number of cycles, each wearing by `most`, that together wear as much as all cycles of the test."""
+    """Number of cycles, at least 1, that wear as much as all stretches do if each wears by `most`, a wear per cycle in
+    the unit of `worn_per_cycle`.
+    """
     return max(ceil(worked_course(stretches, lambda own: own.study.worn_per_cycle / most if most else 0.0)[-1][1]), 1)
 
 
 def worked_course(
     stretches: Sequence[Stretch[AnyStudy]], share: Callable[[Stretch[AnyStudy]], float]
 ) -> tuple[tuple[float, float], ...]:
-    """Pairs of cycles of the test and equivalent cycles up to there, at each end of a stretch.
-
-    share: the equivalent cycles per cycle of a stretch.
+    """Pairs (cycle of the test, equivalent cycles up to there), from (0, 0) on to the end of each stretch. share:
+    equivalent cycles per cycle of a stretch.
     """
     course = [(0.0, 0.0)]
     for own in stretches:
@@ -233,7 +236,7 @@ def worked_course(
 
 
 def logged_ends(blocks: Sequence[CycleBlock], cycles: int) -> set[int]:
-    """The cycles at which the blocks of the first and of the last turn end."""
+    """The cycles, up to `cycles`, at which the blocks of the first and of the last turn end; empty without blocks."""
     if not blocks:
         return set()
     ends = [end for _, end in _ends(blocks, cycles)]

@@ -1,6 +1,8 @@
-"""Shapes of bodies of a contact at a point: the keys that state them, and the bodies that they make.
+"""Shapes of bodies of a contact at a point, such as a ball or a tube: keys that state them, and the bodies that they
+make.
 
-A new shape is a class here, listed in `SHAPES`, with its geometry beside `geometry/shapes.py`.
+A body's axis lies in the plane of contact; along and across are relative to it. A new shape is a class here, listed in
+`SHAPES`, with its geometry beside `geometry/shapes.py`.
 """
 
 from __future__ import annotations
@@ -45,7 +47,9 @@ _OF_SOME = {
 
 @dataclass(frozen=True)
 class Shape:
-    """A shape: which of the keys that not all shapes have it takes, and the body it makes, by default a block."""
+    """A shape of a body, meshed as a block unless a subclass says otherwise. needs: keys that it must have; of keys
+    that are not for all shapes it takes these and `takes` alone.
+    """
 
     name: str
     needs: tuple[str, ...] = ("diameter_mm",)
@@ -58,7 +62,7 @@ class Shape:
     idle: ClassVar[dict[str, str]] = {"grip_angle_deg": "is of wires and tubes, but a {} is held at its back and sides"}
 
     def curvatures_per_mm(self, stated: ShapedBody) -> tuple[float, float]:
-        """Curvatures of the body along its axis and across it, 1/mm."""
+        """(along, across): curvatures in 1/mm of the stated body's face, 0 where straight."""
         across, along = stated.diameter_mm, stated.diameter_along_mm or stated.diameter_mm
         return (
             0.0 if self.straight[0] or not along else 2.0 / along,
@@ -66,15 +70,17 @@ class Shape:
         )
 
     def face(self, _stated: ShapedBody) -> Face | None:
-        """The face of a pad; None for a shape that its curvatures describe."""
+        """The profile of a pad's face; None for any other shape, whose face follows from its curvatures."""
         return None
 
     def unfit(self, _stated: ShapedBody) -> Inconsistency | None:
-        """The key whose value is not possible for this shape; None if all are."""
+        """The contradiction of a value that the shape cannot have; None if there is none."""
         return None
 
     def body(self, stated: ShapedBody, name: str, size_mm: float) -> Body:
-        """The body with this name; size_mm: length by which extents are chosen that are not stated."""
+        """The stated body, called `name`. size_mm: length, usually the sharpest radius, from which extents that are not
+        stated are chosen.
+        """
         return stated.block(name, self.curvatures_per_mm(stated), size_mm, self.face(stated))
 
 
@@ -88,7 +94,6 @@ class _RoundBar(Shape):
     idle: ClassVar[dict[str, str]] = {"height_mm": "is of blocks, but a {} is as high as it is thick"}
 
     def unfit(self, stated: ShapedBody) -> Inconsistency | None:
-        """The key of a bore that leaves no wall; None otherwise."""
         # Thinnest wall of a tube, as a share of its diameter.
         widest = (1.0 - 2.0 * 0.02) * (stated.diameter_mm or 0.0)
         if (stated.bore_mm or 0.0) <= widest:
@@ -100,7 +105,6 @@ class _RoundBar(Shape):
         )
 
     def body(self, stated: ShapedBody, name: str, size_mm: float) -> Wire:
-        """A round bar whose length is twice the stated half-width, if that is stated."""
         del size_mm
         return Wire(
             **{**stated.as_stated, "name": name},
@@ -128,7 +132,6 @@ class _Pad(Shape):
         return stated.profile
 
     def unfit(self, stated: ShapedBody) -> Inconsistency | None:
-        """The key of a face that is incomplete or not alike on both sides; None otherwise."""
         if (wanted := stated.missing_face()) is not None:
             return Inconsistency(("shape",), f'is "{self.name}", whose face is not stated: {wanted}')
         if isinstance(stated.profile, TabledProfile) and not stated.profile.is_even:
@@ -152,7 +155,6 @@ class _FromFile(Shape):
         return own_surface(source_of(stated)).curvatures_per_mm
 
     def unfit(self, stated: ShapedBody) -> Inconsistency | None:
-        """The key of a file that cannot be used as a body; None if it can."""
         problem = unfit_mesh(stated, stated.poissons_ratio)
         return None if problem is None else Inconsistency((problem[0],), problem[1])
 
@@ -171,7 +173,6 @@ class _OfStiffness(_FromFile):
         return self.body(stated, "", 0.0).curvatures_per_mm
 
     def unfit(self, stated: ShapedBody) -> Inconsistency | None:
-        """The key of a file that gives no body; None if it does."""
         if stated.grip_stiffness_N_per_mm3 != "rigid":
             return Inconsistency(
                 ("grip_stiffness_N_per_mm3",), "is given, but a known stiffness holds its nodes rigidly"
@@ -207,7 +208,7 @@ def _described() -> str:
 
 
 class GrippedBody(MountedBody):
-    """Keys of a body of one material that is meshed as a block."""
+    """Keys of a body of one material that is meshed as a block, held at its back and sides."""
 
     half_width_mm: Extent | None = Field(
         None, description="of the block that is meshed, to each side; without it the program chooses"
@@ -217,7 +218,9 @@ class GrippedBody(MountedBody):
     def block(
         self, name: str, curvatures: tuple[float, float], size_mm: float, of_pad: Face | None = None
     ) -> BlockBody:
-        """The block with this name and these curvatures along and across; size_mm: as in `Shape.body`."""
+        """The block called `name` with curvatures (along, across) in 1/mm. size_mm: as in `Shape.body`; of_pad: the
+        face of a pad, None for other shapes.
+        """
         return BlockBody(
             **{"axis_angle_deg": 0.0, **self.as_stated, "name": name},
             curvatures=curvatures,
@@ -243,7 +246,7 @@ class _ShapeFirst(keys.Table):
 
 
 class ShapedBody(GrippedBody, MeshKeys, PadFaceOrFile, _ShapeFirst):
-    """Keys of a body of any shape."""
+    """Keys of a body of any shape in SHAPES; `missing` and `idle` say which of them do not go with its shape."""
 
     grip_angle_deg: keys.GripAngle = Field(
         90.0, description="part of a wire's or tube's circumference, about its back, that is held"
@@ -258,11 +261,13 @@ class ShapedBody(GrippedBody, MeshKeys, PadFaceOrFile, _ShapeFirst):
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:
-        """Curvatures along its axis and across."""
+        """(along, across): curvatures in 1/mm of its face, 0 where straight."""
         return self.of_shape.curvatures_per_mm(self)
 
     def missing(self) -> Inconsistency | None:
-        """The key that its shape needs but lacks, or has but does not take; None if all fit."""
+        """The contradiction of a key that its shape needs but lacks, has but does not take, or whose value it cannot
+        have; None if all fit.
+        """
         shape = self.of_shape
         for key, foreign in _OF_SOME.items():
             given = getattr(self, key) != type(self).model_fields[key].default
@@ -277,7 +282,7 @@ class ShapedBody(GrippedBody, MeshKeys, PadFaceOrFile, _ShapeFirst):
         return f"is missing, but a {self.shape} has one" if key == "diameter_mm" else foreign.format(self.shape)
 
     def idle(self) -> Iterator[Inconsistency]:
-        """Keys that are stated but have no effect on its shape."""
+        """Yields a contradiction for each key that is stated but has no effect on a body of this shape."""
         for key, reason in self.of_shape.idle.items():
             if getattr(self, key) != type(self).model_fields[key].default:
                 yield Inconsistency((key,), reason.format(self.shape))
@@ -285,11 +290,11 @@ class ShapedBody(GrippedBody, MeshKeys, PadFaceOrFile, _ShapeFirst):
             yield Inconsistency(("grip_angle_deg",), 'is of a back that is held, but held_at is "ends"')
 
     def body(self, name: str, size_mm: float) -> Body:
-        """The body with this name; size_mm: length by which extents are chosen that are not stated."""
+        """The body as it is meshed, called `name`. size_mm: as in `Shape.body`."""
         return self.of_shape.body(self, name, size_mm)
 
     @property
     def size_mm(self) -> float:
-        """Length by which extents are chosen for a pad; 0 for a body without one."""
+        """Length in mm from which extents of a pad that are not stated are chosen; 0 for any other shape."""
         face = self.of_shape.face(self)
         return 0.0 if face is None else size_of(face)

@@ -1,4 +1,7 @@
-"""Studies of contacts at a point, of line contacts and of joints as values, and how they are read from TOML."""
+"""Studies of contacts at a point, of line contacts and of joints as values, and how they are read from TOML.
+
+`where` names the origin of tables in messages. A variant is a set of values that replaces some of a study's own.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,7 @@ SEVERAL = frozenset({"contacts", "span"})
 
 
 class Study(AnyStudy[ContactTables]):
-    """A study of a contact at a point; the annotations give the types of its tables."""
+    """A study of a contact at a point, with the tables of its keys as attributes."""
 
     of: ClassVar = ContactTables
 
@@ -42,35 +45,32 @@ class Study(AnyStudy[ContactTables]):
 
     @property
     def wires(self) -> Wires:
-        """The table [wires] of a study of crossed wires; `bodies` gives them as bodies."""
+        """The table [wires] of a study of crossed wires; studies of other kinds have none (AttributeError)."""
         return cast("StudyTables", self.tables).wires
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
-        """The driven body, which lies below, and the one above it, whose holder carries the rig's compliance."""
+        """(driven body, held body) as they are meshed; the held one, above, is held by the rig's springs."""
         return self.tables.bodies_of_test()
 
     @property
     def motion_angle_deg(self) -> float:
-        """Direction of the motion, from the driven body's axis."""
+        """Angle from the driven body's axis to the motion, about the normal that points upwards."""
         return -self.bodies[0].axis_angle_deg
 
     @property
     def crossing_angle_deg(self) -> float:
-        """Direction of the held body's axis, from the driven body's axis."""
+        """Angle from the driven body's axis to the held body's, about the normal that points upwards."""
         return self.bodies[1].axis_angle_deg - self.bodies[0].axis_angle_deg
 
     def fidelity(self, name: str) -> FidelitySettings:
-        """Settings of the level quick, standard or fine, as far as the study states them.
-
-        Raises StudyError if there is no such level.
-        """
+        """What the study states for the level "quick", "standard" or "fine"; StudyError for another level."""
         settings: FidelitySettings = level_of({own: getattr(self.tables.fidelity, own) for own in FIDELITIES}, name)
         return settings
 
 
 class LineStudy(AnyStudy[LineTables]):
-    """A study of a line contact; the annotations give the types of its tables."""
+    """A study of a line contact, with the tables of its keys as attributes."""
 
     of: ClassVar = LineTables
 
@@ -89,17 +89,17 @@ class LineStudy(AnyStudy[LineTables]):
         return self.tables.specimen
 
     def energy_coefficients(self) -> tuple[float, float]:
-        """Wear of pad and specimen per dissipated energy, in mm³/J."""
+        """(pad, specimen): worn volume per dissipated energy in mm³/J, 0 where nothing wears."""
         return self.tables.energy_coefficients()
 
     def of_length(self, length_mm: float) -> Self:
-        """The test and its variants on another length of the contact."""
+        """A copy, variants included, for a contact of length_mm with equal load, force and energy per millimetre."""
         variants = tuple((name, tables.of_length(length_mm)) for name, tables in self.variants)
         return type(self)(self.tables.of_length(length_mm), variants, self.variant_name)
 
 
 class JointStudy(AnyStudy[JointTables]):
-    """A study of a joint, which cannot be simulated; the annotations give the types of its tables."""
+    """A study of a joint, which cannot be simulated, with the tables of its keys as attributes."""
 
     of: ClassVar = JointTables
 
@@ -117,10 +117,7 @@ def load_study(path: str | Path) -> Study:
 
 
 def point_study(data: Mapping[str, object], where: str) -> Study:
-    """A study of a contact at a point from nested tables; `where` names their origin in messages.
-
-    Raises StudyError, in one sentence, if they are not a valid study of this kind.
-    """
+    """A study of a contact at a point from nested tables. Raises StudyError, in one sentence, if they are not one."""
     if not issubclass(kind_named(data.get("kind")).tables, ContactTables):
         raise StudyError(
             f'{where} is a study of kind "{data["kind"]}", which is not taken here: give one of kind '
@@ -131,8 +128,8 @@ def point_study(data: Mapping[str, object], where: str) -> Study:
 
 
 def read_study(path: str | Path) -> dict[str, Any]:
-    """The tables in the file of a study of any kind.
-
+    """The nested tables in a study file of any kind, unchecked; names of files in them become relative to the working
+    folder.
     Raises StudyError, in one sentence, if the file cannot be read, or is another file of this program or of a
     laboratory.
     """
@@ -141,7 +138,7 @@ def read_study(path: str | Path) -> dict[str, Any]:
 
 
 def found_from(folder: Path, table: dict[str, Any]) -> dict[str, Any]:
-    """The table with the names of files in it made relative to `folder`, the study's own."""
+    """A copy of a nested table in which names of files, relative to `folder`, become paths from here."""
     return {
         key: found_from(folder, value)
         if isinstance(value, dict)
@@ -161,10 +158,8 @@ def parse_study(text: str, where: str) -> Study:
 
 
 def study_from_tables(data: Mapping[str, object], where: str) -> Any:
-    """A study of any kind from nested tables such as `Study.resolved()` returns; `where` names their origin in
-    messages.
-
-    Raises StudyError, in one sentence, if the tables are not a valid study.
+    """The study (`Study`, `LineStudy` or `JointStudy`) in nested tables such as `Study.resolved()` returns.
+    Raises StudyError, in one sentence, if they are not a valid study of any kind.
     """
     if data.keys() & SEVERAL:
         raise StudyError(f"{where} states several contacts in [[contacts]], which wirewear run takes and nothing else.")
@@ -179,8 +174,7 @@ def study_from_tables(data: Mapping[str, object], where: str) -> Any:
 
 
 def variants_in(data: Mapping[str, object], where: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """Names of the variants in a study's tables, and the values that each overrides.
-
+    """Yields (name, nested values that replace the study's own) for each variant in a study's tables.
     Raises StudyError if variants are not tables, or have names that are not allowed.
     """
     variants = data.get("variants", {})

@@ -1,6 +1,7 @@
 """Keys of a body's surface in a study: coatings on it, and its shape as measured before the test.
 
-A measured surface gives the depth by which a body lies below its unworn shape when the test begins.
+A measured surface is a map: the depth in µm by which the body lies below its unworn shape when the test begins, at the
+crossings of lines x along the motion and y across it (y is 0 alone for a line contact).
 """
 
 import zlib
@@ -44,7 +45,7 @@ _MOST_STATED = 2_400
 
 
 class LayerTable(keys.Table):
-    """Keys of one layer, which is as elastic as the body below it."""
+    """Keys of one layer, such as a coating, which is as elastic as the body below it."""
 
     thickness_um: Thickness = Field(description="thickness of the layer", examples=[3.0])
     wear_factor: WearFactor = Field(1.0, description="its wear coefficient over that of the body below all layers")
@@ -54,7 +55,7 @@ class LayerTable(keys.Table):
 
 
 def layers_of(stated: Sequence[LayerTable], friction: float) -> tuple[SurfaceLayer, ...]:
-    """Layers as the solvers take them, in a contact whose coefficient of friction without layers is `friction`."""
+    """Layers as the solvers take them. friction: coefficient of friction where the contact has no layers."""
     return tuple(
         SurfaceLayer(
             1e-3 * one.thickness_um, one.wear_factor, None if one.friction is None else one.friction / friction
@@ -64,7 +65,7 @@ def layers_of(stated: Sequence[LayerTable], friction: float) -> tuple[SurfaceLay
 
 
 def unfit_layers(stated: Sequence[LayerTable], friction: float) -> str | None:
-    """End of an error message on layers that do not fit the coefficient of friction; None if they do."""
+    """The rest of a message "layers ..." if one states a friction but the contact's `friction` is 0; else None."""
     if friction == 0.0 and any(one.friction is not None for one in stated):
         return "give a friction of their own, which goes with a friction above 0 in [contact] alone"
     return None
@@ -142,18 +143,18 @@ class StatedSurface(Table):
 
     @property
     def map(self) -> tuple[Array, Array, Array]:
-        """Lines x (n_x,) and y (n_y,), and depths (n_x, n_y), all in µm."""
+        """(x, y, depth): lines x (n_x,) and y (n_y,), and depths (n_x, n_y), all in µm."""
         return _map(self.x_um or (0.0,), self.y_um or (0.0,), self.depths or "")
 
     @property
     def volume_mm3(self) -> float:
-        """Volume that the body lacks; 0 for a profile, which has no extent across."""
+        """Volume that the body lacks, at least 0; 0 for a profile, which has no extent across."""
         x, y, depth = self.map
         return max(1e-9 * float(np.trapezoid(np.trapezoid(depth, y, axis=1), x)), 0.0)
 
     @property
     def area_mm2(self) -> float:
-        """Cross-section along the motion that is missing from the unworn body."""
+        """Area of the cross-section along the motion, nearest to y = 0, that the body lacks; at least 0."""
         x, y, depth = self.map
         return max(1e-6 * float(np.trapezoid(depth[:, np.abs(y).argmin()], x)), 0.0)
 
@@ -169,10 +170,9 @@ def _map(x: tuple[float, ...], y: tuple[float, ...], depths: str) -> tuple[Array
 
 
 def kept(x: Array, y: Array, depth: Array) -> dict[str, Any]:
-    """A map, lines x (n_x,) and y (n_y,) and depths (n_x, n_y) in µm, as keys of a study.
-
-    Neighbouring lines beyond MOST_LINES are averaged; gaps get the nearest depth. Raises RecordError if the map has no
-    depth.
+    """The keys KEPT of a map, lines x (n_x,) and y (n_y,) and depths (n_x, n_y) in µm, as a study holds it.
+    Neighbouring lines beyond MOST_LINES are averaged; gaps (not finite) get the nearest depth. Raises RecordError if
+    the map has no depth.
     """
     from scipy.ndimage import distance_transform_edt
 
@@ -189,7 +189,7 @@ def kept(x: Array, y: Array, depth: Array) -> dict[str, Any]:
 
 
 def surfaces_in(table: Mapping[str, object], *place: str) -> Iterator[tuple[tuple[str, ...], Mapping[str, Any]]]:
-    """The tables of surfaces in a study's tables, each with the keys that lead to it."""
+    """Yields (path of keys, table) for every table "surface" nested in `table`, whose own path is `place`."""
     for key, value in table.items():
         if key == "surface" and isinstance(value, Mapping):
             yield (*place, key), value
@@ -198,8 +198,8 @@ def surfaces_in(table: Mapping[str, object], *place: str) -> Iterator[tuple[tupl
 
 
 def depths_of_table(file: Path) -> tuple[Array, Array, Array]:
-    """Lines x (n_x,) and y (n_y,), and depths (n_x, n_y), in µm, from a table file; y is 0 if it has no y_um.
-
+    """(x, y, depth): lines x (n_x,) and y (n_y,), and depths (n_x, n_y) in µm of a table file, NaN where missing; y is
+    0 alone without a column y_um.
     Raises RecordError if the file cannot be read, is another table, or its points do not lie on a grid.
     """
     from wirewear.base.guessing import known_columns

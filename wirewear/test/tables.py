@@ -1,4 +1,8 @@
-"""Studies as tables: what all state, and what those of contacts at a point and of crossed wires add."""
+"""Studies as tables of keys, each an attribute: the tables of any study, and those that contacts at a point and crossed
+wires add.
+
+The driven body lies below, the held one above. A variant is a set of values that replaces some of a study's own.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -43,13 +47,13 @@ def _checked_kind(value: object) -> str:
 
 
 class StatesItsKind(keys.NamedTable):
-    """The keys with which a file begins that states its kind of contact."""
+    """The keys with which a study file begins: version of the format, title, and kind of test."""
 
     kind: str = Field(description="kind of contact")
 
 
 class CommonTables(StatesItsKind, ABC):
-    """Tables that studies of all kinds have, without variants; the type of those marked `Any` depends on the kind."""
+    """The tables of a study of any kind, without its variants. Subclasses give the types of `wear` and `mesh`."""
 
     conditions: DrivenConditions = Field(description="load, stroke, frequency and length of the test")
     programme: tuple[CycleBlock, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
@@ -66,43 +70,41 @@ class CommonTables(StatesItsKind, ABC):
 
     @property
     def contact_kind(self) -> str:
-        """Kind of contact, as results and records name it."""
+        """Name of the kind of test in results and records."""
         return self.kind
 
     @classmethod
     def known(cls, data: Mapping[str, Any], where: str, variant: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """A file's tables, with a variant's values in place of its own, converted to the keys that these tables have.
-
-        Raises StudyError, in one sentence, if a value is stated twice; `where` names the file.
+        """The nested tables of a file, a variant's values merged into them, with keys that the class knows: line
+        contacts convert those per millimetre. where: name of the file for messages. Raises StudyError if a value is
+        stated in two ways.
         """
         del where
         return keys.merged(data, variant or {})
 
     def known_as(self, key: str, value: Any) -> tuple[str, Any]:
-        """The tables' own key and value for a key with dots that may be per length of a line contact, and its value."""
+        """The key and value that these tables hold for a key with dots: line contacts convert those per millimetre."""
         return key, value
 
     @property
     @abstractmethod
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
-        """Coatings of both bodies, by their names."""
+        """Coatings by the name of the body, the driven one first; an empty tuple for a body without any."""
 
     @property
     @abstractmethod
     def materials(self) -> dict[str, Elastic]:
-        """Elastic constants of the driven body and of the held one, by their names."""
+        """Elastic constants by the name of the body, the driven one first."""
 
     @property
     def yields(self) -> dict[str, tuple[float, float] | None]:
-        """Yield stress and hardening modulus in MPa of the driven and the held body, by name; None for an
-        elastic body.
-        """
+        """By name, the driven body first: (yield stress, hardening modulus) in MPa; None for an elastic body."""
         return {}
 
     @property
     @abstractmethod
     def drive(self) -> Drive:
-        """Displacement, load and bulk stresses over a cycle."""
+        """Displacement, load and bulk stresses over a cycle, as the solvers take them."""
 
     @property
     def laws(self) -> tuple[FrictionLaw | WearLaw, ...]:
@@ -113,16 +115,20 @@ class CommonTables(StatesItsKind, ABC):
     @property
     @abstractmethod
     def worn_by_sliding(self) -> float:
-        """Worn volume of both bodies in gross slip per load and sliding distance, 10⁻⁹ mm³/(N mm)."""
+        """Worn volume of both bodies per load and sliding distance in gross slip, in mm³/(N m)."""
 
     @property
     def worn_per_cycle(self) -> float:
-        """Worn volume in gross slip over a distance of one amplitude, a quarter of a cycle's, in 10⁻⁶ mm³."""
+        """A measure of wear per cycle to compare conditions by, in 10⁻⁶ mm³: the worn volume of both bodies when one
+        amplitude, a quarter of a cycle's path, slides as a whole.
+        """
         return self.worn_by_sliding * self.conditions.normal_load_N * float(self.conditions.displacement_amplitude_um)
 
     @property
     def rig(self) -> Holder:
-        """The held body's holder with its springs, as the solvers take it."""
+        """The held body's holder under the stated normal load, without effects; its springs along the motion and
+        against rotation as compliances, 0 where rigid.
+        """
         holder = self.holder
         return Holder(
             normal_load_N=self.conditions.normal_load_N,
@@ -135,20 +141,20 @@ class CommonTables(StatesItsKind, ABC):
     @property
     @abstractmethod
     def wear_rates(self) -> WearRates:
-        """Wear law and coefficients of the held (upper) and the driven (lower) body, without variation."""
+        """Wear law, coefficients in mm³/mJ and layers of the upper (held) and lower (driven) body; no variation."""
 
     @abstractmethod
     def contradiction(self) -> keys.Inconsistency | None:
-        """The key in the tables of the bodies that does not fit the others; None if all fit."""
+        """The first contradiction among the keys of the bodies, or between them and other keys; None if all fit."""
 
 
 def compliance(stiffness: float | Literal["rigid"]) -> float:
-    """1/stiffness of a spring, 0 for a rigid one."""
+    """1/stiffness of a spring; 0 for "rigid"."""
     return 0.0 if stiffness == "rigid" else 1.0 / stiffness
 
 
 class ContactTables(CommonTables):
-    """Tables that studies of all contacts at a point have, besides their bodies."""
+    """The tables of a study of any contact at a point, without those of its bodies."""
 
     conditions: Conditions = Field(description="load, stroke, frequency and length of the test")
     contact: Contact = Field(description="friction")
@@ -159,16 +165,14 @@ class ContactTables(CommonTables):
 
     @abstractmethod
     def bodies_of_test(self) -> tuple[Body, Body]:
-        """The driven body, which lies below, and the held one above it."""
+        """(driven body, held body); the driven one lies below."""
 
     @property
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
-        """Coatings of the driven body and of the held one."""
         return {body.name: body.layers for body in self.bodies_of_test()}
 
     @property
     def materials(self) -> dict[str, Elastic]:
-        """Elastic constants of the driven body and of the held one."""
         return {body.name: body.material for body in self.bodies_of_test()}
 
     @property
@@ -208,7 +212,7 @@ class ContactTables(CommonTables):
         )
 
     def too_far(self) -> keys.Inconsistency | None:
-        """The key of a stroke longer than a body is thick; None otherwise."""
+        """The contradiction of an amplitude above the smallest diameter of the bodies; None if it is not."""
         amplitude_um = self.conditions.displacement_amplitude_um
         thinnest_mm = min(min(body.diameters_mm) for body in self.bodies_of_test())
         if amplitude_um > 1e3 * thinnest_mm:
@@ -226,7 +230,7 @@ class _OfWires(StatesItsKind):
 
 
 class StudyTables(ContactTables, _OfWires):
-    """A whole study of crossed wires without its variants."""
+    """The tables of a study of crossed wires, without its variants."""
 
     kind: Annotated[Literal["crossed-wires"], PlainValidator(_checked_kind)] = Field(
         description="kind of contact", examples=["crossed-wires"]
@@ -241,8 +245,8 @@ class StudyTables(ContactTables, _OfWires):
         return self.wires.of_test(self.conditions.motion_angle_deg)
 
     def contradiction(self) -> keys.Inconsistency | None:
-        """The key of wires that do not fit, of two directions of motion, or of a stroke longer than a wire is thick;
-        None if all fit.
+        """The first contradiction: of the wires, of a direction of motion stated twice, or of an amplitude above a
+        wire's diameter. None if all fit.
         """
         twice = self.wires.motion_angle_deg is not None
         second = keys.Inconsistency(("conditions", "motion_angle_deg"), "is given, and the wires give it as well")

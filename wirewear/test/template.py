@@ -1,4 +1,4 @@
-"""New study files for users: every key with its meaning. Keys that are left to the program appear as comments."""
+"""New study files for users: every key with its meaning; those left to the program appear as comments."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -35,7 +35,7 @@ COMMON = ("conditions", "contact", "wear", "holder", "log")  #: Tables that ever
 
 @dataclass(frozen=True)
 class Template:
-    """The beginning of a new study of a kind."""
+    """What a new study of a kind holds: the tables `shown`, the values of `example`, and the comment `above`."""
 
     kind: str  #: Value of the study's key `kind`.
     #: The study's tables; those named in `shown` are written with all their keys.
@@ -60,7 +60,9 @@ CROSSED_WIRES = Template(
 def study_text(
     name: str, data: Mapping[str, Any] | None = None, above: str | None = None, template: Template = CROSSED_WIRES
 ) -> str:
-    """A study as commented TOML; `data` are its tables, `above` its first lines, by default the template's."""
+    """A study as commented TOML text. name: its title, unless `data` gives one; data: nested values, None for the
+    template's example; above: comment at its top, None for the template's.
+    """
     data, above = template.example if data is None else data, template.above if above is None else above
     lines = [f"# {line}".rstrip() for line in above.splitlines()]
     lines += ["# `wirewear run` runs this study; beside each key stands what it means.", ""]

@@ -1,4 +1,8 @@
-"""The keys of both wires of a study or a record, with ranges, defaults and meanings."""
+"""The keys of both wires of a study or a record, with types, defaults and meanings.
+
+The moving wire is driven and lies below; the fixed one, above it, is held. Angles are about the normal that points
+upwards.
+"""
 
 import warnings
 from collections.abc import Mapping
@@ -72,9 +76,8 @@ def _angles(both: Mapping[str, Any], moving: dict[str, Any], fixed: dict[str, An
 
 
 def with_motion_of_wires(tables: Any) -> Any:
-    """A study's unchecked tables with the direction of motion moved from the wires into the conditions.
-
-    Unchanged if both state it, even as 0, and if the wires cannot be read.
+    """A study's unchecked nested tables with the direction of motion moved from the wires into [conditions].
+    Unchanged if both state it, or the wires cannot be read.
     """
     key = next((own for own in _BOTH.choices if isinstance(tables, Mapping) and own in tables), "")
     wires, conditions = (tables[key], tables.get("conditions")) if key else (None, None)
@@ -95,7 +98,7 @@ def with_motion_of_wires(tables: Any) -> Any:
 
 
 class WireOverride(SurfaceKeys, keys.OfMaterial):
-    """Keys of one wire where it differs from `[wires]`."""
+    """Keys of one wire; those that it does not state are as in `[wires]`."""
 
     diameter_mm: keys.Diameter | None = Field(None, description="diameter of this wire")
     length_mm: keys.Length | None = Field(None, description="modelled length of this wire")
@@ -120,9 +123,7 @@ class _DiameterOfWires(keys.Table):
 
 
 class Wires(GripKeys, MaterialKeys, _DiameterOfWires, StatedBodies):
-    """Keys of both wires: the moving one slides along its own axis, the fixed one's holder carries the rig's
-    compliance.
-    """
+    """Keys of both wires, with what the moving or the fixed one has different."""
 
     crossing_angle_deg: keys.CrossingAngle = Field(
         90.0, description="angle of the fixed wire's axis to the moving one's, about the normal that points upwards"
@@ -156,7 +157,7 @@ class Wires(GripKeys, MaterialKeys, _DiameterOfWires, StatedBodies):
         return BodiesByOptions({"wires": wires}, tuple(remarks), bodies, with_axis=("moving", "fixed"))
 
     def of_test(self, motion_angle_deg: float = 0.0) -> tuple[Wire, Wire]:
-        """The moving and the fixed wire; motion_angle_deg: direction of motion if they state none."""
+        """(moving, fixed). motion_angle_deg: angle of the motion to the moving wire's axis, if they state none."""
         motion = self.motion_angle_deg or motion_angle_deg
         return self._wire("moving", -motion), self._wire("fixed", self.crossing_angle_deg - motion)
 
@@ -170,7 +171,7 @@ class Wires(GripKeys, MaterialKeys, _DiameterOfWires, StatedBodies):
         return Wire(name=name, axis_angle_deg=axis_angle_deg, **own)
 
     def contradiction(self) -> keys.Inconsistency | None:
-        """The key of wires shorter than they are thick, or that touch along a line; None if all fit."""
+        """The contradiction of a wire shorter than thick, or of wires that touch along a line; None if all fit."""
         moving, fixed = self.of_test()
         for wire in (moving, fixed):
             if (wire.length_mm or wire.diameter_mm) < wire.diameter_mm:
