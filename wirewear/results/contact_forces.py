@@ -1,9 +1,10 @@
 """Contact forces on a body at positions of a recorded cycle, and largest mean pressures over a stated length.
 
+A position is a moment of a cycle; its phase is the share of the cycle passed since the end of the stroke at +x.
 Stresses inside a body follow from these forces. At a crest as narrow as an element, nodal pressures show the mesh;
 means do not: for contacts at a point over a disc of the stated diameter in the plane of contact, for line contacts over
 a segment of the stated length. Each node's pressure counts in the node's cell, which reaches halfway to its neighbours,
-so the nodal forces are kept to round-off. A position is a moment of a cycle.
+so the nodal forces are kept to round-off.
 """
 
 from collections.abc import Iterator, Mapping
@@ -34,10 +35,9 @@ def largest_mean_pressure_MPa(
     """Largest mean pressure over a disc of diameter `over_um` about any node or, on a line, over a segment of that
     length.
 
-    pressure_MPa: (n_a, n_t) at the nodes, or (n_a,) for a line contact.
-    axial_um, transverse_um: (n_a,) and (n_t,) increasing grid lines of a scar; only the first for a line contact.
-
-    Raises ResultError if the length is not positive, or pressures and lines do not fit together.
+    pressure_MPa: (n_a, n_t) at the nodes, or (n_a,) for a line contact. axial_um, transverse_um: (n_a,) and (n_t,)
+    increasing grid lines of a scar; None across for a line contact. Raises ResultError if the length is not positive,
+    or pressures and lines do not fit together.
     """
     pressure, axial = np.asarray(pressure_MPa, dtype=float), np.asarray(axial_um, dtype=float)
     transverse = np.zeros(1) if transverse_um is None else np.asarray(transverse_um, dtype=float)
@@ -53,10 +53,11 @@ def largest_mean_pressure_MPa(
 
 
 def largest_means(pressure: Array, axial: Array, transverse: Array, length: float) -> Array:
-    """Largest mean (k,) about any node in each of k states of nodal pressures (k, n_a, n_t).
+    """Largest mean (k,) about any node in each of k states of nodal pressures (k, n_a, n_t), in their unit; 0 without
+    contact.
 
-    axial, transverse: (n_a,) and (n_t,) increasing grid lines; a single one across for a line contact.  length:
-    diameter of the discs, or length of the segments, in the unit of the lines.
+    axial, transverse: (n_a,) and (n_t,) increasing grid lines; a single one across for a line contact. length: diameter
+    of the discs, or length of the segments, in the unit of the lines.
     """
     touched: BoolArray = np.asarray(pressure.any(axis=0))
     if not touched.any():
@@ -71,10 +72,12 @@ def largest_means(pressure: Array, axial: Array, transverse: Array, length: floa
 def averaging(
     axial: Array, transverse: Array, length: float, along: slice = slice(None), across: slice = slice(None)
 ) -> Iterator[csr_matrix]:
-    """Sparse matrices that average nodal pressures about nodes: shares of a disc's area in the nodes' cells.
+    """Yields sparse matrices that average nodal pressures about nodes: entries are shares of a disc's (or segment's)
+    area in the nodes' cells.
 
-    axial, transverse, length: as in `largest_means`.  along, across: a rectangle of the patch outside which nothing
-    carries load. Each matrix has rows for some nodes of the rectangle, in order, and columns for all of them.
+    axial, transverse, length: as in `largest_means`. along, across: the lines that bound a rectangle outside which
+    nothing carries load. Each matrix has rows for some lines of the rectangle's nodes, in order, and columns for all of
+    its nodes, flattened.
     """
     a, t = _near(axial, along, length), _near(transverse, across, length)
     # Pairs of a node and a cell weighed at once, some 100 MB: wide discs pair every node with every cell of a scar.
@@ -149,13 +152,12 @@ def _disc_left(x: Array) -> Array:
 class ContactForces:
     """Forces on one body at k positions of a cycle, in their order in time.
 
-    `phase` (k,) is the share of the cycle passed since the end of the stroke at +x, in (0, 1]; `drive_um` (k,) the
-    driven body's displacement, `holder_x_um` and `holder_z_um` (k,) those of the other body's holder, and
-    `tangential_force_N` (k,) the force on the other body along x. `nodes` (m,) are the nodes of the patch, in the order
-    of its flattened grid, that carry force at any position; `force_N` (k, m, 3) acts on the body, in its own axes:
-    along it, across it, out of its surface. `geometry` and `material` serve to build the body's mesh again; a line
-    contact's follows from its study. `bulk_stress_MPa` (k, 3): axial, bending and torsion stress at the contact that
-    the body carries besides, see `solvers.BulkStress`; None without any.
+    `phase` (k,), in (0, 1], as above; `drive_um` (k,): displacement of the driven body; `holder_x_um`, `holder_z_um`
+    (k,): of the held body's holder; `tangential_force_N` (k,): on the held body along x. `nodes` (m,): indices in the
+    patch's flattened grid of the nodes that carry force at any position; `force_N` (k, m, 3) acts on the body, in its
+    own axes: along it, across it, out of its surface. `geometry` and `material` serve to build the body's mesh again,
+    None for a line contact, whose mesh follows from its study. `bulk_stress_MPa` (k, 3): axial, bending and torsion
+    stress at the contact that the body carries besides (`solvers.BulkStress`); None without any.
 
     Raises ResultError if arrays do not fit together, or are not finite.
     """
@@ -191,28 +193,24 @@ class ContactForces:
 
     @property
     def meshed(self) -> tuple[BodyGeometry, Elastic]:
-        """Geometry and material of the body's mesh; ResultError for a line contact."""
+        """(geometry, material) of the body's mesh; ResultError for a line contact."""
         if self.geometry is None or self.material is None:
             raise ResultError(f"contact forces of the {self.body} of a line contact say nothing of its mesh")
         return self.geometry, self.material
 
     def named(self) -> dict[str, int]:
-        """Index of the recorded position nearest to each of POSITIONS; "after" a reversal is the first position behind
-        it.
-        """
+        """Index of the recorded position for each name in POSITIONS, as from `named_positions`."""
         return named_positions(self.phase)
 
     def position(self, at: str | int) -> int:
-        """Index in this record of a named position, or of a position given by its index.
-
-        Raises ResultError if there is no such position.
+        """Index of a position among those recorded, from its name in POSITIONS or the index itself, also as text;
+        ResultError if there is none.
         """
         return position_of(at, self.phase, self.cycle)
 
 
 def geometry_of(table: Mapping[str, Any]) -> BodyGeometry:
-    """A body's geometry from the nested mapping that dataclasses.asdict makes of it.
-
+    """A body's geometry from the nested mapping that its `as_table` gives, lists in place of tuples allowed.
     Raises ResultError if the mapping was written by another version.
     """
     try:
@@ -239,10 +237,8 @@ def _as_tuples(value: Any) -> Any:
 
 
 def named_positions(phase: Array) -> dict[str, int]:
-    """Index of the position nearest to each of POSITIONS, from phases (k,): shares of the cycle passed since its end at
-    +x.
-
-    "After" a reversal is the first position behind it.
+    """Index (0 to k - 1) of the position nearest to each of POSITIONS, by name. phase (k,): shares of the cycle passed
+    since the end of the stroke at +x. "After" a reversal is the first position behind it.
     """
     passed = phase % 1.0
     mid_forward, mid_back = (int(np.argmin(np.abs(passed - at))) for at in (0.75, 0.25))
@@ -254,9 +250,8 @@ def named_positions(phase: Array) -> dict[str, int]:
 
 
 def position_of(at: str | int, phase: Array, cycle: int) -> int:
-    """Index of the position `at`, a name in POSITIONS or an index, in a cycle with phases (k,).
-
-    Raises ResultError if there is no such position; cycle: its number, for the message.
+    """Index of the position `at`, a name in POSITIONS or an index, also as text, in a cycle with phases (k,).
+    Raises ResultError, which names the cycle `cycle`, if there is no such position.
     """
     if isinstance(at, int) or at.isdecimal():
         if 0 <= int(at) < len(phase):

@@ -1,4 +1,4 @@
-"""The evolution of a run: its columns over the measured cycles."""
+"""The evolution of a run: a table with one row for each measured cycle."""
 
 from __future__ import annotations
 
@@ -47,12 +47,12 @@ COLUMN_MEANINGS = {
 
 @dataclass(frozen=True, eq=False)
 class Evolution(Mapping[str, Array]):
-    """Columns in a fixed order over the measured cycles, each (n,): `evolution["cycle"]`; n may be 0.
+    """Columns over the measured cycles, each (n,), as `evolution["cycle"]`; n may be 0. COLUMN_MEANINGS explains their
+    names.
 
-    A value that is not defined at a cycle is NaN; `cycle` increases strictly.
-
-    Raises ResultError if a column of EVOLUTION_COLUMNS is missing, or columns differ in length; NoColumnError if a
-    column is asked for that does not exist.
+    A value that is not defined at a cycle is NaN; `cycle` increases strictly. Raises ResultError if a column of
+    EVOLUTION_COLUMNS is missing, or columns differ in length; NoColumnError if a column is asked for that does not
+    exist.
     """
 
     columns: Mapping[str, Array]
@@ -72,9 +72,8 @@ class Evolution(Mapping[str, Array]):
 
     @classmethod
     def from_rows(cls, rows: Sequence[Mapping[str, float]]) -> Evolution:
-        """Columns from one mapping per measured cycle; no rows give empty columns.
-
-        ResultError if a row lacks a column of the first one.
+        """The evolution of one mapping from column to value per measured cycle; no rows give empty columns.
+        Raises ResultError if a row lacks a column of the first one.
         """
         names = list(rows[0]) if rows else [*EVOLUTION_COLUMNS, *LATER_COLUMNS]
         try:
@@ -95,14 +94,16 @@ class Evolution(Mapping[str, Array]):
         return len(self.columns)
 
     def at(self, cycle: float) -> dict[str, float]:
-        """The row measured nearest to `cycle`, which must lie within a factor of two; otherwise ResultError."""
+        """Values by column at the measured cycle nearest to `cycle`, by ratio; ResultError beyond a factor of two."""
         cycles = [int(c) for c in self["cycle"]]
         index = cycles.index(nearest_cycle(cycle, cycles, "evolution"))
         return {name: float(column[index]) for name, column in self.items()}
 
 
 def nearest_cycle(cycle: float, logged: Sequence[int], what: str) -> int:
-    """The logged cycle nearest to `cycle`, within a factor of two; otherwise ResultError, which calls them `what`."""
+    """The one of `logged` nearest to `cycle`, by their ratio; a cycle 0 counts as 0.5. ResultError, which calls what is
+    logged `what`, if none is within a factor of two.
+    """
 
     def distance(other: int) -> float:
         # Half a cycle stands for "before the first", so that cycle 0 has a place on the ratio scale.

@@ -1,6 +1,7 @@
 """Results for other programs: flat tables (CSV, Parquet), labelled arrays with units (netCDF), scars over time (VTK).
 
-Columns of a line contact for users are per mm of its length, with `_per_mm` in their names.
+Users see columns of a line contact per mm of its length, with `_per_mm` in their names. Scars of a line contact are
+profiles.
 """
 
 from __future__ import annotations
@@ -37,13 +38,12 @@ _PER_MM = re.compile(r"(pad|specimen)_(worn_area|max_depth|left_edge|right_edge)
 
 
 def write_time_series(result: RunResult, folder: Path) -> list[Path]:
-    """Write the scars of a run as `scar_<body>_<cycle>.vtu` and `scar_<body>.pvd`; return the PVD files.
+    """Write the scars of a run as `scar_<body>_<cycle>.vtu`, with a series `scar_<body>.pvd` for each body; return the
+    PVD files.
 
-    Points are the worn surface in micrometres, x along the motion and z from the driven to the held body; the fields at
-    points are depth, friction energy per area, pressure and slip distance. The time in a PVD file is the cycle. Files
-    of an earlier run in the folder are removed.
-
-    Raises ResultError if the folder cannot be written.
+    Points are the worn surface in micrometres, x along the motion and z from the driven to the held body, with the
+    scar's fields; the time in a PVD file is the cycle. VTU files of an earlier run in the folder are removed. Raises
+    ResultError if the folder cannot be written.
     """
     with writing(ResultError, f"cannot write the time series to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -71,7 +71,9 @@ def _surface_file(scar: Scar) -> str:
 
 
 def worn_points(scar: Scar, *, upper: bool) -> Array:
-    """Points (n_a, n_t, 3) of the worn surface in µm: x along the motion, z from the driven to the held, upper body."""
+    """Points (n_a, n_t, 3) of the worn surface in µm: x along the motion, y across, z from the driven body up to the
+    held one. upper: True for the scar of the held body.
+    """
     axial, transverse = np.meshgrid(scar.axial_um, scar.transverse_um, indexing="ij")
     x, y = scar.sliding_coordinates(axial, transverse)
     upward = -1.0 if upper else 1.0
@@ -80,7 +82,7 @@ def worn_points(scar: Scar, *, upper: bool) -> Array:
 
 
 def surface_mesh(scar: Scar, *, upper: bool) -> pyvista.StructuredGrid:
-    """The worn surface as a pyvista mesh in µm, with the scar's fields at its points."""
+    """The worn surface as a pyvista mesh in µm, with the scar's fields. upper: True for the held body's scar."""
     import pyvista
 
     points = worn_points(scar, upper=upper)
@@ -106,10 +108,11 @@ def _write_surface(path: Path, scar: Scar, *, upper: bool) -> None:
 
 
 def labelled(result: RunResult) -> xarray.DataTree:
-    """A run as a tree of data sets: `evolution`, `loops` and `scars/<body>_<cycle>`; every array states its unit.
+    """A run as a tree of xarray data sets: `evolution`, `loops` (if any) and `scars/<body>_<cycle>`; each array states
+    its unit.
 
-    Loops are distinguished by `cycle`, and padded with NaN to the length of the longest. Raises ResultError if xarray
-    is not installed.
+    Loops are rows (cycle, sample), padded with NaN to the length of the longest. Raises ResultError if xarray is not
+    installed.
     """
     made = _xarray()
     nodes: dict[str, Any] = {"/": made.Dataset(attrs=_described(result))}
@@ -196,7 +199,7 @@ _um2_PER_mm2 = 1e6
 
 
 def per_mm(columns: Mapping[str, Array], share: float) -> dict[str, Array]:
-    """Columns of a line contact per mm of its length; worn volumes become areas. share: one millimetre over its
+    """Columns of a line contact per mm of its length, as users see them: volumes as areas. share: 1 mm over the
     length.
     """
     found = {}
@@ -211,7 +214,7 @@ def per_mm(columns: Mapping[str, Array], share: float) -> dict[str, Array]:
 
 
 def whole(columns: Mapping[str, Array]) -> dict[str, Array]:
-    """Columns per mm renamed as those of a contact of one millimetre's length; inverse of `per_mm` with share 1."""
+    """Columns per mm of length, named as for users, renamed as those of a contact of 1 mm: undoes `per_mm`."""
     found = {}
     for name, column in columns.items():
         if own := _PER_MM.match(name):
@@ -225,14 +228,14 @@ def whole(columns: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def evolution_table(result: RunResult) -> pl.DataFrame:
-    """A table with one row per measured cycle."""
+    """A table with one row per measured cycle, a line contact's per mm of its length."""
     import polars as pl
 
     return pl.DataFrame({name: np.array(column) for name, column in named_for_users(result, result.evolution).items()})
 
 
 def loops_table(result: RunResult) -> pl.DataFrame:
-    """A table with one row per sample of each recorded loop, and the loop's cycle."""
+    """A table with one row per sample of each recorded loop; a line contact's per mm of its length."""
     import polars as pl
 
     cycles = [np.full(loop.time_s.size, loop.cycle) for loop in result.loops]
@@ -241,9 +244,7 @@ def loops_table(result: RunResult) -> pl.DataFrame:
 
 
 def scars_table(result: RunResult) -> pl.DataFrame:
-    """A table with one row per point of each recorded scar; x lies along the motion, x and y from the point of first
-    contact.
-    """
+    """A table with one row per point of each recorded scar; x along the motion, y across, from first contact."""
     import polars as pl
 
     places = [scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :]) for scar in result.scars]
@@ -259,7 +260,7 @@ def scars_table(result: RunResult) -> pl.DataFrame:
 
 
 def profiles_table(result: RunResult) -> pl.DataFrame:
-    """A table with one row per point of each recorded profile of a line contact."""
+    """A table with one row per point of each recorded profile; slip amplitude is a quarter of the path slid."""
     import polars as pl
 
     renamed = scars_table(result).rename({"slip_distance_um": "slip_amplitude_um"})
@@ -267,7 +268,7 @@ def profiles_table(result: RunResult) -> pl.DataFrame:
 
 
 def named_for_users(result: RunResult, columns: Mapping[str, Array]) -> Mapping[str, Array]:
-    """Columns as tables and reports name them: those of a line contact per mm of its length."""
+    """Columns as tables and reports show them: for a line contact those of `per_mm`, otherwise unchanged."""
     return _NAMED[result.extent.suffix](columns, result.extent.share)
 
 
@@ -281,14 +282,13 @@ _WORN: dict[str, Callable[[RunResult], pl.DataFrame]] = {"scars": scars_table, "
 
 
 def tables_of(result: RunResult) -> dict[str, Callable[[RunResult], pl.DataFrame]]:
-    """Functions that make the tables of a result, by file name."""
+    """Functions that make the tables of a result by name: "evolution", "loops", and "scars" or "profiles"."""
     worn = result.extent.worn
     return {"evolution": evolution_table, "loops": loops_table, worn: _WORN[worn]}
 
 
 def write_flat_tables(result: RunResult, folder: Path, ending: str, *, overwrite: bool = True) -> list[Path]:
-    """Write the tables of a result as "csv" or "parquet" files; return their paths.
-
+    """Write the tables of a result to `folder` as files with this `ending`, "csv" or "parquet"; return their paths.
     Raises ResultError if the folder cannot be written, or a file exists and `overwrite` is False.
     """
     tables = {folder / f"{name}.{ending}": table for name, table in tables_of(result).items()}

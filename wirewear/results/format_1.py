@@ -34,7 +34,7 @@ _LENGTH_mm = 1.0
 
 
 def line_result(file: h5py.File, path: Path) -> RunResult:
-    """The result of a line contact from an open file; ResultError if its arrays do not form one."""
+    """The result of a line contact in an open file of that format; ResultError if its contents do not form one."""
     attributes = file.attrs
     evolution = whole(_arrays(file["evolution"]))
     nothing = np.full(evolution["cycle"].size, np.nan)

@@ -68,10 +68,8 @@ _SELDOM = {"length_mm": None, "diameter_along_mm": float("inf")}
 def write_result(path: str | Path, result: RunResult, so_far: GrowingImage | None = None) -> RunResult:
     """Write `result` to `path`, replacing the file there in one step; return it as `read_result` would.
 
-    The folder is made if missing. so_far: the growing file of a run that goes on; cycles logged in it are not written
-    again.
-
-    Raises ResultError if a table holds what JSON cannot, or the file cannot be written.
+    The folder is made if missing. so_far: a running run's file as last written, to which only newly logged cycles are
+    added; None writes all. Raises ResultError if a table holds what JSON cannot, or the file cannot be written.
     """
     path, tables = Path(path), {name: _json(name, getattr(result, name)) for name in TABLES}
     image = (hdf5_image if so_far is None else so_far.filled)(lambda file: _fill(file, result, tables))
@@ -83,7 +81,7 @@ def write_result(path: str | Path, result: RunResult, so_far: GrowingImage | Non
 
 
 def read_result(path: str | Path) -> RunResult:
-    """Read the run stored at `path`, a result file or a run's folder; its `path` attribute is set.
+    """Read the run stored at `path`, a result file or a run's folder.
 
     Raises ResultError if there is no such file, it is not a result file of a known format, or its contents are damaged.
     """
@@ -101,9 +99,9 @@ def read_result(path: str | Path) -> RunResult:
 
 
 def read_results(path: str | Path) -> tuple[RunResult, ...]:
-    """Read all runs at `path`: a result file, a run's folder, or a folder of variants' folders; ordered by variant.
-
-    Raises ResultError if nothing is found there, or a file found cannot be read.
+    """Read all runs at `path`: a result file, a run's folder, or a folder of variants' folders; sorted by name of
+    variant.
+    Raises ResultError if there are none, or a file found cannot be read.
     """
     path = Path(path)
     require_no_other(path, ResultError, Held.RUN)

@@ -1,6 +1,7 @@
 """Qualities of a run: residuals and closures, their limits, and what helps where one is beyond its limit.
 
-A closure compares two values that should agree, such as a loop's area and the friction work.
+A closure is the difference of two values that should agree, such as a loop's area and the friction work. The names of
+QUALITIES are those of `RunResult.quality`.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -45,7 +46,7 @@ _REMEDIES: Mapping[str, str] = {
 
 
 def remedies(beyond: Collection[str]) -> list[str]:
-    """Sentences on what helps against the named qualities, which are beyond their limits."""
+    """Sentences on how to reduce qualities beyond their limits, by name; none for those of the test itself."""
     others = sorted(set(beyond) - OF_THE_TEST - set(_REMEDIES))
     mesh = (
         [f"{_spoken(others)} mostly fall{'s' * (len(others) == 1)} with a finer --fidelity or [mesh]."]
@@ -61,7 +62,7 @@ def _spoken(names: Sequence[str]) -> str:
 
 @dataclass(frozen=True)
 class Health:
-    """One quality: its meaning, the worst value in each run (None: not defined), and its limit."""
+    """One quality: its meaning, its worst value in each run (None if not defined), and the limit to it."""
 
     meaning: str
     worst: tuple[float | None, ...]
@@ -69,20 +70,19 @@ class Health:
 
     @property
     def sound(self) -> bool:
-        """True if no value is beyond the limit."""
+        """True if no worst value exceeds the limit."""
         return all(value is None or value <= self.limit for value in self.worst)
 
 
 class Judged(Protocol):
-    """A result that holds measures of its own numerical quality."""
+    """Anything with measures of its numerical quality, such as a result."""
 
     @property
-    def quality(self) -> Mapping[str, float]:
-        """The worst value of each quality in the run, by name."""
+    def quality(self) -> Mapping[str, float]: ...
 
 
 def health(results: Sequence[Judged]) -> list[Health]:
-    """The qualities of runs, in the order of QUALITIES; others follow by name, without a limit."""
+    """The qualities of runs, in the order of QUALITIES; then others by name, whose limit is infinite."""
     known = [name for name in QUALITIES if any(name in result.quality for result in results)]
     others = sorted({name for result in results for name in result.quality if name not in QUALITIES})
     meanings = {name: meaning for name, (meaning, _) in QUALITIES.items()}
@@ -97,11 +97,11 @@ def health(results: Sequence[Judged]) -> list[Health]:
 
 
 def limit_of(name: str) -> float:
-    """The limit of a quality; infinite if it has none."""
+    """The limit of a quality by its name; infinite if it has none."""
     return QUALITIES[name][1] if name in QUALITIES else float("inf")
 
 
 def flagged(name: str, value: float) -> str:
-    """A quality's value as text, with its limit if it is beyond."""
+    """`value` of the quality `name` as text, with its limit if it exceeds that."""
     limit = limit_of(name)
     return f"{value:.1e}, more than {limit:.1e}" if value > limit else f"{value:.1e}"

@@ -1,6 +1,7 @@
-"""The worn surface of one body, its scar: a map or, for a line contact, a profile.
+"""The worn surface of one body, its scar: a map or, for a line contact, a profile, with figures of it.
 
-The sliding frame has x along the motion; both frames have their origin at the point of first contact.
+The sliding frame has x along the motion and y across it; a body's own frame has an axial and a transverse direction.
+Both have their origin at the point of first contact. The first of a test's two bodies is the driven, lower one.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -35,9 +36,8 @@ SCAR_FIGURES = ("volume", "depth", "length", "width")
 
 
 def float_array(name: str, values: ArrayLike, dimensions: int) -> Array:
-    """`values` as a read-only float64 array with `dimensions` dimensions; `name` is for messages.
-
-    Raises ResultError if they are not real numbers, or have another number of dimensions.
+    """`values` copied to a read-only float64 array; ResultError, which calls them `name`, if they are not real numbers
+    or have another number of dimensions than `dimensions`.
     """
     try:
         array = np.array(values, dtype=np.float64)
@@ -50,20 +50,20 @@ def float_array(name: str, values: ArrayLike, dimensions: int) -> Array:
 
 
 def require_finite(name: str, array: Array) -> None:
-    """Raise ResultError unless every entry is a finite number."""
+    """Raise ResultError, which calls the array `name`, unless every entry is a finite number."""
     if not np.isfinite(array).all():
         raise ResultError(f"{name} must be finite everywhere, but {np.count_nonzero(~np.isfinite(array))} are not")
 
 
 def require_increasing(name: str, array: Array) -> None:
-    """Raise ResultError unless the entries increase strictly."""
+    """Raise ResultError, which calls the array `name`, unless its entries (n,) increase strictly."""
     # Differences of the largest numbers overflow.
     if not (array[1:] > array[:-1]).all():
         raise ResultError(f"{name} must increase strictly")
 
 
 def require_equal_lengths(where: str, columns: Mapping[str, Array]) -> None:
-    """Raise ResultError unless all columns are as long as the first."""
+    """Raise ResultError, which begins with `where`, unless all columns are as long as the first."""
     lengths = {name: column.size for name, column in columns.items()}
     if len(set(lengths.values())) > 1:
         raise ResultError(
@@ -72,9 +72,9 @@ def require_equal_lengths(where: str, columns: Mapping[str, Array]) -> None:
 
 
 def crossings(line: Array, section: Array, level: float) -> tuple[float, float]:
-    """The outermost places on `line` (n,) between which a section (n,) is above a level, by linear interpolation.
-
-    Both ends of the line if the section is nowhere above it.
+    """(first, last): outermost places on `line` (n,) between which the values `section` (n,) exceed `level`,
+    interpolated linearly.
+    An end of the line where values still exceed the level there; both ends if they exceed it nowhere.
     """
     over = np.flatnonzero(section > level)
     if over.size == 0:
@@ -90,7 +90,7 @@ def crossings(line: Array, section: Array, level: float) -> tuple[float, float]:
 
 
 def worn_volume_mm3(x_um: Array, y_um: Array, depth_um: Array) -> float:
-    """Worn volume of a map (n_x, n_y), as runs, records, comparisons and fits give it.
+    """Worn volume in mm³ of depths (n_x, n_y) in µm at the crossings of lines x (n_x,) and y (n_y,).
 
     The integral of the bilinear depth over the whole map (trapezoidal rule): noise averages to 0 and piled-up material
     is subtracted.
@@ -100,10 +100,10 @@ def worn_volume_mm3(x_um: Array, y_um: Array, depth_um: Array) -> float:
 
 
 def scar_figures(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:
-    """Volume [µm³], depth, length along x and width along y [µm] of a map (n_x, n_y) without holes.
+    """[volume in µm³, depth, length along x, width along y in µm] of a map (n_x, n_y) of depths without NaN.
 
-    Depth is that of the fifth deepest point; length and width are those of the sections, integrated across, at a
-    quarter of their height. All are 0 where nothing is worn.
+    Depth is that of the fifth deepest point; length and width are those of the depth integrated across, at a quarter of
+    its height. All are 0 if volume or depth is not positive.
     """
     volume, place = 1e9 * worn_volume_mm3(x_um, y_um, depth_um), -min(DEEPEST, depth_um.size)
     deep = float(np.partition(depth_um.ravel(), place)[place])
@@ -120,10 +120,8 @@ def _extent(line: Array, section: Array) -> float:
 
 
 def body_named(name: str, where: str, bodies: Sequence[str]) -> str:
-    """The body of that name; "lower", "driven" and "moving" name the first of `bodies`, "upper", "held" and "fixed" the
-    second.
-
-    Raises ResultError that begins with `where` if there is none.
+    """The one of `bodies` (driven, held) that `name` means: its own name, or "lower", "driven", "moving" for the first
+    and "upper", "held", "fixed" for the second. Raises ResultError, which begins with `where`, for another name.
     """
     for body, also in zip(bodies, _BY_PLACE, strict=True):
         if name == body or (name in also and name not in bodies):
@@ -134,12 +132,12 @@ def body_named(name: str, where: str, bodies: Sequence[str]) -> str:
 
 
 def noun_of(body: str) -> str:
-    """The kind of a body, as columns and messages name it: "wire" or "body"."""
+    """ "wire" for a body of crossed wires, "body" for any other, as columns and messages call it."""
     return _NOUNS.get(body, "body")
 
 
 def called(body: str) -> str:
-    """The name of a body in sentences and headings, such as "moving wire"."""
+    """The name of a body in sentences and headings, such as "moving wire" for "moving"."""
     return _CALLED.get(body, body)
 
 
@@ -147,15 +145,14 @@ def called(body: str) -> str:
 class Scar:
     """A body's scar after `cycle` cycles, on a rectilinear grid in that body's own frame.
 
-    The origin is the point of first contact. The axial direction is turned by `axis_angle_deg` from the sliding
-    direction x about the common normal z; the transverse direction is the axial one turned by +90° about the same z,
-    for both bodies. `axial_um` has shape (n_a,), `transverse_um` (n_t,), the fields (n_a, n_t): worn depth along z (≥
-    0), friction energy received per area, contact pressure at mid-stroke of that cycle, and the distance slid under
-    pressure during that cycle.
+    The axial direction is turned by `axis_angle_deg` from the sliding direction x about the common normal z, the
+    transverse one by another +90°, for both bodies. `axial_um` (n_a,) and `transverse_um` (n_t,) are the grid's lines.
+    Fields (n_a, n_t): worn depth along z (≥ 0), friction energy received per area, and, of that cycle, contact pressure
+    at mid-stroke and distance slid under pressure.
 
-    A line contact's pad or specimen has a single line across, which stands for all of its `length_mm`; other bodies
-    have None. The unworn surface has `diameter_mm` across and `diameter_along_mm` along, infinite where it is straight,
-    as for line contacts.
+    A line contact has a single line across, which stands for all of its `length_mm`; other contacts have None. The
+    unworn surface has `diameter_mm` across and `diameter_along_mm` along the axis, infinite where it is straight, as
+    for line contacts.
 
     Raises ResultError if shapes do not match, the grid does not increase, values are not finite, or a depth is
     negative.
@@ -200,7 +197,7 @@ class Scar:
 
     @property
     def field_columns(self) -> tuple[str, ...]:
-        """Names of the scar's fields."""
+        """Names of the attributes that are fields (n_a, n_t) of this scar."""
         return FIELD_COLUMNS if self.print_um is None else (*FIELD_COLUMNS, PRINT_COLUMN)
 
     @property
@@ -210,16 +207,13 @@ class Scar:
 
     @property
     def radius_um(self) -> float:
-        """Radius of the unworn surface across."""
+        """Radius in µm of the unworn surface across the axis."""
         return 500.0 * self.diameter_mm
 
     @property
     def flanks_um(self) -> tuple[float, float]:
-        """Distances in µm along and across the axis from the first contact up to which pictures show the unworn
-        surface.
-
-        They are 0.68 of the body's two radii, or 0.94 of a cylinder's radius; infinite in a direction in which it is
-        straight.
+        """(along, across): distances in µm from first contact up to which pictures show the unworn surface, infinite
+        where straight; 0.68 of the body's radii, or 0.94 of a cylinder's.
         """
         radii = (500.0 * self.diameter_along_mm, self.radius_um)
         share = 0.94 if max(radii) == float("inf") else 0.68
@@ -231,22 +225,24 @@ class Scar:
 
     @property
     def volume_mm3(self) -> float:
-        """Worn volume; of a line contact over its whole length."""
+        """Worn volume, without prints; of a line contact over its whole length."""
         return _VOLUMES[extent_of(self.length_mm).worn](self)
 
     @property
     def area_um2(self) -> float:
-        """Worn cross-section of a line contact, the exact integral of the piecewise linear depth."""
+        """Worn cross-section of a line contact in µm², the exact integral of the piecewise linear depth."""
         return float(np.trapezoid(self.depth_um[:, 0], self.axial_um))
 
     def edges_um(self) -> tuple[float, float]:
-        """Ends along x of a line contact's scar, where its depth is 1 % of the largest; NaN if nothing is worn."""
+        """(first, last): x of the ends of a line contact's scar, at 1 % of its largest depth; NaN if nothing is
+        worn.
+        """
         x, depth = self.axial_um, self.depth_um[:, 0]
         # Depth, relative to the deepest point, that bounds a profile's scar.
         return crossings(x, depth, 0.01 * float(depth.max())) if depth.any() else (float("nan"), float("nan"))
 
     def wire_coordinates(self, x_um: ArrayLike, y_um: ArrayLike) -> tuple[Array, Array]:
-        """(axial, transverse) coordinates in µm of points (x, y) in the sliding frame; shapes broadcast."""
+        """(axial, transverse) in µm in the body's own frame of points (x, y) in the sliding frame; shapes broadcast."""
         x, y = np.asarray(x_um, dtype=np.float64), np.asarray(y_um, dtype=np.float64)
         cosine, sine = _cosine_sine(self.axis_angle_deg)
         return x * cosine + y * sine, y * cosine - x * sine
@@ -259,9 +255,7 @@ class Scar:
 
     def depth_at(self, x_um: ArrayLike, y_um: ArrayLike) -> Array:
         """Measured depth in µm at points of the sliding frame, bilinear between grid points, 0 outside the grid; shapes
-        broadcast.
-
-        A line contact has the same depth at all y.
+        broadcast. A line contact has the same depth at all y.
         """
         shape = np.broadcast_shapes(np.shape(x_um), np.shape(y_um))
         nodes, weights, _ = self._located(x_um, y_um)
@@ -272,7 +266,7 @@ class Scar:
         return self.depth_at(np.asarray(x_um)[:, None], np.asarray(y_um)[None, :])
 
     def section_along_motion(self) -> tuple[Array, Array]:
-        """(x_um, measured depth_um), each (n,), on the line y = 0, at every crossing with a grid line."""
+        """(x_um, measured depth_um), each (n,), along y = 0: where that line crosses the grid's, in order of x."""
         if self.transverse_um.size == 1:
             return self.axial_um, self.measured_depth_um[:, 0]
         cosine, sine = _cosine_sine(self.axis_angle_deg)
@@ -287,7 +281,9 @@ class Scar:
         return x, self.depth_at(x, 0.0)
 
     def unworn_height_um(self, axial_um: ArrayLike, transverse_um: ArrayLike) -> Array:
-        """Height of the unworn surface relative to its tangent plane at the origin, <= 0; shapes broadcast."""
+        """Height in µm of the unworn surface above its tangent plane at the origin, ≤ 0, at points in the body's own
+        frame; shapes broadcast.
+        """
         along, across = np.broadcast_arrays(np.asarray(axial_um, float), np.asarray(transverse_um, float))
         barrel = Barrel(2e-3 / self.diameter_along_mm, 2e-3 / self.diameter_mm)
         return barrel.height(np.column_stack([along.ravel(), across.ravel()])).reshape(along.shape)

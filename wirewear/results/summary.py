@@ -1,4 +1,4 @@
-"""A summary of runs that fits on one screen."""
+"""A table of runs side by side that fits on one screen of a terminal."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -22,9 +22,8 @@ Row = tuple[str, Callable[[RunResult], str]]  #: One cell for each run; each fun
 
 
 def summary(results: Sequence[RunResult]) -> RenderableType:
-    """A table with one column per run (state, amplitudes, energy, wear, force, quality and time), then the files.
-
-    Raises ResultError if there are no results.
+    """A table for rich to print, one column per run (state, amplitudes, energy, wear, pressures, quality and time),
+    then remedies for qualities beyond their limits and the files. Raises ResultError if there are no results.
     """
     if not results:
         raise ResultError("there are no results to sum up")

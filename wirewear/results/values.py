@@ -1,7 +1,7 @@
-"""Values of a finished or running simulation: one loop, the evolution over the cycles, and the whole run.
+"""Values of a finished or running simulation: one loop, and the whole run with its evolution over the cycles.
 
 Bodies are the driven, lower one and the held, upper one. A logged cycle is one whose loop or scar is recorded. Values
-that grow with the length of a line contact (extensive ones) are of `length_mm` of it.
+that grow with the length of a line contact (extensive ones: forces, energies, volumes) are of `length_mm` of it.
 """
 
 from __future__ import annotations
@@ -43,8 +43,7 @@ _LATER_OF_LOOPS = ("normal_force_N", "friction_work_mJ", "tilt_deg")
 
 
 def sensor_of(study: Mapping[str, object], sensor: Sensor = _IDEAL, age: Age = _NEW) -> Sensor:
-    """A sensor with the sensor effects of a study added to its own errors, at an age of the test.
-
+    """`sensor` with the sensor effects of a study added to its own errors, as at the age `age` of the test.
     study: resolved tables, as results hold them. Raises StudyError if the study has an effect that is not installed
     here.
     """
@@ -56,14 +55,13 @@ def sensor_of(study: Mapping[str, object], sensor: Sensor = _IDEAL, age: Age = _
 
 
 def age_at(result: RunResult, cycle: int) -> Age:
-    """Cycles and friction energy of a test when it logged `cycle`."""
+    """The cycles and the friction energy up to `cycle`, interpolated between measured cycles; 0 J if none is."""
     cycles, energy_J = result.evolution["cycle"], result.evolution["accumulated_energy_J"]
     return Age(float(cycle), float(np.interp(cycle, cycles, energy_J)) if cycles.size else 0.0)
 
 
 def read_loop(loop: Loop, sensor: Sensor, period_s: float) -> Loop:
-    """A loop with displacements and forces as a sensor reads them; its friction work stays the true one.
-
+    """A copy of a loop with displacements and forces as `sensor` reads them; its friction work stays the true one.
     The relative displacement becomes the displacement read, less the true one of the held body's holder. period_s:
     duration of a cycle.
     """
@@ -82,7 +80,7 @@ def read_loop(loop: Loop, sensor: Sensor, period_s: float) -> Loop:
 
 
 def read_loops(result: RunResult, sensor: Sensor = _IDEAL) -> tuple[Loop, ...]:
-    """The result's loops as a sensor reads them with the effects of the study, without noise."""
+    """Copies of the result's loops as `sensor` reads them with the study's sensor effects, without noise."""
     if not result.study.get("effects") and sensor == _IDEAL:
         return result.loops
     sensors = [sensor_of(result.study, sensor, age_at(result, loop.cycle)) for loop in result.loops]
@@ -94,12 +92,12 @@ def read_loops(result: RunResult, sensor: Sensor = _IDEAL) -> tuple[Loop, ...]:
 
 
 def extensive(name: str) -> bool:
-    """True if a quantity of this name, unit included, grows with the length of a line contact."""
+    """True if a quantity with this name grows with the length of a line contact: its unit is N, mJ, J or mm³."""
     return name.endswith(("_N", "_mJ", "_J", "_mm3"))
 
 
 def scaled(columns: Mapping[str, Array], factor: float) -> dict[str, Array]:
-    """The columns of a line contact for a length multiplied by `factor`; extensive quantities grow with it."""
+    """Copies of a line contact's columns for `factor` times its length: extensive quantities are multiplied by it."""
     return {name: column * factor if extensive(name) else column for name, column in columns.items()}
 
 
@@ -145,7 +143,7 @@ Forces = TypeVar("Forces", Loop, ContactForces)
 
 
 def longer(one: Forces, factor: float) -> Forces:
-    """The loop or contact forces `one` of a line contact, for a length multiplied by `factor`."""
+    """A copy of a line contact's loop or contact forces for `factor` times its length."""
     return replace(one, **{f.name: getattr(one, f.name) * factor for f in fields(one) if extensive(f.name)})
 
 
@@ -153,12 +151,12 @@ def longer(one: Forces, factor: float) -> Forces:
 class RunResult:
     """All results of one run, that is, of one variant of a study.
 
-    `bodies` are the driven one, which lies below, and the one that is held above it. A line contact's result is of
-    `length_mm` of it, of one millimetre where its study states no length; other contacts have None. `study` is the
-    resolved study, `settings` are the mesh sizes, numbers of unknowns and the like that followed from it, `quality`
-    holds the worst residuals, `versions` those of the programs used, `timings_s` wall times. `path` is the file that it
-    was read from; it is not written. `contact_forces` are missing in files of earlier versions. `label` names the run
-    in pictures: its variant, or else its name.
+    `bodies` are (driven, lower one; held, upper one). `length_mm` is the length of a line contact that values are of,
+    None for other contacts. `study` is the resolved study, `settings` are mesh sizes, numbers of unknowns and the like
+    that followed from it, `quality` the worst residuals by name (see `health`), `versions` those of the programs used,
+    `timings_s` wall times, `message` why a run is not complete. `path` is the file it was read from, which is not
+    written; `contact_forces` are empty in files of earlier versions; `label` names the run in pictures: its variant, or
+    else its name.
 
     Raises ResultError if the status is not complete, running or failed, or a scar or force is of a body not in
     `bodies`.
@@ -201,16 +199,16 @@ class RunResult:
 
     @property
     def extent(self) -> Extent:
-        """The contact's extent across its motion, a length or none."""
+        """The contact's extent across its motion: a length for a line contact, none at a point."""
         return extent_of(self.length_mm)
 
     @property
     def full_name(self) -> str:
-        """Name and variant of the result, which distinguish it from results of other studies."""
+        """ "name, variant", or the name alone without a variant."""
         return f"{self.name}, {self.variant}" if self.variant else self.name
 
     def of_kind(self, contact_kind: str) -> Self:
-        """The result itself; ResultError unless it is of this kind of contact."""
+        """The result itself; ResultError unless its kind of contact has this name."""
         return self if self.contact_kind == contact_kind else self._refused(contact_kind.replace("-", " "))
 
     def with_maps(self) -> Self:
@@ -224,7 +222,7 @@ class RunResult:
         raise ResultError(f"{self.path or self.full_name} is a result of a {own}, where one of {needed} is needed.")
 
     def is_upper(self, body: str) -> bool:
-        """True if `body` is the upper, held one."""
+        """True if `body` is the held, upper one; ResultError if it is neither body."""
         return body_named(body, self.label, self.bodies) == self.bodies[1]
 
     def times(self, length_mm: float | None) -> float:
@@ -232,7 +230,7 @@ class RunResult:
         return self.extent.share / extent_of(length_mm).share
 
     def of_length(self, length_mm: float) -> Self:
-        """The result of a line contact of this length."""
+        """A copy of a line contact's result for a contact of `length_mm`."""
         factor = self.times(length_mm)
         return replace(
             self,
@@ -245,29 +243,30 @@ class RunResult:
         )
 
     def of_extent(self, extent: Extent) -> RunResult:
-        """The result of a line contact of another extent; that of a contact at a point is returned unchanged."""
+        """A copy for a contact of another extent; a contact at a point is returned unchanged."""
         return extent.of_result(self)
 
     @property
     def computed(self) -> RunResult:
-        """The result as it was computed: for a line contact that of one millimetre."""
+        """The result as it was computed: for a line contact, that of 1 mm of length."""
         return self if self.extent.share == 1.0 else self.of_length(1.0)
 
     @property
     def worn_volume_mm3(self) -> Array:
-        """Volume that both bodies together have lost, at the measured cycles."""
+        """Worn volume (n,) of both bodies together at the measured cycles."""
         driven, other = (self.evolution[f"worn_volume_{body}_mm3"] for body in self.bodies)
         return np.asarray(driven + other)
 
     def layer_faces_um(self, body: str) -> Array:
-        """Depths of the lower faces of a body's coatings, the outermost first."""
+        """Depths (n,) in µm of the lower faces of a body's coatings, the outermost first; empty without coatings."""
         return 1e3 * work_through(self._layers(body))[0][1:]
 
     def worn_through(self, body: str) -> tuple[float | None, ...]:
-        """The cycle at which each of a body's coatings was first worn through, or None.
+        """For each coating of a body, the outermost first: the cycle at which it was first worn through, None if it was
+        not.
 
-        It is interpolated by a power law of the cycles, for the depth to which the body would have worn without
-        coatings, from the last two cycles measured before, up to the first one after.
+        Interpolated by a power law of the cycles, for the depth to which the body would have worn without coatings,
+        from the last two cycles measured before, up to the first one after.
         """
         layers, cycles = self._layers(body), self.evolution["cycle"]
         bare = bare_depth(layers, 1e-3 * np.maximum.accumulate(self.evolution[f"max_depth_{body}_um"]))
@@ -292,29 +291,29 @@ class RunResult:
         return [SurfaceLayer(1e-3 * thickness_um, factor) for thickness_um, factor in stated]
 
     def loop(self, cycle: float) -> Loop:
-        """The loop logged nearest to `cycle`, within a factor of two; otherwise ResultError naming the
-        logged ones.
+        """The loop logged nearest to `cycle`, by ratio; ResultError, naming the cycles, if none is within a
+        factor 2.
         """
         return _nearest(cycle, self.loops, lambda loop: loop.cycle, "loops")
 
     def scar(self, cycle: float, body: str) -> Scar:
-        """A body's scar logged nearest to `cycle`, as for `loop`; otherwise ResultError naming the logged ones."""
+        """A body's scar logged nearest to `cycle`, by ratio; ResultError as for `loop`, or if there is no such body."""
         body = body_named(body, self.label, self.bodies)
         return _nearest(cycle, self.scars_of(body), lambda scar: scar.cycle, f"scars of the {called(body)}")
 
     def called(self, body: str) -> str:
-        """The name of a body in sentences and headings; a "lower" or "upper" body is named by its shape as well."""
+        """A body's name in sentences and headings, such as "moving wire" or, for a lower or upper body of a known
+        shape, "ball (upper)".
+        """
         shape = self.study.get("bodies", {}).get(body, {}).get("shape")
         return f"{shape} ({body})" if shape and body in ("lower", "upper") else called(body)
 
     def scars_of(self, body: str) -> list[Scar]:
-        """A body's scars in the order of logging."""
+        """Scars of the body with this name in the order of logging; empty if there are none."""
         return [scar for scar in self.scars if scar.body == body]
 
     def forces(self, cycle: float, body: str) -> ContactForces:
-        """Contact forces on a body logged nearest to `cycle`, as for `loop`; otherwise ResultError naming the logged
-        ones.
-        """
+        """Contact forces on a body logged nearest to `cycle`, by ratio; ResultError as for `scar`, or without any."""
         body = body_named(body, self.label, self.bodies)
         forces = [one for one in self.contact_forces if one.body == body]
         if not forces:
@@ -325,7 +324,7 @@ class RunResult:
         return _nearest(cycle, forces, lambda one: one.cycle, f"contact forces of the {called(body)}")
 
     def scar_cycles(self) -> tuple[int, ...]:
-        """Cycles at which the scars of both bodies are logged, increasing."""
+        """Cycles at which scars of both bodies are logged, increasing."""
         driven, other = ({scar.cycle for scar in self.scars_of(body)} for body in self.bodies)
         return tuple(sorted(driven & other))
 
