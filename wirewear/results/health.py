@@ -78,7 +78,8 @@ class Judged(Protocol):
     """Anything with measures of its numerical quality, such as a result."""
 
     @property
-    def quality(self) -> Mapping[str, float]: ...
+    def quality(self) -> Mapping[str, float]:
+        """The worst value of each quality, by its name in QUALITIES."""
 
 
 def health(results: Sequence[Judged]) -> list[Health]:

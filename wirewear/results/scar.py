@@ -132,7 +132,7 @@ def body_named(name: str, where: str, bodies: Sequence[str]) -> str:
 
 
 def noun_of(body: str) -> str:
-    """ "wire" for a body of crossed wires, "body" for any other, as columns and messages call it."""
+    """The word for a body in columns and messages: "wire" for one of crossed wires, "body" for any other."""
     return _NOUNS.get(body, "body")
 
 
