@@ -1,4 +1,7 @@
-"""Contact forces and pressures of a recorded cycle, at positions (moments) spread over it, as a result keeps them."""
+"""Contact forces and pressures of a recorded cycle, at positions (moments) spread over it, as a result keeps them.
+
+A trace is a simulated cycle that closes. The primary body's nodes carry the contact tractions.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -16,8 +19,8 @@ _PARTS = 32  # Of the way between two positions.
 
 
 def pressure_figures(problem: ContactProblem, trace: CycleTrace, length_mm: float) -> dict[str, float]:
-    """Columns of the evolution's row in MPa for a closed loop: largest pressures and means over `length_mm`, by column
-    name.
+    """The pressure columns of the evolution's row in MPa for a closed loop, by name: largest at a node and largest mean
+    over `length_mm`, each over the cycle and at mid-stroke.
     """
     reports = [(report.drive, report.max_pressure, report.inner_pressure) for report in trace.reports]
     drives, largest, inner = np.array(reports).T
@@ -31,16 +34,15 @@ def pressure_figures(problem: ContactProblem, trace: CycleTrace, length_mm: floa
 
 
 def mean_pressures(problem: ContactProblem, states: Sequence[ContactState], length_mm: float) -> Array:
-    """Largest mean pressure (k,) in MPa over a length, in each of k states with the same wear."""
+    """Largest mean pressure (k,) in MPa over discs or segments of `length_mm`, in k states with the same wear."""
     patch = problem.primary.patch
     pressures = nodal_pressures(problem, states).reshape(len(states), *patch.shape)
     return largest_means(pressures, patch.axial_mm, patch.transverse_mm, length_mm)
 
 
 def nodal_pressures(problem: ContactProblem, states: Sequence[ContactState]) -> Array:
-    """Normal pressures (k, n) in MPa at the primary's nodes, in k states with the same wear.
-
-    Normal to the primary's own surface; the solver's pressures are normal to the mean of both surfaces.
+    """Pressures (k, n) in MPa at the primary's nodes, normal to its own worn surface, in k states with the same wear.
+    The solver's own pressures are normal to the mean of both surfaces.
     """
     tractions = np.array([state.traction for state in states])
     nodes = np.flatnonzero(tractions[:, :, 2].any(axis=0))
@@ -53,8 +55,8 @@ def nodal_pressures(problem: ContactProblem, states: Sequence[ContactState]) -> 
 
 
 def at_mid_stroke(drive: ArrayLike, pressure: ArrayLike) -> float:
-    """Median of a pressure (k,) over the way near mid-stroke, from its values at the displacements (k,) of a closed
-    loop.
+    """Median of a pressure (k,) over the way near mid-stroke, from its values at the displacements `drive` (k,) of a
+    closed loop.
 
     Mid-stroke is where |displacement| is below MID_STROKE times the amplitude. Pressures are interpolated linearly
     between increments; the median of the k values would be that of a single increment.
@@ -77,9 +79,9 @@ def forces_on(
     bodies: tuple[str, str],
     made_of: Sequence[Mapping[str, Any]] = ({}, {}),
 ) -> tuple[ContactForces, ...]:
-    """Contact forces on the driven body and the held one, at about `count` positions of a traced cycle; empty for 0.
-
-    made_of: geometry and material of each body, for contacts at a point.
+    """(driven, held): contact forces at about `count` positions of a traced cycle; empty for a count of 0.
+    cycle: its number. bodies: their names. made_of: arguments `geometry` and `material` of each body's `ContactForces`,
+    empty for line contacts.
     """
     if count == 0:
         return ()

@@ -1,4 +1,8 @@
-"""Drives that hold a figure of the loop in place of their amplitude: slip, force, energy or a sensor's reading."""
+"""Drives that hold a figure of the loop in place of their amplitude: slip, motion, force, energy or a sensor's reading.
+
+A loop comes as a trace, a simulated cycle, or half of one whose other half is its mirror image; a probe solves one
+increment to another displacement (`measures`).
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -26,7 +30,7 @@ Measure = Callable[[CycleTrace, Probe | None], float]
 
 @dataclass(frozen=True)
 class HeldFigure:
-    """A figure of the loop that a drive holds by its amplitude; it grows with the amplitude."""
+    """A figure of the loop that a drive holds by its amplitude, with which it grows; its unit is `unit`."""
 
     key: str  #: The study's key that states `target`, in `unit`.
     target: float
@@ -41,7 +45,7 @@ class HeldFigure:
     of_state: Callable[[ContactState], float] | None = None
 
     def error(self, trace: CycleTrace) -> float:
-        """Relative difference of a measured loop's figure from the target."""
+        """Relative difference of a measured loop's figure from the target: figure / target - 1."""
         return self.measure(trace, None) / self.target - 1.0
 
 
@@ -77,7 +81,7 @@ def amplitude_from(
 
 @dataclass
 class AmplitudeSearch:
-    """Seeks the amplitude that holds a figure, between one too small and one too large."""
+    """A search for the amplitude that holds a figure, between one too small and one too large."""
 
     held: HeldFigure
     small_mm: float = 0.0
@@ -87,9 +91,10 @@ class AmplitudeSearch:
     _tries: int = 0
 
     def following(self, amplitude_mm: float, trace: CycleTrace, probe: Probe | None = None) -> float | None:
-        """The amplitude in mm to try after `amplitude_mm`, from its loop; None if this one holds the figure.
-
-        probe: for a trace with long increments. Raises SolverError if no amplitude that the drive has holds it.
+        """The amplitude in mm to try after `amplitude_mm`, from the loop there; None if that holds the figure within
+        0.1 %, or nothing nearer is possible.
+        probe: refines slip from long increments. Raises SolverError if no amplitude of the drive, or none in 30 tries,
+        holds the figure.
         """
         held, found = self.held, self.held.measure(trace, probe)
         lacking, self._tries = held.target - found, self._tries + 1
@@ -147,9 +152,8 @@ class AmplitudeSearch:
 
 @dataclass(frozen=True)
 class SlidingOnset:
-    """A contact that just slides as a whole, without its rig: its force, slip amplitude, energy of a cycle and motion.
-
-    The motion is the amplitude of the bodies against each other, where they are held.
+    """A contact that just slides as a whole, without its rig: force, slip amplitude, energy of a cycle, and motion, the
+    amplitude in µm of the bodies' relative displacement where they are held.
     """
 
     force_N: float
@@ -168,7 +172,7 @@ def _per_um(_: CycleTrace) -> float:
 
 @dataclass(frozen=True)
 class HeldMeasure:
-    """Functions that measure, in `unit`, a quantity that a drive may hold constant; `Asked` lists its key."""
+    """How a quantity that a drive may hold (a key held_... of `Asked`) is measured from a loop, in `unit`."""
 
     unit: str
     measure: Callable[[Sensor, CycleTrace, Probe | None], float]  #: With a sensor at the drive, without its lag.
@@ -222,7 +226,7 @@ HELD_FIGURES: Mapping[str, HeldMeasure] = {
 
 
 def held_of(study: AnyStudy) -> HeldFigure | None:
-    """The figure that a study's drive holds in place of its amplitude; None if it holds the amplitude."""
+    """What a study's drive holds in place of its amplitude; None if it holds the amplitude."""
     stated, largest_um = held_by(study.conditions), study.conditions.displacement_amplitude_um
     if stated is None:
         return None

@@ -1,7 +1,8 @@
 """Convergence of a study's results: the study run again with finer mesh, positions and cycle jumps.
 
 Each of these resolutions is refined by two factors while the others stay. Every figure, a number at the end of the run,
-is extrapolated to its limit by each resolution; the changes and the errors of all resolutions are added up.
+is extrapolated to its limit, the value at zero spacing, by each resolution; changes and errors of all resolutions add
+up.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -36,7 +37,7 @@ CSV_FILE_NAME = "convergence.csv"
 
 @dataclass(frozen=True)
 class Limit:
-    """Value extrapolated to zero spacing from three values at falling spacings."""
+    """A value extrapolated to zero spacing from three values at falling spacings."""
 
     value: float
     error: float  #: Error of the limit: the extrapolated part or, without a trend, the range of the values.
@@ -44,10 +45,9 @@ class Limit:
 
 
 def richardson(spacings: Sequence[float], values: Sequence[float]) -> Limit:
-    """Richardson's extrapolation of values at three spacings, from coarse to fine, with errors as a power of the
-    spacing.
-
-    NaN if a value is NaN. Raises ValueError if there are not three of each, or the spacings do not fall.
+    """Richardson's extrapolation of values at three falling spacings, with errors as a power (0.5 to 2) of the spacing.
+    Where values show no trend: the finest value, with their range as error. NaN if a value is NaN. Raises ValueError if
+    there are not three of each, or the spacings do not fall.
     """
     if len(spacings) != 3 or len(values) != 3 or not spacings[0] > spacings[1] > spacings[2] > 0.0:
         raise ValueError("an extrapolation needs three falling spacings and their values")
@@ -82,14 +82,14 @@ def _order(spacings: Sequence[float], ratio: float) -> float:
 
 @dataclass(frozen=True)
 class Resolution:
-    """A resolution that is refined; factors: by how much spacings become smaller, in two runs."""
+    """A resolution that is refined, such as the mesh. factors: of the spacing, in the two refined runs."""
 
     name: str
     factors: tuple[float, float]
 
     @property
     def runs(self) -> tuple[str, str]:
-        """Names of the two refined runs."""
+        """Names of the two refined runs, such as "mesh-1.4" and "mesh-2"."""
         first, second = (f"{self.name}-{factor:g}" for factor in self.factors)
         return first, second
 
@@ -100,15 +100,13 @@ JUMPS = Resolution("jumps", (1.4, 2.0))
 
 
 def finer_tolerance(tolerance: float, factor: float) -> float:
-    """The jump tolerance for jumps shorter by `factor`; tolerances go with the square of a jump's change of
-    pressures.
-    """
+    """The jump tolerance for jumps shorter by `factor`: tolerance / factor², as errors go with the square of a jump."""
     return tolerance / factor**2
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A number at the end of a run that is compared between resolutions; `of` takes it from a result, in `unit`."""
+    """A number at the end of a run that is compared between resolutions. of: takes it from a result, in `unit`."""
 
     name: str
     unit: str
@@ -116,7 +114,7 @@ class Figure:
 
 
 def last_of(column: str, factor: float = 1.0) -> Callable[[Any], float]:
-    """A function that gives the last value in a column of a result's evolution, times `factor`."""
+    """A function that gives the last value in a column of a result's evolution times `factor`."""
     return lambda result: factor * float(result.evolution[column][-1])
 
 
@@ -130,12 +128,12 @@ PRESSURES = (
 
 
 def depth_of(body: int) -> Callable[[Any], float]:
-    """A function that gives the last depth in µm of a result's driven body (0) or held body (1)."""
+    """A function that gives the last largest depth in µm of a result's driven body (0) or held body (1)."""
     return lambda result: float(result.evolution[f"max_depth_{result.bodies[body]}_um"][-1])
 
 
 def figures_of(bodies: tuple[str, ...]) -> tuple[Figure, ...]:
-    """The figures of a contact at a point between bodies of these names."""
+    """The figures that are compared for a contact at a point between bodies with these names (driven, held)."""
     depths = (Figure(f"depth of the {called(name)}", "µm", depth_of(k)) for k, name in enumerate(bodies))
     return (*FORCES, *depths, VOLUME, *PRESSURES)
 
@@ -159,12 +157,12 @@ class Converged:
 
     @property
     def limit(self) -> float:
-        """The limit by all resolutions: the value plus the change by each."""
+        """The figure's limit by all resolutions: its value plus the change to the limit by each."""
         return self.value + sum(limit.value - self.value for limit in self.limits.values())
 
     @property
     def error(self) -> float:
-        """Error of the limit: the sum over all resolutions."""
+        """Error of `limit`, in the figure's unit: the sum of the errors of all resolutions."""
         return sum(limit.error for limit in self.limits.values())
 
 
@@ -173,15 +171,14 @@ Changes = dict[str, Any]  #: Tables of a study, nested as in its file.
 
 @dataclass(frozen=True)
 class RefinedSubject:
-    """A kind of contact whose convergence can be studied."""
+    """How convergence is studied for contacts at a point (POINTS) or line contacts (LINES)."""
 
     figures: Callable[[tuple[str, ...]], Sequence[Figure]]  #: The figures compared, from the bodies' names.
     #: From a study and a fidelity: for each of its resolutions, the changes of tables that refine it by a factor.
     finer: Callable[[Any, str], Mapping[Resolution, Callable[[float], Changes]]]
 
     def refined(self, study: AnyStudy, fidelity: str) -> Any:
-        """A study whose variants are the given study and its refinements.
-
+        """A study whose variants are the given one, named BASE, and its refinements, named as `Resolution.runs`.
         Raises StudyError if the given study has variants of its own.
         """
         settings: dict[str, Changes] = {BASE: {}} | {
@@ -194,10 +191,11 @@ class RefinedSubject:
 
 
 def finer_point(study: Study, fidelity: str) -> Mapping[Resolution, Callable[[float], Changes]]:
-    """For each resolution of a contact at a point, a function from a factor to the changes of tables that refine it by
-    that.
+    """For each resolution of a contact at a point: a function that gives the changed keys, nested, for a refinement by
+    a factor.
 
-    The mesh always; with wear also the positions and, unless the study gives the size of jumps, the jumps' tolerance.
+    The mesh always; with wear also the positions of a cycle and, unless the study states the size of jumps, their
+    tolerance.
     """
     plan, chosen = discretise(study, fidelity), study.fidelity(fidelity)
 
@@ -216,7 +214,8 @@ def finer_point(study: Study, fidelity: str) -> Mapping[Resolution, Callable[[fl
 
 
 def finer_line(study: LineStudy, fidelity: str) -> Mapping[Resolution, Callable[[float], Changes]]:
-    """For each resolution of a line contact, a function from a factor to the changes of tables that refine it by that.
+    """For each resolution of a line contact: a function that gives the changed keys, nested, for a refinement by a
+    factor.
 
     Mesh and increments always; with wear also the jumps' tolerance.
     """
@@ -256,10 +255,11 @@ def converge(
     jobs: int = 1,
     engine: Engine | None = None,
 ) -> list[Converged]:
-    """Run the study and its refinements, each in a folder of `output`, and extrapolate; complete runs there are read.
+    """Run the study and its refinements, each in a folder of `output`, and extrapolate each figure; complete runs there
+    are read.
 
-    subject: POINTS or LINES. The other arguments are those of `run_study`. Raises StudyError if the study has variants
-    of its own, and whatever `run_study` raises.
+    subject: POINTS or LINES. The other arguments are as in `run_study`. Raises StudyError if the study has variants of
+    its own, and what `run_study` raises.
     """
     results = run_study(
         subject.refined(study, fidelity),
@@ -297,7 +297,7 @@ def _extrapolated(
 
 
 def convergence_table(rows: Sequence[Converged]) -> Table:
-    """A table for the terminal of each figure, its changes by every refinement, and the limit with its error."""
+    """A table for rich to print: each figure (at least one), its changes by every refinement, and its limit."""
     shown = Table(box=box.SIMPLE, pad_edge=False, title="The last cycle's figures and where they tend to")
     shown.add_column("figure")
     shown.add_column("value", justify="right", no_wrap=True)
@@ -324,10 +324,8 @@ def _percent(part: float, whole: float, sign: str = "+") -> str:
 
 
 def write_convergence(folder: Path, rows: Sequence[Converged]) -> Path:
-    """Write convergence.csv: values of all runs, limit, order and error by each resolution, and the limit by all
-    together.
-
-    Raises ResultError if the file cannot be written.
+    """Write convergence.csv to `folder`: values in all runs, limit, error and order by each resolution, and the limit
+    by all; return its path. Raises ResultError if it cannot be written.
     """
     path = folder / CSV_FILE_NAME
     with writing(ResultError, f"cannot write {path}"):

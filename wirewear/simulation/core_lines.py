@@ -1,8 +1,9 @@
 """Mesh lines on which the nodes within a core that sticks are as stiff as it.
 
-Whole nodes stick or slip: those within the core's outline stick. Where wear takes all pressure from the others, they
-carry everything, as a punch does whose outline is that of their cells. What wears depends steeply on that: a hundredth
-of the radius is a tenth of the volume (docs/partial_slip.md).
+The core is the ellipse that sticks in the middle of a contact. Whole nodes stick or slip: those within the core's
+outline stick. Where wear takes all pressure from the others, they carry everything, as a punch does whose outline is
+that of their cells. What wears depends steeply on that: a hundredth of the radius is a tenth of the volume
+(docs/partial_slip.md).
 """
 
 from dataclasses import replace
@@ -55,9 +56,9 @@ class _Cells(NamedTuple):
 
 @lru_cache(maxsize=16)
 def fitted_to_core(lines: _Lines, core: Ellipse, axial_rad: float) -> _Lines:
-    """Axial and transverse lines, both stretched alike within the patch, that fit a core best.
-
-    core: its angle as that of the axial lines is from the driven body's axis.
+    """(axial, transverse): copies of `lines`, both stretched alike by up to 7 % within the patch, whose nodes within
+    the core are as stiff as it. core: its angle is from the driven body's axis; axial_rad: angle of the axial lines
+    from there.
     """
     stretches = 1.0 + _STRETCH * np.linspace(-1.0, 1.0, _TRIED)
     tried = [
@@ -98,9 +99,9 @@ def _within(axial: RimGradedAxis, transverse: RimGradedAxis, core: Ellipse, axia
 
 
 def punch_stiffness(x: Array, y: Array, wide: Array, high: Array) -> float:
-    """Load over depth of a flat punch of rectangles, over π times the contact modulus: in mm.
-
-    x, y, wide, high: (n,) middles and sizes of the rectangles in mm. Each carries an even pressure.
+    """Load over depth of a flat punch on a half-space, over π times the contact modulus, in mm.
+    The punch is made of rectangles with middles (x, y) and sizes (wide, high), each (n,) in mm, under an even pressure
+    each.
     """
     depth = depth_by_rectangle(x[:, None] - x, y[:, None] - y, wide, high)
     return float((wide * high) @ np.linalg.solve(depth, np.ones(len(x))))

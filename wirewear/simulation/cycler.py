@@ -1,5 +1,8 @@
-"""Fretting cycles of a contact during a test: pressed, moved, worn and measured, with effects that depend on
-its age.
+"""Fretting cycles of a contact during a test: pressed, moved, worn and measured, with effects that depend on its age.
+
+A cycle jump is one simulated cycle whose wear counts for several. A drive holds its amplitude or another figure of the
+loop (`HeldFigure`). The age of a test is its cycles and friction energy. A guide holds first guesses for the next
+cycle.
 """
 
 from collections.abc import Callable
@@ -29,7 +32,7 @@ Attempt = Callable[[solvers.ContactState, float, float], tuple[solvers.ContactSt
 
 @dataclass(frozen=True)
 class Motion:
-    """The motion of a contact in a block of cycles, and how the contact changes with its age."""
+    """The motion of a contact in a block of cycles, and how its problem follows from the block and the test's age."""
 
     drive: solvers.Drive
     increments: int  #: Increments of a measured cycle; at least so many where they follow the force.
@@ -61,15 +64,15 @@ class FrettingTest:
 
     @cached_property
     def stops(self) -> tuple[float, ...]:
-        """Cycles that no jump passes over: milestones, and ends of motions, increasing."""
+        """Cycles that no jump passes over, increasing: milestones, and ends of motions."""
         return tuple(sorted({*self.milestones, *(end for end, _ in self.motions)}))
 
     def motion_at(self, done: float) -> Motion:
-        """The motion of cycle number `done`."""
+        """The motion of cycle `done`, the last one of a block included; the last motion beyond the test's end."""
         return next((motion for end, motion in self.motions if done <= end), self.motions[-1][1])
 
     def motion_after(self, done: float) -> Motion:
-        """The motion of the cycle that follows cycle number `done`."""
+        """The motion of the cycles that follow cycle `done`."""
         return next((motion for end, motion in self.motions if done < end), self.motions[-1][1])
 
 
@@ -94,16 +97,15 @@ class _Traced:
 
 
 class Cycler:
-    """Moves a contact with its effects at the current age, counts increments, and takes first guesses from the cycle
-    before.
+    """Moves a contact through cycles under one motion, and counts increments.
 
-    Problems are passed without the effects of age, which are added here.  guide: first guesses for the next cycle.
-    now: cycles done before the current jump.  friction_work_mJ: of the cycle after the latest jump.  sticks: True if
-    the middle stuck throughout the latest cycle; None before the first under the current motion.
+    Problems are passed without the effects of the test's age, which are added here. guide: first guesses for the next
+    cycle. now: cycles done before the current jump. friction_work_mJ: of the cycle after the latest jump. sticks: True
+    if the middle stuck throughout the latest cycle; None before the first under the current motion.
     """
 
     def __init__(self, motion: Motion, tally: Tally, watch: Watch) -> None:
-        """A cycler before the first cycle, without a first guess."""
+        """A cycler before the first cycle, without a guide. watch: called at every increment."""
         self._latest: _Traced | None = None
         self._quarter: solvers.CycleTrace | None = None
         self._loop: _Loop | None = None
@@ -116,7 +118,7 @@ class Cycler:
     def entered(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, motion: Motion, done: float
     ) -> tuple[solvers.ContactProblem, solvers.ContactState]:
-        """The problem under another motion, and the state moved to the same end of the new stroke."""
+        """(problem, state) under another motion after `done` cycles, at the same end of the new stroke."""
         self.motion, self.guide, self.sticks = motion, None, None
         problem = motion.under(problem)
         drive = motion.drive if motion.held is None else replace(motion.drive, amplitude_mm=motion.held.first_mm)
@@ -173,18 +175,20 @@ class Cycler:
     def aged(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, cycles: float
     ) -> solvers.ContactProblem:
-        """The problem with its effects at a cycle and at the friction energy of the state."""
+        """The problem with its effects after `cycles` cycles and the friction energy of the state."""
         return self.motion.aged(problem, Age(cycles, 1e-3 * state.wear.energy_mJ))
 
     def pressed(self, problem: solvers.ContactProblem) -> tuple[solvers.ContactState, solvers.IncrementReport]:
-        """Press fresh bodies together under the normal load at mid-stroke; return the state and the report."""
+        """(state, report) of fresh bodies pressed together under the normal load at mid-stroke."""
         state = replace(self.motion.fresh(problem), bulk=self.motion.drive.mean_bulk)
         state, report = solvers.press(self.aged(problem, state, 0.0), state)
         self.tally.counters.count(report)
         return state, report
 
     def moved_out(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> solvers.ContactState:
-        """The state moved from mid-stroke to +amplitude, without wear."""
+        """The state moved from mid-stroke to the stroke's end at +x, without wear. If the drive holds a figure that a
+        state shows, the amplitude is where it meets its target.
+        """
         fresh, motion = self.aged(problem, state, 0.0), self.motion
         drive = self._drive(state)
         if motion.held is not None and motion.held.of_state is not None:
@@ -200,14 +204,14 @@ class Cycler:
     def worn(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, before: float, cycles: float
     ) -> solvers.ContactState:
-        """The state after one simulated cycle whose wear counts `cycles` times, after `before` cycles."""
+        """The state after one simulated cycle whose wear counts `cycles` times; `before` cycles are done before it."""
         return self.cycled(problem, state, before, cycles)[0]
 
     def cycled(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, before: float, cycles: float
     ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
-        """State and trace of one simulated cycle whose wear counts `cycles` times (0: none), after `before` cycles.
-
+        """(state, trace) of one simulated cycle whose wear counts `cycles` times (0: none); `before` cycles are done
+        before it.
         Effects are those at the middle of these cycles.
         """
         current, motion = self.aged(problem, state, before + 0.5 * cycles), self.motion
@@ -217,7 +221,7 @@ class Cycler:
         return state, trace
 
     def wearing(self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float) -> Attempt:
-        """A function that tries jumps from the state after `done` cycles; a cycle is traced without wear first."""
+        """A function that tries jumps from the state after `done` cycles, from a cycle traced there without wear."""
         traced, unused = self._traced(problem, state, done), list[_Traced]()
         # A cycle that judges a jump, or leads to a loop, is that from which the next one starts: counted here, a run
         # that is resumed between both, and traces it again, counts as one that is not.
@@ -278,7 +282,7 @@ class Cycler:
     def measured(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float
     ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
-        """State and trace of a closed loop without wear."""
+        """(state, trace) of a closed loop without wear after `done` cycles, taken from before if nothing changed."""
         current, motion = self.aged(problem, state, done), self.motion
         if self._loop is not None and problem.unchanging and state.core.any():
             known, of, ends, loop = self._loop
@@ -314,16 +318,14 @@ class Cycler:
         return after, trace
 
     def goes_on_from(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> bool:
-        """True if the cycle from which the next jump starts has already been traced from this state."""
+        """True if the cycle from which the next jump starts has already been traced from this state of this problem."""
         known = self._latest
         return known is not None and known.state is state and known.problem is problem
 
     def remeshed(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, onto: solvers.ContactProblem, done: float
     ) -> solvers.ContactState:
-        """The state transferred to the meshes of the problem `onto`, and moved half a cycle without wear to settle
-        there.
-        """
+        """The state on the meshes of the problem `onto`, after half a cycle without wear to settle there."""
         before, after = (self.aged(either, state, done) for either in (problem, onto))
         state, report = solvers.remeshed(before, state, after)
         self.tally.counters.count(report)
@@ -334,10 +336,8 @@ class Cycler:
     def pressed_again(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, onto: solvers.ContactProblem, done: float
     ) -> solvers.ContactState:
-        """The worn bodies on the meshes of the problem `onto`, pressed together at mid-stroke and moved to the stroke's
-        end.
-
-        For contacts with a core, which remembers where it was pressed.
+        """The state of the worn bodies on the meshes of the problem `onto`, pressed together at mid-stroke and moved to
+        the stroke's end. For contacts with a core, whose state depends on where it was pressed.
         """
         patches = [(each.primary.patch, each.secondary.patch) for each in (problem, onto)]
         wear, bulk = solvers.transferred_wear(state.wear, *patches), self.motion.drive.mean_bulk

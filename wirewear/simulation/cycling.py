@@ -2,7 +2,7 @@
 
 It is the same for all kinds of contact. A `FrettingTest` is the test, a `Recorded` what is recorded of it, a `RunStore`
 where that is kept, and a `WearStepper` takes the jumps. Milestones are the cycles at which a loop is measured; a stop
-is a value of a figure, such as the depth, that ends the test.
+is a value of a figure, such as the depth, that ends the test. FIGURES take these from a state, by the stops' keys.
 """
 
 import time
@@ -33,27 +33,27 @@ FIGURES: Mapping[str, Callable[[ContactState], float]] = {
 
 @dataclass
 class Ending:
-    """The stops of a test, and its figures so far as lists of (cycles, figure)."""
+    """The stops of a test by key, and its figures so far (`course`) by key, as (cycles, figure)."""
 
     stops: Mapping[str, float]
     course: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, stated: Stop | None) -> "Ending":
-        """The stops that a study states, with no figures yet."""
+        """The stops that a study states, none for None, without figures so far."""
         given = {} if stated is None else {key: getattr(stated, key) for key in FIGURES}
         return cls({key: float(target) for key, target in given.items() if target is not None})
 
     def reached(self, state: ContactState) -> str | None:
-        """Name of the stop that a state has reached, or of the one exceeded by the largest ratio; None if none is
-        reached.
-        """
+        """Key of the stop that a state has reached, by the largest ratio if there are several; None if it has none."""
         shares = {key: FIGURES[key](state) / target for key, target in self.stops.items()}
         passed = {key: share for key, share in shares.items() if share >= 1.0}
         return max(passed, key=lambda key: passed[key], default=None)
 
     def shorter(self, before: ContactState, after: ContactState, jump: float) -> float | None:
-        """The whole number of cycles after which a jump meets its stop; None if it passes none or ends near it."""
+        """The whole number of cycles in which a jump of `jump` cycles from `before` to `after` should be taken, to end
+        at its stop; None if it reaches none, or exceeds it by 0.1 % at most.
+        """
         key = self.reached(after)
         if key is None:
             return None
@@ -63,14 +63,12 @@ class Ending:
         return size if end > (1.0 + 1e-3) * target and size < jump else None
 
     def follow(self, state: ContactState, done: float) -> None:
-        """Add the figures of the state after `done` cycles."""
+        """Add the figures of the state after `done` cycles to `course`."""
         for key in self.stops:
             self.course.setdefault(key, []).append((done, FIGURES[key](state)))
 
     def expected_end(self) -> str:
-        """The rest of a sentence on when the first stop will be met, with an interval; empty if this cannot be
-        predicted.
-        """
+        """The end of a sentence on when the first stop will be reached; empty if that cannot be predicted."""
         found = {key: ends for key in self.stops if (ends := self._ends(key)) is not None}
         if not found:
             return ""
@@ -110,12 +108,10 @@ def _slope(before: tuple[float, float], after: tuple[float, float]) -> float:
 class WearStepper:
     """Takes cycle jumps.
 
-    first_jump: the size in cycles to try first.
-
-    step: takes one accepted jump; its arguments are the problem (on the current meshes, without effects of age), the
-    state, the cycles done, the size to try, the milestones and the test's end, neither of which is passed over. Raises
-    PatchLeftError if the contact left a patch: the run goes on with larger meshes from the same state. Raises
-    SolverError if no jump could be taken.
+    first_jump: the size in cycles to try first. step: takes one accepted jump; its arguments are the problem (on the
+    current meshes, without effects of age), the state, the cycles done, the size to try, the milestones and the test's
+    end, neither of which is passed over. It raises PatchLeftError if the contact left a patch (the run goes on with
+    larger meshes from the state before), and SolverError if no jump could be taken.
     """
 
     first_jump: float
@@ -123,7 +119,7 @@ class WearStepper:
 
 
 def wear_stepper(test: FrettingTest, cycler: Cycler, problem: ContactProblem) -> WearStepper:
-    """The stepper of a test: no wear at all, jumps of a given size, or jumps whose error is controlled."""
+    """The stepper of a test: from milestone to milestone without wear, jumps of a stated size, or `whole_cycles`."""
     size = test.explicit_jump_cycles
     if not problem.unchanging and size is None:
         return whole_cycles(cycler, JumpController(test.jump_tolerance))
@@ -141,7 +137,7 @@ def wear_stepper(test: FrettingTest, cycler: Cycler, problem: ContactProblem) ->
 
 
 def whole_cycles(cycler: Cycler, controller: JumpController) -> WearStepper:
-    """A stepper of jumps in which all positions of a cycle wear the surface together; see `solvers.wear_step`."""
+    """A stepper of jumps whose error `controller` bounds; see `solvers.wear_step`."""
 
     def step(
         own: ContactProblem, state: ContactState, done: float, wanted: float, milestones: tuple[float, ...], end: float
@@ -154,9 +150,9 @@ def whole_cycles(cycler: Cycler, controller: JumpController) -> WearStepper:
 def cycle_through(
     test: FrettingTest, record: Recorded, store: RunStore, observer: Observer, *, resume: bool = False
 ) -> RunResult:
-    """Simulate a test; with `resume` from its last checkpoint, if it has one.
+    """Simulate a test and return its result; with `resume` from its last checkpoint, if it has one.
 
-    record: an empty record of its kind.  store: where result and checkpoint are kept.  observer: hears of the progress.
+    record: an empty record of its kind. store: where result and checkpoint are kept. observer: hears of the progress.
     Raises RunError if the store holds another run's checkpoint, ResultError if the checkpoint is damaged, and
     SolverError if the contact did not converge, or left the fine patch; everything up to there is stored.
     """

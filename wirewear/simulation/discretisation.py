@@ -1,5 +1,8 @@
-"""Meshes and steps of a run of a contact at a point: extent of the fine patches, sizes of their elements,
-increments.
+"""Meshes and steps of a run of a contact at a point: extent of the fine patches, sizes of their elements, increments.
+
+A patch is the finely meshed part of a body's surface that may touch; its axes run along and across the body's axis. The
+core is the part of a contact that sticks in its middle. Coarsening is the factor on element sizes that keeps to a
+level's number of unknowns.
 """
 
 from dataclasses import dataclass, replace
@@ -36,7 +39,7 @@ _OFF_RIM = 0.99
 
 @dataclass(frozen=True)
 class Discretisation:
-    """Meshes of the driven and the held body and the steps of a run; lengths in mm."""
+    """Meshes of the driven (moving) and the held (fixed) body, and the steps of a run; lengths in mm."""
 
     moving: BodyGeometry
     fixed: BodyGeometry
@@ -52,16 +55,16 @@ class Discretisation:
 
     @property
     def hertz(self) -> PointContact:
-        """Hertz's contact of the unworn bodies."""
+        """Hertz's contact of the unworn bodies under the largest load."""
         return self.expected.hertz
 
     @property
     def unknowns(self) -> int:
-        """Number of displacement components of both patches."""
+        """Number of displacement components of both patches together."""
         return unknowns(self.moving) + unknowns(self.fixed)
 
     def settings(self) -> dict[str, Any]:
-        """The values that a result records of the discretisation."""
+        """The values that a result records of the discretisation, by key: sizes in µm, increments, Hertz's contact."""
         return {
             "contact_mesh_um": 1e3 * self.fixed.transverse.fine_mm,
             "outer_mesh_um": 1e3 * self.fixed.transverse.outer_mm,
@@ -82,10 +85,11 @@ class Discretisation:
 
 
 def discretise(study: Study, fidelity: str, *, sticks: bool | None = None, core: float | None = None) -> Discretisation:
-    """Meshes and steps of a study at a level of fidelity; sticks: True if the contact sticks in its middle, None to
-    find out; core: how large that is, see `ElementSizes`.
+    """Meshes and steps of a study without variants at a level of fidelity.
 
-    Raises StudyError if the fine patch would not fit on a body, or the contact would leave it during the stroke.
+    sticks: True if the contact sticks in its middle for good, None to find out. core: share (0 to 1) of the fresh
+    contact's axes that sticks and that mesh lines are fitted to, None for any lines. Raises StudyError if the fine
+    patch would not fit on a body, or the contact would leave it during the stroke.
     """
     level, chosen = _level_of(study, fidelity), study.fidelity(fidelity)
     expected = expected_contact(study, sticks=sticks)
@@ -142,7 +146,7 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None, core:
 
 
 def follows(study: Study, fidelity: str) -> bool:
-    """True if meshes may follow the scar: the study gives no sizes of its own, and does not ask otherwise."""
+    """True if meshes may follow the scar: the study states no mesh sizes of its own, nor asks for one mesh."""
     chosen = study.fidelity(fidelity)
     given = (study.mesh.scar_half_width_um, chosen.contact_mesh_um, chosen.outer_mesh_um)
     return study.mesh.follow_scar and all(size is None for size in given)
@@ -175,7 +179,7 @@ def _level_of(study: Study, fidelity: str) -> WireLevel:
 
 @dataclass(frozen=True)
 class ElementSizes:
-    """The contact and the scar that patches have to resolve and to hold; lengths in mm."""
+    """The contact that patches resolve, the scar that they hold, and sizes that the study states; lengths in mm."""
 
     contact: Ellipse  #: The fresh contact.
     scar: Ellipse | None  #: The scar that the patch must hold; None without wear.
@@ -192,15 +196,13 @@ class ElementSizes:
 
 
 def unknowns(body: BodyGeometry) -> int:
-    """Number of displacement components of a body's patch: the size of its condensed compliance."""
+    """Number of displacement components of a body's patch, three per node: the size of its condensed compliance."""
     return 3 * len(body.axial.lines()) * len(body.transverse.lines())
 
 
 def affordable_meshes(study: Study, sizes: ElementSizes, level: WireLevel) -> tuple[BodyGeometry, BodyGeometry, float]:
-    """Meshes of the driven and the held body, and the factor by which their elements are larger than the level asks
-    for.
-
-    Element sizes that the study gives are kept at any cost. Raises StudyError if a patch would not fit on its body.
+    """(driven body's mesh, held body's, coarsening): the meshes that keep to the level's number of unknowns.
+    Element sizes that the study states are kept at any cost. Raises StudyError if a patch would not fit on its body.
     """
     coarsening = 1.0
     moving, fixed = geometries(study, sizes, level)
@@ -211,7 +213,7 @@ def affordable_meshes(study: Study, sizes: ElementSizes, level: WireLevel) -> tu
 
 
 def axes_of(study: Study) -> tuple[PatchAxes, PatchAxes]:
-    """Axes of the patches of the driven and the held body, with the contact's travel along them."""
+    """(driven, held): axes of both bodies' patches, with the contact's travel along them."""
     stroke, (driven, held) = study.conditions.displacement_amplitude_um * 1e-3, study.bodies
     curvatures = _leading(driven), _leading(held)
     return patch_axes(stroke, radians(study.motion_angle_deg), curvatures, radians(study.crossing_angle_deg))
@@ -225,7 +227,7 @@ def _leading(body: Body) -> tuple[float, float]:
 
 
 def geometries(study: Study, sizes: ElementSizes, level: WireLevel) -> tuple[BodyGeometry, BodyGeometry]:
-    """Meshes of the driven and the held body. Raises StudyError if a patch would not fit on its body."""
+    """(driven, held): meshes for these sizes at this level. Raises StudyError if a patch would not fit on a body."""
     axes = _with_equal_travel(*axes_of(study)) if level.sticking else axes_of(study)
     motion = radians(study.motion_angle_deg)
     driven, held = (_geometry(*one, sizes, level, motion) for one in zip(study.bodies, axes, strict=True))
@@ -241,7 +243,7 @@ def _with_equal_travel(*bodies: PatchAxes) -> tuple[PatchAxes, ...]:
 
 
 def needed_reach_mm(axis: PatchAxis, contact: Ellipse, scar: Ellipse | None) -> float:
-    """Half-extent along an axis that a patch must have in addition to the contact's travel."""
+    """Half-extent in mm along an axis that a patch needs besides the contact's travel. scar: None without wear."""
     reach = contact.reach(axis.angle_rad)
     fresh = 2.4 * reach
     return fresh if scar is None else max(fresh, SCAR_MARGIN * (scar.reach(axis.angle_rad) + 0.5 * reach))

@@ -1,7 +1,8 @@
 """The expected contact and scar of a study, for its meshes, and the pressure that its bodies bear at most.
 
 Also estimates of how well laws that depend on pressure or on the distance from the edge are integrated over a contact
-of few elements. The gap between unworn bodies is Ax² + By²; angles are from the driven body's axis.
+of few elements. The gap between unworn bodies is Ax² + By²; angles are about the normal from the driven body's axis. A
+face is the profile of a pad.
 """
 
 from collections.abc import Sequence
@@ -40,23 +41,20 @@ _FULLY_PLASTIC = 2.8
 
 @dataclass(frozen=True)
 class Ellipse:
-    """Outline of a contact or scar, centred on the first contact; the angle of its major axis is from the driven body's
-    axis.
-    """
+    """Outline of a contact or scar, centred on the first contact: semi-axes, and angle of the major one."""
 
     major_mm: float
     minor_mm: float
     angle_rad: float
 
     def reach(self, axis_rad: float) -> float:
-        """Half of the ellipse's extent in mm along an axis (its bounding box); the angle is from the driven body's
-        axis.
-        """
+        """Half of the ellipse's extent in mm along the axis at angle `axis_rad` (half of its bounding box)."""
         c, s = cos(axis_rad - self.angle_rad), sin(axis_rad - self.angle_rad)
         return hypot(self.major_mm * c, self.minor_mm * s)
 
     def chord(self, axis_rad: float) -> float:
-        """Half of the chord through the centre along an axis, in mm: the length over which pressure varies along it.
+        """Half of the chord in mm through the centre at angle `axis_rad`: the length over which pressure varies along
+        it.
 
         A bilinear interpolant of spacing h along each axis errs by h² times the second derivative along that axis,
         which for pressure and gap is proportional to 1 / chord²; the mixed derivative costs nothing.
@@ -71,7 +69,7 @@ class Ellipse:
 
 @dataclass(frozen=True)
 class PatchAxis:
-    """One axis of a body's patch, and how far the contact travels along it."""
+    """One axis of a body's patch, and how far the contact travels along it in a cycle."""
 
     angle_rad: float  #: Angle from the driven body's axis.
     travel_mm: float  #: How far the contact's centre moves along it to each side.
@@ -79,7 +77,7 @@ class PatchAxis:
 
 @dataclass(frozen=True)
 class PatchAxes:
-    """The axes of a body's patch, along the body and across it."""
+    """The axes of a body's patch: along the body's axis (axial) and across it (transverse)."""
 
     axial: PatchAxis
     transverse: PatchAxis
@@ -102,8 +100,8 @@ def scar_ellipse(volume_mm3: float, gap: GapCurvatures) -> Ellipse:
 
 
 def scar_outline(volume_mm3: float, gap: GapCurvatures, face: Face | None) -> Ellipse:
-    """Outline of the scar of a worn volume; under a pad (`face`) a circle. Raises StudyError if the pad is too small
-    for it.
+    """Outline of the scar of a worn volume of both bodies: `scar_ellipse`, or under a pad (`face`) a circle.
+    Raises StudyError if the pad is too small for it.
     """
     if face is None:
         return scar_ellipse(volume_mm3, gap)
@@ -117,13 +115,12 @@ def patch_axes(
     curvatures_per_mm: tuple[tuple[float, float], tuple[float, float]],
     crossing_rad: float,
 ) -> tuple[PatchAxes, PatchAxes]:
-    """Axes of the patches of the driven and the held body, with the contact's travel along them.
+    """(driven, held): axes of both bodies' patches, with the contact's travel along them.
 
-    stroke_mm: amplitude of the driven body.  direction_rad: of its motion, crossing_rad: of the held body's axis, both
-    from the driven body's axis. curvatures_per_mm: of each body, along its axis and across.
-
-    Bodies of curvatures K and L touch where their surfaces are parallel: displaced by d, K (x - d) + L x = 0. So a wire
-    that moves along itself moves the contact on itself only, and under a ball the contact moves on the flat.
+    stroke_mm: amplitude of the driven body. direction_rad: angle of its motion; crossing_rad: of the held body's axis.
+    curvatures_per_mm: (along, across) of each body. Bodies of curvatures K and L touch where their surfaces are
+    parallel: displaced by d, K (x - d) + L x = 0. So a wire that moves along itself moves the contact on itself only,
+    and under a ball the contact moves on the flat.
     """
     turn = np.array([[cos(crossing_rad), -sin(crossing_rad)], [sin(crossing_rad), cos(crossing_rad)]])
     own, other = np.diag(curvatures_per_mm[0]), turn @ np.diag(curvatures_per_mm[1]) @ turn.T
@@ -139,19 +136,19 @@ def patch_axes(
 
 @dataclass(frozen=True)
 class WearFactors:
-    """Mean and largest factor of effects on the wear per cycle in gross slip, over the cycles of a test."""
+    """Mean and largest factor by which effects change the wear per cycle in gross slip, over the cycles of a test."""
 
     mean: float
     largest: float
 
     @property
     def beyond_margin(self) -> float:
-        """Factor on the worn volume for which a mesh must have room; 1 if its margin suffices."""
+        """Factor on the worn volume for which a mesh must have more room; 1 if its margin of 35 % suffices."""
         return max(self.mean / _MARGIN, 1.0)
 
 
 def wear_factors(effects: Sequence[AnyEffect], friction: float, load_N: float, cycles: float) -> WearFactors:
-    """The factors of effects on wear, relative to the nominal friction, load and wear law."""
+    """Factors of effects on the wear per cycle over nominal friction and load; 1 without effects or friction."""
     if not effects or friction * load_N == 0.0:
         return WearFactors(1.0, 1.0)
     nominal = ContactLaw(friction), Loading(load_N)
@@ -168,7 +165,7 @@ def _work(effects: Sequence[AnyEffect], contact: ContactLaw, loading: Loading, a
 
 @dataclass(frozen=True)
 class ExpectedContact:
-    """The expected contact of the unworn bodies and scar of the worn ones."""
+    """The expected contact of the unworn bodies, and scar of the worn ones, from which meshes are sized."""
 
     gap: GapCurvatures  #: Gap of the unworn bodies; under a pad that of the ball with as large a contact.
     hertz: reference.PointContact  #: Hertz's contact of the unworn bodies.
@@ -186,9 +183,7 @@ class ExpectedContact:
         return fresh_ellipse(self.hertz).enlarged(self.spread)
 
     def scar_half_width_mm(self, worn_volume_mm3: float) -> float:
-        """Largest half-width of the scar when both bodies together have lost this volume; at least the fresh
-        contact's.
-        """
+        """Largest half-width in mm of the scar once both bodies have lost this volume; at least the fresh contact's."""
         missing = worn_volume_mm3 + self.lacking_mm3
         if missing <= 0.0:
             return self.fresh.major_mm
@@ -196,8 +191,8 @@ class ExpectedContact:
 
 
 def expected_contact(study: Study, *, sticks: bool | None = None) -> ExpectedContact:
-    """The expected contact and scar of a study; sticks: True if the contact sticks in its middle, None to find out.
-
+    """The expected contact and scar of a study. sticks: True if the contact sticks in its middle for good, None to find
+    out.
     Raises StudyError if a pad is too small for its contact or scar.
     """
     driven, held = study.bodies
@@ -239,10 +234,8 @@ def _worn_volume(study: Study, factors: WearFactors) -> float:
 
 
 def borne_settings(study: AnyStudy) -> dict[str, float | str]:
-    """The pressure that the softer body of a study bears at most, and in words what it is taken from, as results record
-    them.
-
-    It is taken from the yield stress, the strength in the [life] table, or else from Young's modulus alone.
+    """{BORNE: largest pressure in MPa that the softer body bears, BORNE_IS: what it is taken from, in words}: the yield
+    stress, else the strength in [life], else Young's modulus.
     """
     if yields := [own[0] for own in study.tables.yields.values() if own is not None]:
         # Largest pressures of full plasticity over mean ones.
@@ -278,10 +271,9 @@ class _SlidingCycle:
 
 
 def law_error(problem: ContactProblem, pressed: ContactState) -> float:
-    """Estimated relative error of friction and wear laws from the resolution of a pressed contact, whose edge is
-    uncertain.
-
-    NaN for Coulomb's law with a wear coefficient that is equal everywhere.
+    """Estimated relative error of the friction and wear laws because few elements resolve a pressed contact and its
+    edge.
+    NaN for Coulomb's law with a wear coefficient that is equal everywhere, which has none.
     """
     wear, friction = problem.wear, problem.law
     alike = type(wear.law) in (EnergyLaw, Archard) and wear.oxygen is None

@@ -1,5 +1,6 @@
-"""Meshes, steps and the contact problem of a line contact's study. Lengths in mm, forces and energies per mm of
-length.
+"""Meshes, steps and the contact problem of a line contact's study. Lengths in mm, forces and energies per mm of length.
+
+A face is the profile of the pad along the motion; a patch is the finely meshed part of a body that may touch.
 """
 
 from collections.abc import Sequence
@@ -49,17 +50,17 @@ _GROWTH = 1.05
 def fresh_contact(
     face: Face, load_N_per_mm: float, modulus_MPa: float, pad_half_width_mm: float
 ) -> reference.LineContact:
-    """The contact before any wear, between half-planes. Raises ValueError if the pad is too narrow to bear the load."""
+    """The contact between half-planes before any wear. Raises ValueError if the pad is too narrow to bear the load.
+    modulus_MPa: contact modulus E*; pad_half_width_mm: half of the pad's width.
+    """
     if isinstance(face, Cylinder):
         return reference.hertz_line(load_N_per_mm, face.radius_mm, modulus_MPa)
     return reference.even_line_contact(face, load_N_per_mm, modulus_MPa, pad_half_width_mm)
 
 
 def edge_reach(face: Face, load_N_per_mm: float, modulus_MPa: float, contact: reference.LineContact) -> float:
-    """Width in mm at the contact's edge over which pressure changes quickly.
-
-    For a flat: how far the contact would reach beyond the flat, and inside it, if one rounded edge carried the whole
-    load.
+    """Width in mm at the contact's edge over which pressure changes quickly: `contact`'s half-width or, for a flat, how
+    far it would reach beyond the flat, and inside it, if one rounded edge carried the whole load.
     """
     if isinstance(face, RoundedFlat):
         return sqrt(4.0 * load_N_per_mm * face.edge_radius_mm / (pi * modulus_MPa))
@@ -68,7 +69,7 @@ def edge_reach(face: Face, load_N_per_mm: float, modulus_MPa: float, contact: re
 
 def farthest_contact(face: Face, reach_mm: float, tilt_rad: float, contact: reference.LineContact) -> float:
     """Distance in mm from the middle up to which a pad tilted by `tilt_rad` touches: where its face is as steep, plus
-    the contact.
+    `contact`'s half-width or, for a flat, reach_mm (`edge_reach`).
     """
     match face:
         case Cylinder(radius_mm=radius):
@@ -82,8 +83,8 @@ def farthest_contact(face: Face, reach_mm: float, tilt_rad: float, contact: refe
 
 
 def scar_half_width(face: Face, area_mm2: float, pad_half_width_mm: float) -> float:
-    """Half-width in mm of the scar of both bodies together in gross slip.
-
+    """Half-width in mm of the scar in gross slip that has the section `area_mm2` in both bodies together; 0 for no
+    area.
     Raises ValueError if the pad is too narrow to hold it.
     """
     if area_mm2 <= 0.0:
@@ -94,15 +95,15 @@ def scar_half_width(face: Face, area_mm2: float, pad_half_width_mm: float) -> fl
 
 
 def middle_of(face: RoundedFlat, reach_mm: float, moved_mm: float = 0.0) -> float:
-    """Half-width in mm of the part of a flat contact away from both edges, even when the contact has moved by
-    `moved_mm`.
+    """Half-width in mm of the part of a flat contact that is away from both edges by reach_mm even once it has moved by
+    `moved_mm`; at least a quarter of the flat's.
     """
     return max(face.half_width_mm - reach_mm - moved_mm, 0.25 * face.half_width_mm)
 
 
 @dataclass(frozen=True)
 class LinePlan:
-    """Meshes of both bodies and the steps of a run; lengths in mm."""
+    """Meshes of both bodies and the steps of a run of a line contact; lengths in mm."""
 
     pad: PlanarGeometry
     specimen: PlanarGeometry
@@ -112,7 +113,7 @@ class LinePlan:
     hertz: reference.LineContact  #: The fresh contact.
 
     def settings(self) -> dict[str, Any]:
-        """The values that a result records of the plan."""
+        """The values that a result records of the plan, by key: sizes in µm, increments, the fresh contact."""
         return {
             "contact_mesh_um": 1e3 * self.pad.along.fine_mm,
             "outer_mesh_um": 1e3 * float(np.diff(self.pad.along.half_lines()).max()),
@@ -202,23 +203,23 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
 def placed_body(
     geometry: PlanarGeometry, material: Elastic, *, upper: bool, surface: StatedSurface | None = None
 ) -> PlacedBody:
-    """A body of this geometry and material, meshed, condensed and placed, with its measured surface if it has one."""
+    """A body meshed, condensed and placed. surface: as measured before the test, None for the unworn shape."""
     meshed = build_planar(geometry)
     body = condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding)
     return place(measured(body, surface, 0.0, upper=upper), upper=upper, axis_angle_rad=0.0)
 
 
 def bodies(study: LineStudy, meshes: LinePlan) -> tuple[PlacedBody, PlacedBody]:
-    """Pad and specimen, meshed, condensed and placed."""
+    """(pad, specimen), meshed, condensed and placed."""
     pad, specimen = study.pad, study.specimen
     upper = placed_body(meshes.pad, pad.elastic, upper=True, surface=pad.surface)
     return upper, placed_body(meshes.specimen, specimen.elastic, upper=False, surface=specimen.surface)
 
 
 def bodies_stiffness_N_per_mm2(study: LineStudy) -> float:
-    """Stiffness of pad and specimen along the motion, between where they are held, per length of the contact.
+    """Stiffness along the motion of pad and specimen in series, between where they are held, per mm of length.
 
-    Both are sheared evenly over the width of the fresh contact. Raises StudyError if the patch does not fit on a body.
+    The traction is even over the width of the fresh contact. Raises StudyError if the patch does not fit on a body.
     """
     meshes = _planned(study.of_length(1.0).driven.envelope, "quick", (False,))
     compliance = 0.0
@@ -249,14 +250,14 @@ def _onset(study: LineStudy, friction_N: float) -> SlidingOnset:
 
 
 def limit_of_lines(study: LineStudy, hertz: reference.LineContact) -> PressureLimit | None:
-    """The pressure limit of a study of one millimetre, whose fresh contact is `hertz`; None for elastic bodies."""
+    """Pressure limit of bodies that yield, from a study of 1 mm and its elastic contact; None for elastic bodies."""
     conditions = study.envelope.conditions
     load = conditions.drive.load.largest * conditions.normal_load_N
     return pressure_limit(study, load, hertz.peak_pressure_MPa, (hertz.half_width_mm, inf), power=2.0)
 
 
 def line_problem(study: LineStudy, pad: PlacedBody, specimen: PlacedBody) -> ContactProblem:
-    """The contact problem of the pad on its rig above the specimen."""
+    """The contact problem of the pad on its rig above the specimen, without effects."""
     return ContactProblem(upper=pad, lower=specimen, **laws_of(study))
 
 
@@ -307,15 +308,13 @@ def _require_room(body: str, key: str, needed_mm: float, half_width_mm: float, r
 
 
 def needed_memory(meshes: LinePlan) -> float:
-    """Bytes that the compliances of both bodies take."""
+    """Bytes that the compliances of both bodies take at a time."""
     # Dense matrices of a contact's unknowns that are there at a time: those of both bodies, and one in the making.
     return 3 * 8.0 * (2.0 * _nodes(meshes)) ** 2
 
 
 def require_affordable_lines(name: str, meshes: LinePlan) -> None:
-    """Raise StudyError if the compliances of both bodies take more memory than is free; name: the study's, for the
-    message.
-    """
+    """Raise StudyError if the compliances of both bodies take more memory than is free. name: the study's."""
     needed, free = needed_memory(meshes), free_memory()
     if needed > free:
         fits_um = 1e3 * meshes.pad.along.fine_mm * (needed / free) ** 0.5

@@ -1,5 +1,7 @@
 """Runs of line contacts: planned and recorded for one millimetre, in plane strain. Cycles and solvers are those of any
 run.
+
+Bodies come as (specimen, pad): driven and below, held and above.
 """
 
 from collections.abc import Callable
@@ -31,7 +33,7 @@ from wirewear.test import LineStudy
 
 
 class LineRunRecord(Recorded):
-    """The record of one run of a line contact."""
+    """The record of one run of a line contact, of 1 mm length; `Recorded` says what its methods do."""
 
     contact_kind, bodies, length_mm = kinds.LINE_CONTACT, ("specimen", "pad"), 1.0
 
@@ -41,15 +43,16 @@ class LineRunRecord(Recorded):
         self.study, self._asked = plan.study, plan.planned.settings() | {"identity": str(plan.identity)}
 
     def restore(self, before: RunResult, done: float) -> None:
-        """Take over what an interrupted run had recorded up to cycle `done`, converted to one millimetre."""
         super().restore(before.of_length(self.length_mm), done)
 
     def result(self, status: str, message: str, history: MeshHistory) -> RunResult:
-        """The result so far, for the study's length."""
+        """The result so far, converted to the study's length of contact."""
         return super().result(status, message, history).of_length(self.study.contact.length_mm)
 
     def further_columns(self, loop: Loop, scars: tuple[Scar, Scar]) -> dict[str, float]:
-        """Further columns of the evolution's row: the pad's largest tilt, and the ends of both scars."""
+        """Columns of the evolution's row that only line contacts have: the pad's largest tilt in degrees, and x in µm
+        of both ends of each scar.
+        """
         ends = {
             f"{side}_edge_{scar.body}_um": edge
             for scar in scars
@@ -58,7 +61,7 @@ class LineRunRecord(Recorded):
         return {"largest_tilt_deg": float(np.abs(loop.tilt_deg).max()), **ends}
 
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
-        """Profiles of specimen and pad, with the pressure at mid-stroke."""
+        """Profiles of (specimen, pad) in the traced cycle, with the pressure at mid-stroke."""
         worn = worn_bodies(problem, trace)
         specimen, pad = (
             Scar(
@@ -80,21 +83,19 @@ class LineRunRecord(Recorded):
         return specimen, pad
 
     def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
-        """Contact forces on specimen and pad."""
         return forces_on(problem, trace, cycle, self.study.log.contact_states, self.bodies)
 
     def tables(self) -> dict[str, Any]:
-        """The resolved study, of its stated length."""
+        """The resolved study, of its stated length, as a result keeps it."""
         return self.study.resolved()
 
     def settings(self, _history: MeshHistory) -> dict[str, Any]:
-        """Settings of the plan, values of the fresh contact, and the number of simulated cycles."""
         return self._asked | self.tally.fresh | {"simulated_cycles": self.tally.counters.simulated_cycles}
 
 
 @dataclass(frozen=True)
 class LineRun(PlannedRun):
-    """A planned run of a line contact."""
+    """A line contact's study at a fidelity, with meshes and steps. derived: files that are made from its result."""
 
     study: LineStudy
     planned: LinePlan
@@ -105,11 +106,11 @@ class LineRun(PlannedRun):
 
     @classmethod
     def of(cls, study: LineStudy, fidelity: str) -> "LineRun":
-        """The plan of a study at a fidelity; StudyError if it cannot be meshed."""
+        """The planned run of a study without variants; StudyError if it cannot be meshed."""
         return cls(study, fidelity, line_plan(study, fidelity))
 
     def recorder(self) -> LineRunRecord:
-        """The recorder of the run."""
+        """An empty record for the run."""
         return LineRunRecord(self)
 
     @property
@@ -122,7 +123,7 @@ class LineRun(PlannedRun):
 
     @property
     def test(self) -> FrettingTest:
-        """The test as `cycle_through` simulates it."""
+        """The test as `cycle_through` simulates it, for 1 mm of length."""
         study, increments = self.study, self.planned.increments_per_cycle
         driven = self.computed.driven
 
@@ -150,4 +151,4 @@ class LineRun(PlannedRun):
         return needed_memory(self.planned)
 
     def prepare(self, stage: Callable[[str], None]) -> None:
-        """Do nothing: runs of line contacts share no meshes that could be made in advance."""
+        """Does nothing: there is nothing that runs of line contacts share and that could be made before them."""

@@ -1,6 +1,7 @@
 """Slip amplitude and energy of a simulated cycle, each from the loop and from what the contact itself did.
 
-A trace may also be half a cycle, whose other half is its mirror image.
+A trace may also be half a cycle, whose other half is its mirror image. The contact's displacement is the driven body's
+less the holder's. A probe solves one increment from a state to another displacement of the drive.
 """
 
 from collections.abc import Callable
@@ -23,32 +24,30 @@ Probe = Callable[[ContactState, float], ContactState]
 
 
 def is_half(trace: CycleTrace) -> bool:
-    """True if a trace is half a cycle."""
+    """True if a trace is half a cycle, a stroke one way."""
     falling = trace.phase <= 0.5
     return bool(falling.all() or not falling.any())
 
 
 def dissipated_energy_mJ(trace: CycleTrace) -> float:
-    """Area of a closed loop, at least 0: without friction only round-off is left."""
+    """Area of the loop of force over drive in mJ, at least 0; `trace` is a whole cycle that closes."""
     return max(enclosed_area(trace.drive, trace.tangential_force), 0.0)
 
 
 def friction_work_mJ(trace: CycleTrace) -> float:
-    """Friction work of a cycle, also from half of one; it equals the loop's area except for round-off and coarse
-    increments.
-    """
+    """Friction work of a cycle in mJ, also from half of one; without bulk work about the loop's area."""
     return (2.0 if is_half(trace) else 1.0) * trace.friction_work
 
 
 def slid_amplitude_mm(trace: CycleTrace) -> float:
-    """A quarter of the bodies' slip in a cycle, averaged with the load as weight; also from half a cycle."""
+    """A quarter of the slip path of a cycle in mm, weighted by load over the nodes; also from half a cycle."""
     return (0.5 if is_half(trace) else 0.25) * float(np.abs(trace.slips).sum())
 
 
 def slip_mismatch(trace: CycleTrace) -> float:
-    """Difference between the slip amplitudes by the loop and by the contact, over the contact's displacement amplitude.
+    """Difference of the slip amplitudes by the loop and by the contact, over the contact's displacement amplitude.
 
-    NaN if the bodies part or do not slide as a whole in both directions, where the two are not equal.
+    NaN, as the two are then not equal, if the bodies part or do not slide as a whole in both directions.
     """
     slides, ways = _all_slide(trace), np.sign(trace.slips)
     apart = [state.drive - state.holder_x for state in (trace.start, *trace.states)]
@@ -60,9 +59,9 @@ def slip_mismatch(trace: CycleTrace) -> float:
 def unresolved_slip(patch: ContactPatch, trace: CycleTrace) -> float:
     """Estimated relative error of a closed loop's energy because few nodes slip around a middle that sticks.
 
-    Whole nodes slip one after another, so the contact yields in steps; the error is the smaller, the more rings of
-    nodes the slipping annulus has. 1 if no node slips; NaN if none sticks or nothing moves. patch: that of the primary
-    body.
+    Whole nodes slip one after another, so the contact yields in steps; the error falls with the number of rings of
+    nodes in the slipping annulus. 1 if no node slips; NaN if none sticks or nothing moves. patch: of the primary body,
+    whose nodes carry the tractions.
     """
     pressed, slips = trace.start.traction[:, 2] > 0.0, trace.slid[0] > 0.0
     if not (pressed & ~slips).any() or not np.ptp(trace.tangential_force) > 0.0:
@@ -76,13 +75,12 @@ def unresolved_slip(patch: ContactPatch, trace: CycleTrace) -> float:
 
 def slip_amplitude_mm(trace: CycleTrace, probe: Probe | None = None) -> float:
     """Slip amplitude in mm: half the width, at its mean force, of a closed loop of force over the contact's
-    displacement.
+    displacement; also from half a cycle. 0 if no node slips.
 
-    Also from half a cycle. The contact's displacement is the drive's less the holder's: the rig's springs and play are
-    not in it, even where changing loads move the rig. After a reversal the elastic strain is given back until the mean
-    force is met, or until all nodes slide: the slope of a worn scar may carry more than friction.
-
-    probe: finds where the force is met within an increment under a steady load; without it, linear interpolation.
+    The rig's springs and play are not in it, even where changing loads move the rig. After a reversal the elastic
+    strain is given back until the mean force is met, or until all nodes slide: the slope of a worn scar may carry more
+    than friction. probe: finds where the force is met within an increment under a steady load; None interpolates
+    linearly.
     """
     slips = trace.slips
     if not slips.any():

@@ -15,8 +15,7 @@ from wirewear.results import RunResult
 @dataclass(frozen=True)
 class Moment:
     """Progress of a run: cycles done and in all, friction energy, largest worn depth of either body, seconds elapsed.
-
-    fraction: share of the run that is done, by the logarithm of the cycles.
+    fraction: share (0 to 1) of the run that is done, by the logarithm of the cycles.
     """
 
     cycle: float
@@ -28,7 +27,7 @@ class Moment:
 
 
 def moment_of(state: ContactState, done: float, end: float, elapsed_s: float) -> Moment:
-    """The progress of a run of `end` cycles after `done` cycles."""
+    """The progress of a run of `end` cycles after `done` cycles and `elapsed_s` seconds."""
     deepest = max(float(state.wear.primary_depth.max()), float(state.wear.secondary_depth.max()))
     # Jumps grow with the cycles done, so the logarithm of the cycles is what passes evenly.
     fraction = float(np.log(max(done, 1.0)) / np.log(max(end, 1.0 + 1e-9)))
@@ -36,7 +35,7 @@ def moment_of(state: ContactState, done: float, end: float, elapsed_s: float) ->
 
 
 class Observer:
-    """Called by a run; must not change anything. This one does nothing."""
+    """Called by a run to report its progress; must not change anything. This one does nothing."""
 
     def stage(self, text: str) -> None:
         """Called when a part of the preparation begins, which `text` names."""
@@ -52,13 +51,12 @@ class Observer:
 
 
 class ProgressBar(Observer):
-    """A bar on the terminal with cycles, energy, depth and time left; a context manager.
-
+    """A bar on the terminal with cycles, energy, depth and time left, open while its `with` block runs.
     If the output is not a terminal, a line for each loop that is measured.
     """
 
     def __init__(self, label: str, console: Console | None = None) -> None:
-        """A bar with a label; it appears on standard error unless a console is given."""
+        """A bar called `label`, on `console` or, for None, on standard error."""
         self._console = console or Console(stderr=True)
         self._progress = Progress(
             SpinnerColumn(),
@@ -85,11 +83,9 @@ class ProgressBar(Observer):
         self._progress.stop()
 
     def stage(self, text: str) -> None:
-        """Show what is being prepared."""
         self._update(0.0, text)
 
     def moved(self, moment: Moment) -> None:
-        """Show cycles, energy, depth and the time left."""
         left = _time_left(moment)
         self._update(
             moment.fraction,
@@ -98,13 +94,11 @@ class ProgressBar(Observer):
         )
 
     def logged(self, result: object) -> None:  # noqa: ARG002
-        """Print the progress, if the output is not a terminal."""
         if not self._console.is_interactive and self._state != self._said:
             self._said = self._state
             self.note(f"{self._label}: {self._state}")
 
     def note(self, sentence: str) -> None:
-        """Print the sentence above the bar."""
         self._console.print(f"wirewear: {sentence}", markup=False, highlight=False, soft_wrap=True)
 
     def _update(self, fraction: float, state: str) -> None:

@@ -1,6 +1,8 @@
 """Pairs of meshes of a contact at a point that serve one after another, and what all planned runs share.
 
-A stage is a pair of meshes that serves while the scar grows from one half-width to another.
+A stage is a pair of meshes that serves while the scar grows from one half-width to another; stage -1 serves while a
+fresh contact sticks in its middle. The core is the part that sticks; its nodes carry all once the annulus around it has
+worn.
 """
 
 from collections.abc import Callable, Mapping
@@ -32,7 +34,7 @@ _STICKING = -1  # The stage for a fresh contact that sticks in its middle.
 
 @dataclass(frozen=True)
 class MeshStage:
-    """Meshes of both bodies while the scar's largest half-width grows from one value to another, in mm."""
+    """Meshes of the driven (moving) and the held body while the scar's half-width grows between two values."""
 
     from_half_width_mm: float
     to_half_width_mm: float
@@ -43,8 +45,8 @@ class MeshStage:
 def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[MeshStage, ...]:
     """Stages from the fresh contact to the predicted scar, with equal growth in each.
 
-    A single one, on the plan's meshes, if nothing wears, if the scar stays small, or if the study gives sizes of its
-    own or asks not to follow the scar. Raises StudyError if a patch would not fit on its body.
+    A single one, on the plan's meshes, if nothing wears, if the scar stays below 1.8 times the fresh contact, or if the
+    study states sizes of its own or asks for one mesh. Raises StudyError if a patch would not fit on its body.
     """
     fresh, scar = plan.expected.fresh, plan.expected.scar
     growth = 1.0 if scar is None else scar.major_mm / fresh.major_mm
@@ -56,9 +58,8 @@ def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[Mesh
 
 
 def spare_stages(study: Study, fidelity: str, plan: Discretisation, last: MeshStage) -> tuple[MeshStage, ...]:
-    """Further stages, for contacts that leave the last planned one, as over soft layers or under changing loads.
-
-    At most three that fit on the bodies; none if the study gives sizes of its own or asks not to follow the scar.
+    """At most three stages beyond `last`, for contacts that leave it, as over soft layers or under changing loads.
+    Fewer where larger patches do not fit on the bodies; none if the study states sizes of its own or asks for one mesh.
     """
     stages: list[MeshStage] = []
     width, growth = last.to_half_width_mm, _GROWTH_PER_STAGE
@@ -85,7 +86,7 @@ def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float, *,
 
 
 def sticking_stage(study: Study, fidelity: str, plan: Discretisation) -> MeshStage | None:
-    """Meshes for a fresh contact that sticks in its middle; None if the plan already has them or they do not fit."""
+    """Meshes for a fresh contact that sticks in its middle; None if the plan has them already, or none fit."""
     if plan.expected.sticks or not follows(study, fidelity):
         return None
     sticking = discretise(study, fidelity, sticks=True)
@@ -96,7 +97,9 @@ def sticking_stage(study: Study, fidelity: str, plan: Discretisation) -> MeshSta
 
 
 def core_stages(study: Study, fidelity: str, plan: Discretisation) -> Callable[[float], MeshStage] | None:
-    """Meshes by the share of the fresh contact's axes that sticks, for annuli that wear; None where none do."""
+    """A function that makes meshes for a core, by its share (0 to 1) of the fresh contact's axes; None without wear, on
+    a pad, or if meshes may not change.
+    """
     if study.wear is None or plan.expected.face is not None or not follows(study, fidelity):
         return None
     # Runs in other processes take their plan along, so this is no function within a function.
@@ -110,7 +113,7 @@ def _core_stage(study: Study, fidelity: str, fresh_mm: float, core: float) -> Me
 
 @dataclass(frozen=True)
 class PointMeshes(Meshes):
-    """The meshes that a run of a contact at a point goes through, and when it takes the next."""
+    """The meshes that a run of a contact at a point goes through, and when it takes the next ones; see `Meshes`."""
 
     study: Study
     expected: ExpectedContact
@@ -130,7 +133,7 @@ class PointMeshes(Meshes):
         return (*self.stages, *self.spare, *(() if self.sticking is None else (self.sticking,)))
 
     def first(self) -> MeshHistory:
-        """The history with the stage for the fresh contact, flattened if an effect says so."""
+        """The history with the stage for the fresh contact, or for the flattened one."""
         if self.begins_sticking and self.sticking is not None:
             return MeshHistory(_STICKING)
         stage = 0
@@ -139,7 +142,6 @@ class PointMeshes(Meshes):
         return MeshHistory(stage)
 
     def problem(self, history: MeshHistory, report: Report) -> ContactProblem:
-        """The contact problem on the meshes of a history."""
         meshes = self.every[history.stage]
         if history.core is not None and self.for_core is not None:
             meshes = self.fits[history.core] = self.fits.get(history.core) or self.for_core(history.core)
@@ -149,7 +151,6 @@ class PointMeshes(Meshes):
         return with_nodes_moved(problem, self.study, self.every[history.stage], history.moved, report)[0]
 
     def next_stage(self, history: MeshHistory, cycle: float) -> MeshHistory | None:
-        """The history with the next stage in use, for a larger scar; None if there is none."""
         stage = history.stage + 1
         if stage == len(self.stages) + len(self.spare):
             return None
@@ -157,19 +158,12 @@ class PointMeshes(Meshes):
         return replace(history, stage=stage, moved=None, core=None, changes=(*history.changes, change))
 
     def outgrown(self, history: MeshHistory, state: ContactState, cycle: float) -> MeshHistory | None:
-        """The history with the next stage in use if the scar has outgrown the present one; else None."""
         worn = state.wear.primary_volume_mm3 + state.wear.secondary_volume_mm3
         return self.next_stage(history, cycle) if self._outgrown(history.stage, worn) else None
 
     def fitting(
         self, history: MeshHistory, state: ContactState, cycles: tuple[float, float], sticks: bool, /
     ) -> MeshHistory | None:
-        """The history with the stage for a contact that sticks in its middle or, once it slides, for the stroke; None
-        if unchanged.
-
-        cycles: at which the current motion began, and now.  sticks: True if the middle stuck throughout the latest
-        cycle.
-        """
         worn = state.wear.primary_volume_mm3 + state.wear.secondary_volume_mm3
         if self.sticking is None or history.stage != (0 if sticks else _STICKING):
             return None
@@ -180,7 +174,6 @@ class PointMeshes(Meshes):
         return self.next_stage(replace(history, stage=_STICKING - 1 if sticks else _STICKING), now)
 
     def fitted(self, history: MeshHistory, problem: ContactProblem, state: ContactState, /) -> MeshHistory | None:
-        """The history with the sticking share of the contact as its core, once and if part slips; None if it stays."""
         sticking = history.stage == (0 if self.expected.sticks else _STICKING)
         if self.for_core is None or not sticking or history.core is not None:
             return None
@@ -190,7 +183,6 @@ class PointMeshes(Meshes):
     def moved_nodes(
         self, history: MeshHistory, problem: ContactProblem, state: ContactState, cycle: float, report: Report
     ) -> tuple[MeshHistory, ContactProblem]:
-        """History and problem with the nodes moved into the worn surface if that is due; unchanged otherwise."""
         if not self._motion_due(history, problem, state):
             return history, problem
         depths = worn_depths(problem, state)
@@ -220,14 +212,14 @@ class PointMeshes(Meshes):
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """A study without variants, or one of its variants, at a fidelity."""
+    """A study without variants at a fidelity, with what it takes to run it."""
 
     study: Any
     fidelity: str
 
     @property
     def computed(self) -> Any:
-        """The study as it is computed: for a line contact, one millimetre of it."""
+        """The study as it is computed: for a line contact, 1 mm of it."""
         return self.study
 
     @property
@@ -236,9 +228,8 @@ class PlannedRun:
         return str(self.study.variant_name or self.study.name)
 
     def identified(self, plan: Mapping[str, Any]) -> Identity:
-        """The identity of this run, equal for runs that give the same result; only such a run can be resumed.
-
-        plan: everything that the result depends on besides study, fidelity and code.
+        """The identity of this run, equal for runs that give the same result; only an equal run can be resumed.
+        plan: all that the result depends on besides study, fidelity and code.
         """
         study = self.study
         asked = {"study": study.resolved(), "variant": study.variant_name, "fidelity": self.fidelity}
@@ -252,9 +243,11 @@ class PlannedRun:
         tolerance: float,
         explicit_jump_cycles: float | None = None,
     ) -> FrettingTest:
-        """The test as the run goes through it.
+        """The test as `cycle_through` simulates it.
 
-        motion: from the study of a block to those fields of its `Motion` that do not follow from the study alone.
+        motion: from a block's study to those fields of its `Motion` that do not follow from the study alone.
+        milestones: cycles whose loop is measured. tolerance: relative error allowed to a jump. explicit_jump_cycles:
+        size of jumps without error control, None for jumps with it.
         """
 
         def moved(own: Any) -> Motion:

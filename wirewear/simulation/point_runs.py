@@ -1,4 +1,8 @@
-"""Planned runs of contacts at a point: what they mesh, measure and record, and the memory and jumps that they need."""
+"""Planned runs of contacts at a point: what they mesh, measure and record, and the memory and jumps that they need.
+
+Bodies come as (driven, held). A milestone is a cycle whose loop is measured; it is logged if loop and scars are
+recorded, too.
+"""
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -43,7 +47,7 @@ MOST_JUMPS = 1_000_000  #: Cycle jumps that a run may take: at some tenths of a 
 
 @dataclass(frozen=True)
 class PointRun(PlannedRun):
-    """A planned run of a contact at a point."""
+    """A study of a contact at a point at a fidelity, with its meshes. derived: files that are made from its result."""
 
     study: Study
     discretisation: Discretisation
@@ -53,7 +57,7 @@ class PointRun(PlannedRun):
 
     @classmethod
     def of(cls, study: Study, fidelity: str) -> "PointRun":
-        """The plan of a study at a fidelity. Raises StudyError if the study cannot be discretised."""
+        """The planned run of a study without variants. Raises StudyError if the study cannot be discretised."""
         driven = study.driven
         largest, regimes = driven.envelope, [point_sticks(own.study) for own in driven.schedule.stretches]
         discretisation = discretise(largest, fidelity, sticks=all(regimes))
@@ -66,7 +70,7 @@ class PointRun(PlannedRun):
         return cls(study, fidelity, discretisation, meshes)
 
     def recorder(self) -> "PointRunRecord":
-        """The recorder of the run."""
+        """An empty record for the run."""
         return PointRunRecord(self)
 
     @property
@@ -88,12 +92,12 @@ class PointRun(PlannedRun):
 
     @property
     def logged_cycles(self) -> tuple[int, ...]:
-        """Cycles whose loop and scars are recorded."""
+        """Cycles whose loop and scars are recorded, increasing."""
         return self.study.log.loop_cycles or default_loop_cycles(self.study.conditions.cycles)
 
     @property
     def pressure_length_mm(self) -> float:
-        """Diameter of the discs over which mean pressures are taken: the study's, or else that of the fresh contact.
+        """Diameter of the discs over which mean pressures are taken: as stated, or that of the fresh contact.
 
         Worn bodies touch in a band across the motion. Elements across the motion are nearly as large as this diameter,
         so means over smaller discs would be those of single elements (docs/accuracy.md).
@@ -103,8 +107,8 @@ class PointRun(PlannedRun):
 
     @property
     def milestones(self) -> tuple[float, ...]:
-        """Cycles at which the loop is measured: those to be logged, and those of the series 1, 2, 5, 10, ... that
-        differ from each of them by at least the fidelity's ratio.
+        """Cycles whose loop is measured, increasing: those to be logged, the last, and those of the series 1, 2, 5, 10,
+        ... whose ratio to every logged one is at least the fidelity's `loop_spacing`.
         """
         spacing, logged = level_of(WIRE_LEVELS, self.fidelity).loop_spacing, self.logged_cycles
         between = (
@@ -133,9 +137,7 @@ class PointRun(PlannedRun):
         return max(_of_pair(*pair) for pair in sizes) + logged
 
     def require_affordable(self) -> None:
-        """Raise StudyError, with what would fit, if the run takes more memory than is free or more than MOST_JUMPS
-        cycle jumps.
-        """
+        """Raise StudyError, with what would fit, for more memory than is free or more than MOST_JUMPS cycle jumps."""
         jump = self.study.wear.explicit_jump_cycles if self.study.wear else None
         cycles = self.study.conditions.cycles
         if jump is not None and cycles / jump > MOST_JUMPS:
@@ -150,13 +152,13 @@ class PointRun(PlannedRun):
             raise too_much(_at(self.study, self.fidelity), most // 3, needed, free, _what_fits(self, free))
 
     def prepare(self, stage: Report) -> None:
-        """Condense the bodies once and keep them, since variants mostly share them."""
+        """Condense the bodies of all planned stages and cache them. stage: called with the name of each part."""
         for meshes in self.meshes.stages:
             condense_bodies(self.study, meshes, stage)
 
 
 class PointRunRecord(Recorded):
-    """The record of one run of a contact at a point."""
+    """The record of one run of a contact at a point; `Recorded` says what its methods do."""
 
     length_mm = None
 
@@ -167,13 +169,12 @@ class PointRunRecord(Recorded):
         self.contact_kind, self.bodies = plan.study.contact_kind, plan.discretisation.bodies
 
     def restore(self, before: RunResult, done: float) -> None:
-        """Take over what an interrupted run had recorded up to cycle `done`."""
         super().restore(before, done)
         # A run that had done its last cycle measures its holder no more.
         self._holder = {name: value for name, value in before.settings.items() if name.startswith(MEASURED)}
 
     def pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
-        """Record the fresh contact under the normal load alone."""
+        """Record the fresh contact under the normal load alone, approach and radius included."""
         super().pressed(problem, state, report)
         self.tally.fresh |= {
             "fresh_approach_um": -1e3 * state.holder_z,
@@ -181,13 +182,9 @@ class PointRunRecord(Recorded):
         }
 
     def holder_of(self, problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
-        """The holder's stiffnesses and play as a measured loop shows them."""
         return holder_settings(problem, trace)
 
     def follows(self, problem: ContactProblem, state: ContactState, done: float, work_mJ: float) -> bool:
-        """True if no loop is needed now: the energy since the latest loop has gone as interpolation assumes; see
-        `Recorded`.
-        """
         last = self._rows[-1]
         if not super().follows(problem, state, done, work_mJ):
             return False
@@ -197,23 +194,19 @@ class PointRunRecord(Recorded):
         return not bends(since, (done, work_mJ, state.wear.energy_mJ))
 
     def logs(self, cycle: int, done: float) -> bool:
-        """True for the cycles that the plan logs, and for the last."""
+        """True for cycles that the plan logs, the test's last, and the last of a run that a stop ends."""
         return self.ends or cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles
 
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
-        """Scars of the driven and the held body."""
         return scars_of(problem, trace, cycle, self.plan.study)
 
     def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
-        """Contact forces on both bodies, with geometry and material of their meshes."""
         return forces_of(problem, trace, cycle, self.plan)
 
     def tables(self) -> dict[str, Any]:
-        """The resolved study."""
         return self.plan.study.resolved()
 
     def settings(self, history: MeshHistory) -> dict[str, Any]:
-        """Settings of the discretisation, of the fresh contact, of the measured holder and of the meshes used."""
         plan, counters = self.plan, self.tally.counters
         return {
             **plan.discretisation.settings(),
@@ -230,7 +223,9 @@ class PointRunRecord(Recorded):
 
 
 def forces_of(problem: ContactProblem, trace: CycleTrace, cycle: int, plan: PointRun) -> tuple[ContactForces, ...]:
-    """Contact forces on the driven and the held body in a traced cycle; empty if the study asks for none."""
+    """(driven, held): contact forces in a traced cycle, with geometry and material of the meshes of `problem`; empty if
+    the study asks for none.
+    """
     study = plan.study
     stage = next(
         stage
@@ -252,7 +247,7 @@ def _is_of(geometry: BodyGeometry, body: PlacedBody) -> bool:
 
 
 def require_affordable_wires(study: Study, fidelity: str, meshes: Discretisation) -> None:
-    """Raise StudyError, with what would fit, if the compliances of both bodies take more memory than is free."""
+    """Raise StudyError, with what would fit, if both bodies' compliances take more memory than is free."""
     sizes = (unknowns(meshes.moving), unknowns(meshes.fixed))
     needed, free = _of_pair(*sizes), free_memory()
     if needed > free:

@@ -1,4 +1,9 @@
-"""The contact problem of a study at a point from its meshes, and the problem at an age of the test."""
+"""The contact problem of a study at a point from its meshes, and the problem at an age of the test.
+
+Condensing a body reduces its stiffness to the nodes of its patch, the finely meshed part that may touch. The primary
+body is the one whose nodes carry the contact tractions, the other is the secondary. The driven (moving) body lies
+below.
+"""
 
 from collections.abc import Callable
 from dataclasses import asdict, replace
@@ -39,8 +44,7 @@ from wirewear.test.surfaces import StatedSurface
 
 
 def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | None = None) -> solvers.CondensedBody:
-    """Mesh and condense a body, or load it from the cache (or `directory`) if it has been condensed before.
-
+    """A body meshed and condensed, or loaded from the cache (None) or `directory` if it has been condensed before.
     A cached file that cannot be read is replaced; one that cannot be written is left out.
     """
     if isinstance(geometry, OwnStiffness):
@@ -62,10 +66,11 @@ def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | 
 def condensed_worn_body(
     geometry: BodyGeometry, material: Elastic, worn_depth_mm: Array
 ) -> tuple[solvers.CondensedBody, float]:
-    """Condense a body whose patch's nodes are moved down by a vertical depth (n_a, n_t) in mm below the unworn surface.
+    """(body, smallest scaled Jacobian of its mesh): a body condensed after its patch's nodes were moved down by a
+    vertical depth (n_a, n_t) in mm below the unworn surface.
 
-    Returns the body and the smallest scaled Jacobian of its mesh. A body without elements stays as it is. It is not
-    cached, since every state of wear occurs once. GeometryError, naming the place, if an element is distorted too much.
+    A body from a file of its stiffness stays as it is, with 1. Nothing is cached, since every state of wear occurs
+    once. Raises GeometryError, naming the place, if an element is distorted too much.
     """
     if isinstance(geometry, OwnStiffness):
         return _of_file(geometry, material), 1.0
@@ -91,7 +96,7 @@ def _of_file(geometry: OwnStiffness, material: Elastic) -> solvers.CondensedBody
 
 
 def write_condensed(path: Path, geometry: BodyGeometry, material: Elastic) -> None:
-    """Write the stiffness of a body of the program's own, condensed to its patch, as `stiffness_files` reads it."""
+    """Write the stiffness of a body, meshed here and condensed to its patch, as `stiffness_files` reads it."""
     body = condensed_body(geometry, material)
     write_stiffness(path, body.patch, inverse(body.compliance), geometry.layers)
 
@@ -133,7 +138,7 @@ def _store(path: Path, body: solvers.CondensedBody) -> None:
 
 
 class BothMeshes(Protocol):
-    """The meshes of both bodies."""
+    """The geometries of the meshes of both bodies: the driven (moving) and the held (fixed) one."""
 
     @property
     def moving(self) -> BodyGeometry:
@@ -145,10 +150,10 @@ class BothMeshes(Protocol):
 
 
 def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], None]) -> solvers.ContactProblem:
-    """Mesh and condense (or load) both bodies, place them, and put the upper one on its rig.
+    """The contact problem of a study without effects that depend on the age of the test: both bodies meshed and
+    condensed (or loaded), placed, the upper one on its rig.
 
-    stage: called with the name of each part of the work. Effects that depend on the age of the test are not included:
-    see `problem_at`.
+    stage: called with the name of each part of the work.
     """
     lower, upper = _placed(study, *condense_bodies(study, meshes, stage))
     stage("pressing the bodies together")
@@ -169,10 +174,10 @@ def with_nodes_moved(
     depths: tuple[Array, Array],
     stage: Callable[[str], None],
 ) -> tuple[solvers.ContactProblem, float]:
-    """The problem with the surface nodes of the driven and the held body moved down by depths in mm, (n_a, n_t) each.
+    """(problem, smallest scaled Jacobian of both meshes): the problem with the surface nodes of both bodies moved down.
 
-    The bodies are condensed again. Returns the problem and the smallest scaled Jacobian of the two meshes.
-    GeometryError if an element is distorted too much.
+    depths: of the driven and the held body in mm, (n_a, n_t) each, below the unworn surface. The bodies are condensed
+    again; stage: called with the name of each part. Raises GeometryError if an element is distorted too much.
     """
     driven, held = study.bodies
     stage(f"moving the nodes of the {called(driven.name)}")
@@ -184,7 +189,7 @@ def with_nodes_moved(
 
 
 def worn_depths(problem: solvers.ContactProblem, state: solvers.ContactState) -> tuple[Array, Array]:
-    """Worn depth (n_a, n_t) in mm of the driven and the held body."""
+    """(driven, held): worn depths in mm, (n_a, n_t) each, without prints."""
     wear = state.wear
     if problem.primary_is_upper:
         return wear.secondary_depth, wear.primary_depth
@@ -192,7 +197,7 @@ def worn_depths(problem: solvers.ContactProblem, state: solvers.ContactState) ->
 
 
 def held_is_primary(study: Study) -> bool:
-    """True if the nodes of the held body carry the tractions, False for the driven one; bodies exchanged, the other."""
+    """True if the held body is the primary, False if the driven one; exchanging the bodies exchanges the answer."""
     limit = limit_of_points(study)
     if limit is not None and limit.upper_share in (0.0, 1.0):
         # The nodes that carry the tractions keep a print as it is, where the surface that faces them averages it.
@@ -237,8 +242,8 @@ def _placed(
 def measured(
     condensed: solvers.CondensedBody, surface: StatedSurface | None, axis_angle_deg: float, *, upper: bool
 ) -> solvers.CondensedBody:
-    """A condensed body with the surface that was measured of it, if any; its mesh keeps the unworn shape.
-
+    """A condensed body with the surface that was measured of it before the test; unchanged for None. Its mesh keeps the
+    unworn shape.
     axis_angle_deg: angle of the body's axis to the motion.
     """
     if surface is None:
@@ -253,7 +258,7 @@ def measured(
 
 
 def standing_out(problem: solvers.ContactProblem) -> list[str]:
-    """Parts of a sentence, one for each body whose measured surface stands out above its unworn shape."""
+    """Parts of a sentence, one for each body whose stated surface rises above its unworn shape; empty if none does."""
     said = []
     for body, name in ((problem.lower, "lower"), (problem.upper, "upper")):
         surface = body.patch.profile
@@ -268,7 +273,7 @@ def standing_out(problem: solvers.ContactProblem) -> list[str]:
 
 
 def laws_of(study: AnyStudy) -> dict[str, Any]:
-    """Rig, friction, drive and wear of a study, as arguments of `ContactProblem`, without effects and variation."""
+    """Rig, friction, drive and wear of a study, without effects, as keyword arguments of `ContactProblem`."""
     return {
         "holder": study.tables.rig,
         "friction": study.contact.friction,
@@ -279,19 +284,19 @@ def laws_of(study: AnyStudy) -> dict[str, Any]:
 
 
 def problem_at(problem: solvers.ContactProblem, study: Study, age: Age) -> solvers.ContactProblem:
-    """The contact problem with the study's effects and the variation of its wear law, at an age of the test."""
+    """The contact problem with the study's effects and the variation of its wear coefficient at an age of the test."""
     if study.wear is not None and study.wear.variation != "none":
         problem = replace(problem, wear=problem.wear.scaled(study.wear.factor(age.cycles, age.energy_J)))
     return problem_with(problem, study.effects, age)
 
 
 def specimens_of(study: Study) -> Specimens:
-    """Angle and flattening of the bodies as they were mounted, effects included."""
+    """Crossing angle and flattening of the bodies as they were mounted, effects included."""
     return applied(study.effects, Seam.SPECIMENS, Specimens(study.crossing_angle_deg), Age.new())
 
 
 def fresh_state(problem: solvers.ContactProblem, study: Study) -> solvers.ContactState:
-    """The state of bodies that just touch, flattened if an effect says so."""
+    """The state of bodies that just touch, flattened if an effect asks for that."""
     amplitude = 1e-3 * study.conditions.displacement_amplitude_um
     return solvers.flattened(problem, solvers.unloaded_state(problem), specimens_of(study).flattening_mm, amplitude)
 
@@ -299,9 +304,7 @@ def fresh_state(problem: solvers.ContactProblem, study: Study) -> solvers.Contac
 def condense_bodies(
     study: Study, meshes: BothMeshes, stage: Callable[[str], None]
 ) -> tuple[solvers.CondensedBody, solvers.CondensedBody]:
-    """Mesh and condense the driven and the held body, or load them from the cache; stage: called with the name of each
-    part.
-    """
+    """(driven, held): both bodies condensed, or loaded from the cache. stage: called with the name of each part."""
     driven, held = study.bodies
     stage(f"condensing the {called(driven.name)}")
     moving = condensed_body(meshes.moving, driven.material)
@@ -310,7 +313,9 @@ def condense_bodies(
 
 
 def too_much(study: str, nodes: int, needed: float, free: float, remedy: str) -> StudyError:
-    """The error for a study whose contact of so many nodes needs more bytes of memory than are free."""
+    """The error for a study, called `study`, with `nodes` nodes in a contact, whose `needed` bytes of memory exceed the
+    `free` ones. remedy: what would fit, in words.
+    """
     return StudyError(
         f"the study {study} asks for {counted(nodes)} nodes in a contact and {size_text(needed)} of memory, of which "
         f"{size_text(free)} are free: {remedy}, or allow more by --most-memory."

@@ -1,4 +1,8 @@
-"""The record of a run: loops, scars, rows of the evolution, contact forces and qualities, and the result from them."""
+"""The record of a run: loops, scars, rows of the evolution, contact forces and qualities, and the result from them.
+
+A trace is a simulated cycle, closed and without wear. Bodies come as (driven, held), the driven one below. The primary
+body's nodes carry the contact tractions.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -59,7 +63,7 @@ _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")  #: Pac
 
 
 def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
-    """A simulated cycle as a loop that starts at mid-stroke moving towards +x."""
+    """A simulated cycle as the loop of cycle number `cycle`, which starts at mid-stroke moving towards +x."""
     rising = np.diff(trace.drive, prepend=trace.drive[-1]) > 0.0
     turn = -int(np.flatnonzero((trace.drive == 0.0) & rising)[0])
     # Of a cosine and of what is as symmetric, mid-stroke comes three quarters of a cycle after +amplitude.
@@ -77,15 +81,16 @@ def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
 
 
 def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Study) -> tuple[Scar, Scar]:
-    """Scars of the driven and the held body at mid-stroke of a simulated cycle."""
+    """(driven, held): scars of both bodies after `cycle` cycles, with the pressure at mid-stroke of the trace."""
     driven, other = worn_bodies(problem, trace)
     return _scar(*driven, cycle, study.bodies[0]), _scar(*other, cycle, study.bodies[1])
 
 
 def worn_bodies(problem: ContactProblem, trace: CycleTrace) -> tuple[Worn, Worn]:
-    """The lower and the upper body at mid-stroke: body, depth, friction energy, nodal forces, slip in the cycle, print.
+    """(lower, upper), each as (body, worn depth (n_a, n_t) in mm, friction energy per area (n_a, n_t) in mJ/mm², nodal
+    forces (n, 3) in N at mid-stroke, slip path (n,) of the cycle in mm, print (n_a, n_t) in mm or None).
 
-    Forces are those of one field of tractions. The forces that the solver transfers to the other body's nodes are
+    Forces are those of one field of tractions. The forces that the solver transfers to the secondary body's nodes are
     spread over its elements, and smaller by a tenth where two of them span a contact's radius.
     """
     state = trace.middle
@@ -107,8 +112,8 @@ def _faced_force(problem: ContactProblem, state: ContactState) -> Array:
 def depth_spread(problem: ContactProblem, state: ContactState) -> float:
     """Estimated relative error of the largest depth, the larger one of both bodies; NaN if neither has worn.
 
-    It is what the largest depth loses if depths are spread over elements once, as wear transferred to the secondary
-    body is: the gap then opens by less, and the other body wears for it.
+    It is the share that the largest depth loses if depths are spread over elements once, as wear transferred to the
+    secondary body is: the gap then opens by less, and the other body wears for it.
     """
     depths = zip(state.wear.depths, (problem.primary.patch, problem.secondary.patch), strict=True)
     return max(
@@ -159,10 +164,8 @@ def evolution_row(
     done: float,
     jump: float,
 ) -> dict[str, float]:
-    """One row of the evolution from a closed loop without wear, after `done` cycles, the last `jump` of them in one
-    jump.
-
-    scars: of the driven and the held body.  pressures: the loop's, from `pressure_figures`.
+    """One row of the evolution, by column, from a closed loop after `done` cycles, the last `jump` of them in one jump.
+    state: at the loop's end. scars: of the driven and the held body. pressures: the loop's, from `pressure_figures`.
     """
     return {
         "cycle": done,
@@ -185,7 +188,7 @@ def evolution_row(
 def yielded(
     problem: ContactProblem, state: ContactState, trace: CycleTrace, scars: tuple[Scar, Scar]
 ) -> dict[str, float]:
-    """Columns of the evolution's row for bodies that yield, see `COLUMN_MEANINGS`; empty for elastic ones."""
+    """Columns of the evolution's row for bodies that yield (see `COLUMN_MEANINGS`); empty for elastic bodies."""
     if problem.limit is None:
         return {}
     pressures = [report.normal_force / report.contact_area for report in trace.reports if report.contact_area > 0.0]
@@ -202,13 +205,15 @@ def yielded(
 
 
 def layer_settings(layers: Mapping[str, Sequence[LayerTable]]) -> dict[str, Any]:
-    """The settings that a result records of coatings: thickness and wear factor of each, by body."""
+    """The setting of a result with coatings: [thickness in µm, wear factor] of each, by body; empty without any."""
     stated = {body: [[one.thickness_um, one.wear_factor] for one in own] for body, own in layers.items() if own}
     return {LAYERS_OF_BODIES: stated} if stated else {}
 
 
 def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
-    """Settings of the holder measured from a closed loop; empty if the loop lacks forces in either direction."""
+    """Settings of a result with the holder's stiffnesses and play as a closed loop shows them; "rigid" for infinite
+    ones. Empty if the loop has no force in one direction.
+    """
     try:
         found = measured_holder(problem, trace.states)
     except SolverError:
@@ -223,17 +228,14 @@ def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, flo
 
 
 def travels(problem: ContactProblem) -> dict[str, float]:
-    """Travel of the rig to either side in µm before the bodies slide: by its springs, and by its free play."""
+    """The rig's travel to either side before the bodies slide, in µm by key: by its springs, and by its play."""
     holder = problem.holder
     by_springs = problem.friction * holder.normal_load_N * holder.compliance_at_contact_mm_per_N
     return {SPRING_TRAVEL: 1e3 * by_springs, PLAY_TRAVEL: 500.0 * holder.play_mm}
 
 
 def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[Scar, Scar]) -> float:
-    """Largest relative difference between a body's worn volume and what the wear law has removed from it.
-
-    By the energy law with a constant coefficient the latter is its share of the coefficient times the friction energy.
-    """
+    """Largest relative difference of a scar's volume from what the wear law has removed; 0 without wear."""
     driven, other = scars
     wear = state.wear
     volumes = (wear.primary_volume_mm3, wear.secondary_volume_mm3)
@@ -251,7 +253,7 @@ class Recorded(ABC):
     ends = False  #: True if the loop measured next is the run's last, because a stop ends the test.
 
     def __init__(self, study: Any, fidelity: str, pressure_length_mm: float) -> None:
-        """An empty record, before the run of a study without variants."""
+        """An empty record of a study without variants, whose mean pressures are over `pressure_length_mm`."""
         self._study, self._fidelity, self._pressure_length_mm = study, fidelity, pressure_length_mm
         self.schedule = study.schedule
         self.tally = Tally()
@@ -262,7 +264,7 @@ class Recorded(ABC):
         self._holder: dict[str, float | str] = {}
 
     def restore(self, before: RunResult, done: float) -> None:
-        """Take over what an interrupted run had recorded up to cycle `done`."""
+        """Take over what an interrupted run, whose result is `before`, had recorded up to cycle `done`."""
         self._loops = [loop for loop in before.loops if loop.cycle <= done]
         self._scars = [scar for scar in before.scars if scar.cycle <= done]
         self._forces = [forces for forces in before.contact_forces if forces.cycle <= done]
@@ -271,7 +273,7 @@ class Recorded(ABC):
         self._rows = [{name: float(column[i]) for name, column in evolution.items()} for i in range(count)]
 
     def pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
-        """Record the fresh contact under the normal load alone."""
+        """Record the fresh contact under the normal load alone: largest pressure, values of laws and of yielding."""
         self.tally.fresh = {"fresh_max_pressure_MPa": report.max_pressure}
         if problem.limit is not None:
             self.tally.fresh |= limit_settings(problem, report)
@@ -287,10 +289,10 @@ class Recorded(ABC):
         jump: float,
         held: HeldFigure | None,
     ) -> None:
-        """Record a closed loop without wear after `done` cycles, with the scars where the study asks for them.
+        """Record a closed loop without wear after `done` cycles, with scars and forces where `logs` says so.
 
-        jump: size of the latest cycle jump.  held: the figure that the drive holds in place of its amplitude in this
-        block.
+        jump: size in cycles of the latest jump. held: what the drive holds in place of its amplitude in this block,
+        None for the amplitude.
         """
         self._holder = self.holder_of(problem, trace)
         block = self.schedule.at(done)
@@ -328,14 +330,13 @@ class Recorded(ABC):
         return of_loop * now["dissipated_energy_mJ"] / max(of_block) if max(of_block) > 0.0 else of_loop
 
     def holder_of(self, _problem: ContactProblem, _trace: CycleTrace) -> dict[str, float | str]:
-        """The holder's elements as a measured loop shows them, for the settings; none by default."""
+        """Settings with the holder's elements as a measured loop shows them, by key; empty by default."""
         return {}
 
     def follows(self, problem: ContactProblem, state: ContactState, _done: float, _work_mJ: float) -> bool:
-        """True if no loop is needed now: the energy has gone as interpolation between loops assumes, and no coating is
-        nearly worn through.
-
-        _done, _work_mJ: cycles done, and friction work of the cycle there.
+        """True if no loop is needed after `_done` cycles: no coating has come to 90 % of being worn through since the
+        latest one, and the energy has gone as interpolation between loops assumes. _work_mJ: friction work of the
+        latest cycle.
         """
         # Of the depth at which a layer ends: a loop is measured where it is that deep, so that its end is predicted
         # from near.
@@ -346,20 +347,20 @@ class Recorded(ABC):
         )
 
     def logs(self, _cycle: int, _done: float) -> bool:
-        """True if loop and scars of a measured cycle are kept."""
+        """True if loop, scars and forces of a measured cycle are kept."""
         return True
 
     def further_columns(self, _loop: Loop, _scars: tuple[Scar, Scar]) -> dict[str, float]:
-        """Columns of an evolution row that only this kind of contact has, by name; by default none."""
+        """Columns of the evolution's row that only this kind of contact has, by name; empty by default."""
         return {}
 
     @abstractmethod
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
-        """Scars of the driven and the held body."""
+        """(driven, held): scars of both bodies from a traced cycle."""
 
     @abstractmethod
     def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
-        """Contact forces on both bodies; empty if the study asks for none."""
+        """(driven, held): contact forces in a traced cycle; empty if the study asks for none."""
 
     @abstractmethod
     def tables(self) -> dict[str, Any]:
@@ -367,10 +368,10 @@ class Recorded(ABC):
 
     @abstractmethod
     def settings(self, history: MeshHistory) -> dict[str, Any]:
-        """Mesh sizes, steps and other values that followed from the study."""
+        """Mesh sizes, steps and other values that followed from the study, by key."""
 
     def result(self, status: str, message: str, history: MeshHistory) -> RunResult:
-        """The result so far, with this status and message, and the changes of meshes from the history."""
+        """The result so far. status, message: of the run; history: the meshes that it went through."""
         tally = self.tally
         cycling_s, evolution = tally.cycling_s, Evolution.from_rows(self._rows)
         settings = self.settings(history) | layer_settings(self._study.layers) | borne_settings(self._study)

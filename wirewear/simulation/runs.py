@@ -36,7 +36,7 @@ ObserverOf = Callable[[str], AbstractContextManager[Observer]]
 
 @dataclass(frozen=True)
 class RemoteObserver(Observer):
-    """Sends what a run reports to the process that watches it."""
+    """Sends what a run reports to the process that watches it, with the run's index, through `mailbox`."""
 
     index: int
     mailbox: Queue[Any]
@@ -60,9 +60,11 @@ class RemoteObserver(Observer):
 def run_side_by_side(
     tasks: Sequence[Callable[[Observer], Made]], observers: Sequence[Observer], engine: Engine
 ) -> list[Made]:
-    """Do tasks side by side; each is called with an observer that reports to its own one of `observers`.
+    """What each task returns, in their order, done side by side on `engine`; each is called with an observer that
+    reports to its own one of `observers`.
 
     Workers of a cluster report nothing. If a task fails, the others are still finished; then the first error is raised.
+    Raises RunError if a process was ended from outside.
     """
     if not isinstance(engine, LocalProcesses):
         return results_of(engine, [partial(task, Observer()) for task in tasks])
@@ -109,7 +111,7 @@ def _deliver(mailbox: Queue[Any], observers: Sequence[Observer]) -> None:
 
 @dataclass(frozen=True)
 class Task:
-    """One run of a study."""
+    """One run of a study: where it is kept, and how it is prepared and simulated."""
 
     label: str  #: Name of the run among others.
     folder: RunFolder
@@ -128,10 +130,11 @@ def run_together(
     resume: bool,
     observer_of: ObserverOf | None = None,
 ) -> list[RunResult]:
-    """The results of the runs of a study, in their order; complete ones are read if they are resumed.
+    """The results of the runs of a study, in the order of `tasks`.
 
-    variants: True if they are variants, each in a folder of its own in `output`.  engine_for: gives the engine that
-    does the remaining runs.
+    name: the study's, for messages. variants: True if each task has a folder of its own in `output`. engine_for: gives
+    the engine for the tasks that remain. resume: read complete results and go on from checkpoints. observer_of: opens a
+    run's observer by its label; None reports nothing.
 
     Raises RunError if another command is writing to the folder, or it cannot be written, or holds other runs;
     ResultError if what a run has left is damaged, or a file cannot be written; SolverError if a contact did not
@@ -180,9 +183,8 @@ def _report(found: Found, observer: Observer) -> None:
 
 @singledispatch
 def plan_of(study: AnyStudy, fidelity: str) -> PointRun | LineRun:
-    """The plan of a study's run.
-
-    Raises StudyError if the study cannot be discretised, or is of a kind without bodies to simulate.
+    """The planned run of a study without variants. Raises StudyError if it cannot be discretised, or is of a kind
+    without bodies to simulate.
     """
     del fidelity
     raise StudyError(f"the study {study.name!r} is of kind {study.kind!r}, which has no bodies to simulate.")
@@ -208,7 +210,8 @@ def run_study(
     jobs: int = 1,
     engine: Engine | None = None,
 ) -> list[RunResult]:
-    """Simulate a study of any kind, or each of its variants, and leave OUTPUT[/<variant>]/result.h5.
+    """Simulate a study of any kind, or each of its variants, and leave OUTPUT[/<variant>]/result.h5; return the
+    results.
 
     `observer_of` opens an observer for each run by its label. With `resume`, a run continues at its last checkpoint,
     and a complete one is read from its file; one that another version of the program made is run again, and the
@@ -253,7 +256,7 @@ def run_study(
 
 
 def simulate(study: AnyStudy, *, fidelity: str = "standard", observer: Observer | None = None) -> RunResult:
-    """Simulate a study without variants, or one variant, and leave no file.
+    """Simulate a study without variants, or one variant, and return its result; no file is written.
 
     Raises StudyError if it has variants, cannot be discretised, or needs more memory or cycle jumps than are allowed;
     SolverError if the contact did not converge, or left the fine patch.
@@ -264,10 +267,10 @@ def simulate(study: AnyStudy, *, fidelity: str = "standard", observer: Observer 
 
 
 def needed_memory(study: AnyStudy, fidelity: str) -> float:
-    """Bytes that the run of a study takes at least; StudyError if it cannot be discretised."""
+    """Bytes that the run of a study without variants takes at least; StudyError if it cannot be discretised."""
     return float(plan_of(study, fidelity).needed_memory)
 
 
 def run_cycles(plan: PointRun | LineRun, folder: RunFolder, observer: Observer, *, resume: bool) -> RunResult:
-    """Simulate a planned run in its folder, from its last checkpoint with `resume`; raises as `cycle_through`."""
+    """Simulate a planned run in its folder, with `resume` from its checkpoint; raises what `cycle_through` does."""
     return cycle_through(plan.test, plan.recorder(), folder, observer, resume=resume)

@@ -1,6 +1,6 @@
 """The onset of gross sliding: whether a drive makes its contact slide, or the middle of the contact sticks for good.
 
-One rule holds for every kind of contact, drive and held figure. The onset of the fresh contact is that between
+One rule holds for every kind of contact, drive and held quantity. The onset of the fresh contact is that between
 half-spaces, for a line contact that of its bodies, in series with the rig.
 """
 
@@ -19,9 +19,8 @@ _AGES = 200
 
 
 def least_friction_N(study: AnyStudy) -> float:
-    """Smallest amplitude in N of a tangential force in proportion to the drive that friction bears at any time of the
+    """Largest amplitude in N of a tangential force, in proportion to the drive, that friction bears at all times of the
     test.
-
     0 if effects such as layers or misalignment let the bodies touch elsewhere.
     """
     law, loading = ContactLaw(study.contact.friction), Loading(study.conditions.normal_load_N)
@@ -39,9 +38,8 @@ def least_friction_N(study: AnyStudy) -> float:
 
 
 def expected_to_stick(study: AnyStudy, onset_at: Callable[[float], SlidingOnset]) -> bool:
-    """True if the drive of a study of one block does not make its contact slide.
-
-    onset_at: gives the onset of sliding for a friction force in N.
+    """True if the drive of a study without programme does not make its contact slide as a whole.
+    onset_at: from a friction force in N, the onset of sliding without the rig.
     """
     friction_N = least_friction_N(study)
     if friction_N <= 0.0:
@@ -55,8 +53,8 @@ def expected_to_stick(study: AnyStudy, onset_at: Callable[[float], SlidingOnset]
 
 
 def point_sticks(study: Study) -> bool:
-    """True if a contact at a point is expected to stick in its middle, by Cattaneo and Mindlin.
-
+    """True if a contact at a point, of a study without programme, is expected to stick in its middle, by Cattaneo and
+    Mindlin.
     The contact between gripped bodies is softer and slides at larger strokes.
     """
     driven, held = study.bodies

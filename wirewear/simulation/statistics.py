@@ -1,4 +1,7 @@
-"""Counters of a run (increments, cycles, time, worst residuals) and its qualities, from measured loops."""
+"""Counters of a run (increments, cycles, time, worst residuals) and its qualities, from measured loops.
+
+Qualities are explained in `wirewear.results.health`.
+"""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -28,9 +31,7 @@ Energies = tuple[float, float, float]
 
 @dataclass
 class Counters:
-    """Numbers that a run counts and its worst qualities; restored when a run is resumed, so that it reports the
-    same.
-    """
+    """What a run counts, and the worst value so far of each quality; NaN where it is not defined."""
 
     increments: float = 0.0
     iterations: float = 0.0
@@ -50,7 +51,7 @@ class Counters:
     slip_between_nodes: float = nan
 
     def count(self, report: IncrementReport) -> None:
-        """Add the iterations of one increment, and keep each residual that exceeds the largest so far."""
+        """Count one increment and its iterations, and keep each residual that exceeds the largest so far."""
         self.increments += 1
         self.iterations += report.iterations
         self.worst("force_balance", report.force_error)
@@ -60,11 +61,11 @@ class Counters:
         self.worst("elastic_slip", report.elastic_slip)
 
     def worst(self, name: str, value: float) -> None:
-        """Keep the larger of a quality's value and `value`; NaN is ignored."""
+        """Keep the larger of `value` and the value of the quality `name`; NaN is ignored."""
         setattr(self, name, float(np.fmax(getattr(self, name), value)))
 
     def quality(self) -> dict[str, float]:
-        """The worst value of each quality, by name, without those that are not defined in the run."""
+        """The worst value of each quality, by name, without those that are NaN."""
         found = {name: getattr(self, name) for name in QUALITY}
         return {name: value for name, value in found.items() if not isnan(value)}
 
@@ -84,24 +85,23 @@ class Tally:
 
     @property
     def cycling_s(self) -> float:
-        """Seconds of cycling so far, including those before a resumption."""
+        """Seconds of cycling so far, including those before the run was resumed."""
         return self.counters.cycling_s + time.perf_counter() - self._started
 
     def for_checkpoint(self) -> dict[str, float]:
-        """All counters by name, from which `restore` goes on."""
+        """All counters, times and fresh values by name, from which `restore` goes on."""
         times = {"preparation_s": self.preparation_s, "cycling_s": self.cycling_s}
         return asdict(self.counters) | times | self.fresh
 
     def restore(self, counted: Mapping[str, float]) -> None:
-        """Go on from the counters of an interrupted run."""
+        """Set counters and fresh values to what `for_checkpoint` of an interrupted run gave."""
         names = {item.name for item in fields(Counters)}
         self.counters = Counters(**{name: value for name, value in counted.items() if name in names})
         self.fresh = {name: value for name, value in counted.items() if name.startswith("fresh_")}
 
 
 def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, float]], accumulated_mJ: float) -> None:
-    """Update the qualities in `counters` by the latest measured cycle; rows: those of the evolution, up to that cycle.
-
+    """Update the qualities in `counters` by the latest measured cycle. rows: the evolution's, up to that cycle;
     accumulated_mJ: friction energy of all cycles so far.
     """
     counters.worst("loop_area_against_friction_work", area_mismatch(trace, rows[-1].get(BULK_WORK, 0.0)))
@@ -115,8 +115,8 @@ def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, flo
 
 
 def area_mismatch(trace: CycleTrace, bulk_work_mJ: float = 0.0) -> float:
-    """Relative difference between a loop's area and its friction work plus bulk work; 0 if the loop encloses hardly any
-    area.
+    """Relative difference of a loop's area from its friction work plus `bulk_work_mJ`; 0 if it encloses less than 0.1 %
+    of the rectangle around it.
     """
     drive, force, work = trace.drive, trace.tangential_force, trace.friction_work + bulk_work_mJ
     area = abs(enclosed_area(drive, force))
@@ -127,8 +127,8 @@ def area_mismatch(trace: CycleTrace, bulk_work_mJ: float = 0.0) -> float:
 
 
 def mirrored_mismatch(problem: ContactProblem, trace: CycleTrace) -> float:
-    """Difference of a closed cycle's pressures from their own mirror image, 0 to 1; see `solvers.mirror_error`.
-
+    """Difference of a closed cycle's pressures from their mirror image on the way back, 0 to 1
+    (`solvers.mirror_error`).
     NaN if bodies, rig or effects have no mirror that maps the way out onto the way back.
     """
     error = mirror_error(problem, (trace.start, *trace.states), symmetry_of(problem))
@@ -136,14 +136,12 @@ def mirrored_mismatch(problem: ContactProblem, trace: CycleTrace) -> float:
 
 
 def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accumulated_mJ: float) -> float:
-    """Relative difference between the energy by measured loops, from the test's start to the last loop, and
-    `accumulated_mJ`.
+    """Relative difference of the friction energy by measured loops from `accumulated_mJ`, both from the test's start to
+    the last loop.
 
-    cycles, per_cycle_mJ: of the loops, increasing.  accumulated_mJ: friction energy of all cycles up to the last.
-
-    Up to the first loop the energy per cycle is taken to be the first loop's, between two loops a power of the cycles.
-    0 before any wear. NaN if the result is beyond the limit, but linear interpolation would err to the other side: the
-    loops are then too few to tell.
+    cycles, per_cycle_mJ: of the loops, increasing. Up to the first loop the energy per cycle is taken to be the first
+    loop's, between two loops a power of the cycles. 0 before any wear. NaN if the result is beyond the limit, but
+    linear interpolation would err to the other side: the loops are then too few to tell.
     """
     if accumulated_mJ <= 0.0:
         return 0.0
@@ -156,9 +154,8 @@ def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accu
 
 
 def bends(before: Energies, now: Energies) -> bool:
-    """True if the energy between two cycles differs from what interpolation between loops measured there would give.
-
-    before, now: number, friction work and friction energy so far of each cycle, see `Energies`.
+    """True if the friction energy between two cycles differs from what interpolation of loops there gives by over 0.2 %
+    of that so far. before, now: `Energies` of the two cycles.
     """
     (start, per_cycle, worn), (end, later, total) = before, now
     expected = enclosed_energy((start, end), (per_cycle, later))

@@ -1,6 +1,7 @@
 """Where a run keeps its result and its checkpoint: in a folder, or nowhere, with the meshes that it goes through.
 
-The checkpoint is the state of an unfinished run, enough to go on as if it had not been interrupted.
+The checkpoint is the state of an unfinished run, enough to go on as if it had not been interrupted. The core is the
+part of a contact that sticks in its middle.
 """
 
 import json
@@ -34,7 +35,10 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class MeshHistory:
-    """State of a run's meshes, and the record of their changes so far."""
+    """Which meshes a run is on, and how they have changed. stage: index of the pair of meshes, -1 for those of a fresh
+    contact that sticks in its middle. changes: each with its cycle. core: share (0 to 1) of the fresh contact's axes
+    that sticks and that mesh lines follow, None if they need not.
+    """
 
     stage: int = 0  #: Index of the stage of the scar's growth.
 
@@ -46,45 +50,46 @@ class MeshHistory:
 
 
 class Meshes(ABC):
-    """The meshes that a run goes through, and when it takes the next; by default the same ones to its end."""
+    """The meshes that a run goes through, and when it takes the next; by default the same ones to its end.
+
+    Histories are not changed: methods return the one that follows, or None if meshes stay as they are. report: called
+    with the name of each part of the work.
+    """
 
     def first(self) -> MeshHistory:
-        """The meshes for the fresh contact."""
+        """The history with the meshes for the fresh contact."""
         return MeshHistory()
 
     @abstractmethod
     def problem(self, history: MeshHistory, report: Report, /) -> ContactProblem:
-        """The contact problem on the meshes of a history."""
+        """The contact problem on the meshes of a history, without effects of the test's age."""
 
     def next_stage(self, _history: MeshHistory, _cycle: float, /) -> MeshHistory | None:
-        """The history with the next meshes in use, for a larger scar; None if there are none."""
+        """The history with the next, larger meshes in use from `_cycle` on; None if there are none."""
         return None
 
     def outgrown(self, _history: MeshHistory, _state: ContactState, _cycle: float, /) -> MeshHistory | None:
-        """The history with the next meshes in use if the scar has outgrown the present ones; else None."""
+        """The history with the next meshes in use from `_cycle` on, if the scar has outgrown these; else None."""
         return None
 
     def fitting(
         self, _history: MeshHistory, _state: ContactState, _cycles: tuple[float, float], _sticks: bool, /
     ) -> MeshHistory | None:
-        """The history with the meshes for a contact that sticks in its middle, or slides, if others are in use; else
-        None.
-
-        cycles: at which the current motion began, and now; such meshes are left and taken again at most once during a
-        motion.
+        """The history with the meshes for a contact that sticks in its middle or that slides, if those in use are not;
+        else None.
+        _cycles: at which the current motion began, and now. _sticks: True if the middle stuck throughout the latest
+        cycle. Such meshes are left and taken again at most once during a motion.
         """
         return None
 
     def fitted(self, _history: MeshHistory, _problem: ContactProblem, _state: ContactState, /) -> MeshHistory | None:
-        """The mesh history continued with meshes whose lines follow the edge of the core, the part that sticks; None if
-        not needed.
-        """
+        """The history with mesh lines that follow the core at the end of the first loading; None if they need not."""
         return None
 
     def moved_nodes(
         self, history: MeshHistory, problem: ContactProblem, _state: ContactState, _cycle: float, _report: Report, /
     ) -> tuple[MeshHistory, ContactProblem]:
-        """History and problem with the nodes moved into the worn surface if that is due; unchanged otherwise."""
+        """(history, problem), with the nodes moved into the worn surface if that is due after `_cycle` cycles."""
         return history, problem
 
 
@@ -95,14 +100,13 @@ class OneMesh(Meshes):
     build: Callable[[], ContactProblem]
 
     def problem(self, _history: MeshHistory, report: Report, /) -> ContactProblem:
-        """The contact problem, built by `build`."""
         report("meshing and condensing")
         return self.build()
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A run after `done` cycles."""
+    """The state of a run after `done` cycles, from which it can go on."""
 
     done: float
     next_jump: float  #: Size of the cycle jump to try next.
@@ -129,10 +133,7 @@ def _fill(file: h5py.File, checkpoint: Checkpoint) -> None:
 
 
 def read_checkpoint(folder: Path) -> Checkpoint | None:
-    """The checkpoint in a run's folder, or None if there is none.
-
-    Raises ResultError if the file is damaged or of another version.
-    """
+    """The checkpoint in a run's folder, None without one; ResultError if it is damaged or of another version."""
     path = folder / CHECKPOINT_FILE_NAME
     if not path.exists():
         return None
@@ -166,18 +167,16 @@ def _read(group: Any) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class RunStore:
-    """Keeps a run's result and its checkpoint; this base class keeps neither.  identity: equal for runs of equal
-    results.
-    """
+    """Keeps a run's result and checkpoint; this class keeps neither. identity: equal for runs of equal results."""
 
     identity: Identity
 
     def write(self, result: RunResult, /) -> RunResult:
-        """Keep the result in place of the one before; return the result as kept."""
+        """Keep the result in place of the one before; return it as it would be read again."""
         return result
 
     def interrupted(self) -> tuple[Checkpoint, RunResult] | None:
-        """The last checkpoint and the result so far, or None if there is no checkpoint."""
+        """(last checkpoint, result so far) of this run; None if there is no checkpoint of it."""
         return None
 
     def write_checkpoint(self, _checkpoint: Checkpoint, /) -> None:
@@ -195,7 +194,7 @@ class RunStore:
 
 @dataclass(frozen=True)
 class Found:
-    """The remains of a run to be resumed: its result if complete, and a note for the user."""
+    """What is left of a run to be resumed: its result, None if not complete, and a sentence for the user."""
 
     complete: RunResult | None = None
     note: str = ""
@@ -203,7 +202,7 @@ class Found:
 
 @dataclass(frozen=True)
 class RunFolder(RunStore):
-    """The folder of a run. derived: patterns of further files that are made from a result."""
+    """Result and checkpoint of a run in the folder `path`. derived: patterns of files made from a result."""
 
     path: Path
     derived: tuple[str, ...] = ()
@@ -213,10 +212,9 @@ class RunFolder(RunStore):
         return GrowingImage()
 
     def found(self, *, unfinished: bool) -> Found:
-        """The run's result if complete, and a note for the user.
-
-        unfinished: True if this run was the last one started in the folder, and did not end. Raises ResultError if the
-        result is damaged, and RunError if the folder holds another run.
+        """What is left of the run. unfinished: True if the last command that wrote to the folder asked for this run and
+        did not end.
+        Raises ResultError if the result is damaged, and RunError if the folder holds another run.
         """
         stopped = f"{self.path} was interrupted before its first result: it is run again."
         if not (self.path / RESULT_FILE_NAME).exists():
@@ -235,10 +233,7 @@ class RunFolder(RunStore):
         )
 
     def interrupted(self) -> tuple[Checkpoint, RunResult] | None:
-        """The last checkpoint and the result so far, or None if there is no checkpoint of this run.
-
-        Raises ResultError if a file is damaged.
-        """
+        """(last checkpoint, result so far); None without a checkpoint of this run. ResultError for a damaged file."""
         if not (self.path / RESULT_FILE_NAME).exists():
             return None
         checkpoint = self._left(lambda: read_checkpoint(self.path))
@@ -256,28 +251,24 @@ class RunFolder(RunStore):
             ) from problem
 
     def begin(self) -> None:
-        """Delete checkpoint and derived files of an earlier run."""
         for pattern in (CHECKPOINT_FILE_NAME, *self.derived):
             for path in self.path.glob(pattern):
                 path.unlink(missing_ok=True)
 
     def result(self) -> RunResult:
-        """Read the result from the folder."""
+        """The result in the folder. Raises ResultError if there is none or it is damaged."""
         return read_result(self.path / RESULT_FILE_NAME)
 
     def write(self, result: RunResult) -> RunResult:
-        """Write or replace the result; return it as it is read from there."""
         return write_result(self.path / RESULT_FILE_NAME, result, self._so_far if result.status == "running" else None)
 
     def write_checkpoint(self, checkpoint: Checkpoint) -> None:
-        """Write or replace the checkpoint."""
         path = self.path / CHECKPOINT_FILE_NAME
         image = hdf5_image(lambda file: _fill(file, checkpoint))
         with writing(ResultError, f"cannot write the checkpoint {path}", "--resume goes on once it can be written"):
             write_bytes(path, image)
 
     def drop_checkpoint(self) -> None:
-        """Delete the checkpoint, if there is one."""
         (self.path / CHECKPOINT_FILE_NAME).unlink(missing_ok=True)
 
 
@@ -285,11 +276,12 @@ class RunFolder(RunStore):
 def occupied_by_runs(
     output: Path, name: str, folders: Sequence[RunFolder], *, resume: bool
 ) -> Iterator[tuple[Found, ...]]:
-    """Occupy an output folder for runs; yields what is found of each run, empty unless they are to be resumed.
+    """Occupy an output folder for runs while the `with` block runs; yields what is left of each, all empty unless they
+    are to be resumed.
 
-    A folder in which all runs are complete is not written to, except to remove the mark of a killed command. Raises
-    ResultError if a result is damaged, and RunError if another command is writing to the folder, or it holds other
-    runs, or cannot be written to.
+    name: the study's, for messages to other commands. A folder in which all runs are complete is not written to, except
+    to remove the mark of a killed command. Raises ResultError if a result is damaged, and RunError if another command
+    is writing to the folder, or it holds other runs, or cannot be written to.
     """
     asked = digest({"runs": [folder.identity.asked for folder in folders]})
 

@@ -39,13 +39,13 @@ __all__ = [
 
 
 def write_meshes(study: Study, fidelity: str, folder: Path, ending: str = "vtu") -> list[Path]:
-    """Mesh both bodies; write a mesh file of each, such as moving.vtu (surfaces as point data), mesh.png and
-    boundary_conditions.png to a folder; return the files.
+    """Mesh both bodies of a study and write a mesh file of each, such as moving.vtu, and pictures of meshes and
+    supports to a folder; return the files.
 
-    With the ending npz the condensed stiffness of each body is written, and nothing drawn. If the meshes follow the
-    scar, those of the last stage are written and the first one is drawn as well. For variants
-    of equal meshes, the mesh of the study as a whole is written. Raises StudyError if the study cannot be discretised,
-    GeometryError if the mesh is distorted, and ResultError if the files cannot be written.
+    ending: a mesh format, or "npz" for the condensed stiffness of each body, without pictures. If the meshes follow the
+    scar, those of the last stage are written and the first one is drawn as well. Of a study with variants, the mesh of
+    the study as a whole is written. Raises StudyError if the study cannot be discretised, GeometryError if the mesh is
+    distorted, and ResultError if the files cannot be written.
     """
     from wirewear.pictures import body_meshes, save, surface_fields
     from wirewear.pictures.own_body import own_body
@@ -90,7 +90,7 @@ def _write_stiffnesses(study: Study, meshes: MeshStage, folder: Path) -> list[Pa
 
 
 def write_line_meshes(study: LineStudy, fidelity: str, folder: Path) -> list[Path]:
-    """Mesh both bodies; write pad.vtu, specimen.vtu and boundary_conditions.png to a folder; return the files.
+    """Mesh pad and specimen and write pad.vtu, specimen.vtu and boundary_conditions.png to a folder; return the files.
 
     Raises StudyError if the study cannot be meshed, or needs more memory than is free; GeometryError if the mesh is
     distorted; ResultError if the files cannot be written.

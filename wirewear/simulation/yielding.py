@@ -1,4 +1,7 @@
-"""The pressure limit of a study's bodies that yield, the size of their contact, and what a result records of both."""
+"""The pressure limit of bodies that yield, the size of their contact, and what a result records of both.
+
+Where the elastic pressure would exceed the limit, the softer body takes a print (permanent indentation) instead.
+"""
 
 from math import pi, sqrt
 
@@ -12,7 +15,7 @@ _ALIKE = 1e-6  #: Yield stresses that differ by less, relative, are equal.
 
 
 def limit_of_points(study: Study) -> PressureLimit | None:
-    """The pressure limit of a contact at a point; None if no body yields, or the study asks for none."""
+    """The pressure limit of a contact at a point; None if no body is stated to yield, or plasticity is "none"."""
     contact = hertz_of(study.conditions.normal_load_N, *study.bodies)
     axes = contact.minor_semi_axis_mm, contact.major_semi_axis_mm
     return pressure_limit(study, study.conditions.normal_load_N, contact.peak_pressure_MPa, axes, power=3.0)
@@ -21,11 +24,11 @@ def limit_of_points(study: Study) -> PressureLimit | None:
 def pressure_limit(
     study: AnyStudy, load: float, pressure_MPa: float, semi_axes_mm: tuple[float, float], *, power: float
 ) -> PressureLimit | None:
-    """The pressure limit of a contact, from its elastic contact under a load in N (line contacts N/mm); None for
+    """The pressure limit of a contact, from its elastic contact under `load` in N (line contacts N/mm); None for
     elastic bodies.
 
-    pressure_MPa, semi_axes_mm: largest pressure and semi-axes (minor, major) of the elastic contact under `load`.
-    power: the load goes with this power of the largest pressure.
+    pressure_MPa, semi_axes_mm: largest pressure and (minor, major) semi-axes of that contact. power: exponent with
+    which its load grows with its largest pressure, 3 at a point, 2 on a line.
     """
     stated = {name: own for name, own in study.tables.yields.items() if own is not None}
     if not stated or study.contact.plasticity == "none":
@@ -51,10 +54,12 @@ def pressure_limit(
 
 
 def spread_by_yield(limit: PressureLimit | None, load: float, pressure_MPa: float, *, line: bool = False) -> float:
-    """Ratio of a pressed contact's size to Hertz's, whose largest pressure `pressure_MPa` is that under the load.
+    """Ratio (≥ 1) of the pressed contact's size to Hertz's, whose largest pressure under `load` is `pressure_MPa`; 1
+    without a limit.
 
     Limited pressures need a larger area to bear the load, surrounded by what Hertz's rim keeps: at a point within 2 %
-    of the finite elements of docs/yielding.md for pressures of up to six times the limit.
+    of the finite elements of docs/yielding.md for pressures of up to six times the limit. line: True for a line
+    contact.
     """
     over = 0.0 if limit is None else pressure_MPa / float(limit.limit_MPa(load))
     if over <= 1.0:
@@ -65,7 +70,7 @@ def spread_by_yield(limit: PressureLimit | None, load: float, pressure_MPa: floa
 
 
 def limit_settings(problem: ContactProblem, pressed: IncrementReport) -> dict[str, float]:
-    """The values that a result records of the pressure limit, and of the fresh contact under it."""
+    """What a result records of the pressure limit and the fresh contact under it, by key; empty without one."""
     limit = problem.limit
     if limit is None:
         return {}
