@@ -1,4 +1,9 @@
-"""The contact conditions of all positions of a cycle on given normals, and the active set that fits them."""
+"""The contact conditions of all positions of a cycle on given normals, and the active set (nodes in contact) that fits
+them.
+
+Unknowns are N pressures, those of all positions one after another, and the height of the holder at each position. A gap
+is along z, positive where the bodies are apart.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -28,11 +33,11 @@ _LARGEST_FALL = 0.2
 class Improved:
     """Result of one step of Newton's method."""
 
-    pressure: Array  #: (N,).
-    height: Array  #: (positions,).
-    active: BoolArray  #: (N,) which nodes are in contact now.
-    fits: bool  #: Whether they were those assumed.
-    linear: bool  #: Whether the equations are, so that no further step would change pressures that fit.
+    pressure: Array  #: (N,) MPa.
+    height: Array  #: (positions,) of the holder, mm.
+    active: BoolArray  #: (N,) which unknowns to take as in contact next.
+    fits: bool  #: True if they are those assumed: no pressure pulls, no open gap overlaps.
+    linear: bool  #: True if the equations are linear, so that no further step would change pressures that fit.
 
 
 @dataclass(frozen=True)
@@ -41,14 +46,14 @@ class CycleEquations:
 
     problem: ContactProblem
     cycle: Cycle
-    facing: Facing
-    gaps: Array  #: (N,) along z before the stage.
-    opening: Opening  #: Gap along z opened by wear work, of which layers fill a part.
-    slip: Array  #: (N,) mm.
-    cycles: Array  #: (N,) for which each unknown wears.
-    worn: Depths  #: Depths of surfaces as on which layers are.
+    facing: Facing  #: Normals and loads on the surfaces assumed.
+    gaps: Array  #: (N,) mm along z before the stage, with the holder at height 0.
+    opening: Opening  #: From wear work to the gap that it opens along z, of which layers fill their share.
+    slip: Array  #: (N,) mm, mean of that before and after the position.
+    cycles: Array  #: (N,) number of cycles for which each unknown wears.
+    worn: Depths  #: Depths in mm of the surfaces that layers lie on.
     friction: Friction  #: The law at the unknowns.
-    yielding: YieldAtNodes | None = None  #: What they bear.
+    yielding: YieldAtNodes | None = None  #: Pressure limits at the unknowns; None if nothing yields.
 
     @cached_property
     def _layers(self) -> LayersAtNodes | None:
@@ -59,15 +64,15 @@ class CycleEquations:
         return layers_at_nodes(self.problem.layers, self.cycle.orbits.opening(*self.worn), none, none)
 
     def works(self, pressure: Array) -> tuple[Array, Array]:
-        """Friction work and wear work (N,) of one cycle per area under pressures (N,)."""
+        """Friction work and wear work (N,) of one cycle per area in mJ/mm² under pressures (N,) in MPa."""
         energy, worn = self.friction.limit(pressure) * self.slip, self.problem.wear.law.work_per_slip(self.friction)
         if worn is self.friction and isinstance(self.cycle.wearing, float):
             return energy, energy if self.cycle.wearing == 1.0 else energy * self.cycle.wearing
         return energy, worn.limit(pressure) * self.slip * self.cycle.wearing
 
     def improved(self, about: Array, active: BoolArray) -> Improved:
-        """One step of Newton's method from pressures (N,) with these nodes (N,) in contact.
-        Raises NotConvergedError if the equations do not determine the pressures.
+        """One step of Newton's method from pressures `about` (N,) in MPa, with the unknowns marked in `active` (N,) in
+        contact. Raises NotConvergedError if the equations do not determine the pressures.
         """
         new, height, gap, linear = self._newton_step(np.where(active, np.maximum(about, 0.0), 0.0), active)
         fits = bool(np.where(active, new >= 0.0, gap >= 0.0).all())

@@ -23,10 +23,12 @@ _MOST_PRODUCTS = 30  # New factors cost no more than so many products.
 
 @dataclass(frozen=True)
 class Coupled:
-    """The matrix of a pressures, position by position, and then of a height for each position.
+    """The matrix of the equations for a pressures, position by position, and then for one height of the holder a
+    position.
 
-    blocks: of each position, (n + 1, n + 1) between its pressures and its height.  opened: (a, nodes) sparse, gap at
-    each pressure by work on nodes.  worked: (a, nodes) sparse, work on nodes by each pressure.
+    blocks: of each position with u pressures, (u + 1, u + 1) between these and its height. opened: (a, nodes) sparse,
+    gap at each pressure's node by unit wear work on nodes of the patches. worked: (a, nodes) sparse, work on nodes by
+    each pressure; opened times its transpose is added to the blocks.
     """
 
     blocks: Sequence[Array]
@@ -35,12 +37,12 @@ class Coupled:
 
     @cached_property
     def diagonal(self) -> Array:
-        """Gap in mm that each of the a pressures opens at its own node by strain, per unit of pressure."""
+        """(a,) gap in mm that each pressure opens at its own node by strain, per MPa."""
         return np.concatenate([block.diagonal()[:-1] for block in self.blocks])
 
     @cached_property
     def own(self) -> Array:
-        """Gap in mm that each of the a pressures opens at its own node by wear, per unit of pressure."""
+        """(a,) gap in mm that each pressure opens at its own node by wear, per MPa."""
         return np.asarray(self.opened.multiply(self.worked).sum(axis=1)).ravel()
 
 
@@ -112,19 +114,21 @@ class _Factors:
 
 
 class SimilarEquations:
-    """Solver of linear equations on subsets of one set of unknowns; factors are kept for similar subsets."""
+    """Solver of a sequence of similar equations, each between some of one set of unknowns. The factors of the latest
+    matrix that was factorised are kept, as a preconditioner of the next.
+    """
 
     def __init__(self) -> None:
-        """Nothing is known yet."""
         self._factors: _Factors | None = None
 
     def solution(
         self, unknowns: IntArray, rhs: Array, row: Array, product: Callable[[Array], Array], coupled: Coupled
     ) -> Array | None:
-        """The solution (n,) of equations between unknowns (n,), increasing numbers; None where they are singular.
+        """The solution (m,) of equations between `unknowns` (m,), increasing numbers in the whole set; None where they
+        are singular.
 
-        row: (n,) factors that make the equations comparable.  product: of the matrix and a vector (n,).  coupled: the
-        matrix itself.
+        rhs: (m,). row: (m,) factors on the equations that give them comparable units. product: the matrix times a
+        vector (m,). coupled: the matrix itself, factorised only if kept factors do not do.
         """
         found = self._by_known_factors(unknowns, rhs, row, product)
         if found is None:

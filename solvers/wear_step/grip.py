@@ -18,7 +18,11 @@ from solvers.wear_step.symmetry import Mirror
 
 
 def grip_of_core(problem: ContactProblem, state: ContactState, across: Mirror | None) -> Array:
-    """Factors (n,) on friction at the primary's nodes, 1 outside the core; the state's own if its core is as before."""
+    """Factors (n,) by which friction at the primary's nodes may exceed its law: 1 outside the core (nodes that have
+    stuck ever since the bodies were pressed together).
+
+    `state.grip` is returned if it is of this very core. across: the mirror y -> -y; None without symmetry.
+    """
     if len(state.grip) and np.array_equal(state.grip != 1.0, state.core):
         return state.grip
     nodes = np.flatnonzero(state.core)

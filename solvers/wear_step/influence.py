@@ -1,4 +1,8 @@
-"""What tractions on paired nodes do to both bodies: displacements at some of them, with all three components."""
+"""Displacements by tractions on paired nodes of both bodies, all three components in world axes.
+
+An unknown is the traction at a node of one position of a cycle; with a mirror plane y = 0 it stands for the mirrored
+traction at the node's image, too. N counts the unknowns of all positions, one position after another.
+"""
 
 from collections.abc import Sequence
 
@@ -14,7 +18,9 @@ _AT_ONCE = 64  # Loaded nodes whose compliances are gathered together: those of 
 
 
 def displaced(body: PlacedBody, nodes: IntArray, forces: Array) -> Array:
-    """Displacements (c, n, 3) in mm of patch nodes (k,), zero of others, under c fields of forces (c, n, 3) in N."""
+    """Displacements (c, n, 3) in mm of a patch's nodes under c fields of nodal forces (c, n, 3) in N. Those of `nodes`
+    (k,) alone are computed; all others are returned as 0.
+    """
     loaded, everywhere = np.flatnonzero(forces.any(axis=(0, 2))), np.zeros_like(forces)
     moved = np.zeros((len(forces), 3 * len(nodes)))
     for begin in range(0, len(loaded), _AT_ONCE):
@@ -25,12 +31,11 @@ def displaced(body: PlacedBody, nodes: IntArray, forces: Array) -> Array:
 
 
 class Influences:
-    """Relative displacement of the nodes of each position of a cycle by unit tractions on one of them and its image,
-    worked out when it is first asked for; N unknowns of all positions one after another.
+    """Displacement of the upper relative to the lower body at all unknowns of a position, averaged over what faces
+    them, by a unit traction on one of them and its image. Computed on demand, by `know`.
 
-    store: those known, one block after another: (u, 3, 3) mm/MPa of the u unknowns at the loaded one's position, by
-    component of displacement and traction in world axes.  at: (N,) where the block of each begins, or -1.  across: the
-    mirror, if there is one.
+    store: blocks one after another, each (u, 3, 3) in mm/MPa, flat: at the u unknowns of its position, by component of
+    displacement and of traction. at: (N,) index in `store` of the block of each loaded unknown, -1 if not yet computed.
     """
 
     def __init__(
@@ -40,25 +45,26 @@ class Influences:
         rows: Sequence[IntArray],
         across: Mirror | None,
     ) -> None:
-        """Nothing is known yet.
+        """Without any influence yet.
 
-        bodies: primary and secondary.  rows: for each position, (u,) its unknowns among the pairing's nodes.  across:
-        the mirror whose images of them carry mirrored tractions; a node that is its own image has none besides.
+        bodies: primary and secondary. pairings: one for each position. rows: for each position, (u,) which of the
+        pairing's nodes are unknowns. across: the mirror y -> -y, whose images carry mirrored tractions; None without
+        symmetry.
         """
         self._bodies, self._pairings, self._rows, self.across = bodies, pairings, rows, across
         self._start = np.concatenate([[0], np.cumsum([len(own) for own in rows])])
         self.at, self.store, self._used = np.full(self._start[-1], -1), np.empty(0), 0
 
     def know(self, loaded: BoolArray) -> None:
-        """Compute and keep the influences of tractions on the unknowns marked in `loaded` (N,)."""
+        """Compute and keep the influences, not yet known, of tractions on the unknowns marked in `loaded` (N,)."""
         missing = np.flatnonzero(loaded & (self.at < 0))
         for k in np.unique(np.searchsorted(self._start, missing, side="right") - 1):
             begin, end = self._start[k], self._start[k + 1]
             self._add(k, missing[(missing >= begin) & (missing < end)] - begin)
 
     def dense(self, k: int) -> Array:
-        """Influences at the position of index k, (u, 3, u, 3): the traction's unknown and component last; 0 where not
-        yet known.
+        """Influences at the position of index k as (u, 3, u, 3) in mm/MPa: [i, a, j, b] is displacement a at unknown i
+        by traction b on unknown j; 0 where they are not yet known.
         """
         begin, end = self._start[k], self._start[k + 1]
         matrix, known = np.zeros((end - begin, 3, end - begin, 3)), begin + np.flatnonzero(self.at[begin:end] >= 0)

@@ -1,4 +1,8 @@
-"""The unknowns of a cycle, one for each set of nodes that its symmetries make alike, and how they share the wear."""
+"""The unknowns of a cycle, one for each set of nodes that its symmetries make alike, and how they share the wear.
+
+A position is a stop of the traced cycle with the nodes that may touch there. Local tangents are rows 1 and 2 of a
+node's frame, see `Pairing`; the first lies along the motion.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,17 +31,18 @@ _ON_THE_PLANE = 1e-10  # Nodes nearer than this to the plane of symmetry lie on 
 class Position:
     """One position of a cycle, with the k nodes of the primary that may touch there."""
 
-    state: ContactState  #: Of the traced cycle.
-    pairing: Pairing  #: Of the nodes.
-    lever: Array  #: (k,) distance ahead of the holder's pivot, mm.
-    direction: Array  #: (k, 2) unit vector of friction in the local tangents, zero where a node sticks.
+    state: ContactState  #: As traced.
+    pairing: Pairing  #: The k nodes with what they face.
+    lever: Array  #: (k,) distance along x of the nodes ahead of the holder's pivot, mm.
+    #: (k, 2) unit vector, in the local tangents, of the friction on the upper body; 0 where a node sticks.
+    direction: Array
     stuck: Array  #: (k, 2) tangential traction of nodes that stick, in the local tangents, MPa.
-    before: Array  #: (k,) slip, mm, of the increment that ends here; zero where a node sticks.
-    after: Array  #: That of the next one.
-    moved: float  #: Relative motion of the rigid bodies along x over the former, mm.
-    moves: float  #: That over the latter.
-    driven: float  #: The drive's, mean of both, mm.
-    #: Load times slip of which it stands for over that of its own: not 1 where increments beside it have no position.
+    before: Array  #: (k,) length of the slip up to here, from the stop before, mm; 0 where a node sticks.
+    after: Array  #: (k,) length of the slip from here to the next stop, mm; 0 where a node sticks at that.
+    moved: float  #: Motion along x of the lower relative to the upper body, both rigid, up to here, mm.
+    moves: float  #: Likewise from here to the next stop, mm.
+    driven: float  #: Length of the drive's motion, mean of before and after, mm.
+    #: Load times slip for which it stands over its own load times slip; 1 unless increments beside it have no stop.
     share: float
 
     @property
@@ -46,16 +51,15 @@ class Position:
 
     @property
     def slides(self) -> bool:
-        """True if the bodies slide before or after this position."""
+        """True if any node slips before or after this position."""
         return bool(self.before.any() or self.after.any())
 
 
 def positions_of(
     problem: ContactProblem, stops: Sequence[WearStop], nodes: Sequence[IntArray], half_cycle: Mirror | None
 ) -> tuple[Position, ...]:
-    """The positions at the stops of a cycle, see `stops_of`.
-
-    nodes: of the primary that may touch at each position.
+    """The positions at the stops of a cycle. nodes: for each, (k,) nodes of the primary that may touch there.
+    half_cycle: the mirror onto the other half of the cycle; None if the stops cover all of it.
     """
     pairings = [
         faced(problem, state, of, state.drive, state.holder_x, state.holder_tilt)
@@ -69,7 +73,9 @@ def positions_of(
 
 
 def facing_nodes(problem: ContactProblem, state: ContactState, margin: float) -> IntArray:
-    """Nodes of the primary that touch, or come as close as `margin` times the largest overlap of the rigid bodies."""
+    """Indices (k,) of the primary's nodes that are under pressure, or whose gap in rigid bodies is less than `margin`
+    times the largest overlap.
+    """
     gap = vertical_gaps(problem, state, state.drive, state.holder_x) + state.holder_z
     return np.flatnonzero((gap < -margin * min(float(gap.min()), 0.0)) | (state.traction[:, 2] > 0.0))
 
@@ -206,12 +212,12 @@ def _relative_motion(
 
 
 class Opening(NamedTuple):
-    """Gap along z that opens at each of N unknowns by wear work, over the n nodes of both patches."""
+    """From wear work at N unknowns to the gap along z that it opens at them, over the n nodes of both patches."""
 
-    #: (N, n) sparse, mean over what faces each other at an unknown, times the wear coefficients, mm³/mJ.
+    #: (N, n) sparse, mean over the nodes that face each other at an unknown, times their wear coefficients, mm³/mJ.
     faced: csr_matrix
-    #: (N, n) sparse, work per area at all places alike by unit work per area at an unknown. Their product is what one
-    #: unknown opens at another, of which few entries are ever needed.
+    #: (N, n) sparse, work per area on the nodes, summed over all places alike, by unit work per area at an unknown.
+    #: `faced` times its transpose is what one unknown opens at another, of which few entries are ever needed.
     worked: csr_matrix
 
     def by(self, work: Array) -> Array:
@@ -221,17 +227,17 @@ class Opening(NamedTuple):
 
 @dataclass(frozen=True)
 class Orbits:
-    """N unknown pressures: of each position's nodes on one side of the plane across which it is mirrored."""
+    """The N unknown pressures of a cycle's positions: with a mirror y -> -y, those of the nodes with y >= 0 only."""
 
-    rows: tuple[IntArray, ...]  #: For each position, which of its nodes are unknowns.
-    #: For each position, which of its nodes are the mirror images of those, the node itself where it lies on the plane.
+    rows: tuple[IntArray, ...]  #: For each position, (u,) which of its nodes are unknowns.
+    #: For each position, (u,) which of its nodes are their mirror images; the unknown itself if it has none.
     images: tuple[IntArray, ...]
-    twice: Array  #: (N,) 2 where there is an image, else 1.
-    start: IntArray  #: (positions + 1,) where each position's unknowns begin.
-    areas: Array  #: (N,), mm².
-    nodes: IntArray  #: (N,) of the primary's patch.
-    secondary: csr_matrix  #: (N, n) sparse, mean over the nodes of the other's patch that each faces.
-    worked: csr_matrix  #: Of `Opening`, the primary's nodes first.
+    twice: Array  #: (N,) 2 where an unknown stands for its image, too, else 1.
+    start: IntArray  #: (positions + 1,) index of each position's first unknown, and N.
+    areas: Array  #: (N,) of the unknown's own node, mm².
+    nodes: IntArray  #: (N,) node of the primary's patch.
+    secondary: csr_matrix  #: (N, n) sparse, mean over the secondary's n nodes that each unknown faces.
+    worked: csr_matrix  #: As in `Opening`: columns are the nodes of the primary, then those of the secondary.
 
     @property
     def count(self) -> int:
@@ -240,7 +246,7 @@ class Orbits:
 
     @cached_property
     def position(self) -> IntArray:
-        """The position (N,) that each unknown belongs to."""
+        """(N,) index of the position of each unknown."""
         return np.repeat(np.arange(len(self.rows)), np.diff(self.start))
 
     @cached_property
@@ -255,27 +261,31 @@ class Orbits:
         return hstack([own, self.secondary]).tocsr()
 
     def opening_by(self, rates: tuple[Rate, Rate]) -> Opening:
-        """Opening of the gap per wear work, from the wear coefficients of the primary and the secondary: one for all,
-        or by node.
+        """From wear work to the gap that it opens, by wear coefficients in mm³/mJ of the primary and the secondary: one
+        for a whole body, or (n_a, n_t) for its nodes.
         """
         coefficients = np.empty(self.worked.shape[1])
         coefficients[: self._primary], coefficients[self._primary :] = map(np.ravel, rates)
         return Opening(_scaled_columns(self._faced, coefficients), self.worked)
 
     def deposited(self, work: Array) -> tuple[Array, Array]:
-        """Work per area (n,) on the nodes of the primary and the secondary by work per area at the unknowns (N,)."""
+        """Work per area (n,) on the nodes of the primary, and on those of the secondary, by work per area (N,) at the
+        unknowns and at all places alike.
+        """
         both = self.worked.T @ work
         return both[: self._primary], both[self._primary :]
 
     def opening(self, primary_depth: Array, secondary_depth: Array) -> Array:
-        """Opening (N,) in mm of the gap along z at the unknowns, by worn depths in mm on both patches, each of its
-        patch's shape.
+        """Opening (N,) in mm of the gap along z at the unknowns by depths in mm on both patches, each of its patch's
+        shape (n_a, n_t).
         """
         return np.asarray(primary_depth.ravel()[self.nodes] + self.secondary @ secondary_depth.ravel())
 
 
 def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: Symmetry) -> Orbits:
-    """The unknowns of the positions of a cycle, of its first half where it has a `half_cycle` symmetry."""
+    """The unknowns of the positions of a cycle; if the symmetry has a `half_cycle`, the positions are those of its
+    first half.
+    """
     across, later = symmetry.across, symmetry.half_cycle
     side = problem.primary.node_positions[:, 1]
     n = problem.primary.patch.size
@@ -376,7 +386,7 @@ def _entries_with_images(
 
 
 def scaled_rows(matrix: csr_matrix, factors: Array) -> csr_matrix:
-    """The matrix with each row times its factor (N,)."""
+    """The sparse matrix (N, n) with each row multiplied by its factor (N,)."""
     return csr_matrix(
         (matrix.data * np.repeat(factors, np.diff(matrix.indptr)), matrix.indices, matrix.indptr), matrix.shape
     )

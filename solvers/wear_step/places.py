@@ -1,8 +1,8 @@
-"""At which increments of a cycle surfaces wear, and from where to where the bodies slide before and after each.
+"""At which increments of a cycle surfaces wear (stops), and from where to where the bodies slide before and after each.
 
-Where load or bulk stress change within a cycle, many increments follow how the contact sticks and slides; as many
-positions would make the equations of a jump many times as large. Those that are kept stand for the work of the others,
-too: work between two of them is shared by how near to either it was done along the slip, so that none is lost.
+Where load or bulk stress change within a cycle, many increments follow how the contact sticks and slides; as many stops
+would make the equations of a jump many times as large. Those that are kept stand for the work of the others, too: work
+between two of them is shared by how near to either it was done along the slip, so that none is lost.
 """
 
 from itertools import pairwise
@@ -23,32 +23,33 @@ _LEAST_LOAD = 0.1
 
 
 class WearStop(NamedTuple):
-    """A position of a traced cycle at which wear is computed, which may stand for several increments."""
+    """An increment of a traced cycle at whose end wear is computed; it may stand for the wear of increments beside
+    it.
+    """
 
-    state: ContactState
-    begins: ContactState  #: From which the slip before it starts.
-    ends: ContactState  #: At which the slip after it ends.
-    approached: ContactState  #: From which its increment started.
-    increment: int  #: Its number.
-    load_slip: float | None  #: Integral of the load over the slip of which it stands for, N mm; None for its own.
-    driven: float | None  #: What the drive moves while the bodies slide of which it stands for, mm; None for all.
+    state: ContactState  #: At the end of the increment.
+    begins: ContactState  #: From which the bodies slide to `state`: of the stop before, or where they last met.
+    ends: ContactState  #: To which they slide afterwards: of the next stop, or where they part.
+    approached: ContactState  #: At the start of the increment.
+    increment: int  #: Its index in the trace, from 0.
+    load_slip: float | None  #: Load times slip, N mm, of all increments for which it stands; None if for its own only.
+    driven: float | None  #: Motion of the drive, mm, while the bodies slide in those increments; None as before.
 
     @property
     def legs(self) -> tuple[tuple[ContactState, ContactState], ...]:
-        """Pairs of states between which the bodies slide: before and after the stop, and its increment if it began
-        elsewhere.
+        """Pairs (from, to) of states between which the bodies slide: up to the stop, on from it, and, only if its
+        increment did not start in `begins`, over its increment.
         """
         around = (self.begins, self.state), (self.state, self.ends)
         return around if self.approached is self.begins else (*around, (self.approached, self.state))
 
 
 def stops_of(start: ContactState, trace: CycleTrace, half_cycle: Mirror | None) -> tuple[WearStop, ...]:
-    """The increments of a traced closed cycle at which surfaces wear, each with the states between which it slides, in
-    order.
+    """The stops of a traced closed cycle, in order: all its increments, or those of `trace.worn`.
 
-    The cycle was traced with the worn depths held fixed. start: the state from which it was traced. half_cycle: the
-    mirror that maps the first half of the cycle onto the second; the trace, and the result, then cover the first half
-    only.
+    start: the state from which the cycle was traced, with the worn depths held fixed. half_cycle: the mirror that maps
+    the first half of the cycle onto the second; the trace, and the stops, then cover the first half only. None: a whole
+    cycle.
     """
     worn = trace.worn
     kept = np.arange(len(trace.states)) if worn is None else worn.increments
@@ -81,7 +82,10 @@ def _spans(pressed: BoolArray, kept: IntArray, count: int) -> list[tuple[int, in
 
 
 def worn_places(problem: ContactProblem, trace: CycleTrace, count: int) -> WornPlaces:
-    """About `count` increments of a closed cycle, or of half of one, spread evenly over the slip."""
+    """About `count` increments of a closed cycle, or of half of one, at whose ends surfaces wear: spread evenly over
+    the load-weighted slip, with the last one always among them. Each has its share of the whole trace's load times slip
+    and of the drive's motion.
+    """
     states = (trace.start, *trace.states)
     load = np.array([float(problem.surface.areas @ state.traction[:, 2]) for state in states])
     slip = trace.slips

@@ -1,4 +1,6 @@
-"""Prints of bodies that yield, over the positions of a cycle: what each leaves, and their mirror images."""
+"""Prints of bodies that yield, over the positions of a cycle: depths by which pressures above a limit flatten them for
+good.
+"""
 
 from dataclasses import replace
 
@@ -14,7 +16,8 @@ from solvers.wear_step.symmetry import Symmetry
 
 
 def mirrored_prints(state: ContactState, symmetry: Symmetry) -> ContactState:
-    """The state with each print made as deep as the deepest of its mirror images under the symmetries, itself included.
+    """The state with each print as deep as the deepest of its mirror images, itself included; unchanged without prints
+    or symmetry.
 
     While half a cycle is traced, one side of the contact yields before the other; the other half of the cycle evens
     this out.
@@ -36,7 +39,9 @@ def _with_images(prints: Depths, symmetry: Symmetry) -> Depths:
 
 
 def as_printed(start: ContactState, trace: CycleTrace, symmetry: Symmetry) -> tuple[ContactState, CycleTrace]:
-    """The start and the trace of a cycle with the prints that it has left when it closes, wherever it stands."""
+    """Start and trace with the prints that the traced cycle has left at its end, made symmetric, in all their states;
+    unchanged if the start has none.
+    """
     if all(depth is None for depth in start.wear.prints):
         return start, trace
     wear = mirrored_prints(trace.states[-1], symmetry).wear
@@ -46,7 +51,7 @@ def as_printed(start: ContactState, trace: CycleTrace, symmetry: Symmetry) -> tu
 
 
 def yield_at(problem: ContactProblem, cycle: Cycle) -> YieldAtNodes | None:
-    """Pressure limits at the unknowns (N,) of a cycle, given its initial prints; None if nothing yields."""
+    """Pressure limits at the N unknowns of a cycle whose prints are those of its start; None if nothing yields."""
     own, other = cycle.wear.prints
     if problem.limit is None or own is None or other is None:
         return None
@@ -57,7 +62,11 @@ def yield_at(problem: ContactProblem, cycle: Cycle) -> YieldAtNodes | None:
 def printed_by(
     problem: ContactProblem, cycle: Cycle, symmetry: Symmetry, wear: WearState, pressure: Array
 ) -> WearState:
-    """The wear state with what pressures (N,) of all positions print: at each place the deepest of them."""
+    """The wear state with prints made deeper by pressures (N,) in MPa at all positions, and with their plastic work.
+
+    A node becomes deeper by the most that it would yield at any position. `wear` is returned as it is if nothing
+    yields.
+    """
     yielding, (own, other), orbits = yield_at(problem, cycle), wear.prints, cycle.orbits
     if yielding is None or problem.limit is None or own is None or other is None:
         return wear

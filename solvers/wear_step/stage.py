@@ -54,9 +54,10 @@ _LEAST_STRETCH, _LARGEST_STRETCH = 0.5, 2.0
 def released_slip(
     problem: ContactProblem, cycle: Cycle, facing: Facing, pressure: Array, worn: Depths, friction: Friction
 ) -> tuple[Array, Array]:
-    """Factors (N,) on the slip before and after each position of a strained cycle, under pressures (N,).
+    """Factors (N,) on the unknowns' slip before and after their positions where slip follows from strain, both between
+    0.25 and 4.
 
-    worn: depths of the surfaces that carry them.  friction: the law at the unknowns there.
+    pressure: (N,) MPa, on surfaces worn to the depths `worn`. friction: the law at the unknowns there.
     """
     half_cycle, ends = cycle.half_cycle, ends_of_strokes(cycle.positions, cycle.half_cycle)
     before, after = cycle.traced_slips
@@ -163,16 +164,16 @@ def _stretched(cycle: Cycle, stroke: range, end: int, face: Facing, released: Ar
 
 @dataclass(frozen=True)
 class StageSolution:
-    """Solution of one stage of a cycle jump."""
+    """Solution of one stage of a cycle jump; N unknown pressures of all positions."""
 
-    pressure: Array  #: (N,) MPa.
+    pressure: Array  #: (N,) MPa, at least 0.
     height: Array  #: (positions,) of the holder, mm.
-    facing: Facing  #: The positions on the worn surfaces.
+    facing: Facing  #: Normals and loads on the worn surfaces.
     friction: Friction  #: The law at the unknowns.
-    friction_work: Array  #: (N,) of one cycle per area, mJ/mm², as the next.
-    wear_work: Array
-    cycles: Array  #: (N,) for which each pressure has worn.
-    iterations: int  #: Of the active set, on all surfaces.
+    friction_work: Array  #: (N,) of one cycle per area, mJ/mm².
+    wear_work: Array  #: (N,) likewise, as the wear law counts it.
+    cycles: Array  #: (N,) number of cycles for which each unknown has worn.
+    iterations: int  #: Steps of Newton's method, each on another surface.
 
     @property
     def works(self) -> tuple[Array, Array]:
@@ -182,11 +183,10 @@ class StageSolution:
 def solve_stage(
     problem: ContactProblem, cycle: Cycle, before: WearState, lasting: Callable[[Array], Array], pressure: Array
 ) -> StageSolution:
-    """Solve for the pressures of a cycle on surfaces that wear under these very pressures, from the wear state
-    `before`.
+    """The pressures of a cycle on surfaces that wear under these very pressures, from the wear state `before`.
 
-    lasting: from pressures (N,) to the number of cycles (N,) for which each of them wears. pressure: (N,) first guess.
-    Raises NotConvergedError if no active set was found that fits.
+    lasting: from pressures (N,) in MPa to the number of cycles (N,) for which each unknown wears. pressure: (N,) first
+    guess, MPa. Raises NotConvergedError if they have not settled within 60 steps.
     """
     nothing = np.zeros_like(before.primary_depth), np.zeros_like(before.secondary_depth)
     recession = problem.wear.recession(before, nothing, problem.primary_is_upper)
@@ -228,9 +228,10 @@ def solve_stage(
 def worn_by(
     problem: ContactProblem, orbits: Orbits, before: WearState, works: tuple[Array, Array], cycles: Array
 ) -> tuple[WearState, Recession]:
-    """The wear state after friction work and wear work per area (N,) of one cycle, repeated for so many cycles (N,).
+    """The wear state after a cycle is repeated, and the rates by which both bodies recede in it.
 
-    How both bodies recede by it is returned as well.
+    works: friction work and wear work (N,) of one cycle per area, mJ/mm². cycles: (N,) how often each unknown's work is
+    done.
     """
     shapes = before.primary_depth.shape, before.secondary_depth.shape
 

@@ -1,8 +1,9 @@
-"""Two implicit stages of a cycle jump on the positions of a traced cycle, and the states that they leave.
+"""Two implicit stages of a cycle jump on the positions of a traced cycle, and the states at which they end.
 
-The stages are those of Alexander's singly diagonal Runge-Kutta method of second order (SIAM J. Numer. Anal. 14 (1977)
-1006): its last stage is the result, which keeps the contact conditions on the new surface, it damps what is fast
-(L-stability), and all its weights are positive, so that every depth is worn by work that was done.
+A jump lets surfaces wear for many cycles in one step, from one traced cycle; N counts the unknown pressures of all its
+positions. The stages are those of Alexander's singly diagonal Runge-Kutta method of second order (SIAM J. Numer. Anal.
+14 (1977) 1006): its last stage is the result, which keeps the contact conditions on the new surface, it damps what is
+fast (L-stability), and all its weights are positive, so that every depth is worn by work that was done.
 """
 
 from collections.abc import Callable, Sequence
@@ -46,7 +47,7 @@ _MARGIN = 5.0
 
 @dataclass(frozen=True)
 class Stages:
-    """Solutions of both stages of a jump, the problem after it, and the wear state at its end."""
+    """Solutions of both stages of a jump: `problem` after all its cycles, and the `wear` that both leave together."""
 
     problem: ContactProblem
     first: StageSolution
@@ -57,7 +58,11 @@ class Stages:
 def two_stages(
     problem_at: ProblemAt, cycle: Cycle, start: ContactState, trace: CycleTrace, done: float, cycles: float
 ) -> Stages:
-    """Wear both bodies by the cycle for `cycles` cycles after `done`, from the state where it starts."""
+    """Wear both bodies for `cycles` cycles (a number, not necessarily whole) after the first `done` of the test.
+
+    problem_at: the contact problem after a number of cycles and a friction energy in mJ. start, trace: the state where
+    the traced cycle starts, and its trace. Raises NotConvergedError if a stage's pressures are not found.
+    """
     per_cycle = trace.friction_work * (2.0 if cycle.half else 1.0)
     energy, every = start.wear.energy_mJ, np.ones(cycle.orbits.count)
     traced = cycle.traced_pressures
@@ -152,7 +157,9 @@ def _taken_over(problem: ContactProblem, cycle: Cycle, lasting: Array, first: Ar
 
 
 def state_at(stages: Stages, cycle: Cycle, index: int) -> ContactState:
-    """The state at a position of the worn cycle, in equilibrium on the new surfaces where the bodies slide."""
+    """The state at the position of this index after the jump, in equilibrium on the worn surfaces where the bodies
+    slide.
+    """
     problem, orbits, position = stages.problem, cycle.orbits, cycle.positions[index]
     face, at, pairing, nodes = stages.last.facing, cycle.at(index), position.pairing, position.nodes
     rows, images = orbits.rows[index], orbits.images[index]
@@ -187,29 +194,29 @@ def state_at(stages: Stages, cycle: Cycle, index: int) -> ContactState:
 
 @dataclass(frozen=True)
 class CycleJump:
-    """Result of a cycle jump."""
+    """The contact after a cycle jump."""
 
-    state: ContactState  #: After it, at the end of the stroke where the traced cycle, or half of it, ended.
-    guide: Guide
-    #: By how much pressures of the two stages, or local coefficients of friction, differ: half the mean difference over
-    #: the load, 0 to 1.
+    state: ContactState  #: At the end of the stroke where the traced cycle, or half of it, ended.
+    guide: Guide  #: First guesses for a whole cycle on the worn surfaces.
+    #: How far pressures, or local coefficients of friction, differ between the two stages: half the sum of the
+    #: differences over the mean load, 0 to 1; the larger of the two.
     pressure_change: float
-    friction_work: float  #: Of a cycle on the surfaces after the jump, mJ.
-    uncertain: bool  #: Whether a cycle traced on them may well have another.
-    unknowns: int  #: Pressures solved for.
-    active: int  #: How many of them are not zero.
-    iterations: int  #: Of active sets.
+    friction_work: float  #: Of a whole cycle on the surfaces after the jump, mJ.
+    uncertain: bool  #: True if a cycle traced on them may have another friction work; see `Cycle.uncertain`.
+    unknowns: int  #: Number of pressures solved for.
+    active: int  #: How many of them are above 0.
+    iterations: int  #: Steps of both stages together.
 
 
 def jump_cycles(
     problem_at: ProblemAt, start: ContactState, trace: CycleTrace, symmetry: Symmetry, done: float, cycles: float
 ) -> CycleJump:
-    """Let the surfaces wear for `cycles` cycles after the first `done` of a test, in one step, and return the result.
+    """Let the surfaces wear for `cycles` cycles after the first `done` of a test, in one step.
 
-    problem_at: gives the contact problem after a number of cycles and a friction energy. start, trace: the state at an
-    end of the stroke, and the cycle from there with worn depths held fixed; only its first half where the symmetry maps
-    that onto the second. Raises NotConvergedError if no pressures were found that fit, and PatchLeftError if the
-    contact has reached the edge of either patch.
+    problem_at: the contact problem after a number of cycles and a friction energy in mJ. start, trace: the state at an
+    end of the stroke, and the cycle traced from there with worn depths held fixed; its first half only where the
+    symmetry maps that onto the second. Raises NotConvergedError if no pressures were found that fit, and PatchLeftError
+    if the contact reaches the edge of either patch.
     """
     start, trace = as_printed(start, trace, symmetry)
     problem, across = problem_at(done, start.wear.energy_mJ), symmetry.across

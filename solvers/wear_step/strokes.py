@@ -1,4 +1,9 @@
-"""The strokes of a traced cycle: where they end, and whether the bodies' strain takes much of their motion."""
+"""Closed cycles that are traced for a jump, and their strokes: where they end, and how slip follows from motion and
+strain.
+
+A stroke is the motion from one end of the drive's path to the other; a core is the part of the contact that has stuck
+ever since the bodies were pressed together.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -30,11 +35,13 @@ def closed_trace(
     watch: Watch | None = None,
     guide: Guide | None = None,
 ) -> tuple[ContactState, CycleTrace]:
-    """The state where a closed cycle starts, at either end of the stroke, and the cycle; its first half where the
-    symmetry maps that onto the second.
+    """Trace a cycle, repeated up to 4 times until it closes, with the worn depths held fixed: the state where it
+    starts, at either end of the stroke, and its trace. Where the symmetry maps its first half onto the second, the
+    first half only.
 
-    Sliding wipes out what a state remembers of surfaces before they wore; where the contact sticks in its middle, it is
-    moved again from mid-stroke.
+    increments: of a cycle. watch: called after each increment. guide: first guesses from a similar cycle; None: none.
+    Sliding wipes out what a state remembers of surfaces before they wore; a contact with a core is instead moved again
+    from mid-stroke. Under a load or bulk stress that changes, `trace.worn` says by which increments surfaces wear.
     """
     mirror, start = symmetry.half_cycle, state
     guide = None if guide is None else with_images(guide, mirror)
@@ -70,7 +77,9 @@ def _closes(problem: ContactProblem, drive: Drive, trace: CycleTrace, end: Conta
 
 
 def ends_of_strokes(positions: Sequence[Position], half_cycle: Mirror | None) -> list[int]:
-    """The positions at which strokes end: the last one, and of a whole cycle the one farthest from it before."""
+    """Increasing indices of the positions at which strokes end: of half a cycle the last one alone, of a whole one also
+    that whose drive differs most from the last one's.
+    """
     last = len(positions) - 1
     if half_cycle is not None:
         return [last]
@@ -79,11 +88,11 @@ def ends_of_strokes(positions: Sequence[Position], half_cycle: Mirror | None) ->
 
 
 def strain_counts(positions: Sequence[Position], half_cycle: Mirror | None) -> bool:
-    """True if slip depends on the strain at the ends of strokes.
+    """True if slip depends on the bodies' strain at the ends of strokes.
 
-    That is so if a core sticks throughout the cycle, or if strain takes more than 5 % of the motion of a contact of
-    which more than half of the load stays on the same nodes. half_cycle: the mirror onto the other half, if positions
-    cover only one.
+    That is so if a core sticks throughout the cycle, or if strain takes more than 5 % of the rigid bodies' motion in a
+    contact that keeps more than half of its load on nodes pressed at both ends. half_cycle: the mirror onto the other
+    half; None if the positions cover the whole cycle.
     """
     last = positions[-1].state
     if last.core.any():
@@ -103,8 +112,8 @@ def strain_counts(positions: Sequence[Position], half_cycle: Mirror | None) -> b
 
 
 def slip_is_left_over(positions: Sequence[Position], half_cycle: Mirror | None) -> bool:
-    """True if rig and strain take more than 30 % of the drive's motion, so that slip is a small difference of large
-    motions.
+    """True if slip is less than 70 % of the drive's motion, the rest being taken by rig and strain: an error of these
+    large motions is then a large error of the slip.
 
     half_cycle: the mirror that maps these positions onto the other half of the cycle; None if they cover the whole
     cycle.
@@ -122,6 +131,6 @@ def _apart(state: ContactState) -> float:
 
 
 def mean_slip(position: Position) -> float:
-    """Mean slip in mm of the nodes in the increment before a position, weighted with their loads at it."""
+    """Slip in mm up to a position, mean over its nodes weighted with their loads there; 0 without load."""
     load = position.pairing.areas * np.maximum(position.state.traction[position.nodes, 2], 0.0)
     return float(load @ position.before) / max(float(load.sum()), 1e-300)

@@ -1,4 +1,9 @@
-"""The contact conditions of all positions of a cycle on given surfaces."""
+"""The contact conditions of all positions of a cycle on given surfaces.
+
+A position is one instant of the traced cycle with the nodes of the primary that may touch there, K nodes of all
+positions one after another; N of them, the unknowns, are those whose pressures are solved for (the others are their
+mirror images). Forces and displacements are the upper body's relative to the lower, in world axes; a gap is along z.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -28,37 +33,38 @@ Depths = tuple[Array, Array]  #: Worn depths (mm) of the primary and the seconda
 
 
 class Facing(NamedTuple):
-    """All positions on surfaces of given depth, N unknowns and K nodes one position after another; MPa, mm."""
+    """Normals and loads at all positions on surfaces of some depth; N unknowns, K nodes, one position after another."""
 
-    upward: Array  #: (N,) z component of the unknowns' normals.
-    by_stuck: Array  #: (N,) normal displacement by tractions of sticking nodes.
-    lift: Array  #: (2, N) load along z by unit pressure and by unit friction at each unknown and its image, mm².
-    pull: Array  #: The same along x.
-    stuck_lift: Array  #: (positions,) what sticking nodes add, N, as the next.
-    stuck_pull: Array
-    normals: Array  #: (K, 3) unit normals.
-    frictions: Array  #: (K, 3) direction of friction.
-    stuck: Array  #: (K, 3) stuck traction of all nodes.
+    upward: Array  #: (N,) z component of the unknowns' unit normals.
+    by_stuck: Array  #: (N,) normal displacement in mm by the fixed tractions of sticking nodes.
+    #: (2, N) force along z in N per MPa of pressure, row 0, and of friction, row 1, at each unknown and its image.
+    lift: Array
+    pull: Array  #: (2, N) force along x likewise.
+    stuck_lift: Array  #: (positions,) force along z in N of the sticking nodes' tractions.
+    stuck_pull: Array  #: (positions,) their force along x, N.
+    normals: Array  #: (K, 3) unit normals, from the lower to the upper body.
+    frictions: Array  #: (K, 3) unit vectors of the friction on the upper body, 0 at nodes that stick.
+    stuck: Array  #: (K, 3) tangential traction of nodes that stick, MPa; 0 at others.
 
 
 class CycleNodes(NamedTuple):
-    """The K nodes of all positions of a cycle, one position after another, as they were traced; see `Position`."""
+    """The K nodes of all positions of a cycle as they were traced, one position after another; n nodes on a patch."""
 
-    start: IntArray  #: (positions + 1,) where each position's nodes begin.
-    rows: IntArray  #: (N,) which of the K the unknowns are.
-    nodes: IntArray
-    areas: Array
-    frames: Array
-    core: BoolArray
-    direction: Array
-    stuck: Array
-    first: IntArray
+    start: IntArray  #: (positions + 1,) index of each position's first node, and K.
+    rows: IntArray  #: (N,) index among the K of each unknown.
+    nodes: IntArray  #: (K,) node of the primary's patch.
+    areas: Array  #: (K,) mm².
+    frames: Array  #: (K, 3, 3) normal and tangents as rows, see `Pairing`.
+    core: BoolArray  #: (K,) True where a node has stuck ever since the bodies were pressed together.
+    direction: Array  #: (K, 2) unit vector of friction in the tangents, 0 where a node sticks.
+    stuck: Array  #: (K, 2) traction in MPa, in the tangents, of nodes that stick.
+    first: IntArray  #: (K + 1,) with columns and weights: `NodalTransfer` of the secondary at the K nodes.
     columns: IntArray
     weights: Array
 
     @classmethod
     def of(cls, positions: Sequence[Position], rows: Sequence[IntArray]) -> "CycleNodes":
-        """The contact nodes of positions of a cycle, of which `rows` are unknowns, one after another."""
+        """The nodes of all positions, joined; rows: for each position, (u,) which of its nodes are unknowns."""
         start = np.concatenate([[0], np.cumsum([len(position.nodes) for position in positions])])
         of_each = []
         for position, begin, own in zip(positions, start, rows, strict=False):
@@ -72,23 +78,24 @@ class CycleNodes(NamedTuple):
 
 @dataclass(frozen=True)
 class Cycle:
-    """The positions of a cycle, traced in a state of wear, their unknowns, and both bodies' influence there."""
+    """The positions of a cycle traced in the state `wear`, their unknowns, and both bodies' displacements by unit
+    tractions.
+    """
 
     positions: tuple[Position, ...]
     orbits: Orbits
-    influences: Influences
-    wear: WearState
-    #: The mirror whose image of the positions is the other half of the cycle, where they are half of one.
+    influences: Influences  #: Displacements of a position's unknowns by unit tractions on one of them.
+    wear: WearState  #: As the cycle was traced; depths and gaps below count from it.
+    #: The mirror that maps these positions onto the other half of the cycle; None if they cover all of it.
     half_cycle: Mirror | None
-    wearing: float | Array  #: (N,) factor on the wear coefficients, or one for all.
+    wearing: float | Array  #: Factor on the unknowns' wear work by law and oxygen, (N,) or one for all.
     layers: tuple[ContactLayer, ...] = ()  #: Between the surfaces as the cycle was traced.
     within: WithinElements | None = None  #: How pressure is spread within elements, for the unknowns.
-    #: What is known so far of the equations of its pressures.
+    #: Solver of the pressures' equations, which keeps factors of earlier ones.
     similar: SimilarEquations = field(default_factory=SimilarEquations)
 
     @property
     def half(self) -> bool:
-        """True if the positions are those of half a cycle."""
         return self.half_cycle is not None
 
     @cached_property
@@ -97,12 +104,12 @@ class Cycle:
 
     @cached_property
     def sticks(self) -> BoolArray:
-        """Marks (N,) of the unknowns that carry tractions of sticking nodes."""
+        """(N,) True for unknowns whose nodes stick."""
         return np.asarray(self.nodes.stuck[self.nodes.rows].any(axis=1))
 
     @cached_property
     def traced_slips(self) -> tuple[Array, Array]:
-        """Slips (N,) in mm before and after the unknowns' positions, as the cycle was traced."""
+        """Slips (N,) in mm of the unknowns in the traced cycle: up to their position, and from it to the next."""
         before, after = (
             np.concatenate([slip[rows] for slip, rows in zip(slips, self.orbits.rows, strict=True)])
             for slips in zip(*((position.before, position.after) for position in self.positions), strict=True)
@@ -111,7 +118,7 @@ class Cycle:
 
     @cached_property
     def traced_pressures(self) -> Array:
-        """Pressures (N,) in MPa at the unknowns, as the cycle was traced."""
+        """Pressures (N,) in MPa of the unknowns in the traced cycle, at least 0."""
         pressures = [
             np.maximum(np.einsum("ij,ij->i", p.state.traction[p.nodes], p.pairing.frames[:, 0, :]), 0.0)[rows]
             for p, rows in zip(self.positions, self.orbits.rows, strict=True)
@@ -120,18 +127,22 @@ class Cycle:
 
     @cached_property
     def strained(self) -> bool:
-        """True if slip depends on the bodies' strain; see `strain_counts`."""
+        """True if slip follows from the bodies' strain at the ends of strokes; see `strain_counts`."""
         return strain_counts(self.positions, self.half_cycle)
 
     @cached_property
     def uncertain(self) -> bool:
-        """True if slip depends on the bodies' strain, or is a small difference of large motions; see
+        """True if slip follows from the bodies' strain, or is a small difference of large motions; see
         `slip_is_left_over`.
         """
         return self.strained or slip_is_left_over(self.positions, self.half_cycle)
 
     def facing(self, problem: ContactProblem, depths: Depths) -> Facing:
-        """All positions on surfaces worn to other depths, where only the normals turn."""
+        """Normals and loads at all positions once surfaces are worn to `depths`, in mm in all.
+
+        Normals turn by the slopes of what wore since the trace, but not at nodes of the core; nodes, areas and
+        influences stay as traced.
+        """
         share, averaging, nodes = open_share(problem.layers), problem.surface.averaging, self.nodes
         primary, secondary = (
             -share * body.facing * gradient(new - old, body.patch) @ body.world_to_patch
@@ -143,8 +154,8 @@ class Cycle:
         return Facing(*_faced(nodes, own, secondary, self.orbits.start, weights, influences.store, influences.at))
 
     def law_at(self, problem: ContactProblem, wear: WearState, slip: Array, pressure: Array) -> Friction:
-        """The friction law at the unknowns in a state of wear, where each slips (N,) mm about its position under a
-        pressure (N,) in MPa.
+        """The friction law at the N unknowns in a state of wear, on which, as on slip and pressure, the coefficient may
+        depend. slip: (N,) mean slip in mm before and after each unknown's position. pressure: (N,) MPa.
         """
         orbits = self.orbits
 
@@ -167,11 +178,13 @@ class Cycle:
         return replace(problem.law_at(local), within=self.within)
 
     def at(self, index: int) -> slice:
-        """Slice of the K nodes of all positions that belong to the position of this index."""
+        """Slice of the K nodes that belong to the position of this index."""
         return slice(*self.nodes.start[index : index + 2])
 
     def gaps(self, problem: ContactProblem, depths: Depths) -> Array:
-        """Gap (N,) along z of the undeformed surfaces worn to these depths, with the holder at height 0, mm."""
+        """Gaps (N,) in mm along z of the undeformed surfaces worn to `depths` (in mm in all, of which layers fill their
+        share), with the holder at height 0; negative where the bodies overlap.
+        """
         fresh = [
             (p.pairing.gap + p.lever * p.state.holder_tilt)[rows]
             for p, rows in zip(self.positions, self.orbits.rows, strict=True)
@@ -227,7 +240,9 @@ def _faced(
 
 @inlined
 def moved_along(store: Array, block: int, normal: Array, x: float, y: float, z: float) -> float:
-    """Displacement along a normal by a traction, through the (3, 3) block of a store that begins there."""
+    """Displacement along a normal (3,) by a traction (x, y, z), with the 9 influences from index `block` of `store` on,
+    row by row (see `Influences`): mm for MPa.
+    """
     moved: float = normal[0] * (x * store[block] + y * store[block + 1] + z * store[block + 2])
     moved += normal[1] * (x * store[block + 3] + y * store[block + 4] + z * store[block + 5])
     moved += normal[2] * (x * store[block + 6] + y * store[block + 7] + z * store[block + 8])

@@ -1,8 +1,8 @@
 """Symmetries of a fretting cycle: mirrors that map both bodies onto themselves, found by testing them.
 
-Wires crossed at right angles are mirrored about the plane across the motion (y -> -y), which acts within each position
-of the cycle, and about the plane along it (x -> -x), which reverses the motion: what happens at one position happens
-mirrored half a cycle later. Wires crossed at any angle keep the turn by half a circle, both mirrors in one.
+Wires crossed at right angles are mirrored about the plane y = 0, which acts within each position of the cycle
+(`across`), and about x = 0, which reverses the motion (`half_cycle`): what happens at one position happens mirrored
+half a cycle later. Wires crossed at any angle keep the turn by half a circle about z, both mirrors in one.
 """
 
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ _SAME_DRIVE = 1e-9  # Drives closer than this, relative to the amplitude, are th
 
 @dataclass(frozen=True)
 class Mirror:
-    """A map (x, y) -> (sign_x x, sign_y y) of the world that takes each body onto itself.
+    """A map (x, y) -> (sign_x x, sign_y y) of the world that takes each body onto itself; each sign is 1 or -1.
 
     primary, secondary: (n,) index of the patch node onto which each node of that body is mapped. With sign_x = -1 the
     motion is reversed, so what happens at one time happens mirrored half a cycle later.
@@ -37,12 +37,12 @@ class Mirror:
 
     @property
     def signs(self) -> Array:
-        """Factors of a vector's components in world axes, (3,)."""
+        """Factors (3,) on a vector's x, y and z components: (sign_x, sign_y, 1)."""
         return np.array([self.sign_x, self.sign_y, 1.0])
 
     def image(self, field: NDArray[Any], images: IntArray) -> NDArray[Any]:
-        """A field of numbers (n,), of vectors (n, 3) or many of these (m, n, 3) on one body's nodes, taken to their
-        images (n,) on that body.
+        """The mirror image of a nodal field: of numbers (n,), or of vectors (n, 3) or (m, n, 3), whose components
+        change by `signs`. images: (n,) node onto which each is mapped, `primary` or `secondary`.
         """
         out = np.empty_like(field)
         if field.ndim == 1:
@@ -54,32 +54,35 @@ class Mirror:
 
 @dataclass(frozen=True)
 class Symmetry:
-    """The symmetries of a cycle: `across` acts within a position, `half_cycle` between positions half a cycle apart."""
+    """The mirrors of a cycle: `across` acts within each position, `half_cycle` between positions half a cycle apart;
+    None where the bodies have none.
+    """
 
     across: Mirror | None = None
     half_cycle: Mirror | None = None
 
     @property
     def order(self) -> int:
-        """Number of images of each unknown under the symmetries, itself included: 1, 2 or 4."""
+        """Number of places that are alike by the mirrors, over a whole cycle: 1, 2 or 4."""
         return (2 if self.across else 1) * self.strokes
 
     @property
     def strokes(self) -> int:
-        """2 if half a cycle is traced, whose image is the other half; else 1."""
+        """2 if half a cycle is traced, as the other half is its mirror image; else 1."""
         return 2 if self.half_cycle else 1
 
     def under(self, drive: Drive) -> "Symmetry":
-        """The symmetries that a cycle of this drive keeps.
+        """Those of these mirrors that a cycle of this drive keeps.
 
-        A mirror onto the other half of the cycle needs equal loading of both halves; one across the motion, surfaces
-        that no bulk stress shears.
+        `half_cycle` is kept if both halves are loaded alike, `across` if no bulk stress shears the surfaces.
         """
         return Symmetry(None if drive.shears else self.across, self.half_cycle if drive.symmetric else None)
 
 
 def symmetry_of(problem: ContactProblem) -> Symmetry:
-    """The symmetries that the bodies have, each tested on meshes, unworn shapes and compliances."""
+    """The mirrors that the unworn bodies have, each tested on meshes, shapes and compliances. A motion tilted out of
+    the plane of contact has no `half_cycle`.
+    """
     across = _mirror(problem, 1.0, -1.0) if len(problem.primary.patch.transverse_mm) > 1 else None
     half_cycle = None
     if problem.upper.incline == 0.0 and problem.lower.incline == 0.0:
@@ -88,7 +91,9 @@ def symmetry_of(problem: ContactProblem) -> Symmetry:
 
 
 def kept_by(symmetry: Symmetry, state: ContactState) -> Symmetry:
-    """The symmetries that also map the worn depths and prints of a state onto themselves, to within round-off."""
+    """Those of the mirrors that also map a state's worn depths onto themselves, within 1e-6 of the deepest, and its
+    prints, within 5 % of the deepest.
+    """
 
     def kept(mirror: Mirror | None) -> Mirror | None:
         if mirror is None:
@@ -106,7 +111,9 @@ def kept_by(symmetry: Symmetry, state: ContactState) -> Symmetry:
 
 
 def mirrored(state: ContactState, mirror: Mirror) -> ContactState:
-    """The state half a cycle away, by a mirror that reverses the motion; the worn surfaces are left as they are."""
+    """The state half a cycle later, by a mirror that reverses the motion; worn depths and prints are left as they
+    are.
+    """
     return replace(
         state,
         drive=mirror.sign_x * state.drive + 0.0,
@@ -122,11 +129,10 @@ def mirrored(state: ContactState, mirror: Mirror) -> ContactState:
 
 
 def with_images(guide: Guide, mirror: Mirror | None) -> Guide:
-    """A guide that covers the whole cycle, from one that may cover only one stroke.
+    """A guide for the whole cycle, from one of a single stroke: the other stroke follows as its mirror image half a
+    cycle later.
 
-    mirror: the map that reverses the motion. The other stroke follows from it, half a cycle later: displacements along
-    x and tractions are mirrored, overlap areas kept. A guide of both strokes, or one without a mirror, is returned as
-    it is.
+    mirror: one that reverses the motion. A guide of both strokes, or any without a mirror, is returned as it is.
     """
     falling = guide.phase <= 0.5
     if mirror is None or (falling.any() and not falling.all()):
@@ -144,15 +150,14 @@ def with_images(guide: Guide, mirror: Mirror | None) -> Guide:
 
 
 def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symmetry: Symmetry) -> float | None:
-    """Difference of a closed cycle's pressures from their own mirror image, 0 to 1; None without a symmetry, or if load
-    or bulk stress differ.
+    """Largest difference over a closed cycle between pressures and their own mirror image, as a share (0 to 1) of the
+    cycle's largest load: numerical error alone where bodies, rig and effects are symmetric. None without a `half_cycle`
+    mirror, or if load or bulk stress differ at mirrored places.
 
-    states: m states from one end of the stroke to itself; the state at its start may be the first.
-
-    Half the area-weighted difference at each place, the largest over the cycle, over the cycle's largest load:
-    numerical error alone, where bodies, rig and effects are symmetric. States on the way out are compared with those on
-    the way back at the mirrored drive; those that one way has alone are left out. The largest load is the reference
-    because bodies may nearly part on their way, where a single node would count for much of the load there.
+    states: from one end of the stroke to itself; the state at its start may be the first. States on the way out are
+    compared with those on the way back at the mirrored drive, and left out if there are none; each difference is half
+    the sum of |pressure - image| times area. The largest load is the reference because bodies may nearly part on their
+    way, where a single node would count for much of the load there.
     """
     mirror = symmetry.half_cycle
     if mirror is None:
