@@ -43,18 +43,17 @@ def closed_adaptive_cycle(
     tolerance: float = 3e-3,
     moved: CycleTrace | None = None,
 ) -> tuple[ContactState, CycleTrace]:
-    """A closed loop without wear, as from `closed_cycle`, but with increments short where the force bends.
+    """A closed loop without wear, as from `closed_cycle`, with increments short where the force bends: the state at its
+    end and its trace.
 
-    increments: no step is longer than those of a cosine with so many increments per cycle.
-    settling_increments: those of the half cycle that precedes the loop; default: `increments`.
-    tolerance: allowed distance of the force from straight lines between increments, over the friction force; in partial
-    slip over the largest force or the half height of a rectangular loop of the same work, whichever is less; with
-    hardly any friction over a share of the load.
-    moved: a cycle or half of one, without wear, that ends where the loop starts; without it half a cycle is moved
-    first.
+    increments: no step is longer than those of a cosine with so many increments per cycle. settling_increments: of the
+    half cycle that precedes the loop, counted per cycle; None: `increments`. tolerance: allowed distance of the force
+    from straight lines between increments, over the friction force; in partial slip over the largest force or the half
+    height of a rectangular loop of the same work, whichever is less; with hardly any friction over 0.3 % of the load.
+    moved: a cycle or half of one, without wear, that ends where the loop starts; None: half a cycle is moved first.
 
-    Returns the state at the loop's end and the loop. The normal load does not change. With a core (a part that has
-    stuck ever since the bodies were pressed together) the number of increments is `increments`, see `forced_path`.
+    The normal load must not change. With a core (a part that has stuck ever since the bodies were pressed together) the
+    number of increments is `increments`, see `forced_path`.
     """
     trace = moved or settled(problem, state, drive, settling_increments or increments, watch, guide)[1]
     state = trace.states[-1]

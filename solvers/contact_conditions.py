@@ -30,11 +30,7 @@ LOST_CONTACT = "all nodes opened: the bodies have lost contact"
 
 @dataclass(frozen=True)
 class Linearisation:
-    """Affine map from tractions and holder position to gaps and slips of the k nodes of one pairing; mm, N, MPa.
-
-    paired_holder_x: the holder's position for which the pairing was made. old_...: before the increment. drive_step:
-    motion of the lower body. pressed_height: the holder's height at which it had the normal load.
-    """
+    """Affine map from tractions and holder position to gaps and slips of the k nodes of one pairing; mm, N, MPa."""
 
     pairing: Pairing
     before: Pairing  #: Pairing of the nodes that were loaded before the increment, as the bodies stood then.
@@ -42,17 +38,16 @@ class Linearisation:
     compliance: PairedCompliance
     old_displacement: Array  #: (k, 3) displacement by the tractions before the increment.
     friction: Friction
-    paired_holder_x: float
-    old_holder_x: float
+    paired_holder_x: float  #: Holder's position along x for which the pairing was made.
+    old_holder_x: float  #: Holder's position before the increment, its height and its tilt (rad) likewise.
     old_height: float
-    drive_step: float
+    drive_step: float  #: Motion of the lower body along x in the increment.
     old_tilt: float
     lever: Array  #: (k,) distance of the nodes ahead of the holder's pivot along x.
-    #: Load and springs of the upper body; with `prescribed_height` it is held at that height instead of loaded.
-    holder: Holder
-    pressed_height: float
-    prescribed_height: float | None
-    old_place_in_play: float = 0.0  #: The holder's position between the stops of its free play, before.
+    holder: Holder  #: Load and springs of the upper body.
+    pressed_height: float  #: Holder's height at which it had the normal load.
+    prescribed_height: float | None  #: Height at which the holder is held instead of loaded; None: loaded.
+    old_place_in_play: float = 0.0  #: Holder's position between the stops of its free play before the increment.
     layers: LayersAtNodes | None = None  #: Layers between the surfaces.
 
 
@@ -61,15 +56,15 @@ class ContactGuess(NamedTuple):
 
     traction: Array  #: (k, 3) in world axes, MPa.
     active: BoolArray  #: (k,) nodes in contact.
-    height: float  #: Height of the holder, mm; the next is its position along x.
-    holder_x: float
+    height: float  #: Height of the holder, mm.
+    holder_x: float  #: Its position along x, mm.
 
 
 @dataclass(frozen=True)
 class ContactOutcome:
-    """The solution of an increment: tractions (k, 3) in MPa in world axes, holder position, residuals, and a sentence.
-
-    For the residuals, from `sticking` on, see `IncrementReport`.
+    """The solution of an increment: tractions (k, 3) in MPa in world axes, the holder's position (mm, rad) and
+    residuals, which are those of `IncrementReport`. If not `converged`, `message` says why in a sentence, and the rest
+    is the last state.
     """
 
     converged: bool
@@ -80,7 +75,7 @@ class ContactOutcome:
     height: float
     tilt: float
     sliding: BoolArray  #: (k,) nodes that slide under pressure.
-    slip_length: Array  #: (k,) lengths by which nodes slide, mm.
+    slip_length: Array  #: (k,) lengths by which those nodes slide, mm; 0 at others.
     sticking: int
     force_error: float
     penetration: float
@@ -90,8 +85,8 @@ class ContactOutcome:
 
     @classmethod
     def nothing_pressed(cls, count: int, holder_x: float, height: float, tilt: float) -> "ContactOutcome":
-        """The outcome of `count` open nodes without traction, with the holder at a position (mm), height (mm) and tilt
-        (rad).
+        """The converged outcome of `count` nodes without traction, with the holder at a position (mm), height (mm) and
+        tilt (rad).
         """
         return cls(
             converged=True,
@@ -116,7 +111,7 @@ class ContactAlgorithm(Protocol):
     """A method that solves the contact conditions of an increment."""
 
     def solve_contact(self, system: Linearisation, guess: ContactGuess, /) -> ContactOutcome:
-        """Find tractions and holder position for one pairing.
+        """Find tractions and holder position for one pairing, starting from a guess.
 
         If there is no solution, the outcome is not `converged` and its message says why: LOST_CONTACT if nothing
         touches.

@@ -1,4 +1,9 @@
-"""The state of a contact between increments, reports of increments, and the holder (the rig)."""
+"""The state of a contact between increments, reports of increments, and the holder (the rig).
+
+The primary is the body whose n patch nodes carry the tractions, the secondary the other one; a patch is the finely
+meshed part of a body's surface, of (n_a, n_t) nodes along and across it. World axes: x along the motion, y across, z
+upwards.
+"""
 
 from dataclasses import dataclass, field, replace
 
@@ -11,10 +16,8 @@ from solvers.errors import SolverError
 
 @dataclass(frozen=True)
 class WearState:
-    """Worn depth (mm, vertical) and accumulated friction energy per plane area (mJ/mm²) on both patches.
-
-    Each array has the shape (n_a, n_t) of its body's patch. `energy_mJ` is the total friction energy; the volumes are
-    those that the wear law has removed from each body.
+    """Worn depth (mm, along z) and friction energy per plane area (mJ/mm²) of both patches, each of its patch's shape
+    (n_a, n_t); energy_mJ is the friction energy of the whole contact, the volumes are what has worn from each body.
     """
 
     primary_depth: Array
@@ -24,26 +27,28 @@ class WearState:
     energy_mJ: float = 0.0
     primary_volume_mm3: float = 0.0
     secondary_volume_mm3: float = 0.0
-    #: Depth (n_a, n_t) of the print that forces have left on a body that yields, mm; None for an elastic one. It is not
-    #: wear: depths, energies and volumes above are without it.
+    #: Depth (n_a, n_t) in mm by which forces have flattened a body that yields; None if it is elastic. It is not wear:
+    #: depths, energies and volumes above are without it.
     primary_print: Array | None = None
     secondary_print: Array | None = None
-    plastic_mJ: float = 0.0  #: Work that has gone into the prints of bodies whose pressure is limited.
+    plastic_mJ: float = 0.0  #: Work that bodies with a pressure limit have taken up in their prints.
 
     @property
     def depths(self) -> tuple[Array, Array]:
-        """Worn depths (n_a, n_t) in mm of the primary and the secondary."""
+        """The worn depths of (primary, secondary)."""
         return self.primary_depth, self.secondary_depth
 
     @property
     def prints(self) -> tuple[Array | None, Array | None]:
-        """Prints (n_a, n_t) in mm on the primary and the secondary, None for an elastic body."""
+        """The prints of (primary, secondary), None for an elastic body."""
         return self.primary_print, self.secondary_print
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """Positions of the holder along a stroke from about +amplitude to -amplitude of the drive, (m,) each, mm."""
+    """Displacements of the drive and positions of the holder, (m,) each in mm, at the ends of m increments from about
+    +amplitude to -amplitude of the drive.
+    """
 
     drive: Array
     holder_x: Array
@@ -51,27 +56,29 @@ class Stroke:
 
 @dataclass(frozen=True)
 class ContactState:
-    """State at the end of an increment; lengths in mm, forces in N."""
+    """State of a contact at the end of an increment; n counts nodes of the patch in question."""
 
     wear: WearState
-    drive: float  #: Displacement of the lower body along x.
-    holder_x: float  #: Position of the upper body's holder along x; the next is along z.
-    holder_z: float
+    drive: float  #: Displacement of the lower body along x, mm.
+    holder_x: float  #: Position of the upper body's holder along x, mm; 0 when bodies first touch, as for the next.
+    holder_z: float  #: Its height, mm, negative once it has been lowered.
     holder_tilt: float  #: Rotation of the holder about its pivot, rad, positive if it moves the contact towards +x.
-    holder_rate: float  #: Holder's motion per drive's over the increment: distinguishes sticking (1) from sliding.
+    #: Motion of the holder over that of the drive in the increment: near 1 if the contact sticks, near 0 if it slides.
+    holder_rate: float
     overlap_area: float  #: Plane area on which the undeformed bodies overlap, mm².
-    pressed_z: float  #: Holder's height when the bodies had just been pressed together (NaN before).
-    traction: Array  #: (n, 3) on the upper body at the primary's nodes, world axes, per plane area.
-    #: (n, 3) the tractions as nodal forces of each patch, both with the sign of the force on the upper body.
+    pressed_z: float  #: Holder's height in mm when the bodies had just been pressed together; NaN before.
+    traction: Array  #: (n, 3) on the upper body at the primary's nodes, MPa of plane area, world axes.
+    #: (n, 3) the tractions as nodal forces in N on each patch, both with the sign of the force on the upper body.
     primary_force: Array
     secondary_force: Array
-    primary_slid: Array  #: (n,) distance that each node of a patch has slid under pressure so far.
+    primary_slid: Array  #: (n,) distance in mm that each node of a patch has slid under pressure so far.
     secondary_slid: Array
     #: (n,) nodes of the primary under pressure that have stuck ever since the bodies were pressed together.
     core: BoolArray
-    pressed_ahead: float  #: drive less holder_x when the bodies were pressed together.
-    slip_share: Array  #: (n,) slip of the primary's nodes over the last increment over the drive's signed motion.
-    #: (n,) what friction bears at nodes over its law, see `solvers.wear_step.grip`; (0,) where it is the law's alone.
+    pressed_ahead: float  #: drive less holder_x when the bodies were pressed together, mm.
+    #: (n,) slip length of the primary's nodes in the last increment over the drive's signed motion in it.
+    slip_share: Array
+    #: (n,) factors on the friction law at nodes, see `solvers.wear_step.grip`; (0,): none.
     grip: Array = field(default_factory=lambda: np.ones(0))
     load_share: float = 1.0  #: Normal load, without the loading spring's part, over the test's normal load.
     #: (2, 2, 2) displacement gradients of the lower and the upper body's surface by their bulk stress, each in its
@@ -88,27 +95,29 @@ class IncrementReport:
     drive: float  #: At its end, mm.
     tangential_force: float = 0.0  #: Force on the upper body along x, N.
     normal_force: float = 0.0  #: Force on the upper body along z, N.
-    friction_work: float = 0.0  #: Friction work, mJ.
+    friction_work: float = 0.0  #: For one cycle, mJ.
     iterations: int = 0  #: Newton steps.
     pairings: int = 0  #: Times that the surfaces were paired.
     active: int = 0  #: Nodes in contact.
     sticking: int = 0  #: Nodes in contact that stick.
     contact_area: float = 0.0  #: Area of contact in the plane, mm².
     max_pressure: float = 0.0  #: At any node, MPa.
-    inner_pressure: float = 0.0  #: The largest away from the contact's rim, MPa, see `solvers.contact.acceptance`.
-    half_width_x: float = 0.0  #: Half extent of the contact along x, mm; the next is along y.
+    inner_pressure: float = 0.0  #: The largest away from the contact's rim, MPa, see `largest_within`.
+    half_width_x: float = 0.0  #: Half extent of the contact along x and along y, mm.
     half_width_y: float = 0.0
     force_error: float = 0.0  #: |unbalanced force| / normal force.
     penetration: float = 0.0  #: Largest overlap over the largest elastic displacement.
     complementarity: float = 0.0  #: Largest |gap| of nodes under pressure over the largest elastic displacement.
     slip_direction_error: float = 0.0  #: Largest angle between friction and slip of nodes that slide, rad.
-    #: Largest slip that a penalty formulation allows to sticking nodes over the largest elastic displacement, or 0.
+    #: Largest slip of sticking nodes, which a penalty formulation allows, over the largest elastic displacement.
     elastic_slip: float = 0.0
 
 
 @dataclass(frozen=True)
 class FirstGuess:
-    """The expected end of an increment; units and shapes as in `ContactState`."""
+    """First guess of the state at the end of an increment: the holder's position (mm), the overlap area (mm²) and
+    tractions (n, 3) in MPa, as in `ContactState`.
+    """
 
     holder_x: float
     overlap_area: float
@@ -117,7 +126,9 @@ class FirstGuess:
 
 @dataclass(frozen=True)
 class Guide:
-    """Holder positions and tractions at the ends of m increments of a cycle, as first guesses for a similar cycle."""
+    """Holder positions and tractions at the ends of m increments of a cycle, or of one stroke, as first guesses for a
+    similar cycle.
+    """
 
     phase: Array  #: (m,) increasing share of the cycle passed since its +amplitude, in (0, 1].
     drive: Array  #: (m,) in mm, as is `holder_x`.
@@ -126,11 +137,10 @@ class Guide:
     traction: Array  #: (m, n, 3), MPa.
 
     def at(self, phase: float, drive: float) -> FirstGuess | None:
-        """The guess for an increment that ends at `drive`, on the stroke that a phase (share of the cycle passed)
-        belongs to.
+        """The guess for an increment that ends at `drive` (mm) on the stroke that `phase` (share of the cycle passed;
+        to -amplitude up to 0.5) belongs to; None if that stroke was not recorded.
 
-        The holder's position is interpolated at that drive; the contact is the nearest recorded one. None on a stroke
-        that was not recorded.
+        The holder's position is interpolated at that drive; area and tractions are those recorded nearest to it.
         """
         falling = self.phase <= 0.5
         own = np.flatnonzero(falling if phase <= 0.5 else ~falling)
@@ -148,10 +158,9 @@ class Guide:
         )
 
     def stroke(self, side: float) -> Stroke:
-        """The holder's positions along the stroke from `side` times the amplitude, mirrored if `side` is -1, as
-        `wear_path` needs.
-
-        A stroke that was not recorded is taken as the mirror image of the other one.
+        """The holder's positions along the stroke that starts at +amplitude (`side` 1) or at -amplitude (-1, all signs
+        then reversed), as `wear_path` needs. A stroke that was not recorded is taken as the mirror image of the other
+        one.
         """
         falling = self.phase <= 0.5
         own = falling if side > 0.0 else ~falling
@@ -161,7 +170,7 @@ class Guide:
 
 
 def guide_from(phases: Array, states: list[ContactState]) -> Guide:
-    """The guide from the states at the given phases (m,) of a cycle."""
+    """The guide from states at the phases (m,) of a cycle, its shares passed since +amplitude; in any order."""
     order = np.argsort(phases, kind="stable")
     return Guide(
         phase=phases[order],
@@ -204,25 +213,29 @@ class Holder:
 
     @property
     def compliance_at_contact_mm_per_N(self) -> float:
-        """Motion of the contact point along x per tangential force, by translation and rotation together."""
+        """Motion of the contact point along x per tangential force: the spring's, plus rotation's by the pivot's height
+        squared.
+        """
         return self.tangential_compliance_mm_per_N + self.rotational_compliance_rad_per_N_mm * self.pivot_height_mm**2
 
     def place_in_play_mm(self, holder_x_mm: float, tilt_rad: float, tangential_force_N: float) -> float:
-        """Position of the holder between the stops of its free play: its motion less those by tilt and by the spring's
-        force.
+        """Position of the holder between the stops of its free play, 0 in the middle: its motion along x less those by
+        tilt and by the spring under the tangential force.
         """
         spring = self.tangential_compliance_mm_per_N * tangential_force_N
         return holder_x_mm - self.pivot_height_mm * tilt_rad - spring
 
     @property
     def tilt_per_motion_rad_per_mm(self) -> float:
-        """Rotation of the holder per motion of the contact point along x, under a tangential force."""
+        """Rotation of the holder per motion of the contact point along x under a tangential force; 0 if it cannot
+        rotate.
+        """
         if self.rotational_compliance_rad_per_N_mm == 0.0 or self.pivot_height_mm == 0.0:
             return 0.0
         return self.rotational_compliance_rad_per_N_mm * self.pivot_height_mm / self.compliance_at_contact_mm_per_N
 
     def under(self, load_share: float) -> "Holder":
-        """The holder with its normal load multiplied by `load_share`."""
+        """The holder with its normal load multiplied by `load_share`; approach and springs stay."""
         return self if load_share == 1.0 else replace(self, normal_load_N=load_share * self.normal_load_N)
 
     def load_N(self, height_mm: float, pressed_height_mm: float) -> float:
@@ -238,7 +251,9 @@ class DriveTiming:
     frequency_Hz: float = 1.0
 
     def speed_mm_per_s(self, drive_mm: float, *, falling: bool) -> float:
-        """Speed of the drive at the displacement `drive_mm`, on the stroke towards -amplitude (`falling`) or back."""
+        """Speed of the drive at the displacement `drive_mm`, never negative; falling: True on the stroke to
+        -amplitude.
+        """
         amplitude = self.drive.amplitude_mm
         if amplitude == 0.0:
             return 0.0

@@ -48,7 +48,6 @@ class BulkStress:
 
     @property
     def none(self) -> bool:
-        """True if all stresses are 0."""
         return not any((*self.mean, *self.amplitude))
 
     def nominal(self, times: Array) -> Array:
@@ -72,11 +71,11 @@ class BulkStress:
 
 
 def section_stress(nominal: Array, points_mm: Array, axis_depth_mm: float, across: float = 0.0) -> Array:
-    """Stresses (m, n, 6) in MPa of a bar at points (n, 3), from axial, bending and torsion stress (m, 3) at its
-    contact.
+    """Stresses (m, n, 6) in MPa at points (n, 3) of a bar's own axes, mm, for axial, bending and torsion stress (m, 3)
+    in MPa at its contact, the origin.
 
-    axis_depth_mm: depth of the bar's axis below the contact.  across: stress along y over that along x, Poisson's ratio
-    in plane strain.
+    axis_depth_mm: depth of the bar's axis below the contact. across: stress along y over that along x (Poisson's ratio
+    in plane strain, else 0).
     """
     y, share = points_mm[:, 1] / axis_depth_mm, 1.0 + points_mm[:, 2] / axis_depth_mm
     axial, bending, torsion = (nominal[..., k, None] for k in range(3))
@@ -146,7 +145,7 @@ class Waveform:
     def times(self, places: Array, phases: Array) -> Array:
         """Shares of the cycle (m,) at which the displacement over its amplitude is `places` (m,).
 
-        phases: (m,) shares at which a cosine would be there, which tell the stroke: to -1 up to 0.5, back beyond.
+        phases: (m,) shares at which a cosine would be there; only the stroke counts: to -1 up to 0.5, back beyond.
         """
         if not self.points:
             return phases
@@ -156,11 +155,13 @@ class Waveform:
         )
 
     def places(self, times: Array) -> Array:
-        """Displacement over amplitude (m,) at shares of the cycle (m,)."""
+        """Displacement over amplitude (m,), from -1 to 1, at shares of the cycle (m,)."""
         return _along(self.points, times) if self.points else np.cos(2.0 * np.pi * times)
 
     def speed(self, place: float, *, falling: bool) -> float:
-        """Speed at a place, in amplitudes per cycle; 0 at the ends of a cosine."""
+        """Speed at a displacement over amplitude `place`, in amplitudes per cycle, never negative; falling: True on the
+        stroke to -1.
+        """
         if not self.points:
             return 2.0 * pi * sqrt(max(1.0 - place**2, 0.0))
         own = self._strokes[0 if falling else 1]
@@ -169,7 +170,7 @@ class Waveform:
 
     def stroke(self, *, falling: bool) -> tuple[float, float, float]:
         """Shares of the cycle at which a stroke begins, at which it reaches its other end, and at which the next one
-        begins.
+        begins, later by a rest there. falling: True for the stroke from 1 to -1.
         """
         if not self.points:
             return (0.0, 0.5, 0.5) if falling else (0.5, 1.0, 1.0)
@@ -226,7 +227,6 @@ class LoadCycle:
 
     @property
     def steady(self) -> bool:
-        """True if the load is constant."""
         return self.amplitude == 0.0 and not self.points
 
     def shares(self, times: Array) -> Array:
@@ -252,6 +252,7 @@ class LoadCycle:
 
     @property
     def largest(self) -> float:
+        """Largest load over the test's load."""
         return max((share for _, share in self.points), default=1.0 + abs(self.amplitude))
 
 
@@ -275,12 +276,12 @@ class Path:
 
     @property
     def from_middle(self) -> "Path":
-        """The part of a stroke after its middle."""
+        """The part of a stroke after it has passed a drive of 0."""
         middle = int(np.flatnonzero(self.drive == 0.0)[0])
         return Path(*(values[middle + 1 :] for values in self._arrays))
 
     def without(self, left_out: BoolArray) -> "Path":
-        """The path without some (m,) of its increments' ends."""
+        """The path without those ends of increments that `left_out` (m,) marks."""
         return Path(*(values[~left_out] for values in self._arrays))
 
     @property
@@ -292,7 +293,7 @@ class Path:
 class Drive:
     """A cycle's displacement, of an amplitude and a waveform, its normal load, and bulk stresses.
 
-    bulk: those of the lower and the upper body, or empty.
+    bulk: of (lower body, upper body), or empty for none.
     """
 
     amplitude_mm: float
@@ -302,14 +303,13 @@ class Drive:
 
     @property
     def steady(self) -> bool:
-        """True if load and bulk stresses are constant."""
         return self.load.steady and not any(any(own.amplitude) for own in self.bulk)
 
     def followed_by(self, increments: int) -> int:
-        """Number of increments per cycle, from that which suffices under constant load and bulk stress.
+        """Number of increments per cycle that this drive needs, given the number that suffices under constant load and
+        bulk stress: that number, or 4 times as many where they change.
 
-        Changing ones need more, since they make the contact slide and stick anywhere in a stroke, on a soft rig even
-        against the drive.
+        Changes make the contact slide and stick anywhere in a stroke, on a soft rig even against the drive.
         """
         return increments if self.steady else _FINER * increments
 
@@ -320,15 +320,17 @@ class Drive:
 
     @property
     def mean_bulk(self) -> Array:
-        """Displacement gradients (2, 2, 2) of the lower and the upper body's surface by their mean bulk stress."""
+        """Displacement gradients (2, 2, 2) of the (lower, upper) body's surface by their mean bulk stress, 0 without;
+        see `BulkStress.gradient`.
+        """
         found = np.zeros((2, 2, 2))
         for body, own in enumerate(self.bulk):
             found[body] = own.gradient(np.array(own.mean))
         return found
 
     def bulk_at(self, times: Array) -> Array:
-        """Displacement gradients (m, 2, 2, 2) at shares (m,) of the cycle, of the lower and the upper body's
-        surface.
+        """Displacement gradients (m, 2, 2, 2) of the (lower, upper) body's surface at shares (m,) of the cycle, 0
+        without bulk stress.
         """
         found = np.zeros((len(times), 2, 2, 2))
         for body, own in enumerate(self.bulk):
@@ -336,11 +338,12 @@ class Drive:
         return found
 
     def stroke(self, side: float, places: Array) -> Path:
-        """The path from `side` times the amplitude through places (m,) in mm to the other end.
+        """The path from `side` (1 or -1) times the amplitude through places (m,) in mm, the last of which is the other
+        end.
 
         It also stops at every kink of the load, and goes on at the end while the drive rests and the load changes.
-        Kinks within `_LEAST_STEP` of an end, where the drive all but rests, are passed at that end. Between a load of
-        none and one that presses there is no stop.
+        Kinks within 0.1 % of the amplitude from an end, where the drive all but rests, are passed at that end. There is
+        no stop where the load is below 1 % of the test's beside a load of 0.
         """
         falling = side > 0.0
         ends = np.array([self.waveform.stroke(falling=falling)[1]])
@@ -373,8 +376,8 @@ class Drive:
         return places, self._ends(reached, leaves, turned, len(places) / (reached - start))
 
     def end(self, side: float) -> Path:
-        """The path from mid-stroke to `side` times the amplitude in one increment, and the load's changes while the
-        drive rests.
+        """The path from mid-stroke to `side` (1 or -1) times the amplitude in one increment, and on while the drive
+        rests there and the load changes.
         """
         return self.stroke(-side, np.array([0.0, side * self.amplitude_mm])).from_middle
 
@@ -404,7 +407,7 @@ class Drive:
 
     @property
     def mean_load(self) -> float:
-        """Normal load over the test's, averaged over the drive's displacement."""
+        """Normal load over the test's, averaged over the drive's motion, not over time."""
         if self.load.steady:
             return 1.0
         paths = (np.column_stack([path.drive, path.load]) for path in self._sampled)
@@ -413,7 +416,8 @@ class Drive:
 
     @cached_property
     def least_load_per_place(self) -> float:
-        """Smallest ratio in a cycle of (load over the test's) and (displacement over amplitude).
+        """Smallest ratio in a cycle of load over the test's load to |displacement| over amplitude; 1 under a constant
+        load.
 
         A tangential force in proportion to the displacement is nearest to sliding there.
         """
@@ -439,6 +443,8 @@ def _hardly_pressed(load: Array) -> BoolArray:
 
 
 def phases(places: Array, *, falling: bool) -> Array:
-    """Shares of its cycle that a cosine has passed at places (m,) over the amplitude, on the falling stroke or back."""
+    """Shares (m,) of its cycle that a cosine from 1 has passed at `places` (m,), from -1 to 1; falling: True for the
+    stroke to -1 (shares up to 0.5), False for the way back.
+    """
     angle = np.array([acos(max(-1.0, min(1.0, place))) for place in places]) / (2.0 * np.pi)
     return angle if falling else 1.0 - angle

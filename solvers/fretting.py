@@ -2,7 +2,9 @@
 
 Cycles start and end at either end of the stroke. Their increments are those of a cosine, short near the reversals,
 where the contact changes from slip to stick and back; cycles by which surfaces wear have theirs where
-`solvers.wear_path` puts them. A cycle is traced or settled without wear (frozen wear).
+`solvers.wear_path` puts them. A cycle is traced or settled without wear (worn depths fixed). Common arguments:
+increments, of a whole cycle; watch, called after each increment, or None; guide, first guesses from a similar cycle, or
+None for the increment before.
 """
 
 from collections.abc import Callable, Sequence
@@ -30,27 +32,27 @@ Watch = Callable[[ContactState, IncrementReport], None]  #: Called after every i
 class CycleTrace:
     """A simulated cycle, or part of one, of n increments; arrays (n,) hold values at the ends of increments."""
 
-    phase: Array  #: Share of its cycle that a cosine from +amplitude has passed at that place, in (0, 1].
+    phase: Array  #: Share of its cycle, in (0, 1], that a cosine from +amplitude has passed at that displacement.
     time: Array  #: Share of the cycle passed, by the drive's waveform.
-    drive: Array  #: Displacement in mm; holder_x likewise, forces in N.
-    holder_x: Array
-    tangential_force: Array
-    normal_force: Array
+    drive: Array  #: Displacement of the lower body, mm.
+    holder_x: Array  #: Position of the upper body's holder, mm.
+    tangential_force: Array  #: Force on the upper body along x, N.
+    normal_force: Array  #: Force on the upper body along z, N.
     work: Array  #: Friction work of the increment, for one cycle, in mJ.
     reports: tuple[IncrementReport, ...]
     guide: Guide  #: First guesses for a similar cycle.
-    #: Distance that each node of the primary and the secondary patch slid under pressure, mm.
+    #: Distance in mm that each node of (primary, secondary) slid under pressure, (n,) nodes each.
     slid: tuple[Array, Array]
     start: ContactState  #: The state before the first increment.
-    middle: ContactState  #: The state when the drive passes zero moving towards +x.
-    states: tuple[ContactState, ...]  #: n, at the same ends.
+    middle: ContactState  #: The state when the drive passes 0 towards +x; `start` if it does not.
+    states: tuple[ContactState, ...]  #: The n states at the ends of increments.
     worn: WornPlaces | None = None  #: The increments at whose ends surfaces wear; None: all.
 
     @property
     def slips(self) -> Array:
-        """Slip (n,) in mm of the bodies over each increment, averaged with the load as weight.
+        """Slip (n,) in mm of the bodies over each increment, mean over the nodes weighted with their loads.
 
-        0 where they do not touch, positive where the driven body moves towards +x relative to the other.
+        Positive where the lower body moves towards +x relative to the upper one; 0 where they do not touch.
         """
         every = (self.start, *self.states)
         forces, moved = np.array([of.primary_force for of in every]), np.diff([of.drive - of.holder_x for of in every])
@@ -64,12 +66,13 @@ class CycleTrace:
 
     @property
     def friction_work(self) -> float:
-        """Friction work of the cycle in mJ."""
+        """Friction work in mJ of all increments."""
         return float(self.work.sum())
 
 
 def bulk_work(problem: ContactProblem, trace: CycleTrace) -> float:
-    """Work in mJ that bulk strain does on the contact over a cycle, by the trapezoidal rule.
+    """Work in mJ that bulk strain (by bulk stress, see `solvers.drive`) does on the contact over a cycle, by the
+    trapezoidal rule.
 
     A loop's area is friction work plus this work, which is negative where bulk strain makes the surfaces slide.
     """
@@ -84,14 +87,14 @@ def bulk_work(problem: ContactProblem, trace: CycleTrace) -> float:
 def first_quarter(
     problem: ContactProblem, state: ContactState, drive: Drive, increments: int, watch: Watch | None = None
 ) -> ContactState:
-    """Move from mid-stroke to +amplitude without wear; returns the state there."""
+    """The state at +amplitude, reached from mid-stroke without wear."""
     return traced_quarter(problem, state, drive, increments, watch)[0]
 
 
 def traced_quarter(
     problem: ContactProblem, state: ContactState, drive: Drive, increments: int, watch: Watch | None = None
 ) -> tuple[ContactState, CycleTrace]:
-    """Move from mid-stroke to +amplitude without wear; returns the state there and the trace of the move."""
+    """Move from mid-stroke to +amplitude without wear; returns the state there and the trace."""
     path = _cosine_stroke(drive, -1.0, increments).from_middle
     return _follow(problem, state, path, 0.0, watch, None)
 
@@ -105,9 +108,8 @@ def run_cycle(
     watch: Watch | None = None,
     guide: Guide | None = None,
 ) -> tuple[ContactState, CycleTrace]:
-    """Simulate one cycle, from the end of the stroke where the state is; its wear counts `cycles` times (0: no wear).
-
-    guide: from a cycle with the same stroke and little wear since. Returns the state at the end and the trace.
+    """Simulate one cycle from the end of the stroke where the state is; its wear counts `cycles` times (0: no wear).
+    Returns the state at its end and the trace.
     """
     there, back = (_cosine_stroke(drive, side * _side(state), increments) for side in (1.0, -1.0))
     return _follow(problem, state, there + back, cycles, watch, guide)
@@ -123,9 +125,8 @@ def traced_cycle(
     watch: Watch | None = None,
     guide: Guide | None = None,
 ) -> tuple[ContactState, CycleTrace]:
-    """Simulate a cycle without wear, or its first half, whose increments are those by which surfaces wear.
-
-    They are spread evenly over the slip that the guide shows, see `solvers.wear_path`. Returns the state at the end and
+    """Simulate a cycle without wear, or its first half only (`half`), whose increments are those by which surfaces
+    wear: spread evenly over the slip that the guide shows, see `solvers.wear_path`. Returns the state at the end and
     the trace.
     """
     path = traced_path(drive, _side(state), state.holder_x, increments, guide, half=half)
@@ -147,9 +148,10 @@ def closed_cycle(
 
     After a cycle jump the tractions belong to a slightly different surface; half a cycle of sliding, in
     settling_increments / 2 steps (default: increments / 2), removes their memory, so the loop starts at the other end
-    of the stroke. Where the contact hardly slides, cycles are repeated until the loop closes.
+    of the stroke. A loop is repeated up to 4 times, until the tangential force at its end differs from that at its
+    start by at most 0.2 % of the largest.
 
-    moved: a cycle, or half of one, that ends where the loop is to start; without it half a cycle is moved first.
+    moved: a cycle, or half of one, that ends where the loop is to start; None: half a cycle is moved first.
     """
     if moved is None:
         moved = settled(problem, state, drive, settling_increments or increments, watch, guide)[1]
@@ -169,7 +171,9 @@ def closed_cycle(
 
 
 def last_stroke(trace: CycleTrace) -> tuple[Array, Array]:
-    """Drive in mm and tangential force in N, (m,) each, along the last stroke of a trace, its start included."""
+    """Drive in mm and tangential force in N, (m,) each, at the ends of increments of a trace's last stroke, its start
+    included.
+    """
     every = (trace.start, *trace.states)
     drives = np.array([state.drive for state in every])
     first = len(every) - 1 - int(np.argmax(np.abs(drives - drives[-1])[::-1]))
@@ -185,9 +189,9 @@ def settled(
     guide: Guide | None = None,
 ) -> tuple[ContactState, CycleTrace]:
     """Move half a cycle without wear to the other end of the stroke, which removes the memory of earlier tractions.
+    Returns the state there and the trace.
 
-    Where a part of the contact sticks all the way, it would remain: the contact is then pressed and moved again from
-    mid-stroke. Returns the state and the trace.
+    A part that sticks all the way would keep its memory: the contact is then pressed and moved again from mid-stroke.
     """
     half = _cosine_stroke(drive, _side(state), increments)
     end, trace = _follow(problem, state, half, 0.0, watch, guide)
@@ -197,7 +201,7 @@ def settled(
 
 
 def sticks_throughout(start: ContactState, end: ContactState) -> bool:
-    """True if a node has stuck from `start` to `end`, from one end of the stroke to the other."""
+    """True if a node pressed in both states has not slid from `start` to `end`, the two ends of a stroke."""
     loaded = (start.traction[:, 2] > 0.0) & (end.traction[:, 2] > 0.0)
     return bool((loaded & (start.primary_slid == end.primary_slid)).any())
 
@@ -271,9 +275,9 @@ def _follow(
 
 @dataclass(frozen=True)
 class HolderElements:
-    """The elements in series between the contact and the ground; infinite stiffness for rigid ones.
+    """The elements in series between contact and ground; a stiffness is infinite where the element is rigid.
 
-    contact_stiffness_N_per_mm: of spring and rotation together, at the contact, without the free play.
+    contact_stiffness_N_per_mm: along x at the contact, of spring and rotation together, without the free play.
     """
 
     tangential_stiffness_N_per_mm: float
@@ -286,9 +290,8 @@ def measured_holder(problem: ContactProblem, states: Sequence[ContactState]) -> 
     """Fit the holder's elements to the states of a loop by least squares of each element's motion.
 
     The translation is fitted by C Q + (g/2) sign(Q) with the tangential force Q, compliance C and free play g; the tilt
-    by the moment about the pivot over the rotational stiffness.
-
-    Raises SolverError if the states carry no tangential force in both directions.
+    by the moment about the pivot over the rotational stiffness. Raises SolverError if the states carry no tangential
+    force in both directions.
     """
     holder = problem.holder
     force = np.array([state.primary_force[:, 0].sum() for state in states])

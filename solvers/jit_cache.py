@@ -105,17 +105,17 @@ def working_cpu_s() -> float:
 
 
 def chosen_cache() -> Path:
-    """The folder for kept files: WIREWEAR_CACHE, or one in the user's cache folder; RuntimeError without a home
-    folder.
+    """The folder for kept files: that of the environment variable WIREWEAR_CACHE, or one in the user's cache folder.
+    Raises RuntimeError without a home folder.
     """
     chosen = os.environ.get("WIREWEAR_CACHE")
     return Path(chosen) if chosen else _users_cache() / "wirewear"
 
 
 def private_folder(chosen: Path) -> Path:
-    """The folder `chosen`, created if missing; a subfolder of the user's own if others own it or can write to it.
+    """The folder `chosen`, created if missing, if only this user can write to it; else a subfolder for this user alone.
 
-    Raises OSError if neither can be written to.
+    Raises OSError if that cannot be read and written.
     """
     chosen.mkdir(mode=0o700, parents=True, exist_ok=True)
     own = chosen if is_own(chosen) else chosen / f"user-{os.geteuid()}"
@@ -128,8 +128,8 @@ def private_folder(chosen: Path) -> Path:
 
 
 def is_own(folder: Path, owner: int | None = None) -> bool:
-    """True if a folder belongs to this user or to `owner`, and nobody else can write to it; OSError if there is no
-    folder.
+    """True if a path is a folder (not a link) of this user or of the user number `owner`, and nobody else can write to
+    it. Raises OSError if nothing is there.
     """
     status = folder.lstat()
     belongs = status.st_uid in (os.geteuid(), owner)
@@ -157,7 +157,7 @@ class KeptCode(NullCache):
         return str(next((folder for folder, writable in self._folders() if writable), ""))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The code for these argument types; None if none is kept that is undamaged and of these sources."""
+        """The code for the argument types `sig`; None if none is kept that is undamaged and of these sources."""
         # All else that numba loads for a compilation, it loads when one is due.
         rtsys.initialize(target_context)
         name = self._name(sig, target_context.codegen())
@@ -171,7 +171,9 @@ class KeptCode(NullCache):
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep code in the first folder that can be written to, unless it holds addresses of this process."""
+        """Keep code in the first folder that can be written to; not if it holds addresses of this process. Failures are
+        silent.
+        """
         if data.library.has_dynamic_globals or any(not one.can_cache for one in data.lifted):
             return
         code = dumps(data._reduce())  # noqa: SLF001

@@ -1,9 +1,9 @@
 """Cycle jumps: how many cycles one step of wear stands for.
 
-A step has two stages; the difference of their pressures is its change, a relative measure, and its error is of second
-order in it. The change thus sets the size of the next step. So does the error of the friction work that the step
-predicts at its end, against a cycle traced there. Milestones, the cycles to be recorded, are met exactly. Sizes are
-numbers of cycles; done is the number of cycles before the step.
+A step has two stages; the difference of their pressures, 0 to 1 of the load (`CycleJump.pressure_change`), is its
+change, and its error is of second order in it. The change thus sets the size of the next step. So does the error of the
+friction work that the step predicts at its end, against a cycle traced there. Milestones, the cycles to be recorded,
+are met exactly. A step's size (`jump`) is a number of cycles; done is the number of cycles before the step.
 """
 
 from collections.abc import Callable
@@ -22,27 +22,31 @@ _MOST_REJECTIONS = 12
 class JumpController:
     """Chooses the size of cycle jumps from their errors."""
 
-    tolerance: float  #: Allowed change of the pressures within a step, squared; the pressures' error is of that order.
-    first_jump: float = 9.0  #: Cycles of the first step.
+    tolerance: float  #: Allowed change of a step, squared: the pressures' error is of that order.
+    first_jump: float = 9.0  #: Size of the first step, and a size always allowed later.
     largest_growth: float = 3.0  #: Largest ratio of the sizes of a step and the one before.
     largest_share: float = 1.0  #: Largest size of a step over the cycles already done.
     #: A step is never cut below this share of the cycles already done, so that a noisy estimate cannot stall the run.
     least_share: float = 0.02
 
     def accepted(self, change: float, jump: float, done: float) -> bool:
-        """True if a step of size `jump` with this change of pressures is accurate enough, or too short to be cut."""
+        """True if a step of size `jump` with this change is accurate enough (change² at most twice the tolerance), or
+        so short that it must not be cut.
+        """
         # A step that was taken is kept unless its error is beyond the tolerance by this factor.
         return change**2 <= 2.0 * self.tolerance or jump <= max(1.0, self.least_share * done)
 
     def following(self, change: float, jump: float, done: float) -> float:
-        """Size of the next step after one of size `jump` with this change of pressures; `done` cycles at its end."""
+        """Size of the next step after one of size `jump` with this change; here `done` is the number of cycles at its
+        end.
+        """
         wanted = _SAFETY * self.tolerance**0.5 / max(change, 1e-300)
         grown = float(jump * min(max(wanted, 0.2), self.largest_growth))
         return min(grown, max(self.largest_share * done, self.first_jump))
 
     def limited(self, jump: float, done: float, milestones: tuple[float, ...], end: float) -> float:
-        """The size adapted to meet the next milestone or the end, stretched by at most a quarter, without a tiny step
-        before it.
+        """The size adapted to the next of `milestones` and `end`: stretched by at most a quarter to meet it, else at
+        most half of the way to it, so that no tiny step is left.
         """
         ahead = min((m for m in (*milestones, end) if m > done + 1e-9 * max(done, 1.0)), default=end) - done
         if jump >= 0.8 * ahead:
@@ -65,7 +69,7 @@ def change_by_work(predicted_mJ: float, traced_mJ: float, cycles: float, energy_
 
 @dataclass(frozen=True)
 class JumpStep(Generic[State]):
-    """An accepted step: the state after it, its size, its change of pressures, and the size to try next."""
+    """An accepted step: the state after it, its size in cycles, its change, and the size to try next."""
 
     state: State
     jump: float
@@ -84,9 +88,9 @@ def take_step(
 ) -> JumpStep[State]:
     """Take one accepted step from `state` after `done` cycles.
 
-    jump: size to try first.  milestones, end: cycles that no step passes over.  attempt(state, done, size): tries a
-    step, returns the state after it and the change of pressures. A step that does not converge is cut. SolverError
-    after too many rejections, NotConvergedError if a single cycle does not converge.
+    jump: size to try first. milestones, end: cycles that no step passes over. attempt(state, done, size): tries a step,
+    returns the state after it and its change. A step that does not converge is cut. Raises SolverError after 12
+    rejections, NotConvergedError if a single cycle does not converge.
     """
     wanted, growth = jump, controller.largest_growth
     for _ in range(_MOST_REJECTIONS):

@@ -29,11 +29,12 @@ from solvers.errors import SolverError
 def remeshed(
     problem: ContactProblem, state: ContactState, onto: ContactProblem
 ) -> tuple[ContactState, IncrementReport]:
-    """The state transferred to the bodies of the problem `onto`, pressed together without friction at the same drive.
+    """The state transferred to the bodies of the problem `onto`, pressed together without friction at the same drive;
+    and the report of pressing.
 
     Worn volume and the height to which the loading spring refers are kept; tangential tractions are lost, and half a
-    cycle without wear restores them. Returns the state and the report of pressing. Raises SolverError if a worn place
-    lies outside its new patch, or no contact was found.
+    cycle without wear restores them. Raises SolverError if a worn node lies outside its new patch, or no contact was
+    found.
     """
     old, new = ((of.primary.patch, of.secondary.patch) for of in (problem, onto))
     blank = unloaded_state(onto)
@@ -47,7 +48,7 @@ def transferred_wear(
 ) -> WearState:
     """Worn depths, energies and prints on new patches; `old` and `new` are the patches of (primary, secondary).
 
-    SolverError when a worn place lies outside its new patch.
+    Raises SolverError when a worn node lies outside its new patch.
     """
     (old_primary, old_secondary), (new_primary, new_secondary) = old, new
     return replace(
@@ -69,10 +70,10 @@ def _transferred_print(depth: Array | None, old: ContactPatch, new: ContactPatch
 
 
 def transferred(field: Array, old: ContactPatch, new: ContactPatch) -> Array:
-    """A non-negative field at the old patch's nodes (n_a, n_t), transferred to the new patch's; its integral is
-    conserved.
+    """A non-negative field (n_a, n_t) at the old patch's nodes as one at the new patch's, with the same integral, never
+    negative.
 
-    The field is zero outside the old patch. SolverError when it is not zero outside the new patch.
+    Raises SolverError when the field is not zero outside the new patch.
     """
     along = _transferred_along(field, old.axial_mm, new.axial_mm)
     moved = _transferred_along(along.T, old.transverse_mm, new.transverse_mm).T
@@ -111,7 +112,9 @@ def _transferred_along(field: Array, old: Array, new: Array) -> Array:
 
 
 def spread_once(field: Array, patch: ContactPatch) -> Array:
-    """A field (n_a, n_t) averaged over its nodes' supports; its integral stays."""
+    """A nodal field (n_a, n_t) of a patch with each value replaced by the mean over the node's support (the cells
+    around it), weighted with its shape function; the field's integral stays.
+    """
     for lines in (patch.axial_mm, patch.transverse_mm):
         if len(lines) > 1:
             products = hat_products(lines, lines)
@@ -133,7 +136,7 @@ def hat_products(first: Array, second: Array) -> Array:
 
 
 def hats(lines: Array, points: Array) -> Array:
-    """Hat functions of a grid's lines at points inside it, (len(points), len(lines))."""
+    """Values (p, l) of the hat functions of l grid lines at p points inside the grid."""
     cell = np.clip(np.searchsorted(lines, points, side="right") - 1, 0, len(lines) - 2)
     along = (points - lines[cell]) / (lines[cell + 1] - lines[cell])
     values = np.zeros((len(points), len(lines)))
@@ -145,9 +148,11 @@ def hats(lines: Array, points: Array) -> Array:
 def flattened(
     problem: ContactProblem, state: ContactState, approach_mm: float, slip_amplitude_mm: float
 ) -> ContactState:
-    """The state of unloaded bodies with both surfaces flattened by a common approach, over the whole stroke.
+    """The state with both surfaces flattened before any wear, wherever the other body presses on them over the whole
+    stroke.
 
-    Depths and volumes of the flats count as worn, so that volumes add up.
+    approach_mm: by which the rigid bodies overlap; half of the overlap is taken from each, and nothing if it is 0.
+    slip_amplitude_mm: half of the stroke. Depths and volumes of the flats count as worn.
     """
     if approach_mm == 0.0:
         return state

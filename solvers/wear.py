@@ -39,14 +39,11 @@ _LITTLE_mJ_per_mm2, _LITTLE = 1e-3, 1e-6
 
 @dataclass(frozen=True)
 class OxygenSupply:
-    """The distance that oxygen reaches, and the wear coefficient without it.
+    """The distance from a contact's edge that oxygen reaches, and the wear coefficient without it.
 
     Over the last 30 % of the distance the wear coefficient changes linearly from its value with oxygen to that without.
-
-    supply_W: friction power density (W/mm²) times the square of the distance (mm²) that oxygen reaches from the edge.
-    starved_factor: wear coefficient without oxygen over that with it.
-
-    Raises SolverError if the supply is not positive or the factor negative.
+    supply_W: friction power density (W/mm²) times the square of that distance (mm²). starved_factor: wear coefficient
+    without oxygen over that with it. Raises SolverError if the supply is not positive or the factor negative.
     """
 
     supply_W: float
@@ -61,7 +58,7 @@ class OxygenSupply:
         return float(np.sqrt(self.supply_W / max(power_density_W_per_mm2, 1e-300)))
 
     def factors(self, distance_mm: Array, power_density_W_per_mm2: float) -> Array:
-        """Factors on wear at distances from the contact's edge, of the distances' shape."""
+        """Factors on the wear coefficient at distances in mm from the contact's edge, of their shape."""
         reach = self.reach_mm(power_density_W_per_mm2)
         breathes = np.clip((1.0 - distance_mm / reach) / _FADING, 0.0, 1.0)
         return np.asarray(self.starved_factor + (1.0 - self.starved_factor) * breathes)
@@ -71,11 +68,11 @@ Rate = float | Array  #: A wear coefficient, one for all nodes of a patch or one
 
 
 class Recession(NamedTuple):
-    """Wear rates of the primary and the secondary, as depth per wear work.
+    """Wear rates of (primary, secondary), depth in mm per wear work in mJ/mm²; each one number, or (n_a, n_t) by node.
 
-    secant: depth over all of the work done in a step, exact for layers and thresholds.  tangent: depth per further
-    work. beyond: depth (n_a, n_t) in mm by which secant times work exceeds tangent times work; None where both rates
-    are equal.
+    secant: depth over all of the work done in a step, exact for layers and thresholds. tangent: depth per further work.
+    beyond: depth (n_a, n_t) in mm by which secant times work exceeds tangent times work; None where both rates are
+    equal.
     """
 
     secant: tuple[Rate, Rate]
@@ -94,11 +91,13 @@ class WearRates:
     law: WearLaw = field(default_factory=EnergyLaw)
     #: Reduces coefficients far from the contact's edge, in cycle jumps only.
     oxygen: OxygenSupply | None = None
-    upper_layers: tuple[SurfaceLayer, ...] = ()  #: Coatings, the outermost first; likewise of the lower body.
-    lower_layers: tuple[SurfaceLayer, ...] = ()
+    upper_layers: tuple[SurfaceLayer, ...] = ()  #: Coatings of the upper body, the outermost first.
+    lower_layers: tuple[SurfaceLayer, ...] = ()  #: Coatings of the lower body, the outermost first.
 
     def factor(self, cycle: WornCycle) -> float | Array:
-        """Factor on the wear work of a cycle by law and oxygen, one for all places or (N,)."""
+        """Factor on the wear work of a traced cycle by the law and by oxygen: one for all, or one for each of the
+        places at which `cycle` has values.
+        """
         factor = self.law.factor(cycle)
         if self.oxygen is None:
             return factor
@@ -115,8 +114,8 @@ class WearRates:
         return self.upper_mm3_per_mJ == 0.0 and self.lower_mm3_per_mJ == 0.0
 
     def recession(self, wear: WearState, work: tuple[Array, Array], primary_is_upper: bool) -> Recession:
-        """Wear rates of the primary and the secondary from a state of wear, for wear work (n_a, n_t) in mJ/mm²
-        on each.
+        """Wear rates of (primary, secondary) from a state of wear, for wear work (n_a, n_t) in mJ/mm² done on each from
+        there.
         """
         pair = (self.upper_mm3_per_mJ, self.lower_mm3_per_mJ)
         both, layers = pair if primary_is_upper else pair[::-1], (self.upper_layers, self.lower_layers)
@@ -137,13 +136,13 @@ class WearRates:
         return Recession((secants[0], secants[1]), (tangents[0], tangents[1]), (offsets[0], offsets[1]))
 
     def friction_factor(self, local: LocalState) -> float | Array:
-        """Factor on friction at k nodes from the coatings at the surfaces, one for all or (k,)."""
+        """Factor on the coefficient of friction at k nodes by the coatings exposed there: one for all, or (k,)."""
         return friction_factor(self.upper_layers, self.lower_layers, local)
 
 
 @dataclass(frozen=True)
 class Sliding:
-    """Results of sliding at k paired nodes: friction energy and wear work per plane area in mJ/mm², and slip length in
+    """Sliding at k paired nodes, (k,) each: friction energy and wear work per plane area in mJ/mm², slip length in
     mm.
     """
 
@@ -156,15 +155,15 @@ class Sliding:
 
     @property
     def friction_work(self) -> float:
-        """Work in mJ taken from the drive by all nodes: their friction energy less the lifting work."""
+        """Work in mJ that all nodes take from the drive: their friction energy less the lifting work."""
         return float(self.pairing.areas @ (self.energy - self.lifting))
 
 
 def deposited(
     wear: WearState, parts: Sequence[Sliding], cycles: float, rates: WearRates, bodies: tuple[PlacedBody, PlacedBody]
 ) -> WearState:
-    """The wear state after sliding in one or more pairings, repeated `cycles` times; bodies: the primary and the
-    secondary.
+    """The wear state after sliding in one or more pairings, repeated `cycles` times (0: no wear); bodies: (primary,
+    secondary).
     """
     for part in parts if cycles > 0.0 else ():
         wear = _after(wear, part, cycles, rates, bodies)
@@ -198,10 +197,9 @@ def after_work(
     totals_mJ: tuple[float, float],
     bodies: tuple[PlacedBody, PlacedBody],
 ) -> WearState:
-    """The wear state after friction energy and wear work per area, (n_a, n_t) in mJ/mm², on the primary and the
-    secondary.
+    """The wear state after friction energy and wear work per plane area, (n_a, n_t) in mJ/mm², on (primary, secondary).
 
-    rates: depth per wear work of each.  totals_mJ: friction energy and wear work of the whole contact.
+    rates: depth in mm per wear work of each. totals_mJ: friction energy and wear work of the whole contact.
     """
     volumes = (
         rate * totals_mJ[1] if isinstance(rate, float) else float(body.node_areas @ (rate * done).ravel())

@@ -6,8 +6,10 @@ image, lie halfway between them, and together they are twice as dense. The slip 
 the holder. The holder's position along a stroke is taken from an earlier one; without one it is assumed to spring back
 as far to the other side as it had been carried along, and then to stand still. Where load or bulk stress change within
 the cycle, the contact slides and sticks by them as well, on a soft rig even against the drive. Such cycles have shorter
-increments, and surfaces wear at the ends of some of them. Places are displacements of the drive in mm; side is +1 or -1
-for the end of the stroke where a cycle starts.
+increments, and surfaces wear at the ends of some of them.
+
+Places are displacements of the drive in mm, at which increments end; side is +1 or -1 for the end of the stroke where a
+cycle starts; a guide holds first guesses from a similar cycle.
 """
 
 from dataclasses import dataclass
@@ -29,9 +31,9 @@ _LEAST_SLIP = 1e-4  # Of all slip: increments with less stick.
 
 
 def cosine_places(amplitude_mm: float, increments: int) -> Array:
-    """Places in mm at the ends of the increments of half a cycle from +amplitude to -amplitude, (increments,).
+    """Places (increments,) in mm of half a cycle from +amplitude to -amplitude, evenly spaced in a cosine's phase.
 
-    Both quarters are mirror images to the last bit.
+    Both quarters are mirror images to the last bit. increments: an even number.
     """
     quarter = amplitude_mm * np.cos(0.5 * np.pi * np.arange(1, increments // 2 + 1) / (increments // 2))
     quarter[-1] = 0.0
@@ -41,10 +43,10 @@ def cosine_places(amplitude_mm: float, increments: int) -> Array:
 def traced_path(
     drive: Drive, side: float, holder_x_mm: float, increments: int, guide: Guide | None, *, half: bool
 ) -> Path:
-    """The path of a cycle by which surfaces wear, or of its first half, starting at `side` times the amplitude.
+    """The path of a cycle by which surfaces wear, or of its first `half`, starting at `side` times the amplitude.
 
-    holder_x_mm: position of the holder at the start.  increments: of a cycle, at whose ends surfaces wear.  guide: of a
-    similar cycle, for the holder's positions.
+    holder_x_mm: position of the holder at the start. increments: of a cycle, at whose ends surfaces wear; under a
+    changing load there are more in between. guide: for the holder's positions; None if there is none yet.
     """
     count, strokes = increments // 2, list[Path]()
     worn = None if drive.steady or guide is None else _evenly_slid(drive, increments, guide)
@@ -64,17 +66,17 @@ def traced_path(
 class WornPlaces:
     """The k increments of a traced cycle at whose ends surfaces wear; each stands for its neighbours as well."""
 
-    increments: IntArray  #: (k,) increasing.
+    increments: IntArray  #: (k,) their indices in the trace, increasing.
     load_slip: Array  #: (k,) integral of the load over the slip that each stands for, N mm.
     driven: Array  #: (k,) motion of the drive during the sliding that each stands for, mm.
 
 
 def spread_over_slip(slip: Array, weight: Array, count: int) -> Array:
-    """Positions in a cycle where surfaces wear, evenly spaced over the slip, and one where each slip in a direction
+    """Ends of increments at which surfaces wear: evenly spaced over the slip, and one where each slip in a direction
     ends.
 
-    slip: (m,) of each increment, signed, mm.  weight: (m,) factors on these lengths.  count: about how many positions.
-    Returns positions as numbers of increments, with fractions, from the start.
+    slip: (m,) signed, of each increment, mm. weight: (m,) factors on these lengths. count: about how many ends. Returns
+    them as numbers of increments from the start of the cycle, with fractions; empty if nothing slides.
     """
     length, places = np.abs(slip) * weight * slides(slip), list[float]()
     sliding = np.flatnonzero(length)
@@ -102,12 +104,12 @@ def _onsets(slip: Array, durations: Array) -> Array:
 
 
 def slides(slip: Array) -> BoolArray:
-    """True (m,) for a cycle's increments that slide by more than `_LEAST_SLIP` of all slip."""
+    """(m,) True for increments of a cycle with more than 1e-4 of its whole slip."""
     return np.asarray(np.abs(slip) > _LEAST_SLIP * float(np.abs(slip).sum()))
 
 
 def sliding_increments(increments: int) -> int:
-    """Number of a cycle's increments by which surfaces wear."""
+    """Number of those of a cycle's increments at whose ends surfaces wear: all but two of each stroke."""
     return increments - 2 * _STICK_INCREMENTS
 
 
@@ -144,10 +146,11 @@ def _of_strokes(drive: Drive, guide: Guide, found: Array) -> dict[float, Array]:
 
 
 def loop_path(drive: Drive, side: float, increments: int, guide: Guide | None) -> Path:
-    """The path of a cycle by which a loop is measured, starting at `side` times the amplitude: the places of a cosine.
+    """The path of a cycle by which a loop is measured, starting at `side` times the amplitude: `increments` places of a
+    cosine.
 
-    Where load or bulk stress change, also those where sticking bodies begin to slide according to a guide of a whole
-    cycle.
+    Where load or bulk stress change, also the places where sticking bodies begin to slide, according to a guide of a
+    whole cycle.
     """
     places = cosine_places(drive.amplitude_mm, increments // 2)
     along = {own: own * places for own in (side, -side)}
@@ -163,7 +166,7 @@ def forced_path(drive: Drive, side: float, increments: int, drives_mm: Array, fo
     force.
 
     Equal changes follow best a force whose curve bends all along the stroke. drives_mm, forces_N: (m,) along a similar
-    stroke, its start included.
+    stroke, its start included, between whose points the force is interpolated.
     """
     moved, forced = np.abs(drives_mm - drives_mm[0]), np.abs(forces_N - forces_N[0])
     order = np.maximum.accumulate(forced)
@@ -188,9 +191,11 @@ def _with_places(places: Array, others: Array) -> Array:
 
 
 def wear_path(amplitude_mm: float, holder_x_mm: float, increments: int, before: Stroke | None = None) -> Array:
-    """Displacements (increments,) in mm at the ends of the increments of half a cycle from +amplitude to -amplitude.
+    """Places (increments,) in mm at which the increments of half a cycle from +amplitude to -amplitude end.
 
-    holder_x_mm: position of the holder at +amplitude, to which the contact has carried it.  before: a similar stroke.
+    holder_x_mm: position of the holder at +amplitude, to which the contact has carried it. before: holder's positions
+    along a similar stroke; None: assumed. If the bodies slide over less than a quarter of the amplitude, places follow
+    a cosine.
     """
     carried = min(max(holder_x_mm, 0.0), amplitude_mm)
     slides = amplitude_mm - carried

@@ -37,9 +37,10 @@ def slid(
     traction: Array,
     forces: tuple[Array, Array],
 ) -> tuple[Sliding, Sliding]:
-    """Sliding in an increment from `state` to its outcome at `drive`: at the nodes paired at its start and at its end.
+    """Sliding in an increment from `state` to its outcome at `drive` (mm), each half of it: at the nodes paired at its
+    start, and at those paired at its end.
 
-    traction: (n, 3) in MPa at its end.  forces: (n, 3) nodal forces in N on the primary and the secondary patch then.
+    traction: (n, 3) in MPa at its end. forces: (n, 3) nodal forces in N then, of (primary, secondary).
     """
     end, start = system.pairing, system.before
     moved_end, moved_start = system.compliance.moved(outcome.traction, forces)
@@ -114,10 +115,11 @@ def _parts(
 
 
 def largest_within(pressure: Array) -> float:
-    """Largest pressure in MPa away from a contact's rim, from nodal pressures (n_a, n_t) of a patch, 0 out of contact.
+    """Largest pressure in MPa away from a contact's rim, from nodal pressures (n_a, n_t) of a patch, which are 0 out of
+    contact.
 
-    A node counts by its own pressure if all its neighbours touch; otherwise means over elements count. Nodes on a patch
-    of one line have neighbours along it only.
+    A node counts by its own pressure if all its neighbours touch; besides, means over the nodes of an element count. On
+    a patch of one line, neighbours lie along it only.
     """
     return float(_largest_within(np.ascontiguousarray(pressure)))
 
@@ -156,13 +158,11 @@ def accepted(
     iterations: int,
     pairings: int,
 ) -> tuple[ContactState, IncrementReport]:
-    """The state after a converged increment, with wear and prints deposited on both surfaces, and the increment's
-    report.
+    """The state after a converged increment, with wear and prints added on both surfaces, and the increment's report.
 
-    drive: displacement at its end.  cycles: number of times that its wear counts.  overlap_area, slip_share: as in
-    `ContactState`.  iterations, pairings: Newton steps and pairings that it took, for the report.
-
-    Raises PatchLeftError if the contact has reached the edge of either patch.
+    drive: displacement at its end, mm. cycles: number of times that its wear counts. overlap_area, slip_share: as in
+    `ContactState`. iterations, pairings: Newton steps and pairings that it took, for the report. Raises PatchLeftError
+    if the contact has reached the edge of either patch.
     """
     pairing = system.pairing
     require_inside_patches(problem, pairing, np.flatnonzero(outcome.traction[:, 2] > 0.0), drive)
@@ -198,10 +198,11 @@ def accepted(
 def printed(
     problem: ContactProblem, wear: WearState, pairing: Pairing, yielding: YieldAtNodes, pressure: Array
 ) -> WearState:
-    """The wear state with the prints that pressures (k,) in MPa at paired nodes leave on both bodies.
+    """The wear state with the prints that pressures (k,) in MPa above the limit at paired nodes leave on both bodies,
+    shared as `problem.limit` says; unchanged where nothing yields.
 
-    `problem.limit` says how a print is shared. The secondary's part is spread over its elements; the primary takes the
-    difference, so that the gaps at the nodes become exactly those in which they bear their pressure limits.
+    The secondary's part is spread over its elements; the primary takes the difference, so that the gaps at the nodes
+    become exactly those in which they bear their pressure limits.
     """
     closure, _ = yielding.closure(pressure)
     own, other = wear.prints
@@ -235,8 +236,8 @@ def _slid_so_far(problem: ContactProblem, state: ContactState, parts: Sequence[S
 
 
 def require_inside_patches(problem: ContactProblem, pairing: Pairing, pressed: IntArray, drive: float) -> None:
-    """Raise PatchLeftError unless the nodes `pressed`, numbered in the pairing, lie inside their patch and face the
-    other one.
+    """Raise PatchLeftError unless all nodes `pressed`, indices into the pairing's, lie off their patch's edge and face
+    the other patch with their whole support. drive: displacement in mm, for the message.
     """
     if not pairing.inside[pressed].all():
         raise PatchLeftError(

@@ -38,10 +38,11 @@ _BRACKET, _HEIGHT_TOLERANCE = 1.25, 1e-8  # Of heights at which surfaces that yi
 
 
 def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
-    """Apply the normal load, or the holder's approach, without friction and without motion.
+    """Apply the normal load, or the holder's approach, without friction and without motion. Returns the state and its
+    report.
 
-    A holder's height other than 0 at which the bodies touch is a first guess. Everything that touches counts as stuck
-    from then on. SolverError when no contact is found under the load.
+    Nodes that touch become the core. A holder's height other than 0 at which bodies overlap is a first guess. Raises
+    SolverError when no contact is found under the load.
     """
     frictionless = replace(problem, friction=0.0)
     if problem.holder.approach_mm is not None:
@@ -155,13 +156,13 @@ def solve_increment(
     prescribed_height: float | None = None,
     expected: FirstGuess | None = None,
 ) -> tuple[ContactState, IncrementReport]:
-    """Move the lower body to `drive` in one increment, pairing the surfaces again until the holder stays where assumed.
+    """Move the lower body to `drive` (mm) in one increment, pairing the surfaces again until the holder stays where
+    assumed. Returns the new state and its report.
 
-    cycles: number of times the slip counts for wear.  prescribed_height: in mm, where the holder is held instead of
-    loaded. expected: a better first guess than the previous state. Returns the new state and its report.
-
-    Raises IncrementFailedError if no solution was found, LostContactError where nothing touches, and PatchLeftError if
-    the contact has reached the edge of either patch.
+    cycles: number of times that the slip counts for wear. prescribed_height: in mm, at which the holder is held instead
+    of loaded; None: loaded. expected: a better first guess than the previous state. Raises IncrementFailedError if no
+    solution was found, LostContactError where nothing touches, and PatchLeftError if the contact has reached the edge
+    of either patch.
     """
     # The pairing is renewed when the holder has moved by more: the gap's error is of second order in that distance.
     tolerance, areas, begins = 0.01 * problem.smallest_element, problem.surface.areas, state
@@ -333,8 +334,8 @@ def _closest(gap: Array, areas: Array, area: float) -> IntArray:
 
 
 def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:
-    """The state at `drive` of bodies that do not touch, and its report: no force, the holder at rest in its
-    free play.
+    """The state at `drive` (mm) of bodies that do not touch, without forces and with the holder at rest within its free
+    play, and a report without forces.
     """
     stop = 0.5 * problem.holder.play_mm
     holder_x = float(np.clip(state.holder_x, -stop, stop))
@@ -395,15 +396,13 @@ def advance(
     load_share: float | None = None,
     bulk: Array | None = None,
 ) -> tuple[ContactState, list[IncrementReport]]:
-    """Move the lower body to `drive`; each bit of slip wears as if repeated `cycles` times (0: no wear).
+    """Move the lower body to `drive` (mm); each bit of slip wears as if repeated `cycles` times (0: no wear). Returns
+    the state and the reports of the increments made: the increment is cut into shorter ones where Newton's method does
+    not converge.
 
-    guess: the contact of an earlier cycle at this drive, a better first guess than the previous state.
-    load_share: normal load over the test's at the end; None: unchanged. Below 1 % of it, and under a held approach, the
-    bodies may part, and meet again.
-    bulk: `ContactState.bulk` at the end; None: unchanged.
-
-    Returns the state and the reports of the increments made: the increment is cut into shorter ones where Newton's
-    method does not converge. NotConvergedError when even the shortest fail.
+    guess: the contact of an earlier cycle at this drive; None: the previous state. load_share: normal load at the end
+    over the test's; None: unchanged. Below 1 % of it, and under a held approach, the bodies may part, and meet again.
+    bulk: `ContactState.bulk` at the end; None: unchanged. Raises NotConvergedError when even increments of 1/256 fail.
     """
     reports: list[IncrementReport] = []
     pieces = 1

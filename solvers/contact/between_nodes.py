@@ -31,25 +31,23 @@ _LARGEST = 1.5  #: Largest allowed ratio of an integral over elements and the su
 
 @dataclass(frozen=True, eq=False)
 class SpreadPressure:
-    """Pressure at m samples within the elements of a patch of n nodes, carrying the same load as the nodal
-    pressures.
-    """
+    """Pressure at m samples within the elements of a patch of n nodes, carrying the load of the nodal pressures."""
 
     nodal_MPa: Array  #: (n,) nodal pressures as solved for.
     areas_mm2: Array  #: (n,) of the nodes.
     places_mm: Array  #: (m, 2) of the samples under pressure, in the patch's axes.
     pressure_MPa: Array  #: (m,) at the samples.
     parts_mm2: Array  #: (m,) areas of the samples.
-    edge_mm: Array  #: (e, 2) places where lines of samples leave the contact.
-    weights: csr_matrix  #: (n, m) hat functions of the nodes at the samples.
+    edge_mm: Array  #: (e, 2) points in the patch's axes where lines of samples cross the contact's edge.
+    weights: csr_matrix  #: (n, m) value of each node's hat function at each sample.
     samples: int = 1  #: Number of samples of an element in each direction.
 
     @classmethod
     def of(cls, patch: ContactPatch, pressure_MPa: Array, smooth: bool = True) -> "SpreadPressure":
-        """From nodal pressures (n,) on a patch; without any samples where no node is pressed.
+        """Fit to nodal pressures (n,) in MPa on a patch, negative ones as 0; without samples if no node is pressed.
 
-        smooth: True where unworn surfaces part, so that inner nodes and the load determine the edge; otherwise all
-        nodes do.
+        smooth: True for unworn surfaces, whose inner nodes and load fix the contact's edge; False to fit all nodes
+        alike.
         """
         nodal, shape = np.maximum(pressure_MPa, 0.0), patch.shape
         areas = patch.node_areas()
@@ -82,12 +80,11 @@ class SpreadPressure:
 
     @property
     def area_mm2(self) -> float:
-        """Area in mm² on which elements are pressed."""
         return float(self.parts_mm2.sum())
 
     @cached_property
     def edge_distance_mm(self) -> Array:
-        """Distance (m,) of each sample from the contact's edge; infinite if the contact has no edge on the patch."""
+        """Distance (m,) of each sample from the contact's edge; infinite if the contact has none on the patch."""
         from scipy.spatial import KDTree
 
         if not len(self.edge_mm):
@@ -95,10 +92,11 @@ class SpreadPressure:
         return np.asarray(KDTree(self.edge_mm).query(self.places_mm)[0])
 
     def averaged(self, values: Array, elsewhere: float) -> Array:
-        """Load-weighted means (n,), over each node's support, of values (m,) at the samples; `elsewhere` for nodes
+        """Load-weighted means (n,), over each node's support, of values (m,) at the samples; `elsewhere` at nodes
         without load.
 
-        They are scaled so that their mean, weighted by nodal loads, is that of the samples, weighted by theirs.
+        They are scaled so that their mean over nodes, weighted with nodal loads, equals that over samples, weighted
+        with theirs.
         """
         weights, of_nodes = self.pressure_MPa * self.parts_mm2, self.areas_mm2 * self.nodal_MPa
         load, of_values = self.weights @ weights, self.weights @ (weights * values)
@@ -107,18 +105,16 @@ class SpreadPressure:
         return np.asarray(mean * wanted / found if found > 0.0 else mean)
 
     def integrals(self, friction: Friction) -> tuple[float, float]:
-        """A friction law's limit integrated over the samples and summed over the nodes, both in N.
+        """Friction force in N at the law's limit: integrated over the samples, and summed over the nodes.
 
-        A local coefficient of friction counts by its mean.
+        Where the coefficient differs between nodes, its mean counts.
         """
         coefficient = float(np.mean(friction.coefficient))
         of_elements = self.parts_mm2 @ friction.law.limit(coefficient, self.pressure_MPa)
         return float(of_elements), float(self.areas_mm2 @ friction.law.limit(coefficient, self.nodal_MPa))
 
     def share(self, friction: Friction) -> float:
-        """Integral of a friction law's limit over elements, divided by its sum over nodal pressures; 1 for no
-        friction.
-        """
+        """Ratio of the two friction forces of `integrals`, kept between 1/1.5 and 1.5; 1 if either is 0."""
         of_elements, of_nodes = self.integrals(friction)
         if not of_nodes > 0.0 or not of_elements > 0.0:
             return 1.0
@@ -162,7 +158,6 @@ class WithinElements:
 
     @cached_property
     def spreads(self) -> tuple[SpreadPressure, ...]:
-        """Pressure within elements at each position, one for each of `pressures_MPa`."""
         return tuple(SpreadPressure.of(self.patch, pressure, self.fresh > 0.5) for pressure in self.pressures_MPa)
 
     def among(self, chosen: slice | IntArray) -> "WithinElements":
@@ -170,7 +165,9 @@ class WithinElements:
         return WithinElements(self.patch, self.pressures_MPa, self.position[chosen], self.fresh)
 
     def share(self, friction: Friction) -> Array:
-        """Integral of a friction law's limit over elements, divided by its sum over nodal pressures, (k,)."""
+        """Friction force integrated over elements over its sum of nodal pressures, (k,) by each node's position; 1 for
+        worn bodies.
+        """
         if self.fresh == 0.0:
             return np.ones(len(self.position))
         return 1.0 + self.fresh * (np.array([own.share(friction) for own in self.spreads])[self.position] - 1.0)

@@ -22,9 +22,10 @@ _FEWEST = 120  # Loaded nodes: fewer are solved for as fast as halved.
 
 
 def images_across(problem: ContactProblem, state: ContactState) -> IntArray | None:
-    """Mirror image (n,) of each node of the primary about the plane along the motion.
+    """Mirror image (n,) of each node of the primary about the plane y = 0, along the motion.
 
-    None unless the increment from this state is its own mirror image and has so many unknowns that halving them pays.
+    None unless the increment from this state is its own mirror image, by bodies, core, depths and tractions, and has a
+    core or no friction, where halving the unknowns pays.
     """
     sticks = state.core.any() or problem.friction == 0.0
     plain = not (problem.layers or problem.yields or problem.fields or state.bulk.any() or state.bulk_step.any())
@@ -43,8 +44,8 @@ def images_across(problem: ContactProblem, state: ContactState) -> IntArray | No
 def solved_on_one_side(
     problem: ContactProblem, system: Linearisation, guess: ContactGuess, images: IntArray | None
 ) -> ContactOutcome:
-    """The outcome of a system, solved on one side if `images` (n,), from `images_across`, is given and enough nodes
-    touch.
+    """The outcome of a system, for all its nodes, solved for those on one side of y = 0 if that pays: `images`, from
+    `images_across`, is not None and 120 nodes or more touch in the guess.
     """
     nodes = system.pairing.nodes
     if images is None or np.count_nonzero(guess.active) < _FEWEST:

@@ -1,4 +1,9 @@
-"""Two bodies pressed together by a holder, and the linear system that an increment poses for one pairing of them."""
+"""Two bodies pressed together by a holder, and the linear system that an increment poses for one pairing of them.
+
+A pairing couples k nodes of the primary body, which carries the tractions, with the surface of the secondary body that
+faces them. The core is the set of nodes that have stuck ever since the bodies were pressed together. A drive is the
+displacement in mm of the lower body along x; offsets are positions in the plane of contact.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -31,7 +36,8 @@ Formulation = Literal["augmented-lagrangian", "penalty"]  #: How contact conditi
 class ContactProblem:
     """Two bodies, the holder of the upper one, and the laws between them.
 
-    `primary` is the body whose patch carries the tractions; either of the two may be.
+    The primary, whose patch carries the tractions, is the upper body if primary_is_upper, else the lower one. Raises
+    SolverError for a negative coefficient of friction.
     """
 
     upper: PlacedBody
@@ -71,11 +77,11 @@ class ContactProblem:
 
     @cached_property
     def law(self) -> Friction:
-        """The friction law with its coefficient, where nothing slides or has slid."""
+        """The friction law with its coefficient, of surfaces that neither slide nor have slid."""
         return Friction(self.friction, self.friction_law)
 
     def law_at(self, local: LocalState) -> Friction:
-        """The friction law with the coefficient at each of k nodes that their local state gives."""
+        """The friction law with the coefficients (k,) that the local state at k nodes gives."""
         factor = self.friction_law.factor(local) * self.wear.friction_factor(local)
         return Friction(self.friction * factor, self.friction_law, local=local)
 
@@ -95,17 +101,16 @@ class ContactProblem:
 
     @property
     def unchanging(self) -> bool:
-        """True if cycles leave the surfaces and their friction as they are."""
+        """True if cycles change neither surfaces nor friction: no wear, and a law without memory."""
         return self.wear.none and not self.friction_law.remembers
 
     @cached_property
     def yields(self) -> bool:
-        """True if forces can leave a print on a body of a class that yields by itself."""
+        """True if a body of a class that yields by itself takes part; `limit` does not count."""
         return self.upper.yielding is not None or self.lower.yielding is not None
 
     @property
     def primary(self) -> PlacedBody:
-        """The body that carries the tractions."""
         return self.upper if self.primary_is_upper else self.lower
 
     @property
@@ -118,13 +123,15 @@ class ContactProblem:
         return min(self.upper.patch.smallest_element, self.lower.patch.smallest_element)
 
     def offset(self, drive: float, holder_x: float) -> Array:
-        """Plane position (2,) in mm of the secondary body's origin relative to the primary's."""
+        """Plane position (2,) in mm of the secondary body's origin relative to the primary's, for a drive and a
+        holder's position in mm.
+        """
         ahead = drive - holder_x
         return np.array([ahead if self.primary_is_upper else -ahead, 0.0])
 
 
 def unloaded_state(problem: ContactProblem) -> ContactState:
-    """The state of unworn bodies that just touch."""
+    """The state of unworn bodies that just touch, at mid-stroke, with the holder at 0."""
     primary, secondary = problem.primary.patch, problem.secondary.patch
     wear = WearState(
         primary_depth=np.zeros(primary.shape),
@@ -175,9 +182,8 @@ def misaligned(problem: ContactProblem, angle_rad: float) -> ContactProblem:
 
 
 def open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
-    """Depths (n_a, n_t) in mm by which the surfaces of the primary and the secondary have receded.
-
-    Worn depth less the share that layers fill, plus prints.
+    """Depths (n_a, n_t) in mm by which the surfaces of (primary, secondary) have receded: worn depths, less the share
+    that layers fill, plus prints.
     """
     share = open_share(problem.layers)
     primary, secondary = (
@@ -188,7 +194,9 @@ def open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Ar
 
 
 def with_prints(problem: ContactProblem, state: ContactState, forces: tuple[Array, Array]) -> ContactState:
-    """The state with the prints that nodal forces (n, 3) in N on the primary and the secondary leave."""
+    """The state with the prints that bodies which yield by themselves take from nodal forces (n, 3) in N on (primary,
+    secondary).
+    """
     wear = state.wear
     primary = problem.primary.printed(wear.primary_print, forces[0])
     secondary = problem.secondary.printed(wear.secondary_print, forces[1])
@@ -196,8 +204,8 @@ def with_prints(problem: ContactProblem, state: ContactState, forces: tuple[Arra
 
 
 def vertical_gaps(problem: ContactProblem, state: ContactState, drive: float, holder_x: float) -> Array:
-    """Gap (n,) in mm at the primary's nodes with the holder at height 0; infinite where no secondary patch
-    faces them.
+    """Gaps (n,) in mm along z of the undeformed surfaces at the primary's nodes with the holder at height 0, negative
+    where they overlap; infinite where no secondary patch faces a node.
     """
     offset = facing_offset(problem, state, drive, holder_x)
     upright = vertical_gap(problem.surface, problem.secondary, offset, *open_depths(problem, state))
@@ -218,7 +226,8 @@ def facing_offset(problem: ContactProblem, state: ContactState, drive: float, ho
 def faced(
     problem: ContactProblem, state: ContactState, nodes: IntArray, drive: float, holder_x: float, tilt: float
 ) -> Pairing:
-    """The pairing of nodes (k,) of the primary with the secondary, on the surfaces of a state, with regard to its core.
+    """The pairing of the primary's nodes (k,) with the secondary's surface as worn in a state; around a core the
+    surfaces stay paired as they were pressed together.
 
     drive, holder_x, tilt: displacement of the lower body, position and tilt of the holder, mm and rad.
     """
@@ -249,7 +258,7 @@ def _no_deeper(depth: Array, core: Array) -> Array:
 
 
 def levers(problem: ContactProblem, drive: float, holder_x: float) -> Array:
-    """Distance (n,) in mm of the primary's nodes ahead of the holder's pivot, along x."""
+    """Distance (n,) in mm along x of all the primary's nodes ahead of the holder's pivot."""
     along = problem.primary.node_positions[:, 0]
     return along if problem.primary_is_upper else along - problem.offset(drive, holder_x)[0]
 
@@ -271,11 +280,11 @@ def linearised(
     slip_share: Array,
     guess: Array,
 ) -> Linearisation:
-    """The linear system of a pairing, made with the holder at `holder_x`, for a step from `state` to `drive`.
+    """The linear system of a pairing, made with the holder at `holder_x` (mm), for a step from `state` to `drive` (mm).
 
-    before: pairing of the nodes loaded before the step.  prescribed_height: in mm, in place of the load; None: loaded.
-    slip_share, guess: (n,) slip per drive's motion and (n, 3) tractions, on which friction may depend; see
-    `ContactState`.
+    before: pairing of the nodes loaded before the step. prescribed_height: of the holder, in mm, in place of the load;
+    None: loaded, or lowered by the holder's own approach. slip_share, guess: (n,) slip per drive's motion and (n, 3)
+    tractions in MPa, on which friction may depend; see `ContactState`.
     """
     holder = problem.holder.under(state.load_share)
     if prescribed_height is None and holder.approach_mm is not None:
@@ -317,9 +326,9 @@ def linearised(
 def law_at(
     problem: ContactProblem, state: ContactState, pairing: Pairing, slip_share: Array, drive: float, traction: Array
 ) -> Friction:
-    """The friction law at paired nodes, with their local state at `drive`.
+    """The friction law at paired nodes, with the coefficients that their local state at `drive` (mm) gives.
 
-    slip_share: (n,) slip of the primary's nodes per motion of the drive.  traction: (n, 3) latest tractions in MPa.
+    slip_share: (n,) slip of the primary's nodes per motion of the drive. traction: (n, 3) latest tractions in MPa.
     """
     nodes, timing = pairing.nodes, problem.timing
     local = LocalState(
@@ -339,7 +348,7 @@ def law_at(
 
 
 def within_elements(problem: ContactProblem, states: Sequence[ContactState], position: IntArray) -> WithinElements:
-    """Pressure within the primary's elements around k nodes; `position` (k,) is each node's index in `states`.
+    """Pressure within the primary's elements around k nodes; position: (k,) index of each node's state in `states`.
 
     Pressures are tractions along z: slopes are small where pressure vanishes.
     """
@@ -351,15 +360,17 @@ def within_elements(problem: ContactProblem, states: Sequence[ContactState], pos
 
 
 def sliding_force(problem: ContactProblem, state: ContactState) -> float:
-    """Tangential force in N with which the contact of a state would slide if its surfaces had never slid."""
+    """Tangential force in N at which the contact of a state would slide as a whole, if its surfaces had never slid
+    before.
+    """
     pressure = state.traction[:, 2]
     within = within_elements(problem, [state], np.zeros(len(pressure), dtype=np.int64))
     return float(problem.surface.areas @ replace(problem.law, within=within).limit(pressure))
 
 
 def stuck_share(problem: ContactProblem, state: ContactState) -> float:
-    """Size of the core over that of the contact at the end of a first loading, 0 to 1; the core is the part that
-    sticks.
+    """Size (a length) of the core over that of the contact at the end of a first loading, from 0, also without core, to
+    1.
 
     From the friction force and its limit, in a contact at a point: the force is the limit less what the limit of a
     contact as small as the core would be, and that grows with the cube of its size (Jäger; Mindlin and Deresiewicz
@@ -370,7 +381,9 @@ def stuck_share(problem: ContactProblem, state: ContactState) -> float:
 
 
 def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairing, traction: Array) -> LayersAtNodes:
-    """The layers at k paired nodes; `traction` (k, 3) in MPa acted on them before the increment."""
+    """The layers at k paired nodes, and what yields there, before an increment; traction: (k, 3) in MPa at its
+    start.
+    """
     own = state.wear.primary_depth.ravel()[pairing.nodes]
     other = pairing.opposite.averaged(state.wear.secondary_depth.ravel()) / pairing.areas
     yielding = yield_between(problem, state, pairing)
@@ -378,7 +391,7 @@ def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairin
 
 
 def yield_between(problem: ContactProblem, state: ContactState, pairing: Pairing) -> YieldAtNodes | None:
-    """Pressure limits at k paired nodes; None where nothing yields."""
+    """Pressure limits at k paired nodes with the prints that they have; None where nothing yields."""
     primary, secondary = state.wear.prints
     if problem.limit is None or primary is None or secondary is None:
         return None
@@ -424,5 +437,5 @@ def _old_displacement(
 
 
 def normal_of(vectors: Array, frames: Array) -> Array:
-    """Normal components (k,) of vectors (k, 3), from the nodes' frames (k, 3, 3)."""
+    """Components (k,) of vectors (k, 3) along the normals, the first rows of frames (k, 3, 3)."""
     return np.asarray(np.einsum("ij,ij->i", vectors, frames[:, 0]))

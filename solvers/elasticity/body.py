@@ -61,7 +61,7 @@ class ContactBody(Protocol):
 
     @property
     def bricks(self) -> Bricks | None:
-        """The elements under the patch, to correct their errors near a loaded node; None where nothing is to be
+        """The elements under the patch, to correct their errors near a loaded node; None if nothing is to be
         corrected.
         """
         ...

@@ -1,7 +1,7 @@
 """Compliance of two bodies between their paired contact nodes, gathered column by column as nodes become loaded.
 
 A node is known once the displacements by unit forces or tractions on it are stored. Nodes keep the order in which they
-became known: `place` and `row` hold a node's number in such an order, or -1.
+became known: `place` and `row` hold a node's number in such an order, -1 where it is not known.
 """
 
 import numpy as np
@@ -17,15 +17,15 @@ ACROSS = np.array([1.0, -1.0, 1.0])
 
 
 class Block:
-    """The part of one body's compliance that an increment needs: displacements of w nodes by forces on u known ones.
+    """The part of one body's compliance that an increment needs: displacements of w nodes by forces on u known ones, of
+    n nodes of the patch.
 
-    nodes: (w,) increasing.  place: (n,) number among the w nodes of each node of the patch, or -1.  row: (n,) its
-    number among the u known ones, or -1.  rows: (3 u, 3 w) or more rows, mm/N: displacements by unit forces, one row
-    per force.
+    nodes: (w,) increasing. place: (n,) number among the w nodes of each patch node, or -1. row: (n,) number among the u
+    known ones, or -1. rows: (3 u or more, 3 w) in mm/N, displacements by unit forces, one row a force.
     """
 
     def __init__(self, body: PlacedBody, nodes: IntArray) -> None:
-        """A block for the displacements of `nodes` (w,), in which no node is known yet."""
+        """A block for the displacements of `nodes` (w,), without any known node."""
         self._folded, self.nodes, self._known = body.folded, nodes, 0
         self.row, self.place = np.full((2, body.patch.size), -1)
         self.place[nodes] = np.arange(len(nodes))
@@ -33,7 +33,7 @@ class Block:
         self._displaced: list[tuple[Array, Array]] = []
 
     def know(self, missing: IntArray) -> None:
-        """Gather the displacements by unit forces on further nodes, none of which is known yet."""
+        """Gather the displacements by unit forces on the patch nodes `missing`, all of which must be unknown as yet."""
         if not len(missing):
             return
         self.row[missing] = self._known + np.arange(len(missing))
@@ -78,11 +78,11 @@ def _block_between(body: PlacedBody, now: NodalTransfer, before: NodalTransfer) 
 class PairedCompliance:
     """Mean displacement of the upper relative to the lower body at k paired nodes by tractions there, in world axes.
 
-    matrix: (3 k, 3 k) in mm per MPa, of which the first 3 m columns are filled, for the m nodes known.
-    place: (k,) a node's number i among the known ones, whose columns begin at 3 i, or -1.
-    old, old_before: displacement (k, 3) by the forces before the increment, at the nodes' present positions, and (l, 3)
-    at the nodes loaded before, in their earlier positions; mm.
-    layer: compliance of an elastic layer between the bodies, equal in all directions, mm per MPa.
+    matrix: (3 k, 3 k) in mm per MPa, of which the first 3 m columns are filled, for the m nodes known. known: m. place:
+    (k,) a node's number i among the known ones, whose columns begin at 3 i, or -1. old, old_before: displacement in mm
+    by the forces before the increment, (k, 3) at the nodes' present positions, and (l, 3) at the nodes loaded before,
+    in their earlier positions. layer: compliance of an elastic layer between the bodies, equal in all directions, mm
+    per MPa; displacements are without it.
     """
 
     def __init__(
@@ -93,11 +93,9 @@ class PairedCompliance:
         old_forces: tuple[Array, Array],
         layer: float = 0.0,
     ) -> None:
-        """Set up the compliance of the primary and the secondary body, `bodies`.
-
-        before: pairing of the l nodes that were loaded before the increment, at the bodies' position then.
-        old_forces: (n, 3) nodal forces in N on each body's patch before it, with the sign of the force on the upper
-        body; they do not act through the layer.
+        """bodies: primary and secondary. before: pairing of the l nodes that were loaded before the increment, as the
+        bodies stood then. old_forces: (n, 3) nodal forces in N on each body's patch before it, with the sign of the
+        force on the upper body. layer: mm per MPa, 0 for none.
         """
         self._pairing, self._before, self.layer = pairing, before, layer
         primary, secondary = bodies
@@ -119,7 +117,9 @@ class PairedCompliance:
         return all(np.array_equal(one, other) for one, other in pairs)
 
     def know(self, loaded: IntArray) -> None:
-        """Gather the displacements by unit tractions on the nodes (l,) that are not yet known."""
+        """Gather the displacements by unit tractions on those of the nodes of index `loaded` (l,) that are not yet
+        known.
+        """
         missing, pairing = loaded[self.place[loaded] < 0], self._pairing
         if not len(missing):
             return
@@ -138,7 +138,7 @@ class PairedCompliance:
             _add_responses(self.matrix, begin, block.rows, block.row, block.place, missing, pairing.areas, transfer)
 
     def known_first(self, nodes: IntArray) -> bool:
-        """True if the nodes (l,) were the first to become known, in this order."""
+        """True if the nodes of index `nodes` (l,) were the first to become known, in this order."""
         return len(nodes) <= self.known and np.array_equal(self.place[nodes], np.arange(len(nodes)))
 
     def displacement(self, traction: Array) -> Array:
@@ -148,7 +148,9 @@ class PairedCompliance:
         return self.displaced(self.in_order(traction))
 
     def in_order(self, traction: Array) -> Array:
-        """Tractions (k, 3) rearranged as (3 m,) in the order of the m known nodes; loaded nodes become known first."""
+        """Tractions (k, 3) in MPa rearranged as (3 m,) in the order of the m known nodes; nodes under traction become
+        known first.
+        """
         force, complete = _on_known(traction, self.place, self.known)
         if not complete:
             self.know(loaded_nodes(traction))
@@ -156,16 +158,16 @@ class PairedCompliance:
         return force
 
     def displaced(self, force: Array) -> Array:
-        """Displacement (k, 3) in mm by tractions (3 m,) in MPa on the first m known nodes, in their order."""
+        """Displacement (k, 3) in mm of the upper relative to the lower body by tractions (3 m,) in MPa on the first m
+        known nodes.
+        """
         return np.asarray((self.matrix[:, : len(force)] @ force).reshape(-1, 3))
 
     def moved(self, traction: Array, forces: tuple[Array, Array]) -> tuple[Array, Array]:
-        """Elastic motion (k, 3) and (l, 3) in mm, over the increment, of the upper relative to the lower body's
-        material points.
+        """Elastic motion in mm of the upper relative to the lower body over the increment: (k, 3) of the points that
+        face each other at the k nodes at its end, and (l, 3) of those at the l nodes loaded at its start.
 
-        The first is of the points that face each other at the k nodes at the end, under the tractions (k, 3) then, the
-        second of those at the l nodes that were loaded at the start. forces: (n, 3) the tractions as nodal forces in N
-        on each patch.
+        traction: (k, 3) in MPa at its end. forces: (n, 3) the same as nodal forces in N on (primary, secondary).
         """
         return self.displacement(traction) - self.old, self._mean(self._before, forces) - self.old_before
 
@@ -179,23 +181,20 @@ class PairedCompliance:
 
 
 class MirroredCompliance:
-    """A paired compliance for tractions that are their own mirror image about the vertical plane along the motion.
+    """A paired compliance for tractions that are their own mirror image about the plane y = 0, along the motion.
 
-    It holds the r of the k nodes on one side of the plane and on it; tractions on them act on the mirror images, too.
-    Methods and attributes are those of `PairedCompliance` that an algorithm of contact uses.
+    It holds the r of the k nodes with y >= 0; tractions on them act on the mirror images, too. Methods and attributes
+    are those of `PairedCompliance` that an algorithm of contact uses, for these r nodes.
     """
 
     def __init__(self, whole: PairedCompliance, kept: IntArray, images: IntArray) -> None:
-        """kept: (r,) indices of the held nodes among the k.  images: (k,) index of each node's mirror image."""
+        """kept: (r,) indices of the held nodes among the k. images: (k,) index of each node's mirror image."""
         self._whole, self.kept, self._images, self.layer = whole, kept, images[kept], whole.layer
         self.place, self.known = np.full(len(kept), -1), 0
         self.matrix = np.empty((3 * len(kept), 3 * len(kept)))
         whole.mirrored = self
 
     def know(self, loaded: IntArray) -> None:
-        """Gather the displacements by unit tractions on the nodes (l,), numbered among the r, that are not yet
-        known.
-        """
         missing = loaded[self.place[loaded] < 0]
         if not len(missing):
             return
@@ -220,7 +219,6 @@ class MirroredCompliance:
         return result
 
     def in_order(self, traction: Array) -> Array:
-        """Tractions (r, 3) rearranged as (3 m,) in the order of the m known nodes; loaded nodes become known first."""
         self.know(loaded_nodes(traction))
         force = np.zeros((self.known, 3))
         there = self.place >= 0
@@ -228,14 +226,13 @@ class MirroredCompliance:
         return force.ravel()
 
     def displaced(self, force: Array) -> Array:
-        """Displacement (r, 3) in mm by tractions (3 m,) in MPa on the first m known nodes, in their order."""
         return np.asarray((self.matrix[:, : len(force)] @ force).reshape(-1, 3))
 
 
 def displacement_at(pairing: Pairing, primary: PlacedBody, secondary: PlacedBody, forces: tuple[Array, Array]) -> Array:
-    """Displacement (k, 3) in mm of the upper relative to the lower body at a pairing's nodes.
+    """Mean displacement (k, 3) in mm of the upper relative to the lower body at a pairing's nodes, in world axes.
 
-    forces: (n, 3) nodal forces in N on each patch, with the sign of the force on the upper body.
+    forces: (n, 3) nodal forces in N on (primary, secondary), with the sign of the force on the upper body.
     """
     return PairedCompliance(pairing, pairing, (primary, secondary), forces).old
 

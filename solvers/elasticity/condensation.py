@@ -23,14 +23,12 @@ from solvers.errors import SolverError
 
 @dataclass(frozen=True)
 class CondensedBody:
-    """A body reduced to its contact patch.
+    """A body reduced to its contact patch of n nodes.
 
-    folded: its compliance, in mm/N (for a planar body in mm per N/mm), symmetric positive definite; unknown 3 i + k is
-    the displacement of patch node i (in the order of patch.nodes.ravel()) along the body's axis k, relative to the
-    grip.
-
-    bricks: the elements under the patch, for corrections by `patch_compliance`; None where they do not form regular
-    layers.
+    folded: compliance (3 n, 3 n) in mm/N (of a planar body mm per N/mm), symmetric positive definite; unknown 3 i + k
+    is the displacement of patch node i (in the order of patch.nodes.ravel()) along the body's axis k, relative to the
+    grip. bricks: the elements under the patch, for corrections by `patch_compliance`; None where they do not form
+    regular layers.
     """
 
     patch: ContactPatch
@@ -44,16 +42,14 @@ class CondensedBody:
 
     @property
     def compliance(self) -> Array:
-        """The whole compliance matrix (3 n, 3 n)."""
+        """The whole matrix (3 n, 3 n) of `folded`."""
         return self.folded.dense
 
     @property
     def yields(self) -> bool:
-        """False: a condensed body is elastic."""
         return False
 
     def update(self, print_mm: Array, _force_N: Array, /) -> Array:
-        """The print unchanged, since an elastic body keeps none."""
         return print_mm
 
 
@@ -62,9 +58,9 @@ def condense(
 ) -> CondensedBody:
     """Condense a body held at its surface "grip" onto its contact patch.
 
-    bedding: (n,) stiffness in N/mm of springs that hold the nodes of an elastic grip; without it the grip is rigid.
-
-    SolverError when nothing is gripped or the patch touches the grip; KeyError without the surface "grip".
+    bedding: (n,) stiffness in N/mm, at all nodes of the mesh, of springs that hold an elastic grip; None: the grip is
+    rigid. Raises SolverError when nothing is gripped or the patch touches the grip; KeyError without the surface
+    "grip".
     """
     held = mesh.surface_nodes("grip")
     if not held.size:
@@ -83,15 +79,17 @@ def condense(
 
 @dataclass(frozen=True)
 class Piece:
-    """The part of a body that has to be condensed: all of it, or what lies on one side of its p mirror planes."""
+    """The part of a body that has to be condensed: all of it, or its part on one side of each of its p mirror
+    planes.
+    """
 
-    #: The axes, 0 along the body and 1 across it, about whose zero the body is its own mirror image.
+    #: The axes (0 along the body, 1 across it) about whose zero the body is its own mirror image.
     planes: tuple[int, ...]
     mesh: HexMesh | QuadMesh  #: The mesh of the piece, of n nodes.
     contact: IntArray  #: Nodes of the piece on the patch, in the patch's order.
     inner: IntArray  #: Nodes of the piece to be eliminated.
-    #: (2^p, 3 n) unknowns that are zero on the planes, even about each plane before odd, the last plane first to
-    #: change.
+    #: (2^p, 3 n) for each way of moving, unknowns that are zero on the planes: even about each plane before odd, the
+    #: last plane changing first.
     held: BoolArray
     nodes: IntArray  #: (n,) number of each node of the piece in the whole body.
 
@@ -99,16 +97,18 @@ class Piece:
 def bedded(
     stiffness: csr_matrix, piece: HexMesh | QuadMesh, planes: tuple[int, ...], bedding_N_per_mm: Array
 ) -> csr_matrix:
-    """The stiffness matrix of a piece with springs to ground at its nodes.
+    """The stiffness matrix of a piece with springs to ground at its n nodes.
 
-    bedding_N_per_mm: (n,) of the whole body; nodes on a mirror plane get the piece's half.
+    bedding_N_per_mm: (n,) at these nodes, in the whole body; those on a mirror plane get half for each such plane.
     """
     on_planes = sum(((piece.points[:, axis] == 0.0).astype(int) for axis in planes), np.zeros(len(piece.points), int))
     return csr_matrix(stiffness + diags(np.repeat(bedding_N_per_mm / 2.0**on_planes, 3)))
 
 
 def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: IntArray) -> Piece:
-    """The smallest piece of a body whose nodes `gripped` are held rigidly."""
+    """The smallest piece of a body from which its compliance follows. gripped: nodes that are held rigidly, maybe
+    none.
+    """
     across = () if isinstance(mesh, QuadMesh) else (1,)
     planes = tuple(axis for axis in (0, *across) if _is_symmetric(mesh, patch, gripped, axis))
     part, number = one_side(mesh, planes)
@@ -119,7 +119,9 @@ def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: In
 
 
 def compliance_of(piece: Piece, patch: ContactPatch, schurs: list[Array]) -> PatchCompliance:
-    """The patch's compliance from the Schur complements of the piece; the list `schurs` is emptied."""
+    """The patch's compliance from the piece's Schur complements, one for each row of `piece.held`; the list is
+    emptied.
+    """
     unknowns = (3 * piece.contact[:, None] + np.arange(3)).ravel()
     parts = np.empty((len(schurs), len(unknowns), len(unknowns)))
     for part, held in zip(parts, piece.held[:, unknowns], strict=True):
@@ -140,8 +142,8 @@ def _is_symmetric(mesh: HexMesh | QuadMesh, patch: ContactPatch, held: IntArray,
 
 
 def one_side(mesh: HexMesh | QuadMesh, planes: tuple[int, ...]) -> tuple[HexMesh | QuadMesh, IntArray]:
-    """The mesh on the non-negative sides of mirror planes, without named surfaces, and each old node's number in it, or
-    -1.
+    """The mesh on the non-negative sides of mirror planes, without named surfaces, and (n,) the number in it of each
+    node of the whole mesh, -1 if left out.
     """
     inside = np.ones(len(mesh.cells), dtype=bool)
     for axis in planes:
@@ -154,8 +156,8 @@ def one_side(mesh: HexMesh | QuadMesh, planes: tuple[int, ...]) -> tuple[HexMesh
 
 
 def held_on_planes(piece: HexMesh | QuadMesh, planes: tuple[int, ...]) -> BoolArray:
-    """Unknowns of a piece that are zero on its planes, (2^p, 3 n): even about each plane before odd, the last changing
-    first.
+    """(2^p, 3 n) True for unknowns of a piece that are zero on its p planes: a motion even about a plane has no
+    displacement across it there, an odd one none along it. Even before odd, the last plane changing first.
     """
     ways = []
     for odds in product((False, True), repeat=len(planes)):

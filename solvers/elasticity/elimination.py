@@ -24,7 +24,9 @@ _TREES: "dict[bytes, Substructure]" = {}  #: Cache of `divided`.
 
 @dataclass(frozen=True)
 class Substructure:
-    """Nodes `eliminated` (m,) that separate the `parts`; these are eliminated first."""
+    """A set of nodes, divided: `eliminated` (m,) are the nodes whose removal separates the `parts`, which are
+    eliminated first. Without parts, all nodes of the set.
+    """
 
     eliminated: IntArray
     parts: "tuple[Substructure, ...]"
@@ -32,10 +34,11 @@ class Substructure:
 
 @dataclass(frozen=True)
 class System:
-    """A sparse matrix with d unknowns per node, prepared for elimination.
+    """A symmetric sparse matrix of n nodes with d unknowns each, prepared for elimination.
 
-    graph: (n, n) couplings of nodes. rank: (n,) position of each node in the order of elimination, or -1. held: (v, d
-    n) for each of v ways, which unknowns are held at zero.
+    matrix: (d n, d n), unknown d i + c belongs to node i. graph: (n, n) pattern of the nodes that it couples. rank:
+    (n,) position of each node in the order of elimination, -1 of nodes that are left out. held: (v, d n) True for
+    unknowns held at zero, in each of v ways.
     """
 
     matrix: csr_matrix
@@ -48,15 +51,12 @@ class System:
 def schur_complements(
     matrix: csr_matrix, kept: IntArray, eliminated: IntArray, unknowns_per_node: int, held: BoolArray
 ) -> list[Array]:
-    """Schur complements (d k, d k) onto k kept nodes, one for each of the v ways to hold unknowns.
+    """Schur complements (d k, d k) onto the unknowns of k kept nodes, one for each of the v ways to hold unknowns.
 
-    matrix: (d n, d n) symmetric, unknown d i + c belongs to node i; positive definite on the eliminated nodes,
-    otherwise SolverError.
-    kept, eliminated: node indices without common members. All other nodes are held at zero.
-    held: (v, d n) unknowns held at zero besides. Kept unknowns that are held are uncoupled from all others and have 1
-    on the diagonal.
-
-    Substructures without held unknowns are eliminated once for all ways.
+    matrix: (d n, d n) symmetric, unknown d i + c belongs to node i. kept, eliminated: node indices without common
+    members; all other nodes are held at zero. held: (v, d n) True for unknowns held at zero besides. Kept unknowns that
+    are held are uncoupled from all others and have 1 on the diagonal. Raises SolverError unless the matrix is positive
+    definite on the eliminated nodes. Substructures without held unknowns are eliminated once for all ways.
     """
     d = unknowns_per_node
     graph = node_graph(matrix, d)
@@ -77,9 +77,9 @@ def schur_complements(
 
 
 def cholesky_factor(matrix: Array) -> Array:
-    """Lower Cholesky factor (n, n) of a stiffness matrix given by its lower triangle.
+    """Lower Cholesky factor (n, n) of a stiffness matrix, of which the lower triangle is read.
 
-    SolverError when the matrix is not positive definite beyond round-off, as that of a body free to move.
+    Raises SolverError when the matrix is not positive definite beyond round-off, as that of a body free to move.
     """
     factor, info = lapack.dpotrf(matrix, lower=1, clean=1)
     # Pivots below this share of their diagonal entry are round-off of zero: the body can move freely.
@@ -89,7 +89,9 @@ def cholesky_factor(matrix: Array) -> Array:
 
 
 def inverse(matrix: Array) -> Array:
-    """Inverse (n, n) of the stiffness in a matrix's lower triangle; SolverError as of `cholesky_factor`."""
+    """Inverse (n, n) of the symmetric stiffness in a matrix's lower triangle. Raises SolverError as
+    `cholesky_factor`.
+    """
     lower, _ = lapack.dpotri(cholesky_factor(matrix), lower=1, overwrite_c=1)
     return np.asarray(np.tril(lower) + np.tril(lower, -1).T)
 
@@ -105,9 +107,9 @@ def node_graph(matrix: csr_matrix, d: int) -> csr_matrix:
 
 
 def divided(graph: csr_matrix, nodes: IntArray) -> Substructure:
-    """Divide nodes by recursive bisection: the separator of a set of nodes is eliminated after its two sides.
+    """Divide nodes (m,) by recursive bisection of their graph (n, n), down to sets of at most 120.
 
-    The result is kept for the next call with the same graph, as of a body that wears.
+    Results for the last four graphs are kept, as a body that wears asks for the same again.
     """
     key = sha256(b"".join(np.ascontiguousarray(one).data for one in (graph.indptr, graph.indices, nodes))).digest()
     if key not in _TREES:
@@ -158,31 +160,34 @@ def _separator(graph: csr_matrix, second: BoolArray) -> BoolArray:
 
 
 def elimination_order(tree: Substructure) -> IntArray:
-    """The nodes of a substructure in the order of their elimination."""
+    """The nodes of a substructure and its parts, in the order of their elimination."""
     return np.concatenate([*(elimination_order(part) for part in tree.parts), tree.eliminated])
 
 
 @dataclass(frozen=True)
 class Front:
-    """An eliminated substructure: its m own unknowns, the b boundary unknowns that it passes on, and their coupling."""
+    """An eliminated substructure with m own unknowns and b boundary unknowns, which are eliminated later; own, boundary
+    and held are indices into the system's unknowns, held those of `own` that are fixed at zero.
+    """
 
     own: IntArray
     boundary: IntArray
-    factor: Array  #: (m, m) lower Cholesky factor of the own unknowns' matrix.
-    coupling: Array  #: (b, m) matrix between boundary and own unknowns times the inverse of the factor's transpose.
-    held: IntArray  #: Own unknowns that are held at zero.
+    factor: Array  #: (m, m) lower Cholesky factor L of the own unknowns' matrix.
+    coupling: Array  #: (b, m) matrix between boundary and own unknowns times the inverse of L's transpose.
+    held: IntArray
 
 
 def eliminate(
     tree: Substructure, system: System, kept: list[list[Front]] | None = None
 ) -> tuple[IntArray, list[Array]]:
-    """Eliminate a substructure; return its boundary nodes, by rank, and the update of their matrix for each way.
+    """Eliminate a substructure and its parts. Returns its boundary nodes (b,), which later substructures share, by
+    rank, and for each of the v ways to hold unknowns the update (d b, d b): what is to be added to the matrix of the
+    boundary.
 
     Ways that do not differ within the substructure share one array. Of dense matrices only the lower triangle is used:
     as fronts are ordered by rank, the lower triangle of an update falls into that of the front that receives it.
-    Unknowns are held when their turn comes, which gives the same as holding them beforehand.
-
-    kept: for each way a list to which the fronts of this substructure are appended.
+    Unknowns are held when their turn comes, which gives the same as holding them beforehand. kept: for each way a list
+    to which the fronts of this substructure are appended; None to keep none.
     """
     parts = [eliminate(part, system, kept) for part in tree.parts]
     d, own = system.d, tree.eliminated
@@ -205,10 +210,10 @@ def eliminate(
 
 
 def front_of(own: IntArray, left: list[IntArray], system: System) -> tuple[IntArray, IntArray, Array]:
-    """The boundary nodes of a front, by rank; the position of each node of the system in the front, or -1; and the
-    columns of its own unknowns.
+    """The boundary nodes (b,) of a front, by rank; the position of each node of the system in the front, (n,), -1 if
+    not in it; and the columns (d (m + b), d m) of its own unknowns, from the system's matrix alone.
 
-    own: its nodes. left: for each part of it the boundary nodes.
+    own: (m,) nodes that the front eliminates. left: boundary nodes of each of its parts.
     """
     matrix, rank, d = system.matrix, system.rank, system.d
     neighbours = np.unique(np.concatenate([system.graph[own].indices, *left]))
@@ -246,7 +251,7 @@ def _eliminated(
 
 
 def hold(matrix: Array, held: BoolArray) -> None:
-    """Set rows and columns of held unknowns to zero and their diagonal to 1, in place; held: (m,) for the matrix's
+    """Set rows and columns of held unknowns to zero and their diagonal to 1, in place. held: (m,) flags of the matrix's
     first m.
     """
     which = np.flatnonzero(held)
@@ -257,7 +262,7 @@ def hold(matrix: Array, held: BoolArray) -> None:
 
 @compiled
 def add_update(columns: Array, rest: Array, where: IntArray, update: Array) -> None:
-    """Add an update (k, k) to a front at increasing positions (k,), in the lower triangle, in place.
+    """Add an update (k, k) to a front at increasing positions `where` (k,), in the lower triangle, in place.
 
     The front's first m columns are `columns` (m + b, m); the others, from row m on, are `rest` (b, b).
     """
@@ -273,5 +278,5 @@ def add_update(columns: Array, rest: Array, where: IntArray, update: Array) -> N
 
 
 def unknowns_of(nodes: IntArray, d: int) -> IntArray:
-    """Indices of the d unknowns of each node, one node after another."""
+    """Indices (d k,) of the d unknowns of each of k nodes, one node after another."""
     return (d * nodes[:, None] + np.arange(d)).ravel()

@@ -25,7 +25,9 @@ _CHUNK = 4_000_000  #: Numbers of elements' matrices that are worked out togethe
 
 
 def condense_meshed(meshed: BodyMesh, material: Elastic) -> CondensedBody:
-    """Condense a meshed body, held at its surface "grip" or in its host. SolverError if nothing holds it."""
+    """Condense a meshed body of this material, held at its surface "grip" or, if it has one, in its host, onto its
+    patch. Raises SolverError if nothing holds it.
+    """
     if meshed.host is None:
         return condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding)
     joined = Joined.of(meshed, material)
@@ -47,8 +49,8 @@ class Joined:
 
     @classmethod
     def of(cls, meshed: BodyMesh, material: Elastic) -> "Joined":
-        """The system of a meshed body; material: the body's own; its other parts have theirs. SolverError if nothing
-        holds it.
+        """The system of a meshed body with a host. material: of the body's first part; the host names those of its
+        others. Raises SolverError if nothing holds it.
         """
         host = meshed.host
         if host is None or not len(host.held):

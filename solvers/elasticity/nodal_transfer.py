@@ -30,17 +30,19 @@ class NodalTransfer(NamedTuple):
 
     @classmethod
     def single(cls, nodes: IntArray, weights: Array, size: int) -> NodalTransfer:
-        """The transfer with one of a patch's `size` nodes and its weight for each contact node, both (k,)."""
+        """The transfer in which contact node i takes the patch node nodes[i] alone, times weights[i], (k,) each; size:
+        number of the patch's nodes.
+        """
         return cls(np.arange(len(nodes) + 1), nodes, weights, size)
 
     @classmethod
     def of(cls, matrix: csr_matrix) -> NodalTransfer:
-        """The transfer whose weights are the entries of a sparse (k, n) matrix; inverse of `sparse`."""
+        """The transfer with the entries of a sparse (k, n) matrix; inverse of `sparse`."""
         return cls(matrix.indptr, matrix.indices, matrix.data, int(matrix.shape[1]))
 
     def averaged(self, field: Array, rows: IntArray | None = None) -> Array:
-        """Weighted sums, (k,) or (k, c), of a nodal field (n,) or (n, c) of the patch at all contact nodes, or at
-        `rows` alone.
+        """Weighted sums, (k,) or (k, c), of a nodal field (n,) or (n, c) of the patch at the contact nodes, or at those
+        of index `rows` alone.
         """
         chosen = np.arange(len(self.first) - 1) if rows is None else rows
         values = np.ascontiguousarray(field).reshape(self.size, prod(field.shape[1:]))
@@ -48,20 +50,22 @@ class NodalTransfer(NamedTuple):
         return result.reshape(len(chosen), *field.shape[1:])
 
     def spread(self, values: Array) -> Array:
-        """Sums, (n,) or (n, c), at the patch's nodes of weighted values (k,) or (k, c) at the contact nodes: the
-        transpose.
+        """Sums, (n,) or (n, c), at the patch's nodes of weighted values (k,) or (k, c) at the contact nodes: the matrix
+        transposed.
         """
         rows = np.ascontiguousarray(values).reshape(len(self.first) - 1, prod(values.shape[1:]))
         result = _spread(self.first, self.columns, self.weights, rows, self.size)
         return result.reshape(self.size, *values.shape[1:])
 
     def faced_by(self, rows: IntArray) -> IntArray:
-        """The patch nodes (e,) of all entries of the contact nodes `rows` (m,), row after row."""
+        """The patch nodes (e,) of all entries of the contact nodes of index `rows` (m,), row after row, repeated where
+        they are.
+        """
         return _entries(self.first, self.columns, rows)
 
     def at_heaviest(self, chosen: IntArray) -> NodalTransfer:
-        """This transfer with the whole weight of the rows `chosen` (m,) put on the patch node of largest weight in
-        each.
+        """This transfer with, in the rows of index `chosen` (m,), the sum of weights on the patch node of the largest
+        one.
         """
         return NodalTransfer(*_at_heaviest(self.first, self.columns, self.weights, chosen), self.size)
 
@@ -99,7 +103,9 @@ def _entries(first: IntArray, columns: IntArray, rows: IntArray) -> IntArray:
 
 @compiled
 def weighted_sums(first: IntArray, columns: IntArray, weights: Array, field: Array, rows: IntArray) -> Array:
-    """Weighted sums (m, c) of a field (n, c) at the rows (m,) of a transfer with this first, columns and weights."""
+    """Weighted sums (m, c) of a field (n, c) at `rows` (m,) of the transfer of these first, columns and weights, see
+    `NodalTransfer`.
+    """
     result = np.zeros((len(rows), field.shape[1]))
     for k in range(len(rows)):
         for entry in range(first[rows[k]], first[rows[k] + 1]):
@@ -144,13 +150,12 @@ def _at_heaviest(
 
 @dataclass(frozen=True)
 class GaussLines:
-    """Gauss points along one axis of a patch, q in each of its c cells; across a planar body a single one of
-    length 1.
+    """Gauss points along one axis of a patch, q in each of its c cells; across a planar body a single one of length 1
+    mm.
     """
 
-    #: (c, q) positions, and lengths that belong to the points, mm.
-    positions: Array
-    lengths: Array
+    positions: Array  #: (c, q) mm.
+    lengths: Array  #: (c, q) length of the axis that each point stands for, mm.
     lower: Array  #: (q,) value of the hat function of the cell's lower grid line at the points.
 
     @property
@@ -170,19 +175,18 @@ def gauss_lines(lines: Array, points: int) -> GaussLines:
 
 
 class CommonAxes(NamedTuple):
-    """Transformation of positions into another patch's axes, at a multiple of 90°: signs * (position - offset), or
-    swapped.
+    """Transformation of positions into another patch's axes at a multiple of 90°: signs * (position - offset),
+    components swapped if `swapped`.
     """
 
     swapped: bool  #: True if the first axis lies along the other patch's second.
-    #: (2,) signs for the axes from which is transformed, and the other's origin in these.
-    signs: Array
-    offset: Array
+    signs: Array  #: (2,) 1 or -1, by the axes from which is transformed.
+    offset: Array  #: (2,) the other patch's origin in these axes.
 
     @classmethod
     def of(cls, turn: Array, offset: Array) -> CommonAxes | None:
-        """The transformation of positions by `turn @ (position - offset)`; None unless it turns by a multiple
-        of 90°.
+        """The transformation turn @ (position - offset) with `turn` (2, 2) and `offset` (2,); None unless it turns by a
+        multiple of 90°.
         """
         if turn[0, 1] == 0.0 == turn[1, 0]:
             return cls(False, np.array([turn[0, 0], turn[1, 1]]), offset)
@@ -211,8 +215,8 @@ def transfer_along_axes(
 
 @inlined
 def cell_of(lines: Array, value: float, near: int) -> int:
-    """Index of the cell between grid lines that holds a value, or of the nearest cell; the search starts at the cell
-    `near`.
+    """Index of the cell between increasing grid lines that holds a value, or of the nearest cell; the search starts at
+    cell `near`.
     """
     while near > 0 and lines[near] > value:
         near -= 1

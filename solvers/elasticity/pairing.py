@@ -32,11 +32,11 @@ class PrimarySurface:
     across: GaussLines
     areas: Array  #: (n,) plane area of each node.
     fresh_slope: Array  #: (n, 2) mean slope of the unworn surface about each node, in the patch's axes.
-    averaging: NodalTransfer  #: Integrals of a nodal field of this patch over each node's support.
+    averaging: NodalTransfer  #: From a nodal field of this patch to its integrals over the nodes' supports.
 
     def mean_slope(self, nodes: IntArray, depth_mm: Array) -> Array:
-        """Slope (k, 2) in world axes of the surface worn by `depth_mm` (n_a, n_t), averaged over the supports of chosen
-        nodes (k,).
+        """Slopes (k, 2) in world axes of the surface worn by `depth_mm` (n_a, n_t), averaged over the supports of
+        `nodes` (k,).
         """
         worn = self.averaging.averaged(self.body.worn(depth_mm).gradient, nodes)
         local = self.fresh_slope[nodes] - worn / self.areas[nodes, None]
@@ -54,12 +54,12 @@ class Pairing:
     #: (k, 3, 3), rows are the normal (from lower to upper) and two tangents, in world axes; the first tangent is the
     #: motion's direction x projected on the tangent plane.
     frames: Array
-    #: Transfer of the primary: force per area -> nodal forces (`spread`), nodal displacements -> area-weighted mean
-    #: displacements (`averaged`).
+    #: Transfer of the primary: force per area -> nodal forces (`spread`), nodal displacements -> means times area
+    #: (`averaged`).
     own: NodalTransfer
-    opposite: NodalTransfer  #: The transfer of the secondary.
-    depths: NodalTransfer  #: From the secondary's worn depths to gap times area.
-    inside: BoolArray  #: (k,) whether the secondary patch faces the whole support of the node.
+    opposite: NodalTransfer  #: The secondary's, between the k nodes and its patch.
+    depths: NodalTransfer  #: From the secondary's worn depths to the opened gap times area.
+    inside: BoolArray  #: (k,) True if the secondary patch faces the whole support of the node.
 
     @cached_property
     def primary(self) -> csr_matrix:
@@ -85,8 +85,8 @@ def primary_surface(body: PlacedBody) -> PrimarySurface:
 def vertical_gap(
     surface: PrimarySurface, secondary: PlacedBody, offset_mm: Array, primary_depth: Array, secondary_depth: Array
 ) -> Array:
-    """Gap (n,) in mm along z at the primary's nodes, undeformed and at zero approach; infinite where there is no
-    secondary patch.
+    """Gaps (n,) in mm along z at the primary's nodes, undeformed and at zero approach; infinite where no secondary
+    patch faces a node, negative where bodies overlap.
 
     offset_mm: (2,) of the secondary's origin from the primary's. primary_depth, secondary_depth: (n_a, n_t) worn depths
     in mm. The secondary's surface is taken at the nodes' positions, not averaged.

@@ -40,27 +40,26 @@ _ONE, _TWO = np.uint64(1), np.uint64(2)  # Of the type that indices have in the 
 
 @dataclass(frozen=True)
 class Bricks:
-    """The elements under a contact patch: their material and thicknesses."""
+    """The elements under a contact patch: their material and the thickness of their layers."""
 
     material: Elastic
     layers: Pair  #: Thickness of the uppermost layer in mm, and its growth factor from layer to layer downwards.
 
 
 def reach(size_mm: Pair) -> tuple[int, int]:
-    """Numbers of elements (along, across), of the size (along, across) in mm, that a near-field correction extends."""
+    """How many elements (along, across) of the size (along, across) in mm a near-field correction reaches."""
     along, across = (int(np.ceil(_REACH * max(size_mm) / each)) for each in size_mm)
     return along, across
 
 
 @lru_cache(maxsize=256)
 def missing_displacement(own: Bricks, own_mm: Pair, other: Bricks, other_mm: Pair, turn: tuple[Pair, Pair]) -> Array:
-    """Correction of the displacements around a loaded node of the first body, in mm per N of force on it.
+    """Correction, in mm/N, of the displacements of both bodies together around a loaded node of the first body.
 
     own, own_mm: elements and their size (along, across) in mm of the first body, which carries the tractions; other,
-    other_mm: of the body that faces it. turn: (2, 2) from the first body's plane axes to the other's.
-    Returns (2 a + 1, 2 t + 1, 3, 3) for the nodes up to `reach` = (a, t) lines away, by component of displacement and
-    of force, in the first body's axes, for both bodies together. The mean is taken over all positions of one lattice
-    relative to the other.
+    other_mm: of the body that faces it. turn: (2, 2) from the first body's plane axes to the other's. Returns (2 a + 1,
+    2 t + 1, 3, 3) for the nodes up to `reach` = (a, t) lines away, by component of displacement and of force, in the
+    first body's axes: the mean over all positions of one lattice relative to the other.
     """
     counts = tuple(2 * each + 1 for each in reach(own_mm))
     numbers = (2.0 * np.pi * np.fft.fftfreq(n) for n in counts)
@@ -75,7 +74,8 @@ def missing_displacement(own: Bricks, own_mm: Pair, other: Bricks, other_mm: Pai
 
 
 def half_space_response(kx: Array, ky: Array, material: Elastic) -> ComplexArray:
-    """Surface displacement of a half-space by waves of traction of unit amplitude, (n, 3, 3) in mm/MPa.
+    """Surface displacement (n, 3, 3) in mm/MPa of a half-space, by component, under waves of traction of unit
+    amplitude.
 
     kx, ky: (n,) wave numbers in 1/mm; the response to wave number 0 is set to 0.
     """
@@ -180,16 +180,16 @@ class PatchCompliance:
     shape: tuple[int, int]  #: (n_a, n_t) nodes of the patch.
     #: The patch's axes, 0 along the body and 1 across it, about whose zero the body is its own mirror image.
     planes: tuple[int, ...]
-    #: (2^p, 3 q, 3 q) for p planes: how the q nodes on the planes' non-negative sides, in the patch's order, move by
-    #: forces on themselves, and by forces on their mirror images, these forces reflected as their nodes are. The last
-    #: plane is the first to change. Each is symmetric.
+    #: (2^p, 3 q, 3 q) mm/N: how the q nodes on the planes' non-negative sides, in the patch's order, move by forces on
+    #: themselves, and by forces on their mirror images, these forces reflected as their nodes are. The last plane is
+    #: the first to change. Each is symmetric.
     blocks: Array
-    #: (3, 3) from the body's axes, in which its planes are given, to those of forces and displacements.
+    #: (3, 3) turns vectors from the body's axes, in which its planes are given, to those of forces and displacements.
     rotation: Array = field(default_factory=lambda: np.eye(3))
 
     @classmethod
     def of_parities(cls, shape: tuple[int, int], planes: tuple[int, ...], parts: Array) -> "PatchCompliance":
-        """From the compliances (2^p, 3 q, 3 q) of the piece under even and odd forces; `parts` is overwritten.
+        """From the compliances (2^p, 3 q, 3 q) in mm/N of the piece under even and odd forces; `parts` is overwritten.
 
         Their order: even about each plane before odd, the last plane changing first. Nodes on a plane carry the piece's
         half of the forces there; unknowns held on a plane have a compliance of zero.
@@ -204,7 +204,6 @@ class PatchCompliance:
         return cls(shape, planes, parts)
 
     def turned(self, rotation: Array) -> "PatchCompliance":
-        """This compliance in other axes; `rotation` (3, 3) turns vectors from the present axes into those."""
         if np.array_equal(rotation, np.eye(3)):
             return self
         triples = np.ascontiguousarray(self.blocks).reshape(-1, 3) @ rotation.T
@@ -212,12 +211,12 @@ class PatchCompliance:
         return replace(self, blocks=(rotation @ rows).reshape(self.blocks.shape), rotation=rotation @ self.rotation)
 
     def with_neighbours(self, near: Array, kind: IntArray, share: Array) -> "PatchCompliance":
-        """This compliance plus corrections of displacements by forces on nodes up to (a, t) lines away.
+        """This compliance plus corrections of the displacements around loaded nodes, up to (a, t) lines away.
 
-        near: (m, 2 a + 1, 2 t + 1, 3, 3) displacement per force in the body's axes, for m kinds of node, by the
-        distance in lines from the loaded to the moved node.
-        kind, share: (q,) the kind of each node of the piece and a factor on its correction. A pair of nodes gets the
-        mean of the corrections of both, made symmetric as the body is.
+        near: (m, 2 a + 1, 2 t + 1, 3, 3) displacement per force in mm/N in the body's axes, for m kinds of node, by the
+        distance in lines from the loaded to the moved node. kind, share: (q,) the kind of each node of the piece and a
+        factor on its correction. A pair of nodes gets the mean of the corrections of both, made symmetric as the body
+        is.
         """
         for axis in self.planes:
             mirror = np.ones(3)
@@ -241,11 +240,6 @@ class PatchCompliance:
         ).ravel()
 
     def between(self, moved: IntArray, loaded: IntArray, out: Array | None = None, add: Array | None = None) -> Array:
-        """Displacements of the nodes `moved` (k,) by unit forces on the nodes `loaded` (l,): (3 k, 3 l).
-
-        out: array to write them to, which is returned. add: (3,) factors on the components of force; with it the
-        displacements are multiplied by these and added to `out`.
-        """
         result = np.empty((3 * len(moved), 3 * len(loaded))) if out is None else out
         if self._signs is not None:
             forces = self._signs if add is None else self._signs * add
@@ -258,12 +252,10 @@ class PatchCompliance:
 
     @cached_property
     def dense(self) -> Array:
-        """The whole matrix (3 n, 3 n), assembled on first use."""
         everywhere = np.arange(self.shape[0] * self.shape[1])
         return self.between(everywhere, everywhere)
 
     def diagonal(self) -> Array:
-        """Displacement of each unknown by a unit force on itself, (3 n,)."""
         side, place = self._places
         q = len(self.blocks[0]) // 3
         node = np.arange(q)

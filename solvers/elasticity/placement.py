@@ -34,7 +34,7 @@ class SurfaceSample:
     slope: Array  #: (n, 2) its gradient in world axes.
     nodes: IntArray  #: (n, 4) patch nodes that interpolate at the points; (n, 2) on planar bodies.
     weights: Array  #: (n, 4) or (n, 2) bilinear weights of the nodes.
-    inside: BoolArray  #: (n,) whether the point lies on the patch.
+    inside: BoolArray  #: (n,) True for points on the patch.
 
 
 @dataclass(frozen=True)
@@ -61,14 +61,13 @@ class PlacedBody:
 
     @property
     def compliance(self) -> Array:
-        """The whole compliance matrix (3 n, 3 n)."""
         return self.folded.dense
 
     def printed(self, print_mm: Array | None, force_N: Array) -> Array | None:
-        """Depth (n_a, n_t) in mm of the print after forces, from that before; `print_mm` itself for a body that does
-        not yield.
+        """Depth (n_a, n_t) in mm of the body's print after forces, where it was `print_mm` before; `print_mm` itself,
+        maybe None, for a body that does not yield.
 
-        force_N: (n, 3) in world axes, with the sign of the force on the upper body.
+        force_N: (n, 3) on the patch's nodes in world axes, with the sign of the force on the upper body.
         """
         if self.yielding is None or print_mm is None:
             return print_mm
@@ -76,17 +75,17 @@ class PlacedBody:
 
     @cached_property
     def node_positions(self) -> Array:
-        """Plane positions (x, y) in mm of the patch's nodes relative to the body's origin, (n, 2)."""
+        """(n, 2) plane positions (x, y) in mm of the patch's nodes relative to the body's origin, world axes."""
         return self.patch.grid() @ self.world_to_patch
 
     @cached_property
     def node_areas(self) -> Array:
-        """Plane area in mm² that belongs to each of the patch's nodes, (n,)."""
+        """(n,) plane area in mm² that belongs to each of the patch's nodes."""
         return self.patch.node_areas()
 
     @cached_property
     def edge_nodes(self) -> BoolArray:
-        """True (n,) for the patch's nodes on its outer edge."""
+        """(n,) True for nodes on the patch's outer edge."""
         return self.patch.edge_nodes()
 
     @cached_property
@@ -101,7 +100,7 @@ class PlacedBody:
         return np.asarray(self.patch.profile.height(self.patch.grid()))
 
     def worn(self, depth_mm: Array) -> WornNodes:
-        """The surface worn by `depth_mm` (n_a, n_t) at the patch's nodes.
+        """Heights and depth gradients at the patch's nodes, of the surface worn by `depth_mm` (n_a, n_t).
 
         The latest result is kept and returned for the same array object, which callers must not change.
         """
@@ -123,12 +122,12 @@ class PlacedBody:
 
     @cached_property
     def latest_compliance(self) -> list[tuple["PlacedBody", Any]]:
-        """The body faced last and the compliance of both gathered then, in a list of at most one."""
+        """The body faced last and the `PairedCompliance` with it, in a list of at most one."""
         return []
 
     def sample(self, points_mm: Array, depth_mm: Array) -> SurfaceSample:
-        """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) in mm relative to the body's origin, in
-        world axes.
+        """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) in mm, world axes, relative to the body's
+        origin.
         """
         local = points_mm @ self.world_to_patch.T
         patch = self.patch
@@ -143,7 +142,9 @@ class PlacedBody:
 
 
 def place(body: ContactBody, *, upper: bool, axis_angle_rad: float) -> PlacedBody:
-    """Put a body below or above the plane of contact with its axis at an angle to the motion."""
+    """The body below or, as `upper`, above the plane of contact, its axis at an angle to the motion, counter-clockwise
+    from above.
+    """
     rotation = rotation_to_world(upper=upper, axis_angle_rad=axis_angle_rad)
     folded = body.folded.turned(rotation)
     return PlacedBody(
@@ -158,7 +159,7 @@ def place(body: ContactBody, *, upper: bool, axis_angle_rad: float) -> PlacedBod
 
 
 def rotation_to_world(*, upper: bool, axis_angle_rad: float) -> Array:
-    """Matrix (3, 3) that turns vectors from a body's axes into world axes; an upper body is turned over about its own
+    """Matrix (3, 3) that turns vectors from a body's axes into world axes; an upper body is first turned over about its
     axis.
     """
     c, s = cos(axis_angle_rad), sin(axis_angle_rad)
@@ -170,7 +171,7 @@ def rotation_to_world(*, upper: bool, axis_angle_rad: float) -> Array:
 
 
 def interpolated(nodal: Array, nodes: IntArray, weights: Array) -> Array:
-    """A nodal field at points, (n,), from the nodes and weights (n, c) of each."""
+    """Values (n,) of a nodal field at n points; nodes, weights: (n, c) the c nodes around each, and their weights."""
     return np.asarray(np.einsum("ij,ij->i", nodal[nodes], weights))
 
 

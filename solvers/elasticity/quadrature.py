@@ -25,7 +25,7 @@ class GaussPoints(NamedTuple):
 
     first: IntArray  #: (c_a, c_t) index of each cell's first point, -1 for cells not around the nodes.
     positions: Array  #: (g, 2) in the other body's axes, mm.
-    axes: CommonAxes | None  #: From the nodes' axes to the other body's; None unless at a multiple of 90°.
+    axes: CommonAxes | None  #: From the nodes' axes to the other body's; None unless these differ by a multiple of 90°.
 
 
 def points_about(nodes: IntArray, along: GaussLines, across: GaussLines, turn: Array, offset_mm: Array) -> GaussPoints:
@@ -45,7 +45,7 @@ class Integrals(NamedTuple):
     height: Array  #: (k,) of the worn surface's height, mm³.
     slope: Array  #: (k, 2) of the worn surface's slope in its patch's axes, mm².
     moment: Array  #: (k, 2) of the positions in that patch's axes, mm³.
-    transfer: NodalTransfer  #: From nodal fields of the other body to their integrals.
+    transfer: NodalTransfer  #: From nodal fields of the other body to their integrals over the k supports.
     outside: BoolArray  #: (k,) True if a part of the support lies outside the other body's patch.
 
 
@@ -78,14 +78,15 @@ def integrals(
 
 
 def gradient(field: Array, patch: ContactPatch) -> Array:
-    """Gradient (along, across), (size, 2), at a patch's nodes of a field (n_a, n_t), by central differences."""
+    """Gradient (n, 2) along and across a patch at its nodes, of a field (n_a, n_t), by central differences; one-sided
+    at edges, 0 across a planar body.
+    """
     return _gradient(np.ascontiguousarray(field), patch.axial_mm, patch.transverse_mm)
 
 
 def at_points(positions: Array, patch: ContactPatch, weights: Array) -> NodalTransfer:
-    """The transfer of a patch's nodal fields to positions (k, 2) in mm in its axes, times a weight (k,) for each.
-
-    Positions outside the patch get nothing.
+    """The transfer from a patch's nodal fields to their values at positions (k, 2) in mm in its axes, times `weights`
+    (k,); 0 at positions outside the patch.
     """
     corner, shares, _ = _located(np.ascontiguousarray(positions), patch.axial_mm, patch.transverse_mm)
     planar, across = len(patch.transverse_mm) == 1, len(patch.transverse_mm)

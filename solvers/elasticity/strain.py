@@ -33,11 +33,11 @@ TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and co
 
 
 def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
-    """Stiffness matrix (3 n, 3 n) in N/mm (of a planar body per mm of thickness); Poisson's ratio must be below 0.5.
+    """Stiffness matrix (3 n, 3 n) in N/mm (of a planar body per mm of thickness) of a mesh with n nodes.
 
-    The displacement of node i in direction k is unknown 3 i + k. It is assembled from the scalar forms G_ab = integral
-    of (d phi_i / d x_a)(d phi_j / d x_b), several times faster than from the vector form: the block of directions a, b
-    is lambda G_ab + mu G_ba + delta_ab mu trace(G).
+    The displacement of node i in direction k is unknown 3 i + k. Poisson's ratio must be below 0.5. It is assembled
+    from the scalar forms G_ab = integral of (d phi_i / d x_a)(d phi_j / d x_b), several times faster than from the
+    vector form: the block of directions a, b is lambda G_ab + mu G_ba + delta_ab mu trace(G).
     """
     from skfem import BilinearForm
     from skfem.models.elasticity import lame_parameters
@@ -73,19 +73,19 @@ def _basis(mesh: HexMesh | QuadMesh) -> tuple[Basis, tuple[int, ...]]:
 
 
 def von_mises(stress: Array) -> Array:
-    """Von Mises' equivalent stress √(3 J2), (...), from six components (..., 6)."""
+    """Von Mises' equivalent stress √(3 J2), (...), in the unit of the six stress components (..., 6)."""
     xx, yy, zz, xy, yz, xz = np.moveaxis(stress, -1, 0)
     normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
     return np.asarray(np.sqrt(0.5 * normal + 3.0 * (xy**2 + yz**2 + xz**2)))
 
 
 def principal(stress: Array) -> Array:
-    """Principal stresses (..., 3), the largest first, from six components (..., 6)."""
+    """Principal stresses (..., 3), the largest first, tension positive, of six stress components (..., 6)."""
     return np.asarray(np.linalg.eigvalsh(tensors(stress))[..., ::-1])
 
 
 def hydrostatic(stress: Array) -> Array:
-    """Mean of the three normal stresses, (...), from six components (..., 6)."""
+    """Mean of the three normal stresses, (...), of six stress components (..., 6); tension positive."""
     return np.asarray(stress[..., :3].mean(axis=-1))
 
 
@@ -96,7 +96,9 @@ def turned(stress: Array, rotation: Array) -> Array:
 
 @dataclass(frozen=True)
 class IntegrationPoints:
-    """The q integration points in each of the m cells, of c nodes, of a mesh: two in each direction."""
+    """The q integration points, two in each direction, of each of the m cells, of c nodes, of a mesh in d
+    dimensions.
+    """
 
     mesh: HexMesh | QuadMesh
     gradients: Array  #: (m, q, c, 3) gradients of the shape functions, 1/mm.
@@ -109,7 +111,7 @@ class IntegrationPoints:
         return np.asarray(np.einsum("qc,mcd->mqd", self.shapes, self.mesh.points[self.mesh.cells]))
 
     def stresses(self, material: Elastic, displacement: Array) -> Array:
-        """Stresses (m, q, 6) in MPa from nodal displacements (n, 3) in mm."""
+        """Stresses (m, q, 6) in MPa at the points, from displacements (n, 3) in mm of the mesh's nodes."""
         cells = displacement[self.mesh.cells]
         count = self.gradients.shape[:2]
         # (m, 3, c) times (m, c, 3 q): how each component changes along each axis.
@@ -127,9 +129,9 @@ class IntegrationPoints:
         return stress
 
     def around(self, nodes: IntArray) -> IntegrationPoints:
-        """The integration points of the cells within eight layers of the nodes (k,).
+        """The integration points of the cells within eight layers of cells around the nodes of index (k,).
 
-        So many that fields projected to these nodes by `at_nodes` are as if from all cells.
+        These suffice for `at_nodes` to give at these nodes what it gives with all cells.
         """
         cells, near = self.mesh.cells, np.zeros(len(self.mesh.points), dtype=bool)
         near[nodes] = True
@@ -141,16 +143,17 @@ class IntegrationPoints:
         return replace(self, mesh=mesh, gradients=self.gradients[chosen], volumes=self.volumes[chosen])
 
     def internal_forces(self, stresses: Array) -> Array:
-        """Nodal forces (n, 3) in N that are in equilibrium with stresses (m, q, 6)."""
+        """Nodal forces (n, 3) in N (planar: N per mm) in equilibrium with stresses (m, q, 6) in MPa at the points."""
         tensor = tensors(stresses) * self.volumes[..., None, None]
         of_cells = np.einsum("mqca,mqab->mcb", self.gradients, tensor, optimize=True)
         return scattered(self.mesh.cells, of_cells, len(self.mesh.points))
 
     def at_nodes(self, values: Array) -> Array:
-        """Nodal field (n, k) closest in the mean square to values (m, q, k) at the integration points.
+        """Nodal fields (n, k) closest in the mean square to values (m, q, k) at the integration points; 0 at nodes
+        without cells.
 
-        It is zero at nodes without cells. `solvers.stress.interior.all_at_nodes` projects many such fields at once.
-        SolverError when the projection does not converge.
+        `solvers.stress.interior.all_at_nodes` projects many such fields at once. Raises SolverError when the projection
+        does not converge.
         """
         from scipy.sparse.linalg import cg
 
@@ -172,7 +175,7 @@ class IntegrationPoints:
 
     @cached_property
     def mass(self) -> tuple[csr_matrix, IntArray]:
-        """Mass matrix (u, u), the integrals of products of shape functions, of the u nodes that have cells, and their
+        """Mass matrix (u, u), the integrals of products of shape functions, of the u nodes that have cells; and their
         indices (u,).
         """
         used, cells = np.unique(self.mesh.cells, return_inverse=True)
@@ -197,8 +200,8 @@ def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:
 
 
 def interpolation(mesh: HexMesh | QuadMesh, places: Array) -> csr_matrix:
-    """Sparse matrix (p, n) that interpolates nodal fields at places (p, d) in mm inside the mesh, or at most a cell
-    outside it.
+    """Sparse matrix (p, n) that takes nodal fields (n, ...) to their values at places (p, d) in mm, inside the mesh or
+    at most a cell outside it, where the nearest cell's field is continued.
     """
     from scipy.spatial import cKDTree
 
@@ -231,7 +234,7 @@ def tensors(components: Array) -> Array:
 
 
 def components(matrices: Array) -> Array:
-    """Six components (..., 6) of symmetric matrices (..., 3, 3)."""
+    """Six components (..., 6) of symmetric matrices (..., 3, 3); inverse of `tensors`."""
     rows, columns = zip(*TENSOR_PLACES, strict=True)
     return matrices[..., rows, columns]
 

@@ -44,9 +44,7 @@ class FrictionLaw(ABC):
     ages: ClassVar[bool] = False  #: Whether the factor depends on the number of cycles done.
 
     def factor(self, local: LocalState, /) -> float | Array:  # noqa: ARG002 - most laws ask for nothing
-        """Factor on the coefficient of friction, one for all nodes or (k,), >= 0, from the local state of the k
-        nodes.
-        """
+        """Factor (>= 0) on the coefficient of friction from the local state of k nodes: one for all, or (k,)."""
         return 1.0
 
     @abstractmethod
@@ -76,19 +74,19 @@ class Within(Protocol):
     """Pressure within the elements around k nodes, as `WithinElements` gives it."""
 
     def among(self, chosen: slice | IntArray, /) -> "Within":
-        """The description of pressure at chosen nodes: `chosen` is an index or slice into the nodes of this object."""
+        """The description of pressure at the nodes of these indices into the k."""
 
     def share(self, friction: "Friction", /) -> float | Array:
-        """Integral of a law's limit over the elements, divided by the limit at the nodal pressures: one number
+        """Integral of the law's limit over the elements around each node, over the sum by nodal pressures: one number
         or (k,).
         """
 
 
 @dataclass(frozen=True)
 class Friction:
-    """A friction law with a coefficient of friction, one number or (k,), as the equations of contact use it.
+    """A friction law with a coefficient of friction, one number or (k,), as the equations of contact use it at k nodes.
 
-    Tractions and pressures are those on the surface.
+    Tractions and pressures are those on the surface, MPa.
     """
 
     coefficient: float | Array
@@ -100,9 +98,7 @@ class Friction:
 
     @cached_property
     def share(self) -> float | Array:
-        """Factor on the limit, one number or (k,), that makes it the integral over elements in place of the nodal
-        value.
-        """
+        """Factor on the limit, one number or (k,), that makes its nodal values add up to the integral over elements."""
         return 1.0 if self.within is None or self.law.proportional else self.within.share(self)
 
     @property
@@ -111,7 +107,7 @@ class Friction:
         return not each.any() if isinstance(each, np.ndarray) else each == 0.0
 
     def among(self, chosen: slice | IntArray) -> "Friction":
-        """The friction at chosen nodes: `chosen` is an index or slice into the nodes of this object."""
+        """The friction at the nodes of these indices into the k."""
         each = self.coefficient
         within = None if self.within is None else self.within.among(chosen)
         local = None if self.local is None else self.local.among(chosen)
@@ -119,15 +115,14 @@ class Friction:
         return replace(self, coefficient=coefficient, within=within, local=local)
 
     def differs(self, other: "Friction") -> bool:
-        """True if a coefficient differs from the other's by more than `_SETTLED` times the largest coefficient."""
+        """True if a coefficient differs from the other's by more than 1e-4 of the largest coefficient."""
         now, then = self.coefficient, other.coefficient
         if isinstance(now, float) and isinstance(then, float):
             return abs(now - then) > _SETTLED * now
         return bool(np.max(np.abs(now - then), initial=0.0) > _SETTLED * np.max(now, initial=0.0))
 
     def change_since(self, other: "Friction", load: Array) -> float:
-        """Mean absolute change of local coefficients since `other`, over the sum of both, weighted by `load` (k,).
-
+        """Mean over nodes, weighted by `load` (k,), of the coefficients' absolute change since `other`, over their sum;
         0 where one coefficient holds for all nodes.
         """
         now, then = self.coefficient, other.coefficient
@@ -146,9 +141,7 @@ class Friction:
         return self.share * self.law.derivative(self.coefficient, np.maximum(pressure_MPa, 0.0))
 
     def tangent(self, pressure_MPa: Array) -> tuple[Array, Array]:
-        """Tangent of the limit at pressures (k,): its slope (k,), and its value (k,) in MPa extrapolated to zero
-        pressure.
-        """
+        """Tangent of the limit at pressures (k,) in MPa: its slope (k,), and its value (k,) in MPa at zero pressure."""
         if self.law.proportional:
             return np.full_like(pressure_MPa, self.coefficient), np.zeros_like(pressure_MPa)
         slope, pressure = self.derivative(pressure_MPa), np.maximum(pressure_MPa, 0.0)
@@ -206,7 +199,9 @@ class PowerOfPressure(FrictionLaw):
 
 
 def power_of_pressure(pressure_MPa: Array, reference_MPa: float, exponent: float) -> Array:
-    """(p / p_0)^exponent, (k,), with p / p_0 replaced by sqrt((p / p_0)² + 1e-6), so that it is finite at p = 0."""
+    """(p / p_0)^exponent, of the pressures' shape, with p / p_0 replaced by sqrt((p / p_0)² + 1e-6), so that it is
+    finite at p = 0.
+    """
     return np.asarray(np.hypot(pressure_MPa / reference_MPa, _SMALLEST_PRESSURE) ** exponent)
 
 
@@ -239,7 +234,6 @@ class Rate(Coulomb):
         require_positive(self, "speed_mm_per_s", not_negative=("kinetic_ratio",))
 
     def factor(self, local: LocalState, /) -> Array:
-        """Factor (k,): 1 at rest, `kinetic_ratio` at high speed."""
         faded = np.exp(-local.speed_mm_per_s / self.speed_mm_per_s)
         return np.asarray(self.kinetic_ratio + (1.0 - self.kinetic_ratio) * faded)
 
@@ -263,7 +257,6 @@ class LogarithmicRate(Coulomb):
         require_positive(self, "speed_mm_per_s")
 
     def factor(self, local: LocalState, /) -> Array:
-        """Factor (k,): 1 at rest, never below 0."""
         return np.maximum(1.0 + self.slope * np.log1p(local.speed_mm_per_s / self.speed_mm_per_s), 0.0)
 
 
@@ -287,7 +280,6 @@ class RunningIn(Coulomb):
         require_positive(self, "energy_mJ_per_mm2", not_negative=("final_ratio",))
 
     def factor(self, local: LocalState, /) -> Array:
-        """Factor (k,): 1 on fresh surfaces, `final_ratio` on surfaces that have run in."""
         fresh = np.exp(-local.energy_mJ_per_mm2 / self.energy_mJ_per_mm2)
         return np.asarray(self.final_ratio + (1.0 - self.final_ratio) * fresh)
 

@@ -26,7 +26,7 @@ _FADING = 0.1
 
 
 class ContactLayer(Protocol):
-    """A layer between the surfaces; k is the number of nodes."""
+    """A layer between the surfaces; k is the number of nodes, worn_mm the worn depth (k,) of both bodies together."""
 
     @property
     def retained_fraction(self) -> float:
@@ -34,15 +34,13 @@ class ContactLayer(Protocol):
         ...
 
     def closure(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
-        """Closure (k,) in mm at a pressure where both bodies together have worn by `worn_mm`, and its derivative by
-        pressure.
+        """Closure (k,) in mm, positive as the surfaces approach, at pressures (k,), and its derivative by pressure in
+        mm/MPa.
         """
         ...
 
     def shear_compliance(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
-        """Tangential displacement per traction (k,) in mm/MPa at a pressure and a worn depth, and its derivative by
-        pressure.
-        """
+        """Tangential displacement per traction (k,) in mm/MPa at pressures (k,), and its derivative by pressure."""
         ...
 
 
@@ -64,14 +62,12 @@ class RoughLayer:
     retained_fraction = 0.0
 
     def closure(self, pressure_MPa: Array, _worn_mm: Array, /) -> tuple[Array, Array]:
-        """Closure (k,) in mm and its derivative by pressure; linear under tension, which Newton's method may try."""
         share = pressure_MPa / self.engagement_pressure_MPa
         pressed = np.maximum(share, 0.0)
         slope = self.decay_mm / self.engagement_pressure_MPa / (1.0 + pressed)
         return self.decay_mm * (np.log1p(pressed) + np.minimum(share, 0.0)), slope
 
     def shear_compliance(self, pressure_MPa: Array, _worn_mm: Array, /) -> tuple[Array, Array]:
-        """Shear ratio times closure over pressure, (k,) in mm/MPa, and its derivative by pressure."""
         share = np.maximum(pressure_MPa / self.engagement_pressure_MPa, _LEAST_SHARE)
         secant = np.log1p(share) / share
         unit = self.shear_ratio * self.decay_mm / self.engagement_pressure_MPa
@@ -92,12 +88,10 @@ class ThirdBody:
     poissons_ratio: float = 0.3  #: Poisson's ratio of the debris, which gives G = M (1 - 2 nu) / (2 - 2 nu).
 
     def closure(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
-        """Closure h p / M, (k,) in mm, and its derivative h / M."""
         compliance = self.retained_fraction * worn_mm / self.modulus_MPa
         return compliance * pressure_MPa, compliance
 
     def shear_compliance(self, _pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
-        """Shear compliance h / G, (k,) in mm/MPa, and its derivative by pressure, 0."""
         over_confined = (2.0 - 2.0 * self.poissons_ratio) / (1.0 - 2.0 * self.poissons_ratio)
         return over_confined * self.retained_fraction * worn_mm / self.modulus_MPa, np.zeros_like(worn_mm)
 
@@ -114,19 +108,21 @@ class LayersAtNodes:
     yielding: YieldAtNodes | None = None
 
     def closure(self, pressure: Array) -> tuple[Array, Array]:
-        """Closure (k,) in mm of all layers, yielding included, under a pressure (k,), and its derivative by
+        """Closure (k,) in mm of all layers, yielding included, under pressures (k,) in MPa, and its derivative by
         pressure.
         """
         parts = [layer.closure(pressure, self.worn) for layer in self.layers]
         return _sum(parts if self.yielding is None else [*parts, self.yielding.closure(pressure)])
 
     def among(self, nodes: IntArray) -> "LayersAtNodes":
-        """The layers at chosen nodes: `nodes` are indices into the k nodes of this object."""
+        """The layers at the nodes of these indices into the k."""
         yielding = None if self.yielding is None else self.yielding.among(nodes)
         return LayersAtNodes(self.layers, self.worn[nodes], self.old_displacement[nodes], yielding)
 
     def shear_compliance(self, pressure: Array) -> tuple[Array, Array]:
-        """Tangential displacement per traction (k,) in mm/MPa of all layers, and its derivative by pressure."""
+        """Tangential displacement per traction (k,) in mm/MPa of all layers under pressures (k,) in MPa, and its
+        derivative by pressure.
+        """
         return _sheared(self.layers, pressure, self.worn)
 
 
@@ -139,7 +135,8 @@ def layers_at_nodes(
 ) -> LayersAtNodes:
     """The layers at k nodes where both bodies together have worn by `worn` (k,) in mm.
 
-    old_traction, normals: (k, 3) the traction in MPa before the increment and the normal, both in world axes.
+    old_traction, normals: (k, 3) the traction in MPa before the increment and the unit normal, in world axes. yielding:
+    pressure limits of the surfaces; None for elastic ones.
     """
     pressure = np.einsum("ij,ij->i", old_traction, normals)
     compliance, _ = _sheared(layers, pressure, worn)
@@ -157,7 +154,7 @@ def _sum(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
 
 
 def open_share(layers: Sequence[ContactLayer]) -> float:
-    """Share of the worn depth by which wear opens the gap; debris that layers retain fills the rest.
+    """Share (above 0, up to 1) of the worn depth by which wear opens the gap; debris that layers retain fills the rest.
 
     Raises SolverError if the layers' retained fractions sum to less than 0, or to 1 or more.
     """
@@ -181,8 +178,9 @@ Layers = Sequence[SurfaceLayer]  #: All coatings of one body, the outermost firs
 
 
 def work_through(layers: Layers) -> tuple[Array, Array]:
-    """For m layers, two arrays (m + 1,) in mm: depths of the surface (0) and of each layer's lower face, and the depths
-    to which the body without layers would have worn by then.
+    """Two arrays (m + 1,) for a body with m layers, in the unit of their thickness: depths of the surface (0) and of
+    each layer's lower face, and the depths to which the body without layers would have worn when it has worn down to
+    each.
     """
     thickness = np.array([0.0, *(layer.thickness_mm for layer in layers)])
     factors = np.array([1.0, *(layer.wear_factor for layer in layers)])
@@ -190,17 +188,17 @@ def work_through(layers: Layers) -> tuple[Array, Array]:
 
 
 def bare_depth(layers: Layers, depth: Array) -> Array:
-    """Depth to which the body without layers would have worn by the wear work that has worn the layered body to
-    `depth`.
+    """Depth to which the body without layers would have worn by the wear work that has worn the layered one to `depth`.
 
-    Any shape; in the unit of `depth`, which must be that of the layers' thicknesses.
+    Any shape; in the unit of the layers' thickness.
     """
     faces, bare = work_through(layers)
     return np.asarray(np.interp(depth, faces, bare) + np.maximum(depth - faces[-1], 0.0))
 
 
 def receded(layers: Layers, depth_mm: Array, bare_mm: Array) -> Array:
-    """Depth in mm by which surfaces worn to `depth_mm` recede while the body without layers would recede by `bare_mm`.
+    """Depth in mm by which surfaces already worn to `depth_mm` recede while the body without layers would recede by
+    `bare_mm`.
 
     Any shape; exact across the layers' lower faces.
     """
@@ -211,10 +209,10 @@ def receded(layers: Layers, depth_mm: Array, bare_mm: Array) -> Array:
 
 
 def friction_factor(upper: Layers, lower: Layers, local: LocalState) -> float | Array:
-    """Factor on the coefficient of friction, 1 or (k,), from the coatings of the upper and the lower body at k nodes.
+    """Factor on the coefficient of friction from the coatings of both bodies at k nodes: (k,), or 1 if no coating has
+    one.
 
-    It depends on which coating is at the surface; where both bodies have one with a factor there, the mean of both
-    factors.
+    A body's factor is that of the coating at its surface; where both bodies have one, the mean of both counts.
     """
     if not (upper or lower):
         return 1.0

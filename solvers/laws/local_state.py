@@ -31,7 +31,7 @@ class LocalState:
     wear: WearState  #: Worn depths and friction energies of both bodies.
     #: From a field (n,) on a body's patch to its values at the nodes, (k,).
     of_primary: Callable[[Array], Array]
-    of_secondary: Callable[[Array], Array]
+    of_secondary: Callable[[Array], Array]  #: Likewise of the secondary's patch: mean over what each node faces.
     sliding: Callable[[], Array]  #: Sliding speeds (k,), mm/s.
     pressing: Callable[[], Array]  #: Pressures (k,) of the latest iteration, MPa.
     primary_is_upper: bool
@@ -58,7 +58,7 @@ class LocalState:
 
     @property
     def energy_mJ_per_mm2(self) -> Array:
-        """Friction energy (k,) per plane area that has been dissipated so far, the mean of both surfaces."""
+        """Friction energy (k,) per plane area that has been dissipated so far, mean of both surfaces."""
         primary, secondary = (energy.ravel() for energy in (self.wear.primary_energy, self.wear.secondary_energy))
         return 0.5 * (self.of_primary(primary) + self.of_secondary(secondary))
 
@@ -70,7 +70,7 @@ class LocalState:
         return np.asarray(self.fields[name].at(self))
 
     def among(self, chosen: slice | IntArray) -> "LocalState":
-        """The local state at chosen nodes: `chosen` is an index or slice into the k nodes of this object."""
+        """The local state at the nodes of these indices into the k."""
         return replace(
             self,
             of_primary=lambda nodal: self.of_primary(nodal)[chosen],

@@ -20,8 +20,8 @@ _STEPS = 30  #: Of Newton's method for one point.
 class Metal:
     """Yield stress in tension and hardening of a metal, MPa.
 
-    hardening_MPa: stress per plastic strain, of which `kinematic_share` shifts the yield surface and the rest widens
-    it. recall: γ, by which the shift recovers, so that it stays below its hardening over γ.
+    hardening_MPa: stress per plastic strain, of which `kinematic_share` (0 to 1) shifts the yield surface and the rest
+    widens it. recall: γ of the shift's dynamic recovery, which limits the shift to its hardening over γ; 0: none.
     """
 
     yield_stress_MPa: float
@@ -38,9 +38,10 @@ class Metal:
 
 @dataclass(frozen=True)
 class Flow:
-    """State of k points of a metal: plastic strain and shift of the yield surface, and accumulated plastic strain (k,).
+    """State of k points of a metal.
 
-    The first two are tensors (k, 6) in the order of `TENSOR_PLACES`, the shift in MPa.
+    strain: (k, 6) plastic strain; shift: (k, 6) of the yield surface, MPa; tensor components in the order of
+    `TENSOR_PLACES`. accumulated: (k,) accumulated plastic strain.
     """
 
     strain: Array
@@ -49,14 +50,15 @@ class Flow:
 
     @classmethod
     def none(cls, points: int) -> "Flow":
-        """The state of k points that have never yielded."""
+        """The state of points that have never yielded."""
         return cls(np.zeros((points, 6)), np.zeros((points, 6)), np.zeros(points))
 
 
 def flown(metal: Metal, shear_MPa: float, trial_MPa: Array, before: Flow) -> Flow:
-    """The state of k points after a strain step under which elastic stresses would become `trial_MPa` (k, 6).
+    """The state of k points after a step in which purely elastic stresses would become `trial_MPa` (k, 6).
 
-    before: their state so far. Where the yield surface is exceeded, plastic strain returns the stress to it.
+    shear_MPa: shear modulus. before: the state at the step's start. Where the yield surface is exceeded, plastic strain
+    returns the stress to it.
     """
     strain, shift, accumulated = before.strain.copy(), before.shift.copy(), before.accumulated.copy()
     _return(trial_MPa, strain, shift, accumulated, shear_MPa, *metal.moduli)

@@ -12,15 +12,14 @@ from solvers.errors import SolverError
 def installed(
     group: str, base: type[Any], noun: str, home: str, needed: tuple[str, ...], problem: Callable[[str], Exception]
 ) -> Iterator[tuple[str, Any]]:
-    """Load every entry point of a group, in the order of their names: its place ("package.module:Name") and its class.
+    """Load every entry point of a group, in the order of their names; yields its place ("package.module:Name") and its
+    class.
 
-    group: the entry points' group.
-    base: class of which each must be a subclass; it is abstract, which mypy forbids of a type[Kind].
-    noun: what such a class is to the user ("effect"), for messages.
-    home: package from which users import the base class, for messages.
-    needed: attributes that each class must have.
-    problem: makes the error to raise from one sentence without its full stop; raised if an entry point cannot be
-    loaded, or holds no such class, or one that lacks an attribute.
+    group: the entry points' group. base: class of which each must be a subclass; it is abstract, which mypy forbids of
+    a type[Kind]. noun: what such a class is to the user ("effect"), for messages. home: package from which users import
+    the base class, for messages. needed: attributes that each class must have. problem: makes the error to raise from
+    one sentence without its full stop; raised if an entry point cannot be loaded, or holds no such class, or one that
+    lacks an attribute.
     """
     for point in sorted(entry_points(group=group), key=lambda point: point.name):
         try:
@@ -47,9 +46,11 @@ Law = TypeVar("Law")
 
 
 def laws_by_name(group: str, kind: type[Any], noun: str, library: tuple[type[Law], ...]) -> Mapping[str, type[Law]]:
-    """Every law of a kind by its name: the library's, then those that installed packages name in an entry point group.
+    """Every law of a kind by its name: the classes of `library`, then those that installed packages name in an entry
+    point group.
 
-    Raises SolverError if a package's entry point holds no such law, or one whose name is taken.
+    group, kind, noun: the entry point group, base class and name for messages of such laws, as for `installed`. Raises
+    SolverError if a package's entry point holds no such law, or one whose name is taken.
     """
     found: dict[str, Any] = {_name(law): law for law in library}
     for place, law in installed(group, kind, noun, "solvers", ("name",), SolverError):

@@ -61,18 +61,21 @@ class WearLaw(ABC):
     ages: ClassVar[bool] = False  #: Whether wear work is weighted by the number of cycles done.
 
     def work_per_slip(self, friction: Friction, /) -> Friction:
-        """Wear work per area and length of slip, as the limit of a friction law; by default the friction itself.
+        """Wear work per area and length of slip, in MPa, as the limit of a friction law; by default the friction
+        itself.
 
         `friction.local` is the local state of the nodes; a law that depends on it changes the coefficient.
         """
         return friction
 
     def factor(self, cycle: WornCycle, /) -> float | Array:  # noqa: ARG002 - most laws ask for nothing
-        """Factor on the wear work of a cycle, one for all places or (N,)."""
+        """Factor on the wear work of a cycle, one for all or one for each of the N places of
+        `cycle.edge_distance_mm`.
+        """
         return 1.0
 
     def counted(self, energy: Array, work: Array, /) -> Array:  # noqa: ARG002 - most laws ask for nothing
-        """The part of the wear work that wears a surface on which the friction energy so far is `energy`.
+        """The part of `work` that wears a surface which has taken the friction energy `energy` so far; by default all.
 
         Both in mJ/mm², of the same shape.
         """
@@ -94,7 +97,6 @@ class Archard(WearLaw):
     coefficient: ClassVar[Literal["energy", "archard"]] = "archard"
 
     def work_per_slip(self, _friction: Friction, /) -> Friction:
-        """The pressure, as the limit of Coulomb's law with a coefficient of 1."""
         return Friction(1.0)
 
 
@@ -116,7 +118,6 @@ class EnergyThreshold(WearLaw):
         require_positive(self, not_negative=("threshold_mJ_per_mm2",))
 
     def counted(self, energy: Array, work: Array, /) -> Array:
-        """The part of the work by which the friction energy exceeds the threshold."""
         return np.asarray(np.clip(energy + work - self.threshold_mJ_per_mm2, 0.0, work))
 
 
@@ -144,12 +145,10 @@ class PowerReduced(WearLaw):
             raise SolverError(f"pressure_exponent of the law {self.name!r} must be above -1: wear must not fall")
 
     def work_per_slip(self, friction: Friction, /) -> Friction:
-        """The friction, weighted by (p / p_0)^a."""
         weighed = _Weighed(friction.law, self.reference_pressure_MPa, self.pressure_exponent)
         return replace(friction, law=weighed)
 
     def factor(self, cycle: WornCycle, /) -> float:
-        """(delta / delta_0)^b (f / 1 Hz)^c."""
         amplitude = max(1e3 * cycle.slip_amplitude_mm / self.reference_amplitude_um, 1e-300)
         return float(amplitude**self.amplitude_exponent * cycle.frequency_Hz**self.frequency_exponent)
 
@@ -201,7 +200,6 @@ class OxygenDistance(WearLaw):
         return float(self.distance_mm * frequency_Hz**self.frequency_exponent * pressure**self.pressure_exponent)
 
     def factor(self, cycle: WornCycle, /) -> Array:
-        """Factor (N,): 1 within the reach of oxygen, `starved_factor` beyond."""
         reach = self.reach_mm(cycle.frequency_Hz, cycle.pressure_MPa)
         return np.where(cycle.edge_distance_mm <= reach, 1.0, self.starved_factor)
 

@@ -32,17 +32,19 @@ class YieldAtNodes:
     rise_MPa_per_mm: Array
 
     def among(self, nodes: IntArray) -> "YieldAtNodes":
-        """The limits at chosen nodes: `nodes` are indices into the k nodes of this object."""
+        """The limits at the nodes of these indices into the k."""
         return YieldAtNodes(self.limit[nodes], self.rise_MPa_per_mm[nodes])
 
     def closure(self, pressure: Array) -> tuple[Array, Array]:
-        """Permanent closure (k,) in mm under pressures (k,), and its derivative by pressure."""
+        """Permanent closure (k,) in mm under pressures (k,) in MPa, 0 up to the limit, and its derivative by
+        pressure.
+        """
         beyond = pressure - self.limit
         softness = np.where(beyond > 0.0, 1.0 / self.rise_MPa_per_mm, 0.0)
         return beyond * softness, softness
 
     def work(self, pressure: Array) -> Array:
-        """Plastic work (k,) in mJ/mm² per plane area under pressures (k,)."""
+        """Plastic work (k,) per plane area in mJ/mm² under pressures (k,) in MPa."""
         return np.asarray(0.5 * (self.limit + pressure) * self.closure(pressure)[0])
 
 
@@ -63,7 +65,6 @@ class PressureLimit:
     first_yield_strain: float = 0.0  #: Strain 0.2 a/R of the indentation at first yield.
 
     def share(self, *, upper: bool) -> float:
-        """Share of a print that the upper or the lower body takes."""
         return self.upper_share if upper else 1.0 - self.upper_share
 
     def limit_MPa(self, load: ArrayLike) -> Array:
@@ -74,12 +75,12 @@ class PressureLimit:
         return np.asarray(ratio * (self.yield_stress_MPa + self.hardening_MPa * plastic))
 
     def strain(self, load: float) -> float:
-        """Strain 0.2 a/R of the indentation under a load in N (line contacts N/mm)."""
+        """Strain 0.2 a/R of the indentation, a the contact's radius, under a load in N (line contacts N/mm)."""
         return float(self.first_yield_strain * max(load / self.first_yield_load, 0.0) ** _SPREADING)
 
     def at_nodes(self, load: ArrayLike, printed_mm: Array) -> YieldAtNodes:
-        """The limit at k nodes under a load, one or (k,), where the bodies together already have a print `printed_mm`
-        (k,).
+        """The limits at k nodes under a load in N, one or (k,), with the prints `printed_mm` (k,) that both bodies
+        together have already.
         """
         limit = self.limit_MPa(load)
         # It rises by this share where the print is as deep as Hertz' approach, which keeps the equations regular.

@@ -9,7 +9,8 @@ lower one over the increment:
 with tau the limit by the friction law, mu p by Coulomb's. The augmentation is the stiffness by which a slip is added to
 the traction to decide between stick and slip (Alart & Curnier). It is scaled with the whole compliance that a change of
 friction meets, the rig's included; with the local one alone a soft rig makes nodes alternate between both directions.
-The holder's free play has a status, too: it floats without force, or rests on either of two stops.
+The holder's free play has a status, too: it floats without force, or rests on either of two stops. A node's local frame
+is its normal and two tangents, see `Pairing`.
 """
 
 from typing import NamedTuple
@@ -39,24 +40,23 @@ class Scales(NamedTuple):
 
 
 class Solution(NamedTuple):
-    """Normal (k,) and tangential (k, 2) tractions in MPa in local frames, and the holder's height, position and
-    tilt.
-    """
+    """Tractions of the k nodes, in MPa, and the holder's height and position (mm) and tilt (rad)."""
 
-    force: Array  #: (3 known,) both in world axes, in the order of `PairedCompliance.displaced`.
-    normal: Array
-    tangential: Array
+    #: (3 known,) in world axes, of the nodes whose compliance is known, in the order of `PairedCompliance.displaced`.
+    force: Array
+    normal: Array  #: (k,) along the normals, positive in compression.
+    tangential: Array  #: (k, 2) along the two tangents.
     height: float
     holder_x: float
     tilt: float
 
 
 class Changes(NamedTuple):
-    """Differences between a state and the one before.
+    """Differences between a state of the iteration and the one before.
 
-    opening, sticking, changing: numbers of nodes that open or close, that change between stick and slip while not on
-    the verge of either, and that do one of both. gap: largest gap in mm of nodes that were in contact. turned: largest
-    turn in rad of friction at nodes that slip.
+    opening, sticking: numbers of nodes that open or close, and that change between stick and slip while not on the
+    verge of either; changing: of nodes that do one of both. gap: largest gap in mm of nodes that were in contact.
+    turned: largest change of the unit vector of friction at nodes that slip, about an angle in rad.
     """
 
     opening: int
@@ -69,7 +69,7 @@ class Changes(NamedTuple):
 class ContactConditions:
     """The contact conditions on the k nodes of a pairing.
 
-    holders: cache of the holder's terms in the equations, by the stop on which it rests (-1, 0 or +1).
+    holders: the holder's terms in the equations, kept by the stop on which it rests (-1, 0 or +1, see `stop_in_play`).
     """
 
     def __init__(self, system: Linearisation, loaded: BoolArray) -> None:
@@ -90,8 +90,8 @@ class ContactConditions:
         return np.asarray(normal[:, None] * frames[:, 0] + sideways)
 
     def first(self, traction: Array, height: float, holder_x: float, active: BoolArray) -> Iterate:
-        """The state under guessed tractions (k, 3) in world axes, with the nodes `active` (k,) in contact and a holder
-        position.
+        """The state under guessed tractions (k, 3) in MPa in world axes, with the nodes marked in `active` (k,) in
+        contact and the holder at this height and position (mm).
         """
         compliance, frames = self.system.compliance, self.nodes.frames
         normal = np.maximum(np.einsum("ij,ij->i", traction, frames[:, 0]), 0.0)
@@ -113,11 +113,9 @@ class ContactConditions:
         """The state that follows from a solution (gaps, slips, status of nodes, directions of friction), and what has
         changed.
 
-        near_stick: see `NEAR_STICK`.
-        before: for the previous state, True for nodes in contact (k,) and sticking (k,), and directions of friction (k,
-        2).
-        about: pressures (k,) at which the solution was linearised.
-        given: True to keep the nodes in contact that were.
+        near_stick: see `NEAR_STICK`. before: of the previous state, True for nodes in contact (k,) and sticking (k,),
+        and directions of friction (k, 2). about: pressures (k,) in MPa at which the solution was linearised; None if it
+        was not. given: True to keep the nodes in contact that were.
         """
         layers, friction, normal = self.system.layers, self.system.friction, solution.normal
         if layers is None:
@@ -145,7 +143,9 @@ class ContactConditions:
 
 @inlined
 def forces_on(normal: Array, tangential: Array, frames: Array, place: IntArray, known: int) -> Array:
-    """Tractions in world axes (3 known,), in the order in which nodes became known, from those in local frames."""
+    """Tractions in world axes (3 known,), in the order in which nodes became known to the compliance, from normal (k,)
+    and tangential (k, 2) ones. place: (k,) each node's number in that order, -1 if not known.
+    """
     force = np.zeros(3 * known)
     for k in range(len(normal)):
         if place[k] >= 0:
@@ -278,7 +278,7 @@ def _scales(system: Linearisation, loaded: BoolArray) -> Scales:
 
 
 def stop_in_play(conditions: ContactConditions, state: Iterate) -> int:
-    """The stop of its free play on which the holder rests: +1 or -1, or 0 while it floats between them."""
+    """The stop of its free play on which the holder rests, 1 or -1; 0 while it floats between them or has no play."""
     holder = conditions.system.holder
     if holder.play_mm == 0.0:
         return 0
@@ -291,7 +291,9 @@ def stop_in_play(conditions: ContactConditions, state: Iterate) -> int:
 
 
 def held_place(conditions: ContactConditions, stop: int) -> float | None:
-    """Position in mm in its free play at which the holder is held; None while it floats."""
+    """Position in mm in its free play, 0 in the middle, at which the holder is held while on `stop` (see
+    `stop_in_play`); 0 without play, None while it floats.
+    """
     system = conditions.system
     if system.holder.play_mm == 0.0:
         return 0.0
@@ -305,7 +307,9 @@ def held_place(conditions: ContactConditions, stop: int) -> float | None:
 def fill_holder_rows(
     transposed: Array, rhs: Array, nodes: Nodes, carried: Carried, holder: HolderTerms, on: IntArray, tan: IntArray
 ) -> None:
-    """Write the last three equations in place: the forces' balance along z and x and of moments about the pivot."""
+    """Write the last three equations, the forces' balance along z and x and of moments about the pivot, into the
+    transposed matrix and the right-hand side in place. on, tan: nodes of the unknowns, see `equations`.
+    """
     size = len(rhs)
     z, x, t = size - 3, size - 2, size - 1
     for place in range(size - 3):
@@ -347,7 +351,9 @@ def fill_holder_rows(
 
 
 def unbalanced_force(conditions: ContactConditions, state: Iterate, traction: Array) -> float:
-    """Largest unbalanced force on the holder under tractions (k, 3), over the normal force."""
+    """Largest unbalanced force on the holder, by its springs and load, under tractions (k, 3) in MPa, over the normal
+    force.
+    """
     system, areas, holder = conditions.system, conditions.nodes.areas, conditions.system.holder
     force = areas @ traction
     expected = holder.load_N(state.height, system.pressed_height) if system.prescribed_height is None else force[2]

@@ -27,13 +27,11 @@ from solvers.newton.terms import Carried, HolderTerms, Iterate, LinearLaws, Node
 
 
 class Loaded(NamedTuple):
-    """Displacements by tractions on known nodes, see `PairedCompliance`: columns of `matrix`, and each node's `place`
-    or -1.
-    """
+    """Displacements of the k nodes by unit tractions on those that are known, see `PairedCompliance`."""
 
-    matrix: Array
+    matrix: Array  #: (3 k, 3 known or more) mm per MPa.
     known: int
-    place: IntArray
+    place: IntArray  #: (k,) number of each node among the known ones, -1 if not known.
     layer: float  #: Compliance of an elastic layer between the bodies, mm per MPa.
 
 
@@ -41,10 +39,10 @@ class Loaded(NamedTuple):
 def gap_rows(
     loaded: Loaded, follow: IntArray, nodes: Nodes, carried: Carried, laws: LinearLaws, on: IntArray, tan: IntArray
 ) -> tuple[Array, Array]:
-    """The transposed matrix (size, size) and the right-hand side (size,), of which the first a rows, of zero gap, are
-    filled.
+    """The transposed matrix (size, size) and the right-hand side (size,), in which only the rows of zero gap are
+    filled, the first a.
 
-    follow: nodes whose friction follows a known direction.
+    follow: indices of nodes whose friction follows a known direction. on, tan: indices of the nodes of the unknowns.
     """
     size = len(on) + 2 * len(tan) + 3
     transposed, rhs = np.zeros((size, size)), np.zeros(size)
@@ -78,10 +76,10 @@ def slip_rows(
     on: IntArray,
     tan: IntArray,
 ) -> tuple[Array, Array]:
-    """Slips of the m nodes `tan` along both tangents as affine functions of the unknowns: (2 m, size) and constants (2
-    m,).
+    """Slips in mm of the m nodes `tan`, all along the first tangent, then along the second, as affine functions of the
+    unknowns: (2 m, size) factors and (2 m,) constants.
 
-    tangential: (k, 2) tangential tractions at which layers are linearised.
+    tangential: (k, 2) tangential tractions in MPa at which layers are linearised.
     """
     a, m = len(on), len(tan)
     size = a + 2 * m + 3
@@ -187,9 +185,10 @@ def fill_friction_rows(
     on: IntArray,
     tan: IntArray,
 ) -> None:
-    """Write the rows of the nodes `tan`: zero slip, or the linearised projection onto the friction cone.
+    """Write the rows of the nodes `tan` into the transposed matrix and the right-hand side in place: zero slip, or the
+    linearised projection onto the friction cone.
 
-    slips, offsets: as from `slip_rows`.  With the unknowns q the projection reads q - tau(p) d - weight (1 - d d^T)(q -
+    slips, offsets: as from `slip_rows`. With the unknowns q the projection reads q - tau(p) d - weight (1 - d d^T)(q -
     augmentation s) = 0; the rows are multiplied by the slip per traction.
     """
     a, m = len(on), len(tan)
@@ -222,9 +221,8 @@ def fill_friction_rows(
 
 
 def newton_step(conditions: ContactConditions, state: Iterate, about: Array) -> Solution | None:
-    """Tractions and holder position that meet the linearised conditions with each node's present status.
-
-    None where the equations are singular.  about: pressures (k,) at which friction and layers are linearised.
+    """Tractions and holder position that meet the linearised conditions with each node's status in `state`; None where
+    the equations are singular. about: pressures (k,) in MPa at which friction and layers are linearised.
     """
     system, scales, nodes = conditions.system, conditions.scales, conditions.nodes
     compliance, stop = system.compliance, stop_in_play(conditions, state)

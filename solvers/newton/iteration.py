@@ -35,8 +35,8 @@ _MESH_TOO_COARSE = "most likely the mesh is too coarse for this contact: take a 
 def converged_outcome(
     conditions: ContactConditions, before: Iterate, state: Iterate, iterations: int
 ) -> ContactOutcome:
-    """The outcome of a converged state, with its residuals; `before` is the state before, in which nodes had the same
-    status.
+    """The outcome of a converged `state`, with its residuals; `before`: the state before it, with the status that nodes
+    have.
     """
     system, layer = conditions.system, conditions.system.compliance.layer
     scale = max(state.elastic, 1e-300)
@@ -110,7 +110,9 @@ def _residuals(
 
 
 def failed_outcome(conditions: ContactConditions, state: Iterate, iterations: int, message: str) -> ContactOutcome:
-    """The outcome where no state meets the conditions; `message` is a sentence that says why."""
+    """The outcome if no state meets the conditions, with the tractions of the latest one; `message` is a sentence that
+    says why.
+    """
     return ContactOutcome(
         converged=False,
         message=message,
@@ -211,7 +213,9 @@ class SemismoothNewton:
     """Newton's method for contact conditions that change with the status of nodes; see `solvers.contact_conditions`."""
 
     def solve_contact(self, system: Linearisation, guess: ContactGuess, /) -> ContactOutcome:
-        """Tractions and holder position of a pairing: nodes change their status until none does."""
+        """Tractions and holder position of a pairing; the outcome says if it `converged`, within 60 steps, and why
+        not.
+        """
         height = guess.height if system.prescribed_height is None else system.prescribed_height
         conditions = ContactConditions(system, guess.active)
         before = state = conditions.first(guess.traction, height, guess.holder_x, guess.active)

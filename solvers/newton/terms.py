@@ -1,4 +1,7 @@
-"""The terms of the compiled equations of one pairing: named tuples of arrays over its k nodes and plain numbers."""
+"""The terms of the compiled equations of one pairing: named tuples of arrays over its k nodes and plain numbers.
+
+Units are mm, N and MPa. A local frame is a node's normal and two tangents, see `Pairing`.
+"""
 
 from math import nan
 from typing import NamedTuple
@@ -11,8 +14,8 @@ from solvers.jit_cache import inlined
 
 
 class Carried(NamedTuple):
-    """Tractions of k nodes in world axes as functions of the normal one p: `per_normal` (k, 3) times p plus `constant`
-    (k, 3).
+    """Tractions of k nodes in world axes by their normal traction p: `per_normal` (k, 3) times p plus `constant` (k,
+    3).
     """
 
     per_normal: Array
@@ -22,8 +25,8 @@ class Carried(NamedTuple):
 
 @inlined
 def carried_by(nodes: "Nodes", state: "Iterate", laws: "LinearLaws") -> Carried:
-    """World tractions of k nodes per normal traction, with the linearised friction of those that follow a known
-    direction.
+    """World tractions of k nodes per normal traction; where friction follows a known direction, with its linearised
+    law.
     """
     frames, direction = nodes.frames, state.direction
     per_normal, constant = np.empty((len(frames), 3)), np.zeros((len(frames), 3))
@@ -40,8 +43,8 @@ def carried_by(nodes: "Nodes", state: "Iterate", laws: "LinearLaws") -> Carried:
 
 
 class Nodes(NamedTuple):
-    """The k nodes of a pairing, and the holder's position before the increment; fields as in `Linearisation` and
-    `Pairing`.
+    """The k nodes of a pairing, and the holder's position before the increment. Fields are those of `Pairing` and
+    `Linearisation`; old_sheared: (k, 3) displacement of layers by earlier tractions.
     """
 
     frames: Array
@@ -61,14 +64,13 @@ class Nodes(NamedTuple):
 class Iterate(NamedTuple):
     """A state of the iteration: tractions, the holder's position, gaps and slips, and the status of the k nodes.
 
-    normal, tangential: (k,) and (k, 2) in local frames, MPa.  gap, slip: (k,) and (k, 2), mm.
-    elastic: largest elastic displacement, mm.
-    active: (k,) nodes in contact.  touching, fresh: their number, and how many of them are not yet known to the
-    compliance.
-    stick: (k,) nodes that stick.  near_stick: nodes that keep tangential unknowns since their slip is short.  follows:
-    nodes that slip far, with a known direction of friction.
-    verge: (k,) nodes at their limit within round-off, which may count as sticking or slipping.
-    direction: (k, 2) of friction.  augmentation: (k,) MPa per mm of slip.  limit: (k,) of friction, MPa.
+    normal, tangential: (k,) and (k, 2) in local frames, MPa. height, holder_x, tilt: the holder's, mm and rad. gap,
+    slip: (k,) and (k, 2), mm. elastic: largest elastic displacement, mm. active: (k,) nodes in contact. touching,
+    fresh: their number, and how many of them are not yet known to the compliance. stick: (k,) nodes that stick.
+    near_stick: (k,) nodes whose tangential tractions are unknowns, as they stick or slip little. follows: (k,) nodes
+    that slip far, with a known direction of friction. verge: (k,) nodes at their limit within round-off, which may
+    count as sticking or slipping. direction: (k, 2) unit vectors of friction. augmentation: (k,) MPa per mm of slip.
+    limit: (k,) of friction, MPa.
     """
 
     normal: Array
@@ -92,9 +94,9 @@ class Iterate(NamedTuple):
 
 
 class LinearLaws(NamedTuple):
-    """Friction and layers at k nodes, linearised at pressures (k,); terms of layers are zero without layers."""
+    """Friction and layers at k nodes, (k,) each, linearised at pressures; terms of layers are zero without layers."""
 
-    pressure: Array
+    pressure: Array  #: At which is linearised, MPa.
     slope: Array  #: Derivative of friction's limit by pressure.
     offset: Array  #: The tangent of the limit extrapolated to zero pressure, MPa.
     closure: Array  #: The tangent of the layers' closure extrapolated to zero pressure, mm.
@@ -104,8 +106,8 @@ class LinearLaws(NamedTuple):
 
 
 class HolderTerms(NamedTuple):
-    """The holder's springs and where it is held, as in `Holder`; NaN for `held_mm`, `height_mm`, `rigid_x_mm` if not
-    held so.
+    """The holder's springs, load and pivot, as in `Holder`, and where it is held; `held_mm`, `height_mm` and
+    `rigid_x_mm` are NaN unless it is held in that way.
     """
 
     pivot_mm: float
@@ -114,7 +116,8 @@ class HolderTerms(NamedTuple):
     normal_N_per_mm: float
     tangential_mm_per_N: float
     rotational_rad_per_N_mm: float
-    series_mm_per_N: float  #: Compliance of contact and rig, which scales the row of a holder that floats.
+    #: Compliance of contact and rig, which scales the equation of a holder that floats in its play.
+    series_mm_per_N: float
     held_mm: float  #: Position in its free play at which the holder is held.
     height_mm: float  #: Prescribed height.
     rigid_x_mm: float  #: Constant of the equation that a rigid rig sets for the holder's position and tilt.
@@ -151,9 +154,10 @@ def linear_laws(system: Linearisation, pressure: Array) -> LinearLaws:
 
 
 def holder_terms(system: Linearisation, series_mm_per_N: float, held_mm: float | None) -> HolderTerms:
-    """The holder's terms, held at `held_mm` in its free play or, with None, floating.
+    """The holder's terms in the equations.
 
-    series_mm_per_N: compliance of contact and rig, which scales the equation of a holder that floats.
+    held_mm: position in its free play at which it is held; None: it floats. series_mm_per_N: compliance of contact and
+    rig, which scales the equation of a holder that floats.
     """
     holder, height = system.holder, system.prescribed_height
     rigid = holder.tangential_compliance_mm_per_N == 0.0 and holder.play_mm == 0.0

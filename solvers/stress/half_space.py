@@ -24,8 +24,10 @@ _FLAT = 1e-6  #: Wave number of the mean over the smallest other one: its limit 
 
 @dataclass(frozen=True, eq=False)
 class HalfSpace:
-    """shape: odd numbers of points of the grid along x and y; (n, 1) for plane strain, with nothing changing along y.
-    step_mm: between points. layers_mm: (l,) thickness of each layer from the surface down.
+    """An elastic half-space on a grid with l layers.
+
+    shape: odd numbers (n_x, n_y) of points of the grid along x and y; (n, 1) for plane strain, with nothing changing
+    along y. step_mm: between points. layers_mm: (l,) thickness of each layer from the surface down.
     """
 
     material: Elastic
@@ -35,26 +37,26 @@ class HalfSpace:
 
     @cached_property
     def depths_mm(self) -> Array:
-        """Depth (l,) of each layer's middle."""
+        """(l,) depth of each layer's middle."""
         return np.asarray(np.cumsum(self.layers_mm) - 0.5 * self.layers_mm)
 
     @property
     def elastic(self) -> tuple[float, float]:
-        """Lamé's constants in MPa."""
+        """Lamé's constants (λ, μ) in MPa."""
         shear, nu = self.material.shear_modulus_MPa, self.material.poissons_ratio
         return 2.0 * shear * nu / (1.0 - 2.0 * nu), shear
 
     def axes_mm(self) -> tuple[Array, Array]:
-        """Coordinates of the grid's lines, zero in its middle."""
+        """Coordinates x (n_x,) and y (n_y,) of the grid's points, zero in its middle."""
         along, across = (h * np.arange(-(n // 2), n // 2 + 1.0) for n, h in zip(self.shape, self.step_mm, strict=True))
         return np.asarray(along, dtype=np.float64), np.asarray(across, dtype=np.float64)
 
     def moved(self, traction_MPa: Array | None, initial_MPa: Array | None) -> tuple[Array, Array]:
-        """Strains (l, n_x, n_y, 6) of tensors in the middles of layers, and displacements (n_x, n_y, 3) of the surface
-        in mm.
+        """Strains (l, n_x, n_y, 6), tensor components in the middles of layers, and displacements (n_x, n_y, 3) of the
+        surface in mm.
 
-        traction_MPa: (n_x, n_y, 3) on the surface. initial_MPa: (l, n_x, n_y, 6) stresses by which the initial strains
-        would be elastic ones.
+        traction_MPa: (n_x, n_y, 3) on the surface, z outwards; None: none. initial_MPa: (l, n_x, n_y, 6) initial
+        strains times the elastic moduli; None: none.
         """
         size, count = len(self.layers_mm), (self.shape[0], self.shape[1] // 2 + 1)
         pushed = np.zeros((*count, 3), dtype=complex)
@@ -71,7 +73,7 @@ class HalfSpace:
         return strain, fft.irfft2(surface, s=self.shape, axes=(0, 1))
 
     def stresses(self, strain: Array) -> Array:
-        """Stresses (..., 6) in MPa by elastic strains (..., 6) of tensors."""
+        """Stresses (..., 6) in MPa by elastic strains (..., 6), tensor components."""
         lame, shear = self.elastic
         result = 2.0 * shear * strain
         result[..., :3] += lame * strain[..., :3].sum(axis=-1, keepdims=True)

@@ -41,7 +41,7 @@ class Factor:
     fronts: tuple[elimination.Front, ...]
 
     def solved(self, forces: Array) -> Array:
-        """Displacements (n, k) by forces (n, k); those at held unknowns are left out of account."""
+        """Displacements (n, k) by forces (n, k); 0 at held unknowns, whatever forces act there."""
         left = forces.astype(np.float64, copy=True)
         for front in self.fronts:
             left[front.held] = 0.0
@@ -59,10 +59,10 @@ class Factor:
 
 
 def factorised(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int, held: BoolArray) -> tuple[Factor, ...]:
-    """Factors of a symmetric matrix (d n, d n) on nodes (k,), all others being held at zero.
+    """Factors of a symmetric matrix (d n, d n) on the unknowns of nodes (k,), all others being held at zero.
 
-    One for each way (v, d n) to hold further unknowns; they share what belongs to substructures without held ones.
-    SolverError where the rest is not positive definite.
+    held: (v, d n) unknowns held besides, in each of v ways; one factor for each way, which share what belongs to
+    substructures without held ones. Raises SolverError where the rest is not positive definite.
     """
     d = unknowns_per_node
     graph = elimination.node_graph(matrix, d)
@@ -76,7 +76,9 @@ def factorised(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int, held
 
 
 def all_at_nodes(points: IntegrationPoints, values: Iterable[Array]) -> Array:
-    """The fields (s, n, k) that `points.at_nodes` makes of s values (m, q, k) each, by one factor for all."""
+    """Nodal fields (s, n, k) closest in the mean square to each of s `values` (m, q, k): `points.at_nodes` of each, by
+    one factor for all.
+    """
     mass, used = points.mass
     loads = np.stack([points.loads(one) for one in values], axis=1)
     (factor,) = factorised(mass, np.arange(len(used)), 1, np.zeros((1, len(used)), dtype=bool))
@@ -87,26 +89,24 @@ def all_at_nodes(points: IntegrationPoints, values: Iterable[Array]) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class CycleImage:
-    """A mirror that takes a body onto itself and some states of its cycle into others; also the identity, with no
+    """A mirror that takes a body onto itself and states of its cycle into others; it may be the identity, without a
     mirror.
 
     For example the second half of a stroke to and fro is the image of the first.
     """
 
-    sides: Array  #: (3,) of ones, minus one of the axes about whose zero it is mirrored.
-    node: IntArray  #: (n,) images of the nodes.
-    source: IntArray  #: (s,) the earlier state of which each is the image, itself where there is none.
+    sides: Array  #: (3,) -1 for axes about whose zero it mirrors, else 1.
+    node: IntArray  #: (n,) node onto which each is mapped.
+    source: IntArray  #: (s,) index of the earlier state of which each state is the image; its own if there is none.
 
     @cached_property
     def computed(self) -> IntArray:
-        """Indices of the states that are not mirror images of earlier ones, and so must be computed."""
+        """(c,) indices of the states that are not images of earlier ones, and so must be computed."""
         return np.flatnonzero(self.source == np.arange(len(self.source)))
 
     def with_images(self, points_mm: Array) -> tuple[Array, IntArray]:
         """The points (k, 2) in mm followed by their mirror images, and the index in that list of each entry's own
-        image.
-
-        If `sides` mirror nothing, the points alone, each its own image.
+        image, (2 k,); the points alone, each its own image, if `sides` mirrors nothing.
         """
         count = np.arange(len(points_mm))
         if np.all(self.sides > 0.0):
@@ -114,7 +114,9 @@ class CycleImage:
         return np.vstack([points_mm, points_mm * self.sides[:2]]), np.concatenate([len(count) + count, count])
 
     def completed(self, stress: Array, image: IntArray) -> Array:
-        """Stresses (s, k, 6) of all states, from those of the computed ones at places whose images are (k,)."""
+        """Stresses (s, k, 6) of all states, from those (c, k, 6) of the computed ones, at points of which `image` (k,)
+        is the index of the mirror image.
+        """
         found: Array = stress[np.searchsorted(self.computed, self.source)]
         others = self.source != np.arange(len(self.source))
         found[others] = found[others][:, image] * [self.sides[i] * self.sides[j] for i, j in TENSOR_PLACES]
@@ -123,13 +125,14 @@ class CycleImage:
 
 @dataclass
 class Interior:
-    """A body held at nodes of its mesh."""
+    """A body with nodes that are held, solved for the displacements of all n nodes by forces on some. Factors of its
+    stiffness are kept once made.
+    """
 
     mesh: HexMesh | QuadMesh
     material: Elastic
-    held: IntArray  #: Nodes that do not move.
-    #: (n,) stiffness in N/mm by which each node is held elastically in all three directions (of a planar body per mm),
-    #: zero at most of them.
+    held: IntArray  #: Indices of nodes that do not move.
+    #: (n,) stiffness in N/mm (planar: per mm) that holds nodes elastically in all directions; 0 at most. None: none is.
     bedding: Array | None = None
     _factors: dict[tuple[bool, ...], Factor] = field(default_factory=dict, repr=False)
 
@@ -145,11 +148,13 @@ class Interior:
 
     @property
     def planes(self) -> tuple[int, ...]:
-        """Axes about whose zero the body, with what holds it, is its own mirror image."""
+        """Axes (0: x, 1: y) about whose zero the body, with what holds it, is its own mirror image."""
         return tuple(self._images)
 
     def displacements(self, nodes: IntArray, forces: Array) -> Array:
-        """Displacements (s, n, 3) in mm of all nodes in s states, by forces (s, k, 3) in N on nodes (k,)."""
+        """Displacements (s, n, 3) in mm of all nodes in s states, by forces (s, k, 3) in N on the nodes of index
+        (k,).
+        """
         loaded = np.unique(nodes)
         for image in self._images.values():
             loaded = np.union1d(loaded, image[loaded])
@@ -170,9 +175,10 @@ class Interior:
         return result
 
     def cycle_image(self, nodes: IntArray, forces: Array, further: Array) -> CycleImage:
-        """The image of states under forces (s, k, 3) on nodes (k,) that leaves the fewest to be computed.
+        """The mirror by which most of s states are images of others, so that the fewest need be computed. The states
+        are under forces (s, k, 3) on the nodes of index (k,).
 
-        further: (s, k) what else acts on them and is its own image about all planes.
+        further: (s, f) numbers that must be equal in a state and its image: what else acts, symmetric about all planes.
         """
         count, everywhere = np.arange(len(forces)), np.arange(len(self.mesh.points))
         size, found = np.abs(forces).max(initial=0.0), []
@@ -193,7 +199,7 @@ class Interior:
         return min(found, key=lambda one: len(one.computed))
 
     def forget(self) -> None:
-        """Give up the factors: the next displacements make them again."""
+        """Free the memory of the factors; the next displacements make them again."""
         self._factors.clear()
 
     def _moved(self, forces: Array, odd: tuple[bool, ...]) -> Array:
@@ -248,9 +254,9 @@ class Interior:
 
 @dataclass
 class EmbeddedInterior(Interior):
-    """A block of our own elements in a body from a file, which is held in its host: see `solvers.elasticity.embedding`.
+    """A block of own elements within a host, a body from a file that is held; see `solvers.elasticity.embedding`.
 
-    Its `mesh` is the block's, of which alone it gives displacements.
+    `mesh` is the block's, and displacements are given for its nodes only.
     """
 
     joined: Joined = field(kw_only=True)
@@ -259,7 +265,6 @@ class EmbeddedInterior(Interior):
         self._images = {}
 
     def displacements(self, nodes: IntArray, forces: Array) -> Array:
-        """Displacements (s, n, 3) in mm of the block's nodes in s states, by forces (s, k, 3) in N on nodes (k,)."""
         size = self.joined.stiffness.shape[0]
         with threadpool_limits(limits=1, user_api="blas"):
             if () not in self._factors:
@@ -272,7 +277,7 @@ class EmbeddedInterior(Interior):
 
 
 def forces_on_bodies(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
-    """Forces (n, 3) in N on the patch nodes of the upper and the lower body, each in the body's own axes.
+    """Forces (n, 3) in N on the patch nodes of the upper and of the lower body, each in the body's own axes.
 
     The contact lumps the primary's tractions to its nodes. Here they act as the field between the nodes that they stand
     for, as they do on the secondary: the same total force, but stresses beneath both bodies that agree.
@@ -289,19 +294,20 @@ def _signs(axis: int) -> Array:
 
 @dataclass(frozen=True)
 class StuckMotion:
-    """Unit motion along x of the upper body's grip over the held grip of the lower body."""
+    """How two planar bodies, stuck together, deform when the upper one's grip moves by 1 along x over the held grip of
+    the lower one.
+    """
 
     upper: PlanarMesh
     lower: PlanarMesh
     #: (n, 2) displacements (x, z) of nodes per motion of the grip, z upwards for both bodies.
     upper_displacement: Array
     lower_displacement: Array
-    force_N_per_mm2: float  #: Tangential force per thickness and motion of the grip.
+    force_N_per_mm2: float  #: Tangential force in N per mm of thickness and per mm of motion.
 
     def stiffness_between(self, depth_mm: float) -> float:
-        """Force per thickness in N/mm² over the relative motion of two points on x = 0, at one depth in both bodies.
-
-        In a body that is not so deep, the point lies at its grip.
+        """Stiffness in N/mm² (force per thickness and motion) between two points on x = 0, one in each body at this
+        depth; in a body that is not so deep, at its grip.
         """
         above = _at_depth(self.upper.mesh.points, self.upper_displacement, depth_mm)
         below = _at_depth(self.lower.mesh.points, self.lower_displacement, depth_mm)
@@ -311,11 +317,11 @@ class StuckMotion:
 def move_stuck(
     upper: PlanarMesh, lower: PlanarMesh, upper_material: Elastic, lower_material: Elastic, half_width_mm: float
 ) -> StuckMotion:
-    """Join two bodies where |x| <= `half_width_mm` and move the upper one's grip by a unit along x.
+    """Join two planar bodies where |x| <= `half_width_mm` and move the upper one's grip by a unit along x.
 
-    The upper body is the mirror image of its mesh, facing down. Points of the contact keep their places on both
-    bodies, so that the small gap between curved faces, which the normal load closes, does not distort elements.
-    The patches have the same mesh lines. Raises SolverError if fewer than three nodes would be joined.
+    The upper body is the mirror image of its mesh, facing down. Points of the contact keep their places on both bodies,
+    so that the small gap between curved faces, which the normal load closes, does not distort elements. Both patches
+    must have the same mesh lines. Raises SolverError if fewer than three nodes would be joined.
     """
     x = lower.patch.axial_mm
     joined = np.abs(x) <= half_width_mm * (1.0 + 1e-9)

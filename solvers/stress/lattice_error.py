@@ -36,7 +36,8 @@ _OF_TRACTION = ((2, 2), (4, 1), (5, 0))  #: Stress components that are the tract
 def lattice_error(
     along_mm: float, across_mm: float, first_layer_mm: float, growth: float, poissons_ratio: float
 ) -> Array:
-    """Elements' surface stress less the half-space's by a unit traction at one node, bilinear to zero at the next.
+    """Elements' stress in a surface less a half-space's, around a node, by a unit traction at it that falls bilinearly
+    to zero at the next.
 
     Returns (2 w + 1, 2 w + 1, 6, 3): at the nodes up to w away along and across, by component of stress and traction.
     Bricks measure `along_mm` by `across_mm`; the layers' thickness grows from `first_layer_mm` by the factor `growth`.
@@ -50,7 +51,8 @@ def lattice_error(
 
 @lru_cache(maxsize=32)
 def line_lattice_error(along_mm: float, first_layer_mm: float, growth: float, poissons_ratio: float) -> Array:
-    """Stencil (2 w + 1, 6, 3) of the error of a half-plane's quadrilaterals, from waves that do not change across.
+    """Elements' stress in a surface less a half-plane's, (2 w + 1, 6, 3), otherwise as `lattice_error`: for
+    quadrilaterals, from waves that do not change across.
 
     Under these, bricks are quadrilaterals in plane strain, whatever their width.
     """
@@ -61,9 +63,8 @@ def line_lattice_error(along_mm: float, first_layer_mm: float, growth: float, po
 
 
 def surface_response(kx: Array, ky: Array, poissons_ratio: float) -> ComplexArray:
-    """Stress in a half-space's surface by waves of traction of wave numbers (n,), (n, 6, 3).
-
-    Of what depends on the direction, the mean of all directions for a constant traction.
+    """Stress (n, 6, 3) in a half-space's surface, by component, under waves of traction of unit amplitude. kx, ky: (n,)
+    wave numbers; at 0 what depends on the direction is the mean of all directions.
     """
     size = np.hypot(kx, ky)
     inverse = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)

@@ -1,7 +1,8 @@
 """Stress at the points of a line contact's surface: as in `surface_stress`, with a half-plane's closed forms.
 
 On the surface of a half-plane only the stress along it depends on tractions elsewhere: by shear at a distance r ahead
-it is 2/(π r) times its size, by pressure it is the pressure itself (Johnson, Contact Mechanics, 1985, section 2.5).
+it is 2/(π r) times its size, by pressure it is the pressure itself (Johnson, Contact Mechanics, 1985, section 2.5). The
+window is the part of the patch, of m nodes, whose lines are evenly spaced; there stresses are corrected.
 """
 
 from dataclasses import dataclass
@@ -22,7 +23,7 @@ _DISTANCES = 2000  #: Distances at which shear ahead and behind is summed; their
 
 @dataclass(frozen=True, eq=False)
 class LineSurfaceStress:
-    """A planar body's contact patch whose stresses are to be corrected where its elements are alike."""
+    """A planar body's contact patch whose stresses are to be corrected within a window about its middle."""
 
     mesh: QuadMesh
     patch: ContactPatch
@@ -32,13 +33,13 @@ class LineSurfaceStress:
 
     @classmethod
     def of(cls, body: PlanarMesh, material: Elastic) -> "LineSurfaceStress":
-        """The surface of a meshed pad or specimen."""
+        """From a meshed pad or specimen of this material."""
         geometry = body.geometry
         return cls(body.mesh, body.patch, material, (float(geometry.layers()[0]), geometry.growth))
 
     @cached_property
     def window(self) -> slice:
-        """Slice of the patch's lines that are evenly spaced: the window in which stresses are corrected."""
+        """The slice of the patch's lines that are evenly spaced."""
         return alike(self.patch.axial_mm)
 
     @property
@@ -47,7 +48,9 @@ class LineSurfaceStress:
 
     @cached_property
     def frames(self) -> Array:
-        """Matrices (m, 3, 3) into the surface's own axes at the window's nodes: its tangent, y, its outward normal."""
+        """(m, 3, 3) matrices from the body's axes into the surface's at the window's nodes; rows: its tangent, y, its
+        outward normal.
+        """
         points = self.mesh.points[self.patch.nodes[:, 0]]
         slope = np.gradient(points[:, 1], points[:, 0])[self.window]
         size = np.hypot(1.0, slope)
@@ -59,8 +62,8 @@ class LineSurfaceStress:
 
     @cached_property
     def stencil(self) -> Array:
-        """Stresses (2 m - 1, 6, 3) that elements give under a unit traction at one node, falling linearly to zero at
-        the next.
+        """(2 m - 1, 6, 3) stresses that elements give, around a node, by component of a unit traction at it that falls
+        linearly to zero at the next.
         """
         nu, count = self.material.poissons_ratio, len(self.patch.axial_mm[self.window])
         error = line_lattice_error(self.spacing_mm, *self.layers, nu)
@@ -74,7 +77,7 @@ class LineSurfaceStress:
         return result
 
     def under(self, force_N_per_mm: Array) -> "LoadedLine":
-        """The surface under forces (n, 3) at the patch's nodes."""
+        """The surface under forces (n, 3) in N per mm, in the body's axes, at the patch's nodes."""
         traction = unspread(self.patch.axial_mm, force_N_per_mm)[self.window]
         # Of a tilted surface there is more than of the plane beneath it.
         local = np.einsum("iab,ib->ia", self.frames, traction) * self.frames[:, 2, 2, None]
@@ -83,7 +86,7 @@ class LineSurfaceStress:
 
 @dataclass(frozen=True, eq=False)
 class LoadedLine:
-    """Tractions (m, 3) at the nodes of a surface's window, in MPa, along its tangent, y and its normal."""
+    """Tractions (m, 3) in MPa at the nodes of a surface's window, along its tangent, y and its outward normal."""
 
     surface: LineSurfaceStress
     traction: Array
@@ -93,14 +96,14 @@ class LoadedLine:
         return SubgridTraction.of_nodes(self.traction[:, None])
 
     def edge(self) -> Array:
-        """Points (k, 2) of the patch in mm, their second coordinate zero, at which the contact ends."""
+        """Points (k, 2) in mm of the patch at which the contact ends; their second coordinate is 0."""
         lines = self.surface.patch.axial_mm[self.surface.window]
         along = np.interp(self.between.edge()[:, 0], np.arange(float(len(lines))), lines)
         return np.column_stack([along, np.zeros(len(along))])
 
     def correction(self, points_mm: Array) -> Array:
-        """Stresses (k, 6) in MPa, in the body's axes, to be added to the elements' stresses at points (k, 2) of the
-        patch.
+        """Stresses (k, 6) in MPa, in the body's axes, to be added to the elements' stresses at points (k, 2) in mm of
+        the patch; 0 at points far from the contact or outside the window.
         """
         lines, along_mm = self.surface.patch.axial_mm[self.surface.window], points_mm[:, 0]
         places = np.interp(along_mm, lines, np.arange(float(len(lines))))

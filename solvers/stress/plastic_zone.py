@@ -1,8 +1,8 @@
 """Metal that flows beneath a contact: plastic and residual strain, and the print that is left on the surface.
 
 Plastic strain acts as initial strain of an elastic half-space (Mendelson, Plasticity (1968)). It is found as that by
-which the metal flows under the strain that it and the contact make; from one round to the next by Anderson's mixing
-(J. ACM 12 (1965) 547).
+which the metal flows under the strain that it and the contact make; from one round to the next by Anderson's mixing (J.
+ACM 12 (1965) 547). Points lie in the middles of l layers, on a grid of (n_x, n_y); z points out of the half-space.
 """
 
 from collections.abc import Callable
@@ -21,10 +21,9 @@ _TOLERANCE = 1e-3  #: Of the plastic strain of a step over the largest elastic o
 
 @dataclass(frozen=True)
 class Flowed:
-    """A half-space after a step of loading: state of its points, stresses, residual displacement and traction.
-
-    `stress` (l, n_x, n_y, 6) in MPa; `residual_mm` (n_x, n_y, 3), displacement of the surface by plastic strain;
-    `traction_MPa` (n_x, n_y, 3).
+    """A half-space after a step of loading: plastic state `flow` of its points; stress (l, n_x, n_y, 6) in MPa;
+    residual_mm (n_x, n_y, 3), displacement of the surface by plastic strain alone; traction_MPa (n_x, n_y, 3) on the
+    surface.
     """
 
     flow: Flow
@@ -35,14 +34,14 @@ class Flowed:
 
 @dataclass(frozen=True, eq=False)
 class PlasticZone:
-    """A half-space whose metal flows."""
+    """An elastic half-space whose metal flows."""
 
     space: HalfSpace
     metal: Metal
 
     @property
     def fresh(self) -> Flowed:
-        """The half-space before any load."""
+        """The half-space before any load: without strain, stress or traction."""
         along, across = self.space.shape
         points = (len(self.space.layers_mm), along, across)
         return Flowed(
@@ -51,12 +50,14 @@ class PlasticZone:
         )  # fmt: skip
 
     def under(self, traction_MPa: Array, before: Flowed) -> Flowed:
-        """The half-space after a step to known tractions (n_x, n_y, 3), as `loaded` finds it."""
+        """The half-space after a step from `before` to known tractions (n_x, n_y, 3). Raises NotConvergedError as
+        `loaded`.
+        """
         return self.loaded(lambda _: traction_MPa, before)
 
     def loaded(self, traction: Callable[[Array], Array], before: Flowed) -> Flowed:
-        """The half-space after a step to tractions (n_x, n_y, 3), which may depend on the residual displacement.
-        Raises NotConvergedError if it cannot bear them, or nearly so.
+        """The half-space after a step from `before` to tractions (n_x, n_y, 3) in MPa; traction: gives them from the
+        residual displacement (n_x, n_y, 3) in mm. Raises NotConvergedError if the metal cannot bear them, or nearly so.
         """
         points, shear = before.stress.shape, self.space.material.shear_modulus_MPa
         old, strain, mixing = before.flow.strain, before.flow.strain, _Mixing()

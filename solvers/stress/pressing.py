@@ -14,10 +14,10 @@ _MOST_STEPS, _TOLERANCE = 400, 1e-7
 
 
 def depth_by_rectangle(along_mm: Array, across_mm: Array, wide_mm: float | Array, high_mm: float | Array) -> Array:
-    """Displacement of a half-space's surface by unit pressure on a rectangle, times π E*, in mm.
+    """Displacement of a half-space's surface, into it, by unit pressure on a rectangle, times π E*, in mm.
 
-    along_mm, across_mm: distances from the rectangle's middle along its sides, which are `wide_mm` and `high_mm` long;
-    all are broadcast (Love, Phil. Trans. R. Soc. A 228 (1929) 377).
+    along_mm, across_mm: distances of the point from the rectangle's middle along its sides, which are `wide_mm` and
+    `high_mm` long; all are broadcast (Love, Phil. Trans. R. Soc. A 228 (1929) 377).
     """
     depth: Array = np.zeros(np.broadcast_shapes(np.shape(along_mm), np.shape(across_mm)))
     for side in (0.5, -0.5):
@@ -29,7 +29,10 @@ def depth_by_rectangle(along_mm: Array, across_mm: Array, wide_mm: float | Array
 
 @dataclass(frozen=True, eq=False)
 class Indenter:
-    """A profile with a gap (n_x, n_y) in mm, zero where it touches first, to an elastic surface of modulus E* [MPa]."""
+    """A hard profile above an elastic surface, on a grid of (n_x, n_y) cells.
+
+    gap_mm: (n_x, n_y), zero where it touches first. step_mm: size (x, y) of a cell. modulus_MPa: E* of both surfaces.
+    """
 
     gap_mm: Array
     step_mm: tuple[float, float]
@@ -49,14 +52,17 @@ class Indenter:
         return tuple(fft.next_fast_len(2 * n) for n in self.gap_mm.shape)
 
     def displacement(self, pressure: Array) -> Array:
-        """Elastic displacement (n_x, n_y) in mm of both surfaces by pressures (n_x, n_y) in MPa."""
+        """Elastic approach (n_x, n_y) in mm of both surfaces at the cells by pressures (n_x, n_y) in MPa."""
         n_x, n_y = pressure.shape
         spectrum = fft.rfft2(pressure, s=self._size) * self._kernel
         return np.asarray(fft.irfft2(spectrum, s=self._size)[:n_x, :n_y])
 
     def carried(self, load_N: float, print_mm: Array, guess: Array) -> tuple[Array, float]:
-        """Pressures (n_x, n_y) in MPa, zero or more, that carry the load on surfaces with prints, and the approach in
-        mm, by conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206).
+        """Pressures (n_x, n_y) in MPa, zero or more, that carry the load, and the approach in mm of the bodies, by
+        conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206).
+
+        print_mm: (n_x, n_y) depth added to the gap. guess: (n_x, n_y) pressures to start from, positive where they may
+        become so, of any scale.
         """
         gap, mean = self.gap_mm + print_mm, load_N / (self.step_mm[0] * self.step_mm[1])
         pressure = guess * (mean / guess.sum())
@@ -84,7 +90,9 @@ class Indenter:
 
 @dataclass(frozen=True)
 class Indentation:
-    """A half-space under a profile: its metal, the load in N, the approach of the profile in mm, the area in touch."""
+    """A half-space under a profile: state of its metal, the load in N, the approach of the profile in mm, the area of
+    contact.
+    """
 
     state: Flowed
     load_N: float
@@ -93,23 +101,24 @@ class Indentation:
 
     @property
     def pressure_MPa(self) -> Array:
-        """Pressures (n_x, n_y)."""
         return np.asarray(-self.state.traction_MPa[..., 2])
 
     @property
     def print_mm(self) -> float:
-        """Largest depth of the print, which unloading leaves as it is unless metal flows back."""
+        """Largest depth of the surface by plastic strain, which unloading leaves unless metal flows back."""
         return -float(self.state.residual_mm[..., 2].min())
 
     @property
     def largest_MPa(self) -> float:
-        """Largest pressure over nine cells, since single ones scatter where everything flows."""
+        """Largest mean pressure of three by three cells, since single ones scatter where everything flows."""
         around = np.pad(self.pressure_MPa, 1)
         return float(np.lib.stride_tricks.sliding_window_view(around, (3, 3)).mean(axis=(2, 3)).max())
 
 
 def indented(zone: PlasticZone, gap_mm: Array, loads_N: Array) -> Iterator[Indentation]:
-    """The half-space under each of the rising loads, by a profile of this gap (n_x, n_y) to the unloaded surface."""
+    """The half-space under each of the increasing loads in N, one after another, by a hard profile with this gap (n_x,
+    n_y) in mm to the unloaded surface. Raises NotConvergedError if the metal cannot bear a load.
+    """
     material, cell = zone.space.material, float(np.prod(zone.space.step_mm))
     modulus = material.youngs_modulus_MPa / (1.0 - material.poissons_ratio**2)
     indenter, state = Indenter(gap_mm, zone.space.step_mm, modulus), zone.fresh

@@ -175,7 +175,9 @@ def _on_line(square: Array, axis: int, line: int, along: float) -> float:
 
 @compiled
 def refined(square: Array, parts: int) -> Array:
-    """The bicubic field on lines `parts` times as many, from the first node to the last."""
+    """The bicubic field of nodal values (n_a, n_t) on `parts` times as many lines, ((n_a - 1) parts + 1, (n_t - 1)
+    parts + 1).
+    """
     along, across = (square.shape[0] - 1) * parts + 1, (square.shape[1] - 1) * parts + 1
     result = np.empty((along, across))
     for i in range(along):
@@ -186,7 +188,8 @@ def refined(square: Array, parts: int) -> Array:
 
 @compiled
 def bicubic(square: Array, u: float, v: float) -> float:
-    """A field at a place in elements from its first node, by cubic convolution; far outside beyond the grid.
+    """Value of a nodal field at a place (u, v) in elements from its first node, by cubic convolution; -1 beyond the
+    grid.
 
     It reproduces quadratics (Keys, IEEE Trans. Acoust. Speech Signal Process. 29 (1981) 1153).
     """
@@ -200,7 +203,9 @@ def bicubic(square: Array, u: float, v: float) -> float:
 
 @compiled
 def bicubic_coefficients(square: Array, i: int, j: int, result: Array) -> None:
-    """Set the coefficients (4, 4) of the bicubic field in the cell behind a node, by powers of the place in it."""
+    """Write to `result` (4, 4) the coefficients of u^m v^n of the bicubic field of nodal values in the cell from node
+    (i, j) to the next; u and v go from 0 to 1 in it.
+    """
     for m in range(4):
         for n in range(4):
             result[m, n] = 0.0

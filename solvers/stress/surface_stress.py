@@ -6,6 +6,10 @@ So from the elements' field is taken what they make of the contact's tractions o
 field of these tractions (Boussinesq, Cerruti: Johnson, Contact Mechanics, 1985, section 3.2) is put in its place. What
 remains of the elements' field is smooth: the body's size, its curvature, its grip. Both fields are summed over a few
 elements around a point only: farther away elements resolve them.
+
+The window is the part of the patch on which this is done, a grid of (m_a, m_t) evenly spaced lines about the patch's
+middle. Stresses are (..., 6): xx, yy, zz, xy, yz, xz, tension positive; a traction's normal part is negative in
+pressure.
 """
 
 from dataclasses import dataclass, field, replace
@@ -39,36 +43,37 @@ _IMAGE = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])  #: and of a stress.
 
 @dataclass(frozen=True, eq=False)
 class SurfaceStress:
-    """A contact patch whose stresses are to be corrected where its elements are alike, about its middle."""
+    """A contact patch of a meshed body, whose stresses are to be corrected within a window about its middle."""
 
     mesh: HexMesh
     patch: ContactPatch
     material: Elastic
     #: Thickness of the uppermost elements in mm, and the factor by which it grows from layer to layer.
     layers: tuple[float, float]
-    #: Distances (x, y) from the middle in mm at which elements that shrink towards a rim are as those that correct.
+    #: Distances (along, across) from the middle in mm: if elements shrink towards the patch's rim, the window is as
+    #: fine as those at this place; infinite: as the finest.
     place_mm: tuple[float, float] = (np.inf, np.inf)
     _elsewhere: dict[tuple[float, float], "SurfaceStress"] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(cls, wire: BodyMesh, material: Elastic) -> "SurfaceStress":
-        """The surface of a wire."""
+        """From a meshed wire of this material."""
         return cls(wire.mesh, wire.patch, material, wire.geometry.layers)
 
     @cached_property
     def lines(self) -> tuple[Array, Array]:
-        """Evenly spaced lines along and across, in mm, of the window in which stresses are corrected."""
+        """The window's evenly spaced lines (along, across), (m_a,) and (m_t,), in mm."""
         along, across = self.place_mm
         return even_lines(self.patch.axial_mm, along), even_lines(self.patch.transverse_mm, across)
 
     @property
     def spacing_mm(self) -> tuple[float, float]:
-        """Spacing of `lines` along and across."""
+        """Spacing of `lines` (along, across)."""
         along, across = (float(np.diff(lines).mean()) for lines in self.lines)
         return along, across
 
     def on_lines(self, nodal: Array) -> Array:
-        """Values `nodal` (n_a, n_t, ...) at the patch's nodes, interpolated to the window's nodes (m_a, m_t, ...)."""
+        """Values (n_a, n_t, ...) at the patch's nodes interpolated linearly to the window's nodes, (m_a, m_t, ...)."""
         for axis, (known, wanted) in enumerate(
             zip((self.patch.axial_mm, self.patch.transverse_mm), self.lines, strict=True)
         ):
@@ -77,13 +82,13 @@ class SurfaceStress:
 
     @cached_property
     def window_normals(self) -> Array:
-        """Outward normals (m_a, m_t, 3) at the window's nodes."""
+        """(m_a, m_t, 3) outward unit normals at the window's nodes."""
         found = self.on_lines(self.normals)
         return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
 
     @cached_property
     def normals(self) -> Array:
-        """Outward normals (n_a, n_t, 3) of the surface at the patch's nodes."""
+        """(n_a, n_t, 3) outward unit normals at the patch's nodes."""
         facets = self.mesh.surfaces["contact"]
         corners = self.mesh.points[facets]
         areas = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
@@ -94,28 +99,30 @@ class SurfaceStress:
 
     @property
     def stencil(self) -> Array:
-        """Stresses (2 w + 1, 2 w + 1, 6, 3) that elements give under a unit traction at one node; zero beyond w
-        nodes.
+        """(2 w + 1, 2 w + 1, 6, 3) stresses that elements give, around a node, by component of a unit traction at it
+        that falls bilinearly to zero at the next; none beyond w nodes.
         """
         return _stencil(*self.spacing_mm, *self.layers, self.material.poissons_ratio)
 
     @cached_property
     def waves(self) -> tuple[tuple[int, int], ComplexArray]:
-        """A size (rows, columns) in which the stencil reaches the whole window, and its Fourier transform of that size,
-        (rows, columns / 2 + 1, 6, 3).
+        """A size (rows, columns) of the grid on which the stencil's sums over the window do not come round, and the
+        stencil's Fourier transform (rows, columns // 2 + 1, 6, 3) on it.
         """
         nu = self.material.poissons_ratio
         return _waves(*self.spacing_mm, *self.layers, nu, *(len(lines) for lines in self.lines))
 
     @cached_property
     def is_symmetric(self) -> bool:
-        """True if the window's lines (`lines`) and normals are their own mirror images about y = 0."""
+        """True if the window's lines and normals are their own mirror images about y = 0."""
         across, normals = self.lines[1], self.window_normals
         alike_lines = np.allclose(across, -across[::-1], rtol=0.0, atol=_MIRRORED * self.spacing_mm[1])
         return bool(alike_lines and np.abs(normals - normals[:, ::-1] * [1.0, -1.0, 1.0]).max() < _MIRRORED)
 
     def under(self, force_N: Array) -> "LoadedSurface":
-        """The surface under forces (n, 3) at the patch's nodes, in the order of its flattened grid."""
+        """The surface under forces (n, 3) in N in the body's axes at the patch's nodes, in the order of its flattened
+        grid.
+        """
         patch = self.patch
         plane = force_N.reshape(*patch.shape, 3)
         for axis, lines in enumerate((patch.axial_mm, patch.transverse_mm)):
@@ -146,7 +153,9 @@ class SurfaceStress:
 
 @dataclass(frozen=True, eq=False)
 class LoadedSurface:
-    """Tractions (n_a, n_t, 3) at the nodes of a surface's window, in MPa, along its tangents and normal."""
+    """Tractions (m_a, m_t, 3) in MPa at the nodes of a surface's window, along its two tangents and its outward
+    normal.
+    """
 
     surface: SurfaceStress
     traction: Array
@@ -156,12 +165,12 @@ class LoadedSurface:
         return SubgridTraction.of_nodes(self.traction)
 
     def edge(self) -> Array:
-        """Points (k, 2) in mm at which the contact ends, where the patch's lines cross its edge."""
+        """Points (k, 2) in mm of the patch at which the window's lines cross the contact's edge."""
         return self._places(self.between.edge())
 
     def correction(self, points_mm: Array) -> Array:
-        """Stresses (k, 6) in MPa, in the body's axes, to be added to the elements' stresses at points (k, 2) of the
-        patch.
+        """Stresses (k, 6) in MPa, in the body's axes, to be added to the elements' stresses at points (k, 2) in mm of
+        the patch; 0 at points far from the contact or outside the window.
         """
         if not self._is_symmetric:
             return self._correction(points_mm)
@@ -239,7 +248,11 @@ class LoadedSurface:
 
 
 def corrected_nodes(size: Array, spacing_mm: tuple[float, ...]) -> BoolArray:
-    """Marks of an even grid's nodes to be corrected: near tractions `size`, and far from where the grid cuts them."""
+    """True for the nodes of an evenly spaced grid at which stresses are corrected: within five elements of tractions,
+    and farther than four from where the grid cuts them off.
+
+    size: size of the traction at each node, of any dimension. spacing_mm: of the grid, one for each dimension.
+    """
     loaded = size > _LOADED * size.max(initial=0.0)
     away = distance_transform_edt(~loaded, sampling=spacing_mm) if loaded.any() else np.inf * size
     # Points no farther from loaded nodes than so many elements are corrected.
@@ -285,7 +298,7 @@ def _proportions(along_mm: float, across_mm: float) -> Array:
 
 
 def alike(lines: Array) -> slice:
-    """The lines of a grid about its middle between which elements are alike."""
+    """The slice of a grid's increasing lines about its middle between which spacings differ by at most 2 %."""
     spacing = np.diff(lines)
     middle = len(spacing) // 2
     other = np.flatnonzero(np.abs(spacing - spacing[middle]) > _ALIKE * spacing[middle])
@@ -295,9 +308,9 @@ def alike(lines: Array) -> slice:
 
 
 def even_lines(lines: Array, place_mm: float = np.inf) -> Array:
-    """Lines of a grid about its middle between which elements are alike; where elements shrink away from the middle,
-    towards the rim of a contact that sticks, evenly spaced ones over all of it, as near as those at a place, or as the
-    nearest.
+    """Evenly spaced lines about a grid's middle: its own, see `alike`; or, where its elements shrink away from the
+    middle, towards the rim of a contact that sticks, new ones over all of it, as near to each other as the grid's at
+    `place_mm` from the middle, or as its nearest.
     """
     spacing = np.diff(lines)
     finest = float(spacing.min())
@@ -310,7 +323,9 @@ def even_lines(lines: Array, place_mm: float = np.inf) -> Array:
 
 
 def between(known: Array, values: Array, wanted: Array) -> Array:
-    """Values at the lines `wanted`, interpolated linearly from `values` (n, ...) at the lines `known` (n,)."""
+    """Values (w, ...) at increasing lines `wanted` (w,), interpolated linearly from `values` (n, ...) at the lines
+    `known` (n,).
+    """
     if np.isin(wanted, known).all():
         return np.asarray(values[np.isin(known, wanted)])
     cell = np.clip(np.searchsorted(known, wanted, side="right") - 1, 0, len(known) - 2)
@@ -319,7 +334,9 @@ def between(known: Array, values: Array, wanted: Array) -> Array:
 
 
 def unspread(lines: Array, force: Array) -> Array:
-    """Nodal values (n, ...) of the piecewise linear field whose integrals with hat functions on `lines` are `force`."""
+    """Nodal values (n, ...) per mm of the piecewise linear field on `lines` (n,) in mm whose integrals with hat
+    functions are `force` (n, ...).
+    """
     size = np.diff(lines)
     bands = np.zeros((3, len(lines)))
     bands[0, 1:] = bands[2, :-1] = size / 6.0
@@ -337,12 +354,14 @@ def _frames(normals: Array) -> Array:
 
 @compiled
 def half_space_stress(places: Array, size: Array, square: Array, ratio: Array, rooted: bool, nu: float) -> Array:
-    """Boussinesq's and Cerruti's stresses (k, 6) at places (k, 2) of a surface, in elements, along rays from each.
+    """Boussinesq's and Cerruti's stresses (k, 6) in the surface of a half-space, in the unit of the traction, at places
+    (k, 2) in elements from the grid's first node.
 
-    size: (2,) of an element.  square, ratio: as of a SubgridTraction; without `rooted` the traction is `ratio` alone.
-    Their kernels go with one over the distance squared, so a ray contributes the integral of the traction over the
-    distance, less the point's own, weighted by harmonics of its direction. The distance is a square: roots at the
-    contact's edge are smooth in it.
+    size: (2,) of an element; only its proportion counts. square, ratio: see `SubgridTraction`; without `rooted` the
+    traction is `ratio` alone, bilinear between nodes. Only tractions nearer than eight mean elements count. The kernels
+    go with one over the distance squared, so a ray contributes the integral of the traction over the distance, less the
+    point's own, weighted by harmonics of its direction. The distance is a square: roots at the contact's edge are
+    smooth in it.
     """
     result = np.zeros((len(places), 6))
     cells, loaded = _cells(square, ratio, rooted)
