@@ -21,7 +21,7 @@ _CONTACTS: dict[str, Contacts] = dict.fromkeys(kinds.AT_A_POINT, AtAPoint()) | {
 
 
 def contacts_of(one: OfAKind) -> Contacts:
-    """The drawings, meshes and fields for the kind of contact of a study or a result.
+    """What draws, meshes and computes fields for a study or a result of this kind of contact.
 
     Raises StudyError for a kind that is not simulated.
     """
@@ -44,10 +44,10 @@ def load_any_study(path: str | Path, *, varied: bool = False) -> Any:
 
 
 def any_study(tables: Mapping[str, object], where: str, *, varied: bool = False) -> Any:
-    """A study of the kind that its tables state, with measured surfaces levelled; `where` names their origin in
+    """A study of the kind that its nested tables state, with measured surfaces levelled; `where` names their origin in
     messages.
 
-    Raises StudyError as `load_any_study` does.
+    varied: as in `load_any_study`, which says what is raised.
     """
     from wirewear.test import study_from_tables
     from wirewear.test.consistency import require_no_idle_key

@@ -1,4 +1,7 @@
-"""Pictures, fields and meshes of results: those of contacts at a point, and those of line contacts."""
+"""Pictures, fields and meshes of results: those of contacts at a point, and those of line contacts.
+
+All results given together are of one kind of contact. File names are without ending.
+"""
 
 from __future__ import annotations
 
@@ -28,28 +31,32 @@ class Contacts(ABC):
     @property
     @abstractmethod
     def refined(self) -> RefinedSubject:
-        """The subject of a convergence study: what it refines, and which values it compares."""
+        """How convergence is studied: what is refined, and which figures are compared."""
 
     @property
     @abstractmethod
     def inside(self) -> Inside[Any]:
-        """Functions that compute and draw the stresses inside the bodies."""
+        """Functions that solve stresses inside the bodies and make grids of them."""
 
     @abstractmethod
     def write_meshes(self, study: Any, fidelity: str, folder: Path, ending: str) -> list[Path]:
-        """Write and draw the meshes of both bodies into a folder; return the files."""
+        """Write the meshes of both bodies, and pictures of them, to a folder; return the files. ending: the mesh
+        files', such as "vtu".
+        """
 
     @abstractmethod
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
-        """Write the further files that the folder of a study's runs holds besides the result files."""
+        """Write the further files that belong into the folder of a study's runs besides the result files."""
 
     @abstractmethod
     def write_fields(self, result: RunResult, folder: Path, **asked: Any) -> list[Path]:
-        """Write stresses inside both bodies into a folder; `asked` are options of the command. Returns the files."""
+        """Write the stresses inside both bodies to a folder and return the files. asked: keyword arguments of
+        `stress.writing.write_fields`.
+        """
 
     @abstractmethod
     def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
-        """Worn surfaces as a profilometer of this noise (standard deviation in µm) measures them, by file name."""
+        """Worn surfaces by file name, as a profilometer with noise of this standard deviation in µm measures them."""
 
     @abstractmethod
     def drawings(self, results: Sequence[RunResult]) -> Drawings:
@@ -57,7 +64,7 @@ class Contacts(ABC):
 
     @abstractmethod
     def overview(self, results: Sequence[RunResult]) -> Callable[[], Figure]:
-        """A function that draws the one picture which shows the most of results."""
+        """A function that draws the one picture that shows the most of results."""
 
 
 class AtAPoint(Contacts):
@@ -164,5 +171,4 @@ class AlongALine(Contacts):
         return line_drawings(results)
 
     def overview(self, results: Sequence[RunResult]) -> Callable[[], Figure]:
-        """A function that draws the worn profiles."""
         return next(iter(self.drawings(results).values()))

@@ -27,9 +27,10 @@ _LEVEL = kept(np.arange(2.0), np.arange(2.0), np.zeros((2, 2)))
 
 
 def with_levelled(tables: Mapping[str, Any], where: str) -> Mapping[str, Any]:
-    """A study's tables with depths in place of files of heights; `where` names the study in messages.
+    """A copy of a study's nested tables with depths, levelled against the unworn bodies, in place of files of heights.
 
-    Raises StudyError if a file cannot be read, or its surface does not fit the body.
+    where: name of the study for messages. Raises StudyError if a file cannot be read, or its surface does not fit the
+    body.
     """
     unworn, whole = deepcopy(dict(tables)), deepcopy(dict(tables))
     files = {place: Path(table["file"]) for place, table in surfaces_in(tables) if isinstance(table.get("file"), str)}

@@ -1,4 +1,7 @@
-"""Stresses inside the bodies of a finished run: fields, files, pictures, yield and fatigue."""
+"""Stresses inside the bodies of a finished run: fields, files, pictures, yield and fatigue.
+
+A stress is a row of six components, xx, yy, zz, xy, yz, xz. A position is a recorded moment of a cycle.
+"""
 
 from typing import TYPE_CHECKING
 

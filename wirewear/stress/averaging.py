@@ -1,4 +1,8 @@
-"""Averages of stresses over critical distances: about which places, with what weights, between lines of a mesh."""
+"""Averages of stresses over critical distances: about which places, with what weights, between lines of a mesh.
+
+A kernel is a function of a point's depth in mm that gives the places (k, 3) over which its stress is averaged, and
+their weights (k,), which sum to 1; places are in mm along and across from the point, and in depth below the surface.
+"""
 
 from collections.abc import Callable, Iterable
 from math import ceil
@@ -14,8 +18,8 @@ _RADII = (1.32, 1.54)
 
 
 def kernel_of(table: LifeTable, *, plane: bool) -> Callable[[float], tuple[Array, Array]]:
-    """Function of a point's depth in mm: places (k, 3) over which its stress is averaged, in mm along and across from
-    it and in depth, and their weights.
+    """The kernel that a table states: an averaging length, or point, line or volume (plane: area) by the critical
+    distance, else a grain; the point itself if none is known. plane: True for a line contact.
     """
     distance = 1e-3 * table.distance_um
     stated = table.averaging_length_um or (None if distance else table.grain_um)
@@ -48,14 +52,16 @@ def kernel_of(table: LifeTable, *, plane: bool) -> Callable[[float], tuple[Array
 
 
 def averaging_radius_mm(table: LifeTable, *, plane: bool) -> float:
-    """Largest distance in mm from a point over which its stress is averaged; plane: of a line contact."""
+    """Largest component in mm of the distance from a point over which its stress is averaged; 0 without averaging.
+    plane: True for a line contact.
+    """
     places, _ = kernel_of(table, plane=plane)(1e3)
     return float(np.abs(places - [0.0, 0.0, 1e3]).max())
 
 
 def widened(lines: Array, reach: float, lowest: float, highest: float) -> Array:
-    """Grid lines (l,) continued on both sides with their outermost spacing, by `reach`, but not past `lowest` and
-    `highest`.
+    """Grid lines (l,) continued on both sides with their outermost spacing, by `reach`, but not beyond `lowest` and
+    `highest`; a single line as it is.
     """
     if len(lines) == 1:
         return lines
@@ -68,7 +74,12 @@ def widened(lines: Array, reach: float, lowest: float, highest: float) -> Array:
 def averaging(
     to: tuple[Array, ...], of: tuple[Array, ...], kernel: Callable[[float], tuple[Array, Array]]
 ) -> csr_matrix:
-    """The matrix of averages about points on lines along, across and in depth, from values at points on others."""
+    """The matrix of averages about points, from values at other points, both at all crossings of lines along, across
+    and in depth in mm, flattened in this order.
+
+    to, of: the lines of the points that averages are about, and of those with values, between which is interpolated
+    linearly.
+    """
     (axial, transverse, depths), count = to, [len(lines) for lines in of]
     columns_before = np.arange(len(axial))[:, None] * len(transverse) + np.arange(len(transverse))
     found = []
@@ -95,7 +106,7 @@ def _sides(lines: Array, at: Array) -> Iterable[tuple[IntArray, Array]]:
 
 
 def linear_weights(lines: Array, at: Array) -> Array:
-    """Weights (n, l) by which values on l increasing lines are interpolated linearly at positions (n,)."""
+    """Weights (n, l) of values on l increasing lines for linear interpolation at positions (n,), held beyond."""
     weights = np.zeros((len(at), len(lines)))
     for column, part in _sides(lines, at):
         weights[np.arange(len(at)), column] += part

@@ -1,4 +1,8 @@
-"""A wire of a finished run as it was at a recorded cycle, its state at positions of it, and grids of that state."""
+"""A body of a finished run at a point contact as it was at a recorded cycle, its state at positions of it, and grids of
+that state.
+
+A position is a recorded moment of a cycle. Grids are in µm, in the test's axes: x along the motion, z upwards.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +27,14 @@ T = TypeVar("T")
 
 
 class WornBody(SolvedBody[BodyMesh]):
-    """A wire, or another body of a contact at a point."""
+    """A body of a contact at a point, worn or fresh, with its factorised stiffness."""
 
     corrected = SurfaceStress
 
     @classmethod
     def of(cls, meshed: BodyMesh, material: Elastic) -> Self:
-        """A body with its stiffness ready to be solved; of a body from a file, block and surrounding elements together.
+        """The body with its stiffness ready to be solved; of a body from a file, block and surrounding elements
+        together.
 
         Raises GeometryError if the block holds elements of other materials.
         """
@@ -47,7 +52,7 @@ class WornBody(SolvedBody[BodyMesh]):
 
 @dataclass(frozen=True, eq=False)
 class BodyState(InnerState[WornBody]):
-    """Displacements and stresses of a body at one position of a cycle."""
+    """Displacements and stresses of a body at one position of a cycle; see `InnerState`."""
 
     @cached_property
     def reaction_N(self) -> Array:
@@ -69,20 +74,20 @@ class BodyState(InnerState[WornBody]):
 
     @property
     def surface_normal(self) -> Array:
-        """Outward normals (n, 3) of the worn surface at the nodes of the contact patch, zero elsewhere."""
+        """Unit outward normals (n, 3) of the worn surface at nodes of the contact patch; zero at other nodes."""
         size = np.linalg.norm(self._surface_vectors, axis=1)
         return np.asarray(self._surface_vectors / np.where(size > 0.0, size, 1.0)[:, None])
 
     @property
     def traction_MPa(self) -> Array:
-        """Contact forces over the area of the worn surface that belongs to each node, (n, 3)."""
+        """Traction (n, 3): contact force on each node over its area of the worn surface; zero beside the patch."""
         size = np.linalg.norm(self._surface_vectors, axis=1)
         return np.asarray(self.applied / np.where(size > 0.0, size, 1.0)[:, None])
 
 
 def worn_body(result: RunResult, forces: ContactForces, worn: bool = True) -> WornBody:
-    """A body of a run when such forces acted, where they were fresh if not worn; the last two asked for are kept with
-    their factors. GeometryError if wear distorts the mesh too much.
+    """The body that `forces` act on, with its nodes in the surface as worn then, or as fresh if not worn; the last two
+    asked for are kept. Raises GeometryError if wear distorts the mesh too much.
     """
     depth = None
     if worn:
@@ -121,7 +126,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """A cut through a body: positions in the plane [µm], (n,) each, triangles (t, 3), a field (n,)."""
+    """A cut through a body: positions (n,) in µm along and in height, triangles (t, 3), values (n,) of a field."""
 
     along: Array
     height: Array
@@ -135,7 +140,9 @@ class Section:
 
 
 def section(grid: pyvista.UnstructuredGrid, axis: int, at_um: float, field: str = "von_mises_MPa") -> Section:
-    """The cut through a mesh where a coordinate, 0 (x) or 1 (y), has that value; along it runs the other one."""
+    """The cut through a mesh at x (axis 0) or y (axis 1) = `at_um`; along it runs the other coordinate. field: name of
+    the point data that it shows.
+    """
     normal = np.eye(3)[axis]
     # Mirror planes are full of faces that would be cut twice.
     origin = tuple(normal * (at_um + 1e-4))
@@ -147,7 +154,9 @@ def section(grid: pyvista.UnstructuredGrid, axis: int, at_um: float, field: str 
 def plane_section(
     grid: pyvista.UnstructuredGrid, field: str = "von_mises_MPa", *, within: IntArray | None = None
 ) -> Section:
-    """A line contact's body, which is a section already: its quadrilaterals whose corners are all in `within`."""
+    """The body of a line contact as a section along x: its quadrilaterals whose corners are all in `within` (nodes;
+    None: all). field: name of the point data.
+    """
     quads = np.asarray(grid.cells).reshape(-1, 5)[:, 1:]
     if within is not None:
         quads = quads[np.isin(quads, within).all(axis=1)]
@@ -155,7 +164,8 @@ def plane_section(
 
 
 def fanned(points: Array, values: Array, polygons: Iterable[IntArray]) -> Section:
-    """Polygons of points (n, 2), each in as many triangles about its middle as it has sides.
+    """A section of polygons of points (n, 2), each cut into as many triangles about its middle as it has sides. values
+    (n,): of a field; polygons: indices of their corners.
 
     Two triangles on one of a quadrilateral's diagonals would make contours of what is symmetric look slanted.
     """
@@ -174,7 +184,7 @@ def fanned(points: Array, values: Array, polygons: Iterable[IntArray]) -> Sectio
 
 
 class Tracked(Protocol):
-    """Function that passes on the items of a sequence and may show progress."""
+    """A function that passes on the items of a sequence and may show progress."""
 
     def __call__(self, each: Sequence[T], doing: str, /) -> Iterable[T]:
         """Yield the items in their order; `doing` says what is done with them."""
@@ -186,11 +196,11 @@ def untracked(each: Sequence[T], _doing: str, /) -> Iterable[T]:
 
 
 def body_grid(state: BodyState) -> pyvista.UnstructuredGrid:
-    """A body's hexahedra where they are at that moment but for the elastic displacement, in µm, in the test's axes.
+    """A body's hexahedra in µm, in the test's axes, where they are at that moment but for the elastic displacement.
 
     Point data: displacement_um, stress_MPa (xx, yy, zz, xy, yz, xz), von_mises_MPa, tresca_MPa, principal_MPa (largest
-    first), hydrostatic_MPa, contact_traction_MPa, worn_depth_um, gripped.  Cell data: von_mises_MPa, the mean over the
-    integration points, and scaled_jacobian.  Field data: cycle, position, drive_um.
+    first), hydrostatic_MPa, contact_traction_MPa, worn_depth_um, gripped. Cell data: von_mises_MPa, the mean over the
+    integration points, and scaled_jacobian. Field data: cycle, position, drive_um.
     """
     import pyvista
 
@@ -217,11 +227,12 @@ body_states = INSIDE_POINTS.states
 
 
 def stressed_grid(state: InnerState[Any], kind: pyvista.CellType) -> pyvista.UnstructuredGrid:
-    """A body's elements, all of one kind of cell, with the point and cell data that bodies of any dimension have.
+    """A body's elements in µm, in the test's axes, all cells of `kind`, with the point and cell data that bodies of any
+    dimension have.
 
     Point data: displacement_um, stress_MPa, von_mises_MPa, tresca_MPa, principal_MPa, hydrostatic_MPa, and
-    residual_stress_MPa of a body with any.  Cell data: von_mises_MPa, scaled_jacobian.  Field data: bulk_stress_MPa
-    of a body that carries any.
+    residual_stress_MPa of a body with any. Cell data: von_mises_MPa, scaled_jacobian. Field data: bulk_stress_MPa of a
+    body that carries any.
     """
     import pyvista
 

@@ -1,7 +1,8 @@
 """Criteria of life: what a cycle of stresses takes of the life of a material point, and on which plane.
 
-Each makes a parameter of a cycle, and has a curve of the lives that go with it. Histories are (s, n, 6): s positions of
-a closed cycle, n material points. A cycle that goes to and fro more than once is taken apart by rainflow counting.
+Each makes a parameter of a cycle, and has a curve of the lives that go with it. Histories are (s, n, 6) in MPa: s
+positions of a closed cycle, n material points; (s, n, 3, 3) as tensors. Planes are unit normals (n, k, 3), k a point. A
+cycle that goes to and fro more than once is taken apart by rainflow counting.
 """
 
 from abc import abstractmethod
@@ -32,8 +33,8 @@ class LifeCurve:
     endurance_cycles: float = np.inf  #: Longer lives are endless.
 
     def cycles(self, parameter: Array) -> Array:
-        """Cycles to initiation (n,) under parameters (n,); infinite for a parameter that is not positive or a life past
-        `endurance_cycles`.
+        """Cycles N to initiation (n,) under parameters (n,); infinite where the parameter is not positive, or N would
+        exceed `endurance_cycles`.
         """
         working = parameter > 0.0
         goal = np.log(parameter[working])
@@ -54,13 +55,13 @@ class LifeCurve:
         return np.where(found > self.endurance_cycles, np.inf, found)
 
     def parameter(self, cycles: Array) -> Array:
-        """The parameter at which a crack begins after `cycles` cycles."""
+        """The parameter at which a crack begins after `cycles` cycles, of the same shape."""
         return np.asarray(sum(a * (2.0 * np.asarray(cycles)) ** p for a, p in self.terms))
 
 
 @dataclass(frozen=True, eq=False)
 class CycleDamage:
-    """Share (n,) of the life that one cycle takes, and the normals (n, 3) of the planes, zero where there are none."""
+    """Share (n,) of n points' lives that one cycle takes, and unit normals (n, 3) of their planes, 0 for none."""
 
     share: Array
     normal: Array
@@ -74,11 +75,10 @@ class LifeCriterion(Protocol):
         """Name of the criterion in studies."""
 
     @property
-    def curve(self) -> LifeCurve:
-        """Lives in cycles over the criterion's parameter."""
+    def curve(self) -> LifeCurve: ...
 
     def damage(self, history: Array) -> CycleDamage:
-        """Damage that one cycle of stresses (s, n, 6) in MPa does at each of n points, as shares of its life."""
+        """Share of life that one cycle of stresses (s, n, 6) in MPa takes at each of n points, and its plane."""
 
 
 @dataclass(frozen=True)
@@ -94,10 +94,10 @@ class _OnPlanes:
 
     @abstractmethod
     def counted(self, stress: Array, normal: Array) -> Array:
-        """What is counted (s, n) of tensors (s, n, 3, 3) on one plane (n, 3) each."""
+        """The stress or strain (s, n) whose cycles are counted, of tensors (s, n, 3, 3) on one plane (n, 3) a point."""
 
     def damage(self, history: Array) -> CycleDamage:
-        """The largest cycle as the critical plane has it, and the smaller ones on that plane, by Miner's sum."""
+        """Share of life by the largest cycle on the critical plane and, by Miner's sum, smaller ones on that plane."""
         planes = critical_planes(history, self.value)
         share = 1.0 / self.curve.cycles(planes.parameter)
         stress = tensors(history)
@@ -119,26 +119,24 @@ class SmithWatsonTopper(_OnPlanes):
     name = "smith-watson-topper"
 
     def value(self, stress: Array, normals: Array) -> Array:
-        """The parameter σ_n,max Δε_n / 2 in MPa on each plane."""
         return swt_on_planes(stress, normals, self.material)
 
     def counted(self, stress: Array, normal: Array) -> Array:
-        """History (s, n) of the stress whose cycles are counted: normal to the plane."""
         return normal_stresses(stress, normal[:, None])[..., 0]
 
 
 @dataclass(frozen=True)
 class StressLife(SmithWatsonTopper):
-    """The amplitude of the normal stress in MPa, for its mean as by Morrow, σ_a / (1 − σ_m / σ_f'); where it pulls.
+    """Amplitude of the normal stress in MPa, corrected for its mean as by Morrow, σ_a / (1 − σ_m / σ_f'), on the plane
+    where it is largest; 0 on planes that are never pulled.
 
-    Morrow in Fatigue Design Handbook, SAE (1968).
+    Morrow in Fatigue Design Handbook, SAE (1968). strength_coefficient_MPa: σ_f'.
     """
 
     strength_coefficient_MPa: float
     name = "stress-life"
 
     def value(self, stress: Array, normals: Array) -> Array:
-        """σ_a / (1 − σ_m / σ_f'), which is endless where the mean alone breaks."""
         normal = normal_stresses(stress, normals)
         highest, lowest = normal.max(axis=0), normal.min(axis=0)
         left = 1.0 - 0.5 * (highest + lowest) / self.strength_coefficient_MPa
@@ -148,25 +146,20 @@ class StressLife(SmithWatsonTopper):
 
 @dataclass(frozen=True)
 class FatemiSocie(_OnPlanes):
-    """Δγ / 2 · (1 + k σ_n,max / σ_y) (Fatemi & Socie, Fatigue Fract. Eng. Mater. Struct. 11 (1988) 149).
-
-    On the plane where it is largest.  weight_per_MPa: k / σ_y.
+    """Δγ / 2 · (1 + k σ_n,max / σ_y) (Fatemi & Socie, Fatigue Fract. Eng. Mater. Struct. 11 (1988) 149) on the plane
+    where it is largest; σ_n,max counts as 0 where a plane is never pulled. weight_per_MPa: k / σ_y.
     """
 
     weight_per_MPa: float
     name = "fatemi-socie"
 
     def value(self, stress: Array, normals: Array) -> Array:
-        """Δγ / 2 · (1 + k σ_n,max / σ_y), where a plane pressed together counts as if it was free."""
         normal = normal_stresses(stress, normals)
         shears = np.max([np.ptp(shear, axis=0) for shear in _shears(stress, normals)], axis=0)
         pulled = np.maximum(normal.max(axis=0), 0.0)
         return np.asarray(0.5 * shears / self.material.shear_modulus_MPa * (1.0 + self.weight_per_MPa * pulled))
 
     def counted(self, stress: Array, normal: Array) -> Array:
-        """History (s, n) of the stress whose cycles are counted: shear on the plane, in the direction of its largest
-        range.
-        """
         shears = np.array(list(_shears(stress, normal[:, None])))[..., 0]
         best = np.ptp(shears, axis=1).argmax(axis=0)
         return np.asarray(shears[best, :, np.arange(len(best))].T)
@@ -174,23 +167,20 @@ class FatemiSocie(_OnPlanes):
 
 @dataclass(frozen=True)
 class CrosslandLife:
-    """√J2,a + slope · σ_H,max in MPa (Crossland, Proc. Int. Conf. Fatigue of Metals, 1956) of the whole cycle."""
+    """√J2,a + slope · σ_H,max in MPa of the whole cycle (Crossland, Proc. Int. Conf. Fatigue of Metals, 1956)."""
 
     slope: float
     curve: LifeCurve
     name = "crossland"
 
     def damage(self, history: Array) -> CycleDamage:
-        """Damage of a cycle of stresses (s, n, 6) in MPa at n points, by the parameter of the whole cycle; it has no
-        plane.
-        """
         stresses = crossland(history)
         share = 1.0 / self.curve.cycles(stresses.equivalent_MPa(self.slope))
         return CycleDamage(share, np.zeros((len(share), 3)))
 
 
 def criterion_of(table: LifeTable, material: Elastic) -> LifeCriterion:
-    """The criterion that a table states, with its data. Raises StudyError if some are lacking."""
+    """The criterion that a table states for a material of these constants. Raises StudyError if data are lacking."""
     modulus, shear = material.youngs_modulus_MPa, material.shear_modulus_MPa
     limit = table.endurance_cycles
     if table.criterion in ("crossland", "stress-life"):

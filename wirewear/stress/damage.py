@@ -1,8 +1,9 @@
 """Damage that moves with the material and vanishes with what is worn off: Miner's sum at points of a body.
 
-Points stand in columns, fixed in the body's own axes. How fast damage grows is known at wear states as a share of life
-per cycle, over the depth below the worn surface. Between states its logarithm goes by a straight line over that of the
-cycles, and the worn depth as stated. So neither the jumps of a run nor its mesh lines are steps of the sum.
+Points stand in c columns into the body's depth, fixed in its own axes, at z levels below the unworn surface. How fast
+damage grows is known at wear states as a share of life per cycle, at d depths below the worn surface. Between states
+its logarithm goes by a straight line over that of the cycles, and the worn depth as stated. So neither the jumps of a
+run nor its mesh lines are steps of the sum.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -26,7 +27,7 @@ _PER_LAYER = 4.0  #: Steps while the surface recedes by the uppermost spacing of
 
 @dataclass(frozen=True, eq=False)
 class Rates:
-    """Decimal logarithms (c, d) of the share of life that a cycle takes in columns at depths below the surface."""
+    """Decimal logarithms (c, d) of the share of life that a cycle takes at the wear state of `cycle`; FLOOR for 0."""
 
     cycle: int
     share: Array
@@ -34,7 +35,7 @@ class Rates:
 
 @dataclass(frozen=True)
 class Span:
-    """Cycles after `start` up to `end` under the same conditions, with what was found of them, in order of cycles."""
+    """Cycles after `start` up to and with `end` under the same conditions, and rates found then, in order."""
 
     start: float
     end: float
@@ -43,7 +44,9 @@ class Span:
 
 @dataclass(frozen=True, eq=False)
 class Ahead:
-    """Cycles under the same conditions that would follow a run: what each takes, and how far (c,) it wears, mm."""
+    """Cycles under the same conditions that would follow a run: their number, what each takes of life, and the depth
+    (c,) in mm that each wears.
+    """
 
     cycles: float
     rates: Rates  #: Those found last under these conditions.
@@ -52,7 +55,7 @@ class Ahead:
 
 @dataclass(frozen=True, eq=False)
 class Sum:
-    """Miner's sum (c, z) in columns at levels after a cycle, depths (c,) worn off, mm."""
+    """Miner's sum (c, z) in columns at levels after `cycle` cycles, and the depths (c,) in mm worn off by then."""
 
     cycle: float
     damage: Array
@@ -61,7 +64,7 @@ class Sum:
 
 @dataclass(frozen=True)
 class Initiation:
-    """A sum that has reached what was asked for first: after how many cycles, in which column, at which level."""
+    """Where a damage sum is first reached: after how many cycles, in which column, at which level (indices)."""
 
     cycles: float
     column: int
@@ -85,17 +88,17 @@ class Damage:
 
     @cached_property
     def levels_mm(self) -> Array:
-        """Depths (z,) below the unworn surface at which sums are kept, close to one another as far as it wears."""
+        """Depths (z,) below the unworn surface at which sums are kept; close to each other as far as the body wears."""
         deepest, count = float(self.worn_mm(self.end).max()), len(self.depths_mm)
         below = np.interp(np.arange(0.0, count - 1.0 + 1e-9, 1.0 / _LEVELS), np.arange(count), self.depths_mm)
         return np.unique(np.concatenate([np.arange(0.0, deepest, below[1]), deepest + below]))
 
     def present(self, worn_mm: Array) -> BoolArray:
-        """Marks (c, z) of the points not yet worn off, from the depth worn (c,) of each column."""
+        """True (c, z) for points not yet worn off, from the depth worn_mm (c,) of each column."""
         return np.asarray(self.levels_mm >= worn_mm[:, None] - 1e-12)
 
     def of_present(self, now: Sum) -> Array:
-        """Damage sum (c, z) of points not yet worn off, else zero; their uppermost level has the sum at the surface."""
+        """Damage sum (c, z), zero where worn off; a column's uppermost present level has the sum at the surface."""
         present = self.present(now.worn_mm)
         there = np.where(present, now.damage, 0.0)
         columns, top = np.arange(len(there)), np.minimum(present.argmax(axis=1), there.shape[1] - 2)
@@ -107,7 +110,7 @@ class Damage:
         return there
 
     def course(self, until: float | None = None) -> Iterator[Sum]:
-        """The sum after each step, up to a cycle or the end."""
+        """Yields the sum after each step, from the test's start up to cycle `until` or, for None, the run's end."""
         stop = self.end if until is None else min(until, self.end)
         damage = np.zeros((len(self.worn_mm(0.0)), len(self.levels_mm)))
         for span in self.spans:
@@ -125,9 +128,7 @@ class Damage:
         return last
 
     def initiations(self, sums: Sequence[float]) -> list[Initiation | None]:
-        """For each damage sum the first place where it is reached before wear has removed the material; None if it
-        never is.
-        """
+        """For each of `sums`: where that damage sum is first reached in material not worn off; None if it never is."""
         found: list[Initiation | None] = [None] * len(sums)
         cycle, largest = 0.0, 0.0
         for now in self._followed():

@@ -1,4 +1,8 @@
-"""How many cycles a body of a run lasts until a crack begins in it, where, and on which plane."""
+"""How many cycles a body of a run lasts until a crack begins in it, where, and on which plane.
+
+A wear state is a recorded cycle with the worn surface of that time. Columns are lines into the body's depth, at the
+crossings of lines (a,) along and (t,) across its axis, in the body's own axes.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +38,9 @@ WEAR_STATES = 6  #: Wear states of a life at most, if not asked for more.
 
 @dataclass(frozen=True, eq=False)
 class LifeState:
-    """Damage of a body by one cycle at one state of wear, in columns on lines (a,) and (t,) of its patch."""
+    """Damage that one cycle does to a body in the wear state of `cycle`, in columns at the crossings of lines axial_mm
+    (a,) and transverse_mm (t,), at d depths below the worn surface.
+    """
 
     cycle: int
     axial_mm: Array
@@ -44,7 +50,9 @@ class LifeState:
     worn_mm: Array  #: (a, t).
 
     def onto(self, axial_mm: Array, transverse_mm: Array) -> tuple[Array, Array]:
-        """Logarithms (c, d) and worn depths (c,) in columns on other lines; beside its own as at their edge."""
+        """(logarithms (c, d), worn depths (c,) in mm), interpolated to the c columns at the crossings of other lines;
+        beyond its own lines as at their edge.
+        """
         a, t = linear_weights(self.axial_mm, axial_mm), linear_weights(self.transverse_mm, transverse_mm)
         share, worn = (np.einsum("ai,tj,ij...->at...", a, t, own) for own in (self.share, self.worn_mm))
         return share.reshape(-1, share.shape[2]), worn.ravel()
@@ -53,7 +61,12 @@ class LifeState:
 def wear_state(
     states: Sequence[InnerState[Any]], criterion: LifeCriterion, table: LifeTable, depths_mm: Array, worn_mm: Array
 ) -> LifeState:
-    """The damage per cycle of a body whose nodes stand in its surface, worn by (n_a, n_t)."""
+    """The damage per cycle of a body from its states over one recorded cycle, whose mesh nodes stand in the worn
+    surface.
+
+    depths_mm (d,): depths below the worn surface at which damage is found. worn_mm (n_a, n_t): depth worn off at the
+    nodes of the patch.
+    """
     first = states[0]
     patch, mesh = first.body.patch, first.body.mesh
     plane = first.body.plane
@@ -94,7 +107,9 @@ def wear_state(
 
 @dataclass(frozen=True, eq=False)
 class BodyLife:
-    """Life of a body until a crack begins in it; `initiation` is None if none does."""
+    """Life of a body until a crack begins in it. initiation: the crack; low, high: ends of the 95 % interval by the
+    scatter of the data; each None if none begins. plane: True for a line contact.
+    """
 
     body: str
     table: LifeTable  #: What was asked, with all data.
@@ -109,7 +124,7 @@ class BodyLife:
 
     @property
     def begun(self) -> Initiation | None:
-        """Former name of `initiation`, as in version 1.0.0; warns that it is renamed."""
+        """Former name of `initiation`, as in version 1.0.0; warns with DeprecationWarning."""
         renamed("BodyLife.begun", "BodyLife.initiation")
         return self.initiation
 
@@ -124,31 +139,35 @@ class BodyLife:
 
     @cached_property
     def columns_mm(self) -> Array:
-        """Columns (c, 2) in the body's axes, along and across it."""
+        """Places (c, 2) of the columns along and across the body's axis, from its point of first contact."""
         last = self.states[-1]
         return np.stack(np.meshgrid(last.axial_mm, last.transverse_mm, indexing="ij"), axis=-1).reshape(-1, 2)
 
     @property
     def place_um(self) -> tuple[float, float]:
-        """Position (x, y) in µm where the crack begins, in the test's axes from the body's point of first contact."""
+        """(x, y) in µm where the crack begins, in the test's axes from the body's point of first contact. Raises
+        ResultError if none begins.
+        """
         column = self.columns_mm[self._crack.column]
         x, y, _ = 1e3 * self.to_world @ np.append(column, 0.0)
         return float(x), float(y)
 
     @property
     def depth_um(self) -> float:
-        """Depth in µm of the crack's place below the surface as worn when the crack begins."""
+        """Depth in µm of the crack's place below the surface worn by then. Raises ResultError if none begins."""
         worn = float(self.damage.worn_mm(min(self._crack.cycles, self.damage.end))[self._crack.column])
         return 1e3 * max(float(self.damage.levels_mm[self._crack.level]) - worn, 0.0)
 
     @property
     def worn_um(self) -> float:
-        """Depth in µm worn off above the crack's place until the crack begins."""
+        """Depth in µm worn off above the crack's place until it begins. Raises ResultError if none begins."""
         return 1e3 * float(self.damage.worn_mm(min(self._crack.cycles, self.damage.end))[self._crack.column])
 
     @property
     def normal(self) -> Array:
-        """Normal (3,) of the plane on which the crack begins, in the test's axes; zero if the criterion has none."""
+        """Unit normal (3,), x component ≥ 0, of the plane on which the crack begins, in the test's axes; zero if the
+        criterion has no planes. Raises ResultError if none begins.
+        """
         crack, k = self._crack, int(np.abs(self.damage.depths_mm - 1e-3 * self.depth_um).argmin())
         cycle = min((one.cycle for one in self.states), key=lambda own: abs(np.log(own / max(crack.cycles, 1.0))))
         if crack.beyond:
@@ -162,8 +181,8 @@ class BodyLife:
 
     @property
     def plane_angle_deg(self) -> float | None:
-        """Angle in degrees between the crack's plane and the plane of the contact; None for a criterion without
-        planes.
+        """Angle, 0 to 90, between the crack's plane and the plane of contact; None if the criterion has no planes.
+        Raises ResultError if no crack begins.
         """
         size = float(np.linalg.norm(self.normal))
         return float(np.degrees(np.arccos(np.clip(abs(self.normal[2]) / size, 0.0, 1.0)))) if size else None
@@ -176,18 +195,20 @@ class BodyLife:
 
     @property
     def cycles(self) -> float:
-        """Cycles until a crack begins, endless where none does."""
+        """Cycles until a crack begins; infinite where none does."""
         return np.inf if self.initiation is None else self.initiation.cycles
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Between what 95 % of lives lie, by the scatter of the data alone."""
+        """(least, largest) number of cycles between which 95 % of lives lie, by the scatter of the data alone; infinite
+        where no crack begins.
+        """
         low, high = (np.inf if one is None else one.cycles for one in (self.low, self.high))
         return low, high
 
     @cached_property
     def growth(self) -> tuple[Array, Array]:
-        """Cycles (n,), and the largest damage sum (n,) then at points not yet worn off."""
+        """(cycles (n,), largest damage sum (n,) at points not yet worn off), after each step of the sum."""
         steps = [(now.cycle, float(self.damage.of_present(now).max())) for now in self.damage.course()]
         return np.array([cycle for cycle, _ in steps]), np.array([largest for _, largest in steps])
 
@@ -203,11 +224,12 @@ def life_of(
     wear_states: int = WEAR_STATES,
     watch: Callable[[int], None] = lambda _: None,
 ) -> BodyLife:
-    """The life of a body from the recorded cycles of its run under a schedule, as many of them as it needs.
+    """The life of a body from as many recorded cycles of its run as it needs.
 
-    wear_states: of each block at most.  watch: is called with every cycle that is looked at.
-    Raises ResultError if the run has recorded no contact forces of the body in one of its blocks; StudyError if data
-    are lacking; GeometryError if wear distorts a mesh too much.
+    table: what is asked, with all data. states_at: gives the body's states over a recorded cycle. schedule: blocks of
+    the test. wear_states: recorded cycles taken of each block, at most. watch: called with every cycle that is looked
+    at. Raises ResultError if the run has recorded no contact forces of the body in one of its blocks; StudyError if
+    data are lacking; GeometryError if wear distorts a mesh too much.
     """
     recorded = recorded_cycles(result, body)
     course = require_recorded(schedule, recorded, result.label)
@@ -252,19 +274,23 @@ def life_of(
 
 
 def recorded_cycles(result: RunResult, body: str) -> list[int]:
-    """Cycles at which a run has recorded contact forces on a body."""
+    """Cycles at which a run has recorded contact forces on a body, increasing; empty if there are none."""
     return sorted({one.cycle for one in result.contact_forces if one.body == body})
 
 
 def require_life(study: AnyStudy, bodies: Sequence[str], values: Mapping[str, object]) -> None:
-    """Raise StudyError or ResultError where the run of a study will lack what the lives of its bodies need."""
+    """Raise StudyError or ResultError if the run of a study would lack what the lives of `bodies` need.
+    values: keys of [life] that are given in place of the study's.
+    """
     life_data(study, bodies, values)
     cycles = (*study.log.loop_cycles, study.conditions.cycles) if study.log.contact_states else ()
     require_recorded(study.schedule, cycles, f"the study {study.name!r}")
 
 
 def require_recorded(schedule: Schedule[Any], cycles: Sequence[int], where: str) -> BlockCourse:
-    """The course of a test that records contact forces at these cycles. Raises ResultError if a block has none."""
+    """The stages of a test that has recorded contact forces at `cycles`. Raises ResultError, which begins with `where`,
+    if a block of it has none.
+    """
     course = BlockCourse.of(schedule, max(cycles, default=schedule.cycles))
     silent = [
         course.names[block]

@@ -1,4 +1,4 @@
-"""Stresses inside the bodies of a line contact: solved again from a result, written and drawn."""
+"""Stresses inside the bodies of a line contact, in plane strain: solved again from a result, written and drawn."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ _LEVELS = 11
 
 
 class LineBody(SolvedBody[PlanarMesh]):
-    """Pad or specimen."""
+    """Pad or specimen of a line contact with its factorised stiffness; mesh and patch have points (n, 2), x and z."""
 
     corrected = LineSurfaceStress
     plane = True
 
     @property
     def outer_faces(self) -> IntArray:
-        """Empty array: a planar body's surface is a line without faces."""
+        """Empty (0, 4): a planar body's surface is a line without faces."""
         return np.zeros((0, 4), dtype=np.int64)
 
 
@@ -79,7 +79,7 @@ def _geometry(study: LineStudy, fidelity: str, body: str) -> PlanarGeometry:
 
 
 def state_grid(state: InnerState[LineBody]) -> pyvista.UnstructuredGrid:
-    """A body's quadrilaterals at y = 0, in µm, with the fields of `interior.grids.stressed_grid`."""
+    """A body's quadrilaterals at y = 0, in µm, in the test's axes, with the fields of `stressed_grid`."""
     import pyvista
 
     return stressed_grid(state, pyvista.CellType.QUAD)
@@ -100,11 +100,12 @@ def write_line_fields(
     tracked: Tracked = untracked,
     **_shown: Any,
 ) -> list[Path]:
-    """Write `<body>_<cycle>_<position>.vtu` and `section_<cycle>_<position>.png` for positions, None for all.
+    """Write `<body>_<cycle>_<position>.vtu` and `section_<cycle>_<position>.png` of positions of a cycle; return all
+    files.
 
-    Where the bodies are apart, nothing is drawn. `tracked` shows how far the positions are.
-    Raises ResultError if nothing is recorded there, or the folder cannot be written; GeometryError if wear distorts a
-    mesh too much.
+    cycle, at, bodies, worn: as in `stress.writing.write_fields`. tracked: shows how far the positions are. Where the
+    bodies are apart, nothing is drawn. Raises ResultError if nothing is recorded there, or the folder cannot be
+    written; GeometryError if wear distorts a mesh too much.
     """
     bodies = bodies or result.bodies
     recorded = result.forces(cycle, bodies[-1])

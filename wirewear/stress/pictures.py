@@ -1,4 +1,8 @@
-"""Pictures of bodies: sections with von Mises stress, a cut in 3D, tractions as arrows, and a cycle as an animation."""
+"""Pictures of bodies: sections with von Mises stress, a cut in 3D, tractions as arrows, and a cycle as an animation.
+
+`states` are those of all bodies at one position (moment) of a recorded cycle. Each raises ResultError if the bodies are
+apart there.
+"""
 
 from __future__ import annotations
 
@@ -39,9 +43,7 @@ _PIXELS = 1100
 
 
 def draw_section(states: Sequence[BodyState]) -> Figure:
-    """Picture of both bodies' von Mises stress in three sections: whole along the motion, near the contact along it and
-    across it.
-    """
+    """Picture of both bodies' von Mises stress in three sections: whole along the motion, near it along and across."""
     grids = [body_grid(state) for state in states]
     centre, reach = _contact(states)
     largest = _largest(grids)
@@ -61,7 +63,7 @@ def draw_section(states: Sequence[BodyState]) -> Figure:
 
 
 def draw_tractions(states: Sequence[BodyState]) -> Figure:
-    """The contact from above for each body: pressure as colour, shear as arrows of its size and direction."""
+    """Picture of the contact from above for each body: pressure as colour, shear as arrows that show its size."""
     figure = new_figure(4.1)
     panels = figure.subplots(1, len(states), squeeze=False)[0]
     fields = [_tractions(state) for state in states]
@@ -133,8 +135,8 @@ def draw_cut(states: Sequence[BodyState]) -> Figure:
 
 
 def animate_cycle(moments: Sequence[Sequence[BodyState]], path: Path, tracked: Tracked = untracked) -> Path:
-    """Write an animated GIF of sections along the motion over a cycle; each moment holds the states of all bodies.
-    Raises ResultError if the file cannot be written, or there is no moment.
+    """Write a GIF of sections along the motion over a cycle to `path`, and return that; each moment holds the states of
+    all bodies. Raises ResultError if the file cannot be written, or there is no moment.
     """
     if not moments:
         raise ResultError(f"there is nothing to animate in {path}: no position of the cycle is recorded")

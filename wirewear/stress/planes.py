@@ -1,7 +1,9 @@
 """Fatigue indicators of stress histories: on the worst plane of a point, and Crossland's.
 
-Histories are (s, n, 6): s positions of a closed cycle, n material points. Linear elasticity: strains follow by Hooke's
-law, so an indicator says where cracks begin first, and compares tests; a life needs data of the material.
+Histories are (s, n, 6) in MPa: components xx, yy, zz, xy, yz, xz at s positions of a closed cycle and n material
+points; stresses of shape (s, n, 3, 3) are the same as tensors. Planes are given by unit normals, (n, k, 3) for k planes
+a point. Linear elasticity: strains follow by Hooke's law, so an indicator says where cracks begin first, and compares
+tests; a life needs data of the material.
 """
 
 from collections.abc import Callable
@@ -25,7 +27,7 @@ OnPlanes = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True, eq=False)
 class CriticalPlanes:
-    """Largest value (n,) of a parameter over all planes, and the normal (n, 3) of the plane with it."""
+    """Largest value (n,) of a parameter over all planes at n points, and the plane's unit normal (n, 3)."""
 
     parameter: Array
     normal: Array
@@ -39,12 +41,13 @@ class Crossland:
     hydrostatic_MPa: Array
 
     def equivalent_MPa(self, slope: float) -> Array:
-        """√J2,a + slope · σ_H,max, to be compared with the fatigue limit in torsion."""
+        """√J2,a + slope · σ_H,max (n,), to be compared with the fatigue limit in torsion."""
         return self.amplitude_MPa + slope * self.hydrostatic_MPa
 
 
 def smith_watson_topper(history: Array, material: Elastic) -> CriticalPlanes:
-    """σ_n,max · Δε_n / 2 in MPa on the plane where it is largest (Smith, Watson & Topper, J. Materials 5 (1970) 767).
+    """σ_n,max · Δε_n / 2 (n,) in MPa on the plane where it is largest (Smith, Watson & Topper, J. Materials 5 (1970)
+    767).
 
     On planes as by Socie, J. Eng. Mater. Technol. 109 (1987) 293; a plane that is never pulled has 0.
     """
@@ -52,16 +55,17 @@ def smith_watson_topper(history: Array, material: Elastic) -> CriticalPlanes:
 
 
 def critical_planes(history: Array, on_planes: OnPlanes) -> CriticalPlanes:
-    """The planes where a parameter is largest, searched in 240 directions spread evenly over a hemisphere.
-
-    They are refined about the best one to 0.6°.
+    """The planes where a parameter of a history (s, n, 6) is largest, searched in 240 directions spread evenly over a
+    hemisphere, and refined about the best one to 0.6°.
+    on_planes: gives the parameter on planes, see `OnPlanes`.
     """
     parts = [_critical(history[:, k : k + _AT_ONCE], on_planes) for k in range(0, max(history.shape[1], 1), _AT_ONCE)]
     return CriticalPlanes(np.concatenate([p for p, _ in parts]), np.concatenate([n for _, n in parts]))
 
 
 def crossland(history: Array) -> Crossland:
-    """√J2 of the cycle as the radius of the smallest ball about the path of the deviatoric stress over √2.
+    """Crossland's stresses of a history (s, n, 6): √J2,a is the radius of the smallest ball about the path of the
+    deviatoric stress over √2.
 
     Crossland, Proc. Int. Conf. Fatigue of Metals, 1956; the ball by Badoiu & Clarkson, Comput. Geom. 40 (2008) 14.
     """
@@ -103,7 +107,7 @@ def _critical(history: Array, on_planes: OnPlanes) -> tuple[Array, Array]:
 
 
 def swt_on_planes(stress: Array, normals: Array, material: Elastic) -> Array:
-    """σ_n,max Δε_n / 2 (n, k) of tensors (s, n, 3, 3) on planes (n, k, 3), in MPa."""
+    """σ_n,max Δε_n / 2 (n, k) in MPa of tensors (s, n, 3, 3) on planes (n, k, 3); 0 where a plane is never pulled."""
     normal = normal_stresses(stress, normals)
     nu, modulus = material.poissons_ratio, material.youngs_modulus_MPa
     trace = np.trace(stress, axis1=-2, axis2=-1)[..., None]
@@ -112,7 +116,7 @@ def swt_on_planes(stress: Array, normals: Array, material: Elastic) -> Array:
 
 
 def normal_stresses(stress: Array, normals: Array) -> Array:
-    """Normal stresses (s, n, k) of tensors (s, n, 3, 3) on planes (n, k, 3)."""
+    """Normal stresses (s, n, k), tension positive, of tensors (s, n, 3, 3) on planes (n, k, 3)."""
     squares = (normals[..., None] * normals[..., None, :]).reshape(*normals.shape[:2], 9)
     columns = np.moveaxis(stress.reshape(*stress.shape[:2], 9), 0, 1)
     found: Array = np.moveaxis(columns @ np.swapaxes(squares, 1, 2), 1, 0)
@@ -120,7 +124,7 @@ def normal_stresses(stress: Array, normals: Array) -> Array:
 
 
 def stress_vectors(stress: Array, normals: Array) -> Array:
-    """Stress vectors (s, n, k, 3) of tensors (s, n, 3, 3) on planes (n, k, 3)."""
+    """Stress vectors (s, n, k, 3), tensor times normal, of tensors (s, n, 3, 3) on planes (n, k, 3)."""
     return np.asarray(np.einsum("snij,nkj->snki", stress, normals, optimize=True))
 
 
@@ -133,7 +137,7 @@ def _tilted(normal: Array, angle_rad: float) -> Array:
 
 
 def in_plane(normal: Array) -> tuple[Array, Array]:
-    """Two directions (..., 3) at right angles to each other and to normals (..., 3)."""
+    """Two unit vectors, (..., 3) each, at right angles to each other and to unit normals (..., 3)."""
     helper = np.where(np.abs(normal[..., 2:]) < 0.9, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
     first = np.cross(normal, helper)
     first /= np.linalg.norm(first, axis=-1, keepdims=True)

@@ -33,8 +33,8 @@ _STEPS = 12  #: Of the load, which goes with their square.
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """Stresses (l, n, n, 6) in MPa beneath the first point of contact, in a body's axes, on a grid of this spacing and
-    these depths (l,) in mm below the unworn surface.
+    """Stresses (l, n, n, 6) in MPa in a body's axes, on a square grid of spacing step_mm about the first point of
+    contact, at depths_mm (l,) below the unworn surface.
     """
 
     stress: Array
@@ -42,7 +42,7 @@ class Residual:
     depths_mm: Array
 
     def at(self, places_mm: Array, patch: ContactPatch) -> Array:
-        """Stresses (k, 6) at places (k, 3) of the body, zero away from the contact."""
+        """Stresses (k, 6) at places (k, 3) in mm of the body, zero beyond the grid. patch: gives the unworn height."""
         depth = patch.profile.height(places_mm[:, :2]) - places_mm[:, 2]
         count = np.arange(len(self.depths_mm), dtype=np.float64)
         index = [np.interp(depth, self.depths_mm, count, right=float(len(count)))]
@@ -51,7 +51,9 @@ class Residual:
 
 
 def residual_of(result: RunResult, forces: ContactForces) -> Residual | None:
-    """Residual stress after first loading of a run's body; None if it stays elastic, or the study asks for none."""
+    """Residual stress after first loading of the body that `forces` act on; None if it stays elastic, or the study does
+    not ask for "near zone". Raises ResultError for a pad, or if no solution is found.
+    """
     if result.study.get("contact", {}).get("plasticity") != "near zone":
         return None
     tables = json.dumps(result.study, sort_keys=True, default=str)

@@ -1,4 +1,8 @@
-"""A body at one position of a cycle: its stresses from displacements, and their averages over a length."""
+"""A body at one position of a cycle: its stresses from displacements, and their averages over a length.
+
+A position is a recorded moment of a cycle. Stresses are rows of xx, yy, zz, xy, yz, xz in MPa. A body's own axes run
+along its axis, across it and out of its surface, from the point of first contact.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -31,8 +35,8 @@ M = TypeVar("M", BodyMesh, PlanarMesh)
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Within it, linear algebra has one thread: with small matrices, several that wait for each other cost ten times
-    what they gain on a busy machine.
+    """A context, also a decorator, within which linear algebra has one thread: with small matrices, several that wait
+    for each other cost ten times what they gain on a busy machine.
     """
     with threadpool_limits(limits=1, user_api="blas"):
         yield
@@ -52,8 +56,8 @@ class SolvedBody(Generic[M]):
 
     @classmethod
     def of(cls, meshed: M, material: Elastic) -> Self:
-        """A body with its stiffness ready to be solved for any loads; held rigidly at its grip unless it has an elastic
-        bedding.
+        """The body with its stiffness ready to be solved for any forces; held rigidly at its grip, or elastically if
+        the mesh has a bedding.
         """
         held = meshed.mesh.surface_nodes("grip") if meshed.bedding is None else np.zeros(0, dtype=np.int64)
         interior = Interior(meshed.mesh, material, held, meshed.bedding)
@@ -76,7 +80,7 @@ class SolvedBody(Generic[M]):
 
     @cached_property
     def surface(self) -> Any:
-        """The contact surface as a `corrected` object, which corrects stresses near it between the nodes."""
+        """The contact surface as an object of class `corrected`, which corrects stresses near it between the nodes."""
         made: Any = self.corrected
         return made.of(self.meshed, self.material)
 
@@ -105,9 +109,7 @@ class InnerState(Generic[B]):
         is_upper: bool,
         residual: Residual | None = None,
     ) -> tuple[Self, ...]:
-        """States of a body at chosen positions of a recorded cycle, in their order; positions: indices into
-        `forces`.
-        """
+        """States of a body at chosen positions of a recorded cycle, given as indices into `forces`, in their order."""
         positions = list(positions)
         nodes = body.patch.nodes.ravel()[forces.nodes]
         displacements = body.interior.displacements(nodes, forces.force_N[positions])
@@ -117,13 +119,12 @@ class InnerState(Generic[B]):
 
     @cached_property
     def stress_at_points(self) -> Array:
-        """Stresses (m, q, 6) at the integration points of the m elements."""
+        """Stresses (m, q, 6) at the q integration points of each of m elements."""
         return self.stress_at(self.body.points)
 
     def stress_at(self, points: IntegrationPoints) -> Array:
-        """Stresses (m, q, 6) at some of the body's integration points: what the finite elements compute of the
-        contact's forces, residual stress, and the bulk stress of a bar whose axis lies at the middle of the body's
-        height.
+        """Stresses (m, q, 6) at some of the body's integration points: those of the contact's forces by finite
+        elements, residual stress, and the bulk stress of a bar whose axis lies in the middle of the body's height.
         """
         found, bulk = points.stresses(self.body.material, self.displacement), self.forces.bulk_stress_MPa
         mesh, places = self.body.mesh, points.positions.reshape(-1, points.mesh.points.shape[1])
@@ -139,7 +140,7 @@ class InnerState(Generic[B]):
 
     @cached_property
     def stress(self) -> Array:
-        """Stresses (n, 6) projected to the nodes."""
+        """Stresses (n, 6) at the nodes, projected from the integration points."""
         return self.body.points.at_nodes(self.stress_at_points)
 
     @cached_property
@@ -151,23 +152,23 @@ class InnerState(Generic[B]):
 
     @property
     def patch_nodes(self) -> IntArray:
-        """Nodes of the mesh on the contact patch, in the order of the patch's flattened grid."""
+        """Indices (p,) of the mesh's nodes on the contact patch, in the order of the patch's flattened grid."""
         return self.body.patch.nodes.ravel()
 
     @property
     def loaded_nodes(self) -> IntArray:
-        """Nodes of the mesh that carry force at any position of the cycle."""
+        """Indices of the mesh's nodes that carry force at any position of the cycle."""
         return np.asarray(self.patch_nodes[self.forces.nodes])
 
     @property
     def places_mm(self) -> Array:
-        """The nodes (n, 3); those of a planar body at y = 0."""
+        """Places (n, 3) of the nodes; those of a planar body have y = 0."""
         points = self.body.mesh.points
         return points if points.shape[1] == 3 else _beneath(points)
 
     @property
     def node_sizes(self) -> Array:
-        """Volume (n,) of the body that belongs to each node, mm³ or per mm of thickness."""
+        """Volume (n,) that belongs to each node in mm³; of a planar body area in mm²."""
         points, mesh = self.body.points, self.body.mesh
         shares = np.einsum("mq,qc->mc", points.volumes, points.shapes)
         return scattered(mesh.cells, shares[:, :, None], len(mesh.points))[:, 0]
@@ -178,19 +179,19 @@ class InnerState(Generic[B]):
 
     @property
     def to_world(self) -> Array:
-        """The matrix (3, 3) from the body's axes to the test's: x along the motion, z towards the upper body."""
+        """The matrix (3, 3) that turns vectors of the body's axes into the test's: x along the motion, z upwards."""
         return rotation_to_world(upper=self.is_upper, axis_angle_rad=float(np.radians(self.forces.axis_angle_deg)))
 
     @property
     def origin_um(self) -> Array:
-        """Position (3,) of the body's point of first contact, moved with its holder, in the test's axes."""
+        """Position (3,) in µm of the body's point of first contact, moved with its holder, in the test's axes."""
         forces, k = self.forces, self.position
         if self.is_upper:
             return np.array([forces.holder_x_um[k], 0.0, forces.holder_z_um[k]])
         return np.array([forces.drive_um[k], 0.0, 0.0])
 
     def world_points_um(self, points_mm: Array) -> Array:
-        """Points (k, 3) of the body's own axes in the axes of the test, in µm."""
+        """Points (k, 3) given in the body's own axes in mm, in the test's axes in µm."""
         return np.asarray(1e3 * points_mm @ self.to_world.T + self.origin_um)
 
 
@@ -199,7 +200,7 @@ S = TypeVar("S", bound=InnerState[Any])
 
 @dataclass(frozen=True)
 class Inside(Generic[S]):
-    """Functions that give stress states and grids of the bodies of one kind of contact."""
+    """Functions that give stress states and grids of the bodies of contacts at a point, or of line contacts."""
 
     state: type[S]  #: What a body is at one position.
     #: One as it was when such forces acted, with its nodes in the worn surface or where they were when fresh.
@@ -210,12 +211,11 @@ class Inside(Generic[S]):
     def states(
         self, result: RunResult, body: str, cycle: float, at: Sequence[str | int] | None = None, *, worn: bool = True
     ) -> tuple[S, ...]:
-        """A body of a run at positions of the cycle recorded nearest to `cycle`, all recorded ones by default.
+        """States of a body of a run at positions `at` (None: all) of the cycle recorded nearest to `cycle`.
 
         worn: the nodes stand in the worn surface and the forces act there; else they stand where they were when fresh,
-        as in a run that does not move nodes.
-        Raises ResultError if the run has recorded no such forces or positions, and GeometryError if wear distorts the
-        mesh too much.
+        as in a run that does not move nodes. Raises ResultError if the run has recorded no such forces or positions,
+        and GeometryError if wear distorts the mesh too much.
         """
         result = result.computed
         forces = result.forces(cycle, body)
@@ -235,10 +235,11 @@ def _beneath(points: Array) -> Array:
 
 
 def averaging(points_mm: Array, volumes_mm3: Array, chosen: IntArray, diameter_mm: float) -> csr_matrix:
-    """The matrix (k, n) of means over balls of `diameter_mm` about chosen points (k,), weighted by volume (n,).
+    """The matrix (k, n) of means over balls (discs) of `diameter_mm` about the k points with indices `chosen`, weighted
+    by the volumes (n,) of all points.
 
     What gradients beneath a contact ask for: a material's crack needs stress over a length, not at a point (Taylor,
-    Int. J. Fatigue 21 (1999) 413). A length of zero leaves values as they are.
+    Int. J. Fatigue 21 (1999) 413). A diameter of 0 or less leaves values as they are.
     """
     size = len(points_mm)
     if diameter_mm <= 0.0:

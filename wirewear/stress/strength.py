@@ -1,4 +1,7 @@
-"""What a cycle does to a wire's material: the largest von Mises stress, yield, and fatigue indicators, with places."""
+"""What a cycle does to a body's material: the largest von Mises stress, yield, and fatigue indicators, with places.
+
+`states` are those of one body over a recorded cycle, see `InnerState`; stresses are rows of xx, yy, zz, xy, yz, xz.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class MaterialPoints:
-    """Points (k, 3) of a body in mm, stresses over a cycle (s, k, 6) in MPa, the node that shows each (k,)."""
+    """Points (k, 3) of a body, their stresses over a cycle (s, k, 6), and the nodes (k,) at which each is shown."""
 
     points_mm: Array
     history: Array
@@ -35,9 +38,10 @@ class MaterialPoints:
 
 
 def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> MaterialPoints:
-    """Stresses of a body over a cycle at nodes (k,) of its mesh, corrected on the surface, and at points of its edges.
+    """Stresses of a body over a cycle at nodes (k,) of its mesh, corrected on the surface, and at the edges of the
+    contact.
 
-    To the nodes come the points where the contact ends at any of the positions.
+    Added to the nodes are the points where the contact ends at any of the positions, each shown at the nearest node.
     """
     body, places = states[0].body, states[0].places_mm
     patch, on_patch, image = body.patch, states[0].patch_nodes, _image(states)
@@ -65,7 +69,9 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> Mater
 
 
 def stresses_of(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
-    """Stresses (s, n, 6) of a body over a cycle as they are at nodes (k,) and near them."""
+    """Stresses (s, n, 6) in MPa of a body over a cycle at all n nodes; only those at `nodes` (k,) and near them are
+    computed, the others are not to be used.
+    """
     image = _image(states)
     points = states[0].body.points.around(np.append(nodes, image.node[nodes]))
     return image.completed(all_at_nodes(points, (states[k].stress_at(points) for k in image.computed)), image.node)
@@ -83,7 +89,7 @@ def _image(states: Sequence[InnerState[Any]]) -> CycleImage:
 
 @dataclass(frozen=True)
 class Where:
-    """A largest value in MPa and its place in µm, in the axes of the test about the wire's own origin."""
+    """A largest value in MPa and its place in µm, in the test's axes from the body's point of first contact."""
 
     value_MPa: float
     x_um: float
@@ -94,8 +100,8 @@ class Where:
 
 @dataclass(frozen=True)
 class StrengthAsked:
-    """Strengths with which stresses are compared, and the length over which they are averaged; None: no yield
-    strength.
+    """What stresses are compared with: yield strength (None: not compared), slope of Crossland's criterion, and the
+    length that they are averaged over (0: not averaged).
     """
 
     yield_strength_MPa: float | None = None
@@ -105,14 +111,14 @@ class StrengthAsked:
 
 @dataclass(frozen=True, eq=False)
 class Strength:
-    """A body over one recorded cycle at its nodes `nodes` (k,) near the contact.
+    """Strength of a body over one recorded cycle, at nodes `nodes` (k,) near the contact.
 
-    wire: one of the bodies of the result.
-    grid: the body as `body_grid` gives it where its von Mises stress is largest, with the fields of the cycle at the
-    nodes as point data: largest_von_mises_MPa, smith_watson_topper_MPa, critical_plane_normal, crossland_MPa,
-    crossland_amplitude_MPa, largest_hydrostatic_MPa; all zero farther away.  surface: (t, 4) facets of its contact
-    patch, none of a line contact.  All are of stresses averaged over a stated length; where it is 0, those at the
-    surface are corrected between the nodes, and a node shows the worst point nearest to it.
+    wire: name of the body. grid: the body as `body_grid` gives it where its von Mises stress is largest, with the
+    fields of the cycle at the nodes as point data: largest_von_mises_MPa, smith_watson_topper_MPa,
+    critical_plane_normal, crossland_MPa, crossland_amplitude_MPa, largest_hydrostatic_MPa; all zero farther away.
+    surface: (t, 4) facets of its contact patch, none of a line contact. von_mises, critical_plane, crossland: where
+    each is largest. Stresses are averaged over a stated length; where it is 0, those at the surface are corrected
+    between the nodes, and a node shows the worst point nearest to it.
     """
 
     cycle: int
@@ -140,10 +146,11 @@ class Strength:
 def strength_of(
     result: RunResult, body: str, cycle: float, asked: StrengthAsked, inside: Inside[Any] = INSIDE_POINTS
 ) -> Strength:
-    """Stresses of a body over the cycle recorded nearest to `cycle`, at all its recorded positions, at nodes near the
-    contact. Averages are over balls, of a line contact over discs.
-    Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length;
-    GeometryError if wear distorts the mesh too much.
+    """The strength of a body over the cycle recorded nearest to `cycle`, from all its recorded positions.
+
+    Averages are over balls, of a line contact over discs. inside: INSIDE_POINTS or INSIDE_LINES, by the kind of
+    contact. Raises ResultError if no contact forces of the body are recorded, or it is smaller than the averaging
+    length; GeometryError if wear distorts the mesh too much.
     """
     states = inside.states(result, body, assessable(result, body, cycle, asked, inside))
     first = states[0]
@@ -165,8 +172,8 @@ def strength_of(
 def assessable(
     result: RunResult, body: str, cycle: float, asked: StrengthAsked, inside: Inside[Any] = INSIDE_POINTS
 ) -> int:
-    """The cycle recorded nearest to `cycle`, seen without any computation to allow what is asked of a body.
-    Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length.
+    """The number of the cycle recorded nearest to `cycle`, if `strength_of` can assess it; checked without computation.
+    Raises ResultError if no contact forces of the body are recorded, or it is smaller than the averaging length.
     """
     forces, over_um = result.forces(cycle, body), asked.averaging_length_um
     if over_um > 1e3 * inside.least_extent_mm(result, forces):
@@ -177,7 +184,7 @@ def assessable(
 
 @dataclass(frozen=True)
 class Shown:
-    """A body whose strength is assessed: its name, material, axes, surface nodes and grids to be drawn."""
+    """A body to be assessed. surface: (t, 4) facets that may touch; to_world (3, 3): from its axes to the test's."""
 
     cycle: int
     wire: str
@@ -189,7 +196,7 @@ class Shown:
 
 
 def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: StrengthAsked) -> Strength:
-    """The strength of a body from the stresses of a cycle at points of its material."""
+    """The strength of a body from the stresses of a cycle at points of it, shown at `nodes` near the contact."""
     equivalent = von_mises(points.history)
     planes = smith_watson_topper(points.history, body.material)
     limits = crossland(points.history)
@@ -239,7 +246,7 @@ def _averaged(states: Sequence[InnerState[Any]], nodes: IntArray, length_um: flo
 
 
 def yield_sentence(course: Sequence[Strength]) -> str:
-    """Sentence on where a body yields first and until which cycle, from its strengths over the cycles of a run."""
+    """A sentence on where a body yields first and until which cycle, from its strengths over one cycle or more."""
     first, body = course[0], course[0].body
     if first.asked.yield_strength_MPa is None:
         return f"{body}: no yield strength is stated."

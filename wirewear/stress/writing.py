@@ -1,4 +1,7 @@
-"""Fields of a cycle as files (a VTU per body and position, a PVD over them, pictures), strengths as table and maps."""
+"""Fields of a cycle as files (a VTU per body and position, a PVD over them, pictures), strengths as table and maps.
+
+A position is a recorded moment of a cycle, given by its name in POSITIONS or its index.
+"""
 
 from collections.abc import Sequence
 from functools import partial
@@ -59,13 +62,15 @@ def write_fields(
     animation: bool = False,
     tracked: Tracked = untracked,
 ) -> list[Path]:
-    """Write `<body>_<cycle>_<position>.vtu`, `cycle_<cycle>.pvd` over them, and pictures of each position; returns all.
+    """Write `<body>_<cycle>_<position>.vtu`, `cycle_<cycle>.pvd` over them, and pictures of each position; return all
+    files.
 
-    Where the bodies are apart, nothing is drawn.
+    cycle: the cycle recorded nearest to it is taken. at: positions, None for all. bodies: their names, all if empty.
+    worn: nodes stand in the worn surface, else where they were when fresh. integration_points: also as clouds of
+    points, `<body>_<cycle>_<position>_points.vtp`. animation: also a GIF over the positions. tracked: shows how far
+    bodies, files and pictures are. The time of the PVD file is the share of the cycle passed. Where the bodies are
+    apart, nothing is drawn.
 
-    at: names or numbers of positions, None for all that are recorded.  integration_points: also as clouds of points,
-    `<body>_<cycle>_<position>_points.vtp`.  animation: a GIF over the positions.  tracked: shows how far bodies,
-    files and pictures are.  The time of the PVD file is the share of the cycle passed.
     Raises ResultError if nothing is recorded there, or the folder cannot be written; GeometryError if wear distorts a
     mesh too much.
     """
@@ -120,7 +125,7 @@ def _write_series(path: Path, moments: Sequence[Sequence[BodyState]]) -> Path:
 
 
 def strength_table(strengths: Sequence[Strength]) -> Table:
-    """One line for each cycle and wire."""
+    """A table for rich to print, with one line for each strength, a cycle of a body."""
     table = Table(box=box.SIMPLE, pad_edge=False)
     for heading in (
         "cycle",
@@ -150,7 +155,9 @@ def strength_table(strengths: Sequence[Strength]) -> Table:
 
 
 def write_strength(one: Strength, folder: Path) -> tuple[Path, Path]:
-    """Write a VTU file with its fields and a picture of its maps. Raises ResultError if they cannot be written."""
+    """Write a VTU file with the fields of a strength and a picture of its maps; return (VTU, picture). Raises
+    ResultError if they cannot be written.
+    """
     path = folder / f"strength_{one.wire}_{one.cycle:07d}.vtu"
     with writing(ResultError, f"cannot write strengths to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -158,13 +165,15 @@ def write_strength(one: Strength, folder: Path) -> tuple[Path, Path]:
 
 
 def write_strength_table(strengths: Sequence[Strength], folder: Path) -> Path:
-    """Write strength.csv. Raises ResultError if it cannot be written."""
+    """Write strength.csv with a row for each strength; return its path. Raises ResultError if that fails."""
     with writing(ResultError, f"cannot write strengths to {folder}"):
         return write_csv(folder / "strength.csv", [_row(one) for one in strengths])
 
 
 def draw_strength(strength: Strength) -> Figure:
-    """Each field from above, on the surface, and beneath it in the section along the motion; a line's beneath only."""
+    """Picture of von Mises, Smith–Watson–Topper and Crossland stress from above, on the surface, and below it in the
+    section along the motion; a line contact's below only.
+    """
     above = len(strength.surface) > 0
     points = np.asarray(strength.grid.points)[strength.nodes]
     low, high = points.min(axis=0), points.max(axis=0)
