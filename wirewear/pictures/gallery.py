@@ -1,6 +1,7 @@
 """All pictures of one result or of a folder of variants: loops, evolution over the cycles, scars.
 
-In a test by blocks, blocks of cycles under different conditions follow one another.
+A test by blocks has blocks of cycles under different conditions one after another. Where `results` are taken, there is
+at least one.
 """
 
 import re
@@ -42,7 +43,7 @@ FOLDER_NAME = "pictures"
 
 
 def amplitude_evolution(results: Sequence[RunResult]) -> Figure:
-    """Displacement amplitude δa and slip amplitude δ0 over the cycles, all runs overlaid."""
+    """Picture of displacement amplitude δa and slip amplitude δ0 over the cycles, all runs overlaid."""
     figure = style.new_figure(3.3)
     axes = figure.subplots()
     draw_amplitudes(axes, results)
@@ -52,9 +53,7 @@ def amplitude_evolution(results: Sequence[RunResult]) -> Figure:
 
 
 def evolution_panels(results: Sequence[RunResult]) -> Figure:
-    """Four panels over the cycles: amplitudes, largest depth of both scars, energy per cycle, largest
-    tangential force.
-    """
+    """Picture of amplitudes, largest depths, energy per cycle and largest force over the cycles, for all runs."""
     figure = style.new_figure(5.4)
     panels = list(figure.subplots(2, 2).flat)
     draw_amplitudes(panels[0], results)
@@ -104,7 +103,7 @@ def _shown_cycles(results: Sequence[RunResult]) -> Sequence[int]:
 
 
 def draw_amplitudes(axes: Axes, results: Sequence[RunResult]) -> None:
-    """Draw displacement and slip amplitude over the cycles."""
+    """Draw displacement and slip amplitude of all runs over the cycles in a panel."""
     for index, result in enumerate(results):
         label = f"{result.label}: slip δ0"
         _draw_course(axes, result, "slip_amplitude_um", **style.variant_style(index), label=label)
@@ -117,7 +116,7 @@ def draw_amplitudes(axes: Axes, results: Sequence[RunResult]) -> None:
 
 
 def draw_depths(axes: Axes, results: Sequence[RunResult]) -> None:
-    """Draw the largest worn depth of each body over the cycles."""
+    """Draw the largest worn depth of each body of all runs over the cycles in a panel."""
     lines = list(zip(results[0].bodies, DASHES, strict=True))[::-1]
     for index, result in enumerate(results):
         colour = style.variant_style(index)["color"]
@@ -144,7 +143,7 @@ def _widen(axes: Axes) -> None:
 
 
 def loops_by_run(results: Sequence[RunResult], unit: str = "N") -> Figure:
-    """One panel for each run with its loops at chosen cycles; all panels have the same axes. unit: of the forces."""
+    """Picture with a panel for each run, of its loops at chosen cycles, on equal axes. unit: of the forces."""
     figure, panels = _panels(len(results))
     cycles = _shown_cycles(results)
     for axes, result in zip(panels, results, strict=True):
@@ -160,7 +159,8 @@ def loops_by_run(results: Sequence[RunResult], unit: str = "N") -> Figure:
 
 
 def draw_loops(axes: Axes, result: RunResult, cycles: Sequence[int] | None = None) -> None:
-    """Draw loops of one run at these cycles, by default at a choice of the logged ones.
+    """Draw loops of one run at these cycles, by default at a choice of the logged ones; cycles without a loop are left
+    out.
 
     Earlier loops are drawn with wider lines below later ones, so that coinciding loops all remain visible.
     """
@@ -175,7 +175,7 @@ def draw_loops(axes: Axes, result: RunResult, cycles: Sequence[int] | None = Non
 
 
 def loops_by_cycle(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure:
-    """One panel for each cycle with the loops of all runs; all panels have the same axes.
+    """Picture with one panel for each cycle, of the loops of all runs logged nearest to it; all panels have equal axes.
 
     Raises ResultError if a run has logged no loop near one of the cycles.
     """
@@ -214,7 +214,7 @@ def _finish(panels: Sequence[Axes], unit: str = "N") -> None:
 
 
 def overview(results: Sequence[RunResult]) -> Figure:
-    """Four panels: loops of the first run, then amplitudes, depths and final sections of the held bodies of all runs.
+    """Picture of the first run's loops, and of amplitudes, depths and last sections of the held bodies of all runs.
 
     Raises ResultError if a run has no measured cycle yet.
     """
@@ -248,7 +248,7 @@ def _draw_last_sections(axes: Axes, results: Sequence[RunResult]) -> None:
 
 
 def animation(result: RunResult, path: Path) -> Path:
-    """Write the loop and the scar over the cycles as an animated GIF and return its path.
+    """Write loop and held body's scar over the cycles as an animated GIF to `path`, and return that.
 
     Raises ResultError if no cycle has both a loop and scars, or the file cannot be written.
     """
@@ -307,13 +307,10 @@ def show(
     """Write all pictures of the run or runs at `result_path`, a result file or a folder of runs, and return their
     paths.
 
-    output_dir: by default a folder `pictures` beside the result file or in the folder of runs.
-    ending: png, svg or pdf.
-    moving: draw also loop and scar of each run over the cycles as an animated GIF.
-    drawn: given the results, returns the functions that draw them by picture name; by default those of point contacts.
-
-    What an unfinished run has not logged yet is left out. Raises ResultError if there is no readable result, nothing is
-    logged yet, or a picture cannot be written.
+    output_dir: by default a folder `pictures` beside the result file or in the folder of runs. ending: png, svg or pdf.
+    moving: draw also loop and scar of each run over the cycles as an animated GIF. drawn: from results to functions
+    that draw pictures by name; by default those of contacts at a point. What an unfinished run has not logged yet is
+    left out. Raises ResultError if there is no readable result, nothing is logged yet, or a picture cannot be written.
     """
     results = read_results(result_path)
     if drawn is None or moving:
@@ -336,7 +333,7 @@ def show(
 
 
 def drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
-    """Functions that draw each picture these results allow, by file name."""
+    """Functions that draw each picture these results allow, by file name without ending; empty if nothing is logged."""
     found: dict[str, Callable[[], Figure]] = {}
     if with_loops := [result for result in results if result.loops]:
         found["loops"] = partial(loops_by_run, with_loops)
@@ -356,8 +353,9 @@ def drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
 
 
 def section_cycles(results: Sequence[RunResult]) -> tuple[int, ...]:
-    """Cycles whose sections are shown: the last one with scars of all runs, and the first whose depth is a quarter of
-    its.
+    """Cycles whose sections are shown: the last one with scars of all runs, and the first with at least a quarter of
+    its depth.
+    If no cycle has scars of all runs, the earliest of the runs' last ones.
     """
     shared = sorted(set.intersection(*(set(result.scar_cycles()) for result in results)))
     if not shared:

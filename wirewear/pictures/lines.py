@@ -1,4 +1,4 @@
-"""Pictures of line contacts: worn profiles, pressure, loops, growth of scars, supports."""
+"""Pictures of line contacts: worn profiles, pressure, loops, growth of scars, supports. Forces are per mm of length."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from wirewear.test import LineStudy
 
 
 def line_supports(study: LineStudy, pad: PlanarMesh, specimen: PlanarMesh) -> Figure:
-    """Section of both bodies with their supports, load and motion; forces per mm of thickness."""
+    """Picture of the section of both meshed bodies with their supports, load and motion."""
     unit = study.of_length(1.0)
     conditions, holder = unit.conditions, unit.holder
     tangential, rotational = holder.tangential_stiffness_N_per_mm, holder.rotational_stiffness_N_mm_per_rad
@@ -44,7 +44,7 @@ def _held(body: PlanarMesh, *, upper: bool) -> HeldBody:
 
 
 def line_drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
-    """Functions that draw each picture these results allow, by file name: each run alone, and several side by side."""
+    """Functions that draw each picture these results allow, by file name: of each run, and of several together."""
     logged = [result.computed for result in results if result.loops]
     found: dict[str, Callable[[], Figure]] = {}
     for result in logged:
@@ -57,7 +57,9 @@ def line_drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure
 
 
 def line_variants(results: Sequence[RunResult]) -> Figure:
-    """Worn depth of both bodies, pressure at mid-stroke and loop at the last logged cycle, for all runs."""
+    """Picture of the worn depth of both bodies, the pressure at mid-stroke and the loop at the last logged cycle, for
+    all runs.
+    """
     figure = style.new_figure(5.2)
     panels = figure.subplots(2, 2)
     results = [result.computed for result in results]
@@ -95,7 +97,7 @@ def line_variants(results: Sequence[RunResult]) -> Figure:
 
 
 def line_profiles(result: RunResult) -> Figure:
-    """Worn depth of both bodies and pressure at mid-stroke over x, for chosen cycles from the first to the last."""
+    """Picture of worn depth of both bodies and pressure at mid-stroke over x at up to six cycles, and of growth."""
     cycles = chosen_cycles([loop.cycle for loop in result.loops])
     figure = style.new_figure(5.2)
     panels = figure.subplots(2, 2)

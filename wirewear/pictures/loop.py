@@ -12,13 +12,13 @@ DISPLACEMENT = "displacement δ [µm]"
 
 
 def draw_loop(axes: Axes, displacement_um: Array, force: Array, *, label: str = "", **line: Unpack[LineLook]) -> None:
-    """Draw a loop of n samples (n,) as one closed line."""
+    """Draw a loop of n samples (n,) as one closed line. label: for the legend; empty for none."""
     closed = (np.append(values, values[0]) for values in (displacement_um, force))
     axes.plot(*closed, solid_capstyle="butt", label=label or None, **line)
 
 
 def draw_loop_band(axes: Axes, displacement_um: Array, low: Array, high: Array, **area: Unpack[AreaLook]) -> None:
-    """Fill the area between the forces `low` and `high` (n,) at each sample of a loop, branch by branch."""
+    """Fill the area between the forces `low` and `high`, (n,) each, over a loop's displacements (n,)."""
     n, top, bottom = displacement_um.size, int(displacement_um.argmax()), int(displacement_um.argmin())
     for start, end in ((bottom, top), (top, bottom)):
         # In order of time, each with the reversals at its ends.

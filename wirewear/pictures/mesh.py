@@ -30,11 +30,12 @@ EDGE_COLOUR = "#303438"
 
 
 def round_facets(points_mm: Array, facets: IntArray, radius_mm: float | None) -> tuple[Array, IntArray, IntArray]:
-    """Subdivided facets: points (m, 3), quads (k·PARTS², 4) and edges (4k, PARTS + 1), the latter two as indices of
-    points.
+    """(points (m, 3) in mm, quads (k·PARTS², 4), edges (4k, PARTS + 1)) of k facets cut into PARTS × PARTS; quads and
+    edges hold indices of points.
 
-    The body's axis is x, its crown is the origin and its material lies below. facets (k, 4) hold the indices of their
-    corners in order. If a radius is given, facets on the surface of the round bar are curved.
+    facets (k, 4): indices of their corners in points_mm, in order. The body's axis is x, its crown is the origin and
+    its material lies below. radius_mm: facets on the surface of a round bar of this radius are curved; None leaves all
+    flat.
     """
     corners = points_mm[facets]
     u, v = np.meshgrid(*2 * [np.linspace(0.0, 1.0, PARTS + 1)], indexing="ij")
@@ -82,8 +83,8 @@ def body_meshes(
 ) -> Figure:
     """Picture of both meshes in contact, with a close view of the driven patch; grips are dark, contact patches red.
 
-    names: of the driven and the held body.
-    first_moving: mesh of the driven body for the fresh contact, shown beside the one for the grown scar.
+    crossing_angle_deg: from the driven body's axis to the held one's. names: of the driven and the held body.
+    first_moving: mesh of the driven body for the fresh contact, shown beside the one for the grown scar; None for none.
     """
     patches = {f"contact patch of the {names[0]}": moving}
     if first_moving is not None:
@@ -112,6 +113,7 @@ def body_meshes(
 
 
 def element_sizes(body: BodyMesh) -> str:
+    """Words on the sizes in µm of a patch's fine elements, along and across."""
     along, across = (1e3 * axis.fine_mm for axis in (body.geometry.axial, body.geometry.transverse))
     return f"elements of {along:.1f} × {across:.1f} µm"
 
@@ -142,7 +144,7 @@ class _Body:
 
 @dataclass(frozen=True)
 class DrawnBodies:
-    """Rendered image (PIXELS, PIXELS, 3), its scale, and positions of the names in pixels from the upper left."""
+    """A rendered image (PIXELS, PIXELS, 3), its scale, and where names stand: pixels (right, down) in it."""
 
     image: NDArray[np.uint8]
     mm_per_pixel: float
@@ -206,7 +208,7 @@ def _above_end(plotter: Any, body: _Body) -> tuple[float, float]:
 
 
 def show_bodies(axes: Axes, view: DrawnBodies) -> None:
-    """Draw the image with a scale bar in its lower left corner and the bodies' names."""
+    """Draw the image of `view` in a panel, with a scale bar in its lower left corner and the bodies' names."""
     axes.imshow(view.image)
     axes.set_axis_off()
     box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.2}
@@ -220,9 +222,7 @@ def show_bodies(axes: Axes, view: DrawnBodies) -> None:
 
 
 def upper_position(points: Array, angle_rad: float) -> Array:
-    """Points (n, 3) of the upper body turned upside down about its axis and then about the normal by the crossing
-    angle.
-    """
+    """Points (n, 3) of the upper body turned upside down about its axis, then about the normal by `angle_rad`."""
     x, y, z = points[:, 0], -points[:, 1], -points[:, 2]
     c, s = np.cos(angle_rad), np.sin(angle_rad)
     return np.column_stack([c * x - s * y, s * x + c * y, z])

@@ -1,4 +1,4 @@
-"""A body from a file as it was understood: its sets, its axes, and how far its faces are from the fitted one."""
+"""A body from a file as it was understood: its sets, its axes, and how far its faces are from the fitted surface."""
 
 from typing import Any
 
@@ -16,8 +16,8 @@ _AXES = {"x": "#b03030", "y": "#2f7d32", "z": "#2453a6"}  #: Colours of the body
 
 
 def own_body(source: MeshSource, half_extents_mm: tuple[float, float], name: str) -> Figure:
-    """The file's body with the sets that may touch and that are held, and its axes where it touches first; beside it
-    by how much its faces lie off the fitted surface under the contact patch, in µm.
+    """Picture of the file's body with the sets that may touch and that are held, and its axes where it touches first;
+    beside it the height in µm of its faces above the fitted surface under the contact patch.
 
     half_extents_mm: of the patch, along and across the body's axis. name: what the body is called.
     """

@@ -20,8 +20,9 @@ RESOLUTION = 420  #: Pixels along the longer side of a map of a simulated scar.
 
 
 def draw_scar(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normalize) -> None:
-    """Draw the depth of a simulated scar over |x| ≤ half_x and |y| ≤ half_y in µm, and the body's axis if it
-    has one.
+    """Draw the worn depth of a simulated scar over |x| ≤ half_x and |y| ≤ half_y in µm, and the body's axis if it has
+    one.
+    norm: scale of depths in µm for DEPTH_COLOURS.
     """
     step = 2.0 * max(half_x, half_y) / RESOLUTION
     x, y = (np.arange(-half + step / 2, half, step) for half in (half_x, half_y))
@@ -43,9 +44,10 @@ def draw_map(
     *,
     shading: Literal["nearest", "gouraud"] = "nearest",
 ) -> QuadMesh:
-    """Draw a field (n_x, n_y) at its grid points, over |x| and |y| ≤ half_um, by default as far as it reaches.
+    """Draw a field (n_x, n_y) at its grid points as colours, and return what is drawn, for a colour bar.
 
     at_um: coordinates along and across the motion, as grid lines (n_x,) and (n_y,) or at each point (n_x, n_y).
+    half_um: |x| and |y| up to which is shown, None for all.
     """
     places = np.meshgrid(*at_um, indexing="ij") if at_um[0].ndim == 1 else at_um
     drawn = axes.pcolormesh(*places, values, norm=norm, cmap=colours, shading=shading, rasterized=True)
@@ -62,6 +64,6 @@ def _frame(axes: Axes, half_x: float | None = None, half_y: float | None = None)
 
 
 def draw_axis(axes: Axes, angle_deg: float) -> None:
-    """Draw a body's axis as a dash-dotted line at this angle to the motion."""
+    """Draw a body's axis as a dash-dotted line through the origin, at this angle to the motion."""
     angle, dashes = np.radians(angle_deg), (0, (8, 2, 1, 2))
     axes.axline((0.0, 0.0), (np.cos(angle), np.sin(angle)), color=GREY, linewidth=0.7, linestyle=dashes)

@@ -2,7 +2,7 @@
 cycle.
 
 Pressure and slip are shown on the held body, whose contact does not move. Fields are interpolated smoothly (see
-`smooth`), and blank where there is neither pressure nor slip.
+`smooth`), and blank where there is neither pressure nor slip. A cycle stands for the logged one nearest to it.
 """
 
 from collections.abc import Sequence
@@ -29,10 +29,10 @@ LEAST_TICK_DISTANCE = 0.1  #: Least distance of ticks on a root-of-depth colour 
 
 
 def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure:
-    """Unworn and worn profile on y = 0 of all runs: one row for each cycle, one column for each body.
+    """Picture of unworn and worn profiles at y = 0 of all runs: one row for each cycle, one column for each body.
 
-    All panels have the same scale; heights are exaggerated by a round factor, stated in the picture.
-    Raises ResultError if a run has logged no scar near one of the cycles.
+    All panels have the same scale; heights are exaggerated by a round factor, stated in the picture. Raises ResultError
+    if a run has logged no scar near one of the cycles.
     """
     bodies = results[0].bodies
     shown = {(c, w): [smooth_scar(result.scar(c, w)) for result in results] for c in cycles for w in bodies}
@@ -78,7 +78,7 @@ def _draw_section(axes: Axes, results: Sequence[RunResult], scars: Sequence[Scar
 
 
 def profile(scar: Scar, x: Array) -> tuple[Array, Array]:
-    """Heights in µm of the unworn and the worn surface at (x, 0), counted from the crown."""
+    """(unworn, worn): heights (n,) in µm of the surface at y = 0 and at x (n,) in µm, from the crown."""
     unworn = scar.unworn_height_um(*scar.wire_coordinates(x, 0.0))
     return unworn, unworn - scar.sampled(x, np.zeros(1))[:, 0]
 
@@ -101,7 +101,7 @@ def _half_extent(scar: Scar) -> float:
 
 
 def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
-    """Pressure and slip distance of one run, one column for each cycle; each row has one colour scale."""
+    """Picture of pressure and slip distance of one run, one column for each cycle; each row has one colour scale."""
     held = result.bodies[1]
     scars = [result.scar(cycle, held) for cycle in cycles]
     half_x, half_y = (1.15 * half for half in touched_half_extent(scars))
@@ -142,7 +142,8 @@ def _mean(scar: Scar) -> float:
 
 
 def touched_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
-    """Largest |x| and |y| in µm, along and across the motion, where the bodies touch at mid-stroke or slide.
+    """Largest |x| and |y| in µm, along and across the motion, where the bodies touch at mid-stroke or slide, in any of
+    the scars.
 
     At least one grid spacing, where they touch at a single point.
     """
@@ -173,9 +174,7 @@ def _short(value: float) -> str:
 
 
 def scars_from_above(results: Sequence[RunResult]) -> Figure:
-    """Depth of both scars at each run's last logged cycle: one row for each run, with a common frame and
-    colour scale.
-    """
+    """Picture of the depth of both scars at each run's last logged cycle, one row a run, on one colour scale."""
     rows = [last_scars(result) for result in results]
     figure, grid = _grid_of_maps(rows, Normalize(0.0, deepest(rows)))
     for row, scars, result in zip(grid, rows, results, strict=True):
@@ -191,8 +190,8 @@ def scars_from_above(results: Sequence[RunResult]) -> Figure:
 
 
 def scar_series(result: RunResult, cycles: Sequence[int]) -> Figure:
-    """Depth of both scars of one run, one column for each cycle, one row for each body; colours follow the root of the
-    depth.
+    """Picture of the depth of both scars of one run, one column for each cycle, one row for each body; colours follow
+    the root of the depth.
     """
     rows = [[result.scar(cycle, body) for cycle in cycles] for body in result.bodies]
     worst = deepest(rows)
@@ -212,10 +211,7 @@ def scar_series(result: RunResult, cycles: Sequence[int]) -> Figure:
 
 
 def last_scars(result: RunResult) -> list[Scar]:
-    """Scars of the driven and the held body at the last logged cycle.
-
-    Raises ResultError if the run has logged no scars.
-    """
+    """Scars of (driven, held) body at the last logged cycle. Raises ResultError if the run has logged no scars."""
     last = max(result.scar_cycles(), default=1)
     return [result.scar(last, body) for body in result.bodies]
 
@@ -226,9 +222,7 @@ def deepest(rows: Sequence[Sequence[Scar]]) -> float:
 
 
 def root_ticks(worst: float) -> list[float]:
-    """Depths for the ticks of a colour bar that follows the root of depth: 0 and round values up to the
-    largest depth.
-    """
+    """Ticks, increasing from 0 to `worst`, of a colour bar that follows the root: round values between both."""
     ticks, step = [worst], style.round_below(worst)
     while (step / worst) ** 0.5 > LEAST_TICK_DISTANCE:
         if (ticks[-1] / worst) ** 0.5 - (step / worst) ** 0.5 > LEAST_TICK_DISTANCE:

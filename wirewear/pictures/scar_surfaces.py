@@ -1,6 +1,7 @@
 """3D pictures of both scars: the worn surfaces in true proportions, coloured by depth.
 
-The crown is the highest line or point of the unworn body, at which it was first touched.
+The crown is the highest line or point of the unworn body, at which it was first touched. The sliding frame has x along
+the motion, y across and z out of the body.
 """
 
 from collections.abc import Sequence
@@ -36,9 +37,7 @@ PIXELS = 1100  #: Width of a rendering, about twice the width of its panel: shri
 
 @dataclass(frozen=True)
 class View:
-    """Orthographic view: unit vectors to the right, upwards and towards the eye, in the sliding frame (x along the
-    motion).
-    """
+    """Orthographic view: unit vectors (3,) to the right, upwards and towards the eye, in the sliding frame."""
 
     right: Array
     up: Array
@@ -53,7 +52,7 @@ class View:
         return cls(right, np.cross(eye, right), eye)
 
     def project(self, points: ArrayLike) -> Array:
-        """Coordinates (..., 2) in the plane of the picture, in µm, of points (..., 3)."""
+        """Coordinates (..., 2), to the right and upwards in the picture, of points (..., 3), in the points' unit."""
         positions: Array = np.asarray(points, dtype=np.float64) @ np.stack([self.right, self.up], axis=1)
         return positions
 
@@ -62,8 +61,8 @@ VIEW = View.from_angles(azimuth_deg=-62.0, elevation_deg=38.0)
 
 
 def scars_in_3d(results: Sequence[RunResult]) -> Figure:
-    """Worn surface of both bodies at each run's last logged cycle, crowns up: one row a run, one view and scale for
-    all.
+    """Picture of the worn surfaces of both bodies at each run's last logged cycle, crowns up: one row a run, one view
+    and scale for all. Raises ResultError if a run has no scars.
     """
     rows = [last_scars(result) for result in results]
     scars = [scar for row in rows for scar in row]
@@ -99,9 +98,10 @@ def scars_in_3d(results: Sequence[RunResult]) -> Figure:
 
 
 def worn_surface(scar: Scar, half_length_um: float, half_strip_um: float) -> "pyvista.StructuredGrid":
-    """Worn surface near a body's crown in the sliding frame in µm, with the point data `depth_um`.
+    """A pyvista mesh in µm of the worn surface near a body's crown, in the sliding frame, with the point data
+    `depth_um`.
 
-    It covers |axial| ≤ half_length_um and |transverse| ≤ half_strip_um, limited to where the body's surface exists.
+    It covers |axial| ≤ half_length_um and |transverse| ≤ half_strip_um, or less where the body ends before.
     """
     import pyvista
 

@@ -42,7 +42,7 @@ _NEIGHBOURS = [(a, t) for a in (-1, 0, 1) for t in (-1, 0, 1) if (a, t) != (0, 0
 
 
 def chosen_cycles(logged: Sequence[int], most: int = MOST_LOOPS) -> tuple[int, ...]:
-    """At most `most` of the logged cycles: first, last and the powers of ten between them, thinned evenly."""
+    """At most `most` of the logged cycles: all, or first, last and the powers of ten between, thinned evenly."""
     cycles = sorted(set(logged))
     decades = [c for c in cycles if 10 ** round(np.log10(max(c, 1))) == c]
     wanted = cycles if len(cycles) <= most else sorted({cycles[0], *decades, cycles[-1]})
@@ -51,14 +51,16 @@ def chosen_cycles(logged: Sequence[int], most: int = MOST_LOOPS) -> tuple[int, .
 
 
 def smooth_loop(loop: Loop, points: int = POINTS) -> tuple[Array, Array]:
-    """Displacement in µm and force in N of the closed loop through all of its samples, see `smooth_curve`."""
+    """(displacement in µm, force in N) along the closed loop through all of its samples, see `smooth_curve`."""
     return smooth_curve(loop.displacement_um, loop.tangential_force_N, points)
 
 
 def smooth_curve(displacement_um: Array, force: Array, points: int = POINTS) -> tuple[Array, Array]:
-    """Coordinates of a closed smooth loop through all samples (n,), at `points` places or more.
+    """(displacement, force) along a closed smooth loop through all samples (n,), at `points` places or more, the last
+    one the first.
 
-    Monotone cubics over the length along the loop, never beyond neighbouring samples.
+    Monotone cubics over the length along the loop, never beyond neighbouring samples; a loop of fewer than CLOSED_FROM
+    samples is only closed.
     """
     x, q = (np.append(values, values[0]) for values in (displacement_um, force))
     # Slopes of forces that next to no friction leaves would not be finite.
@@ -81,8 +83,8 @@ def smooth_curve(displacement_um: Array, force: Array, points: int = POINTS) -> 
 
 
 def extended(first: Array, second: Array, values: Array, inside: Mask) -> Array:
-    """Copy of values (n_1, n_2) in which RINGS rings of points around `inside` are extrapolated; first, second: grid
-    lines.
+    """A copy of values (n_1, n_2), extrapolated to RINGS rings of points around `inside` (n_1, n_2) like a thin plate.
+    first, second: grid lines (n_1,) and (n_2,).
     """
     band = sliding_window_view(np.pad(inside, RINGS), (2 * RINGS + 1,) * 2).any(axis=(2, 3)) & ~inside
     if not inside.any() or not band.any():
@@ -127,8 +129,8 @@ def _rows(points: list[NDArray[np.int_]], weights: list[Array], size: int) -> sp
 
 
 def smooth_scar(scar: Scar) -> Scar:
-    """Scar with its worn depth on a finer grid that contains its own; other fields are zero there, and prints are left
-    out.
+    """A scar with its worn depth on a finer grid that contains its own; other fields are zero there, and prints are
+    left out.
 
     The scar ends where the depth, extrapolated from inside, becomes zero.
     """
@@ -146,10 +148,10 @@ def smooth_scar(scar: Scar) -> Scar:
 
 
 def smooth_field(scar: Scar, field: str, over_um: float = 0.0) -> tuple[Array, Array, MaskedField]:
-    """Finer grid lines (n_a,) and (n_t,) in µm, and a field of the scar on them, masked where it is zero.
+    """(finer grid lines (n_a,), (n_t,) in µm, values (n_a, n_t)) of a field of the scar, masked where it is zero.
 
-    Unlike a depth, pressure or slip may end abruptly: the area gets a smooth outline of its own. The field is averaged
-    over the length `over_um` along the motion.
+    field: name of the attribute. over_um: length along the motion over which it is averaged. Unlike a depth, pressure
+    or slip may end abruptly: the area gets a smooth outline of its own.
     """
     from scipy.ndimage import gaussian_filter, uniform_filter
 
@@ -172,7 +174,9 @@ def smooth_field(scar: Scar, field: str, over_um: float = 0.0) -> tuple[Array, A
 
 
 def worn_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
-    """Largest |x| and |y| in µm, along and across the motion, where 1 % of the largest depth of all scars is worn."""
+    """Largest |x| and |y| in µm, along and across the motion, with more than 1 % of the largest depth of all scars; of
+    unworn scars, of their grid.
+    """
     least = 0.01 * max(scar.max_depth_um for scar in scars)
     half_x = half_y = 0.0
     for scar in scars:

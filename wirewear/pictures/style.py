@@ -54,7 +54,7 @@ _used: ContextVar[Mapping[str, Any]] = ContextVar("used", default=_SETTINGS)
 
 
 class LineLook(TypedDict, total=False):
-    """Properties of a line, named as in matplotlib."""
+    """Properties of a line, named and in units as in matplotlib."""
 
     color: ColorType
     linestyle: LineStyleType
@@ -70,7 +70,7 @@ class AreaLook(TypedDict, total=False):
 
 @contextmanager
 def on_paper() -> Iterator[None]:
-    """Draw pictures for a two-column journal inside this context: single panels in one column, others across both."""
+    """Within this context pictures are for a two-column journal: single panels in one column, others across both."""
     before = _used.set(_PAPER)
     try:
         yield
@@ -80,13 +80,13 @@ def on_paper() -> Iterator[None]:
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Apply the common style inside this context; matplotlib's settings are restored afterwards."""
+    """Within this context the common style applies; matplotlib's settings are restored afterwards."""
     with mpl.rc_context(_used.get()):  # type: ignore[arg-type]
         yield
 
 
 class HouseFigure(Figure):
-    """Figure that a notebook displays although it does not belong to pyplot."""
+    """A figure that a notebook displays although it does not belong to pyplot."""
 
     def _repr_png_(self) -> bytes:
         image = BytesIO()
@@ -96,7 +96,7 @@ class HouseFigure(Figure):
 
 
 def new_figure(height_in: float, width_in: float = WIDTH_in, *, arranged: bool = True) -> Figure:
-    """An empty figure that draws off screen; with constrained layout unless its panels are put into fixed places."""
+    """An empty figure that draws off screen. arranged: False if panels are put at fixed places."""
     figure = HouseFigure(figsize=(width_in, height_in), layout="constrained" if arranged else None)
     FigureCanvasAgg(figure)
     return figure
@@ -119,7 +119,7 @@ def save(draw: Callable[[], Figure], path: Path) -> Path:
 
 
 def require_picture_name(path: Path) -> None:
-    """Check that matplotlib can write the format of the path's ending. Raises ResultError if not."""
+    """Raise ResultError unless matplotlib can write the format of the path's ending."""
     if path.suffix[1:].lower() not in {"", *FigureCanvasAgg.get_supported_filetypes()}:
         raise ResultError(f"the picture {path} cannot be drawn: its name must end in .png, .svg or .pdf.")
 
@@ -133,7 +133,7 @@ def svg(draw: Callable[[], Figure]) -> bytes:
 
 
 def variant_style(index: int) -> LineLook:
-    """Line colour and dashes of the variant with this index."""
+    """Line colour and dashes of the variant with this index, from 0."""
     return {
         "color": VARIANT_COLOURS[index % len(VARIANT_COLOURS)],
         "linestyle": VARIANT_DASHES[index % len(VARIANT_DASHES)],
@@ -141,13 +141,13 @@ def variant_style(index: int) -> LineLook:
 
 
 def cycle_colours(count: int) -> list[tuple[float, float, float, float]]:
-    """One colour for each of `count` cycles, from light to dark."""
+    """One colour (red, green, blue, opacity) for each of `count` cycles, from light to dark."""
     shades = [0.0] if count == 1 else np.linspace(0.82, 0.0, count)
     return [colormaps["viridis"](shade) for shade in shades]
 
 
 def depth_scale(depths_um: Iterable[Array]) -> tuple[Colormap, Normalize]:
-    """Colours and scale for measured depths in µm: `DEPTH_COLOURS` where worn, green where raised above the surface."""
+    """(colours, scale) for measured depths in µm, NaN ignored: `DEPTH_COLOURS` where worn, green where raised."""
     fields = list(depths_um)
     deepest = max([1e-6, *(float(np.nanmax(depth)) for depth in fields)])
     lowest = min([0.0, *(float(np.nanmin(depth)) for depth in fields)])
@@ -188,13 +188,13 @@ def panel_letters(panels: Sequence[Axes]) -> None:
 
 
 def round_below(value: float) -> float:
-    """The largest of 1, 2, 5 × 10ⁿ that does not exceed a positive value."""
+    """The largest of 1, 2, 5 × 10ⁿ that does not exceed `value`, which must be positive."""
     decade = 10.0 ** math.floor(math.log10(value))
     return next(step * decade for step in (5.0, 2.0, 1.0) if step * decade <= value * (1.0 + 1e-9))
 
 
 def scale_bar(axes: Axes, length_um: float) -> None:
-    """Draw a bar of this length in µm with its label in the lower left corner of a panel."""
+    """Draw a bar of `length_um` with its label in the lower left corner of a panel whose axes are in µm."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     start, y = left + 0.04 * (right - left), bottom + 0.06 * (top - bottom)
     axes.plot([start, start + length_um], [y, y], color=INK, linewidth=2.5, solid_capstyle="butt")

@@ -1,4 +1,7 @@
-"""Pictures of the boundary conditions of two bodies in contact: grips, load, stroke, springs."""
+"""Pictures of the boundary conditions of two bodies in contact: grips, load, stroke, springs.
+
+The reference node stands for the holder of the upper body, which load and springs act on.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -20,7 +23,7 @@ _MOST_LINES = 15  #: At most so many lines are drawn from a reference node to wh
 
 @dataclass(frozen=True, eq=False)
 class HeldBody:
-    """Section of a body: its outline and its held part, both as line segments (k, 2, 2) in mm."""
+    """Section of a body: its outline and its held part, both as k line segments (k, 2, 2) between points in mm."""
 
     edge: Array
     grip: Array
@@ -29,7 +32,7 @@ class HeldBody:
 
 @dataclass(frozen=True)
 class Supports:
-    """Labels of the load, of the lower body's stroke and of the holder's springs, each "" where rigid."""
+    """Labels of the load, the lower body's stroke and the holder's springs; empty for a spring that is rigid."""
 
     load: str
     stroke: str
@@ -43,7 +46,7 @@ class Supports:
 def draw_boundary_conditions(
     views: Sequence[tuple[str, HeldBody, HeldBody]], supports: Supports, *, along_motion: Sequence[bool]
 ) -> Figure:
-    """One panel for each view (title, upper body, lower body); the motion is drawn where `along_motion` is True."""
+    """Picture with a panel for each view (title, upper body, lower body); the motion is drawn if along_motion."""
     figure = new_figure(3.9)
     panels = figure.subplots(1, len(views), squeeze=False)[0]
     for axes, (title, upper, lower), moves in zip(panels, views, along_motion, strict=True):
@@ -137,7 +140,9 @@ def _draw_lines(axes: Axes, lines: Array, **style: object) -> None:
 
 
 def supports(study: Study, moving: BodyMesh, fixed: BodyMesh) -> Figure:
-    """Sections of both bodies along and across the motion with their supports."""
+    """Picture of both bodies' sections along and across the motion with their supports. moving, fixed: meshes of the
+    driven (lower) and held (upper) body.
+    """
     angle = np.radians(study.crossing_angle_deg)
     motion = np.radians(study.motion_angle_deg)
 

@@ -1,4 +1,7 @@
-"""Forecast of the time, memory and disk that a sweep takes, from its first runs."""
+"""Forecast of the time, memory and disk that a sweep takes, from its first runs.
+
+The size of a run is the root of the bytes that it needs, which grows in proportion to its number of unknowns.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,7 +23,7 @@ ROW_BYTES, RESULT_BYTES = 1_500, 60.0
 
 @dataclass(frozen=True)
 class Forecast:
-    """CPU time of all runs in s, peak memory of one worker in bytes, and disk space in bytes."""
+    """What a sweep takes on `workers` workers: CPU time of all runs, peak memory of one worker, and disk space."""
 
     runs: int
     workers: int
@@ -30,7 +33,7 @@ class Forecast:
 
     @property
     def wall_s(self) -> float:
-        """Time from start to end in s, on workers that do nothing else."""
+        """Time in s from start to end, on workers that do nothing else."""
         return self.cpu_s / max(min(self.workers, self.runs), 1)
 
     @property
@@ -44,7 +47,7 @@ class Forecast:
 
 
 def sizes_of(sweep: Sweep) -> np.ndarray:
-    """Number of unknowns of every run (n,), interpolated for large sweeps; NaN for all if no run can be planned."""
+    """Sizes of all runs (n,), interpolated between 200 of them at most; NaN for all if no run can be planned."""
     count = len(sweep)
     # Runs that are planned to know the sizes of all.
     planned = np.unique(np.linspace(0, count - 1, min(count, 200)).round().astype(int))
@@ -57,13 +60,13 @@ def sizes_of(sweep: Sweep) -> np.ndarray:
 
 
 def pilots(sizes: np.ndarray) -> list[int]:
-    """Indices of the runs that are made first, for the forecast: of middle, largest and smallest size."""
+    """Indices of the runs that come first, for the forecast: of middle, largest and smallest size, each once."""
     order = np.argsort(sizes, kind="stable")
     return list(dict.fromkeys(int(order[place]) for place in (order.size // 2, order.size - 1, 0)))
 
 
 def forecast(sweep: Sweep, sizes: np.ndarray, rows: Sequence[SweepRow], workers: int) -> Forecast:
-    """Forecast from the rows of finished runs; `sizes` holds the unknowns of every run of the sweep."""
+    """What a sweep takes, from `sizes` of all runs and the rows of those that ended, one of which has CPU time."""
     done = [row for row in rows if row.cpu_s > 0.0]
     at, cpu = np.array([sizes[row.number - 1] for row in done]), np.array([row.cpu_s for row in done])
     power = _power(at, cpu)
@@ -76,7 +79,7 @@ def forecast(sweep: Sweep, sizes: np.ndarray, rows: Sequence[SweepRow], workers:
 
 
 def time_text(seconds: float) -> str:
-    """Duration in words with two digits, such as ``12 min``."""
+    """Duration in words with two significant digits, such as ``12 min``."""
     for unit, length in (("s", 1.0), ("min", 60.0), ("h", 3600.0), ("days", 86400.0)):
         if seconds < 99.5 * length or unit == "days":
             return f"{float(f'{seconds / length:.2g}'):,.4g} {unit}"

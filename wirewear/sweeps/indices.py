@@ -16,8 +16,8 @@ CONSTANT = 1e-9  #: Figures that vary by less than this share of their mean are 
 
 @dataclass(frozen=True)
 class Index:
-    """Share of a figure's variance that a key causes: alone (`first`), and with all interactions (`total`, for Sobol
-    only).
+    """Share (0 to 1) of a figure's variance that a key causes: alone (`first`), and with all interactions (`total`,
+    None but for Sobol).
 
     Errors are half-widths of 95 % intervals by bootstrap.
     """
@@ -31,12 +31,12 @@ class Index:
 
 
 def indices(design: Design, rows: Mapping[int, SweepRow], figure: str, seed: int = 1) -> list[Index]:
-    """Sensitivity indices of all keys; empty for a grid, a constant figure, or too few complete runs (FEWEST_RUNS).
+    """Sensitivity indices of all keys for one figure; empty for a grid, a constant figure, or too few complete runs
+    (FEWEST_RUNS).
 
-    rows: by the number of the run, from 1.
-
-    Sobol's indices by Saltelli's and Jansen's estimators (Saltelli et al., Comput. Phys. Commun. 181 (2010) 259); for a
-    Latin hypercube first-order indices by RBD-FAST (Plischke, Reliab. Eng. Syst. Saf. 95 (2010) 354).
+    rows: by the number of the run, from 1. seed: of the bootstrap. Sobol's indices by Saltelli's and Jansen's
+    estimators (Saltelli et al., Comput. Phys. Commun. 181 (2010) 259); for a Latin hypercube first-order indices by
+    RBD-FAST (Plischke, Reliab. Eng. Syst. Saf. 95 (2010) 354).
     """
     if design.kind not in FEWEST_RUNS:
         return []

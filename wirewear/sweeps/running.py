@@ -32,13 +32,13 @@ class Journal:
     """Rows of one sweep in the journal of an output folder, which this process has locked."""
 
     def __init__(self, folder: Path, identity: Identity) -> None:
-        """Prepare the journal; nothing is read or written yet."""
+        """Prepare the journal; nothing is read or written yet. identity: the sweep's."""
         self.path = folder / JOURNAL
         self._identity = identity
 
     def rows_so_far(self) -> tuple[dict[int, SweepRow], str]:
-        """Rows already in the journal, by their number, and a sentence if rows of another program version were dropped
-        ("" if not).
+        """(rows already in the journal by number, note): rows of another version of the program are dropped, which the
+        note says, else "". Incomplete lines are dropped, too.
 
         Raises RunError if the journal belongs to another sweep, or cannot be read or written.
         """
@@ -63,14 +63,12 @@ class Journal:
 
     @contextmanager
     def open(self) -> Iterator[TextIO]:
-        """Open the journal for adding rows."""
+        """The journal opened for adding rows, while the `with` block runs. Raises RunError if it cannot be written."""
         with writing(RunError, f"cannot write {self.path}"), self.path.open("a", encoding="utf-8") as file:
             yield file
 
     def add(self, file: TextIO, row: SweepRow) -> None:
-        """Append a row to the open journal; it is on disk when this returns. Raises RunError if it cannot be
-        written.
-        """
+        """Append a row to the open journal; it is on disk when this returns. Raises RunError if that fails."""
         with writing(RunError, f"cannot write {self.path}", "the same command goes on"):
             file.write(_line(row.to_json()))
             file.flush()
@@ -109,7 +107,7 @@ class SweepObserver:
         """Receive a sentence for the user."""
 
     def expected(self, forecast: Forecast) -> None:
-        """Receive the forecast of all runs, after the first ones have ended."""
+        """Receive the forecast of all runs, once enough have ended."""
 
     def done(self, row: SweepRow, rows: int, of: int) -> None:
         """Receive the row of a run that ended; `rows` of `of` runs have ended now."""
@@ -129,14 +127,15 @@ class SweepResult:
 
     @property
     def failures(self) -> list[SweepRow]:
-        """Rows of runs that failed."""
+        """Rows of runs that failed, in order of their numbers."""
         return [row for _, row in sorted(self.rows.items()) if row.failed]
 
 
 def run_sweep(
     sweep: Sweep, output: Path, engine: Engine, observer: SweepObserver | None = None, *, only_pilots: bool = False
 ) -> SweepResult:
-    """Compute every row that OUTPUT does not hold yet; with `only_pilots`, only the runs that a forecast needs.
+    """Compute every row that OUTPUT does not hold yet, and return all; with `only_pilots`, compute only what a forecast
+    needs.
 
     Raises RunError if OUTPUT holds another sweep, is in use by another process, or cannot be written; StudyError if the
     sweep needs more memory or disk than there is; EngineError if the cluster cannot be reached, or runs another

@@ -3,7 +3,7 @@
 The wire is a beam (Euler-Bernoulli) on its contacts; these are far enough apart that each is a run of its own, whose
 approach under its load is the deflection of the beam there. Loads change from block to block of cycles. They follow
 from runs under estimated loads: elastic approach and worn depth of these are scaled to other loads, which the beam then
-shares out, until runs and beam agree.
+shares out, until runs and beam agree. Such a round repeats until loads change by less than 0.5 %.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ Simulate = Callable[[Study, str], RunResult]  #: Run a study under a label.
 
 @dataclass(frozen=True, eq=False)
 class SharedLoad:
-    """Shares of the load that n contacts bore in b blocks of cycles."""
+    """Shares of the load that n contacts bore in b blocks of cycles, and their runs."""
 
     test: ManyContacts
     ends: tuple[int, ...]  #: (b,) last cycle of each block.
@@ -40,7 +40,7 @@ class SharedLoad:
 
     @property
     def rows(self) -> list[dict[str, float]]:
-        """A row for each contact and block."""
+        """A row, by column, for each contact and block: load, approach, worn depth and worn volume at its end."""
         return [
             {
                 "contact": number + 1,
@@ -57,9 +57,10 @@ class SharedLoad:
 
 
 def shared_load(test: ManyContacts, simulate: Simulate) -> SharedLoad:
-    """Run the contacts until their loads agree with the beam.
+    """The shares of the load with which runs of the contacts agree with the beam.
 
-    StudyError if a contact lifts off, or if loads do not settle.
+    simulate: runs a study under a label. Raises StudyError if a contact lifts off, or if loads do not settle in six
+    rounds.
     """
     ends, count = _ends(test.study), len(test.contacts)
     lengths = np.diff(np.array(ends, dtype=np.float64), prepend=0.0)
@@ -118,7 +119,7 @@ def _depth_mm(run: RunResult, cycle: int) -> float:
 
 
 def volume_mm3(run: RunResult, cycle: int) -> float:
-    """Worn volume of both bodies after a recorded cycle."""
+    """Worn volume of both bodies after `cycle` cycles, which must be a measured one."""
     return _of_both(run, cycle, "worn_volume_{}_mm3")
 
 
@@ -159,10 +160,12 @@ def beam_loads(
     approach_mm: Callable[[Array], Array],
     start_N: Array,
 ) -> Array:
-    """Forces (n,) in N on a free beam at its supports, which yield by `approach_mm` of these forces.
+    """Forces (n,) in N on a free beam at its supports `places_mm` (n,), which yield by `approach_mm` of these forces
+    (n,) in mm.
 
-    The load acts in equal parts at `loads_at_mm`. The beam's deflection is a rigid motion and that of a force in an
-    endless beam, |x - s|³/12EI, summed over loads and forces, which are in equilibrium. StudyError if none is found.
+    load_N acts in equal parts at `loads_at_mm`; start_N (n,): first guess. The beam's deflection is a rigid motion and
+    that of a force in an endless beam, |x - s|³/12EI, summed over loads and forces, which are in equilibrium. Raises
+    StudyError if none is found.
     """
     from scipy.optimize import root
 

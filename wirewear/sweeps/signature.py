@@ -20,14 +20,14 @@ _STUDY = "signature_study.toml"
 
 
 def signature_study() -> Study:
-    """Steel-wire test on which signatures are drawn by default."""
+    """The steel-wire test on which signatures are drawn by default."""
     text = files("wirewear.sweeps").joinpath(_STUDY).read_text(encoding="utf-8")
     return parse_study(text, _STUDY)
 
 
 @dataclass(frozen=True)
 class Signature:
-    """Run of the nominal model and run with the effect; their loops are the sensors' readings."""
+    """Run of the nominal model, without effects, and run with the effect; their loops are the sensors' readings."""
 
     effect: AnyEffect
     nominal: RunResult
@@ -35,14 +35,14 @@ class Signature:
 
     @cached_property
     def loops(self) -> tuple[tuple[Loop, Loop], ...]:
-        """Pairs of loops of the same cycle: nominal, then with the effect."""
+        """Pairs (nominal, with the effect) of loops of the same cycle, as sensors read them."""
         return tuple(zip(read_loops(self.nominal), read_loops(self.changed), strict=True))
 
     def on_one_phase(self, place: int) -> tuple[Array, Array, Array]:
-        """Phases of the drive as shares of a cycle (n,), then displacement and force (2, n) of the nominal and the
-        changed loop.
+        """(phases (n,), nominal (2, n), changed (2, n)): phases of the drive from 0 to 1, and displacement in µm and
+        force in N there.
 
-        place: index of the pair in `loops`. Both loops are interpolated linearly at the phases of all their increments.
+        place: index of the pair in `loops`. Both loops are interpolated linearly at the phases of all their samples.
         """
         pair = self.loops[place]
         turns = [float(self.nominal.study["conditions"]["frequency_Hz"]) * loop.time_s % 1.0 for loop in pair]
@@ -63,12 +63,12 @@ class Signature:
 
     @cached_property
     def figures(self) -> tuple[tuple[LoopFigures, LoopFigures], ...]:
-        """Figures of each pair of loops, as `analyse_loop` finds them."""
+        """Figures of each pair of loops (nominal, with the effect), as `analyse_loop` finds them."""
         return tuple((_figures(nominal), _figures(changed)) for nominal, changed in self.loops)
 
     def changes(self) -> Mapping[str, list[float]]:
-        """Relative change of slip amplitude, dissipated energy and largest friction, by name, for each pair of
-        loops.
+        """Relative change of slip amplitude, dissipated energy and largest friction, by name, for each pair of loops;
+        NaN where not measured.
         """
         names = ("slip_amplitude_um", "dissipated_energy_mJ", "friction_max")
         return {
@@ -85,11 +85,11 @@ def signature_of(
     fidelity: str = "quick",
     observer_of: ObserverOf | None = None,
 ) -> Signature:
-    """Run a study without and with an effect, in OUTPUT/nominal and OUTPUT/<effect>; finished runs are reused.
+    """Run a study (None: `signature_study`) without and with an effect, in OUTPUT/nominal and OUTPUT/<effect>; finished
+    runs are reused.
 
     An interrupted run is continued; one of another study, fidelity or version is replaced. An effect of the sensor
-    needs no run of its own, as it does not change the test.
-    Raises SolverError or StudyError as `run_study` does.
+    needs no run of its own, as it does not change the test. Raises SolverError or StudyError as `run_study` does.
     """
     base = study or signature_study()
     nominal = _run(base.with_effects(), "nominal", output, fidelity, observer_of)

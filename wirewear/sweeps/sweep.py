@@ -1,6 +1,7 @@
 """A sweep as a value: its study, its design of runs (grid, Latin hypercube, or Saltelli's), and the row of each run.
 
-A share is the position of a value between its lower end (0) and its upper end (1).
+A share is the position of a value between its lower end (0) and its upper end (1). A row holds the figures, numbers
+with a name, of one run. The number of a run counts from 1, its index (place) from 0.
 """
 
 import resource
@@ -68,7 +69,7 @@ class VariedInput:
     values: tuple[float, ...] = ()
 
     def at(self, share: float) -> float:
-        """Value at a share of the way from the lower to the upper end, rounded to DIGITS digits."""
+        """Value at a share of the way from the lower to the upper end, rounded to DIGITS significant digits."""
         if self.logarithmic:
             value = exp(log(self.low) + share * log(self.high / self.low))
         else:
@@ -78,7 +79,7 @@ class VariedInput:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """Design of n runs over d varied keys: values `points` (n, d), and their `shares` (n, d) between the keys' ends."""
+    """The n runs over d varied keys: values `points` (n, d), and their `shares` (n, d) between the keys' ends."""
 
     kind: str
     factors: tuple[VariedInput, ...]
@@ -96,12 +97,12 @@ class Design:
         return {"num_vars": count, "names": list(self.keys), "bounds": [[0.0, 1.0]] * count}
 
     def values(self, place: int) -> dict[str, float]:
-        """Values of the varied keys in the run of this index, by key."""
+        """Values of the varied keys in the run of index `place`, by key."""
         return dict(zip(self.keys, self.points[place].tolist(), strict=True))
 
 
 def design_of(tables: SweepTables, where: str) -> Design:
-    """Design that a sweep file asks for; `where` names the file in messages.
+    """The design that a sweep file asks for; `where` names the file in messages.
 
     Raises StudyError if a key is named twice, or its ends, its values or the number of samples do not suit the design.
     """
@@ -170,9 +171,8 @@ def _between_ends(vary: Vary, kind: str, where: str) -> VariedInput:
 
 
 def figures_named(bodies: Sequence[str], *, life: bool = False) -> tuple[str, ...]:
-    """Names of all figures of a row, in the table's order; `bodies` names the driven body, then the held one.
-
-    life: the study states [life], so that a row has a life, too.
+    """Names of all figures of a row, in the table's order. bodies: names of the driven, then the held body. life: True
+    if the study states [life], so that a row has a life, too.
     """
     depths = (f"{DEPTH}{body}_um" for body in bodies)
     at_end = (*AT_END[:_BEFORE_DEPTHS], *depths, *AT_END[_BEFORE_DEPTHS:])
@@ -181,9 +181,8 @@ def figures_named(bodies: Sequence[str], *, life: bool = False) -> tuple[str, ..
 
 @dataclass(frozen=True)
 class SweepRow:
-    """Result of one run that has ended: its figures, or in `failure` the sentence that says why there are none.
-
-    `cpu_s` (without compiling) and `peak_bytes` are the run's CPU time and memory; they differ between machines.
+    """Result of one run that has ended: its figures, None for one that is not finite, or in `failure` the sentence that
+    says why there are none. cpu_s (without compiling) and peak_bytes are the run's CPU time and memory.
     """
 
     number: int
@@ -197,7 +196,7 @@ class SweepRow:
         return self.figures is None
 
     def to_json(self) -> dict[str, object]:
-        """Row as plain values for JSON."""
+        """The row as plain values for JSON."""
         return dict(vars(self))
 
 
@@ -206,7 +205,7 @@ def run_case(
 ) -> SweepRow:
     """Simulate the study with these values of its keys; errors of study or simulation are stated in the returned row.
 
-    results: folder in which the result file is kept; None to keep none.
+    number: of the run. results: folder in which the result file is kept; None to keep none.
     """
     start_s = working_cpu_s()
     figures, failure = None, ""
@@ -225,9 +224,7 @@ def run_case(
 
 
 def shortest_life(study: Study | LineStudy, result: RunResult) -> float | None:
-    """Cycles until a crack begins in the first body to crack, infinite if none does; None if the study has no
-    [life].
-    """
+    """Cycles until a crack begins in the first body to crack, infinite if in none; None without [life]."""
     if study.tables.life is None:
         return None
     inside = contacts_of(result).inside
@@ -282,11 +279,11 @@ class Sweep:
         return identity_of(asked, CODE, {"added": added})
 
     def case(self, place: int) -> tuple[Study | LineStudy, dict[str, float]]:
-        """Base study, and the values of the varied keys in the run of this index."""
+        """(study, values of the varied keys by key) of the run of index `place`; the study is without them."""
         return self.study, self.design.values(place)
 
     def study_of(self, place: int) -> Study | LineStudy:
-        """Study of the run with index `place`. Raises StudyError if a key does not exist, or a value is not allowed."""
+        """Study of the run of index `place`. Raises StudyError if a key does not exist, or a value is not allowed."""
         return varied(*self.case(place))
 
 
@@ -325,10 +322,10 @@ def _require_possible(sweep: Sweep, where: str) -> None:
 
 
 def varied(study: Of, values: Mapping[str, float]) -> Of:
-    """Copy of the study with these values by key; parameters of effects have keys effects.<effect>.<parameter>.
+    """A copy of the study with these values by key; parameters of effects have keys effects.<effect>.<parameter>.
 
-    An effect that the study lacks is added; of one that it has, only the named parameters change.
-    Raises StudyError if a key does not exist, or a value is not allowed.
+    An effect that the study lacks is added, if all its parameters are given; of one that it has, only the given ones
+    change. Raises StudyError if a key does not exist, or a value is not allowed.
     """
     plain = {key: _whole(value) for key, value in values.items() if not key.startswith(f"{EFFECTS}.")}
     changed: defaultdict[str, dict[str, float]] = defaultdict(dict)

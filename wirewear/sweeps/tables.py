@@ -1,4 +1,4 @@
-"""Keys of a sweep file."""
+"""Keys of a sweep file. A design is how values of varied keys are chosen: on a grid, or drawn between ends."""
 
 from typing import Annotated
 
@@ -39,7 +39,7 @@ Number = Annotated[float, PlainValidator(_NUMBER)]
 
 
 class Vary(Table):
-    """A varied key: between two ends, or over a list of values."""
+    """Keys of a varied key of the study: two ends for a drawn design, or a list of values for a grid."""
 
     key: Annotated[str, PlainValidator(checked_text)] = Field(
         description="key of the study, or effects.<effect>.<parameter>", examples=["contact.friction"]

@@ -1,7 +1,8 @@
 """95 % intervals of a run's loops and figures from the scatter of its inputs, by some thirty quick runs and
 polynomials.
 
-The nominal run has all inputs at their mean; the others draw them from their scatter.
+The nominal run has all inputs at their mean; the others draw them from their scatter. Points are inputs in standard
+deviations from their means.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ PERCENTILES = (2.5, 50.0, 97.5)
 
 @dataclass(frozen=True, eq=False)
 class Surrogate:
-    """Polynomial of first or second degree in d inputs; `error` is its rms leave-one-out error."""
+    """Polynomial of first or second degree in d inputs. error: its rms leave-one-out error, in its value's unit."""
 
     terms: IntArray  #: Exponents (m, d).
     coefficients: Array  #: (m,).
@@ -46,12 +47,11 @@ class Surrogate:
 
 
 def fitted(points: Array, values: Array) -> Surrogate:
-    """Least-squares polynomial of first or second degree, whichever predicts left-out points better.
+    """Least-squares polynomial of first or second degree, whichever predicts left-out points better, for values (n,) at
+    points (n, d).
 
-    points: (n, d), in standard deviations from the mean of each input.  values: (n,).
-    Raises ValueError if there are too few points for a first-degree polynomial.
-
-    Leave-one-out residuals follow from the hat matrix (Allen's PRESS, Technometrics 16 (1974) 125).
+    Leave-one-out residuals follow from the hat matrix (Allen's PRESS, Technometrics 16 (1974) 125). Raises ValueError
+    if there are too few points for a first-degree polynomial.
     """
     count, factors = points.shape
     degrees = [degree for degree in (1, 2) if len(_terms(factors, degree)) < 0.8 * count]
@@ -90,7 +90,7 @@ class Input:
     most: float = float("inf")
 
     def at(self, deviations: float) -> float:
-        """Value this many standard deviations from the mean; beyond `most` it is mirrored, as for an angle over 90°."""
+        """Value this many standard deviations from the mean; mirrored at `most` if it is beyond, as an angle at 90°."""
         value = self.middle + deviations * self.deviation
         if value > self.most:
             value = 2.0 * self.most - value
@@ -99,9 +99,7 @@ class Input:
 
 @dataclass(frozen=True)
 class Interval:
-    """Nominal value of a figure, median and 95 % interval of tests (`low` to `high`), and the polynomial's rms
-    error.
-    """
+    """A figure's nominal value, median and 95 % interval (`low` to `high`), and rms error of its polynomial."""
 
     figure: str
     nominal: float
@@ -113,7 +111,7 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class LoopBand:
-    """Loop of one cycle and its 95 % band of forces, at equal phases (PHASES,)."""
+    """The nominal loop of a cycle and the band of 95 % of forces, at equally spaced phases (PHASES,) of it."""
 
     cycle: int
     displacement_um: Array
@@ -135,9 +133,9 @@ class Uncertainty:
 
 
 def inputs_of(study: Study) -> tuple[Input, ...]:
-    """Inputs that scatter, from the study's table `[scatter]`.
+    """Inputs that scatter, from the study's table [scatter].
 
-    Raises StudyError if nothing scatters, or a key without a value in the study does.
+    Raises StudyError if nothing scatters, or a key scatters that has no value in the study.
     """
     stated = study.tables.scatter
     given = {} if stated is None else {name: value for name, value in stated if value}
@@ -168,7 +166,7 @@ def _input(study: Study, name: str, size: float) -> Input:
 
 
 def sweep_of(study: Study, fidelity: str, runs: int = RUNS) -> tuple[Sweep, Array]:
-    """Sweep of the nominal run followed by `runs` others, and their inputs in standard deviations (runs + 1, d)."""
+    """(sweep of the nominal run followed by `runs` others, their points (runs + 1, d))."""
     inputs = inputs_of(study)
     drawn = qmc.LatinHypercube(len(inputs), rng=np.random.default_rng(SEED)).random(runs)
     inside = norm.cdf(-FARTHEST) + drawn * (norm.cdf(FARTHEST) - norm.cdf(-FARTHEST))
@@ -186,7 +184,7 @@ def sweep_of(study: Study, fidelity: str, runs: int = RUNS) -> tuple[Sweep, Arra
 def run_uncertain(study: Study, output: Path, engine: Engine, observer: SweepObserver | None = None) -> Uncertainty:
     """Compute the runs that OUTPUT does not hold yet, and the intervals in which 95 % of tests lie.
 
-    Raises StudyError if the study states no scatter, the nominal run failed, or too few runs are complete, and whatever
+    Raises StudyError if the study states no scatter, the nominal run failed, or too few runs are complete, and what
     `run_sweep` raises.
     """
     sweep, deviations = sweep_of(study, "quick")
