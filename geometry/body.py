@@ -37,9 +37,9 @@ _ROUND_OFF = 1e-9
 
 @contextmanager
 def gmsh_session() -> Iterator[Any]:
-    """Open a quiet, reproducible gmsh session and close it at the end.
+    """Open a quiet, reproducible gmsh session, give the gmsh module and close the session at the end.
 
-    GeometryError when gmsh cannot be loaded, or in place of an error that gmsh raises within the session.
+    Raises GeometryError when gmsh cannot be loaded, and in place of any error within the session.
     """
     try:
         import gmsh
@@ -75,12 +75,11 @@ def _pipes_untouched() -> Iterator[None]:
 
 
 def extruded_hexahedra(section: Array, quads: IntArray, lines_mm: Array) -> tuple[Array, IntArray]:
-    """Sweep a cross-section along x into hexahedra.
+    """Sweep a cross-section along x into hexahedra: points (n k, 3) in mm as (x, y, z), and cells (m (k - 1), 8) in VTK
+    order.
 
     section: (n, 2) points (y, z) in mm. quads: (m, 4) their indices, counter-clockwise. lines_mm: (k,) positions of the
-    mesh's cross-sections on x, the first 0.
-    Returns points (n k, 3) in mm as (x, y, z) and cells (m (k - 1), 8) in VTK order. GeometryError when gmsh leaves
-    other elements than hexahedra.
+    mesh's cross-sections on x, the first 0. Raises GeometryError when gmsh leaves other elements than hexahedra.
     """
     with gmsh_session() as gmsh:
         geo = gmsh.model.geo
@@ -148,15 +147,14 @@ class BodyGeometry(ABC):
 
     @property
     def meshed_profile(self) -> Profile:
-        """Height of the surface that the mesh has. Where it lies above `profile`, the gap between them counts as a worn
-        depth.
+        """Height of the surface that the mesh has, by default `profile`. Where it lies above that, the gap between them
+        counts as a worn depth.
         """
         return self.profile
 
     @property
     @abstractmethod
-    def half_length_mm(self) -> float:
-        """Half of the body's extent along its axis x."""
+    def half_length_mm(self) -> float: ...
 
     @property
     @abstractmethod
@@ -165,24 +163,28 @@ class BodyGeometry(ABC):
 
     @abstractmethod
     def section(self) -> tuple[Array, IntArray]:
-        """Half of the cross-section that is swept along x: points (n, 2) in mm as (y >= 0, z), and quads (m, 4),
-        counter-clockwise.
+        """Half of the cross-section that is swept along x: points (n, 2) in mm as (y >= 0, z), and quads (m, 4), their
+        indices counter-clockwise.
         """
 
     @abstractmethod
     def gripped(self, centres_mm: Array) -> BoolArray:
-        """True (n,) for each boundary facet that the holder grips, from the facets' centres (n, 3) in mm."""
+        """(n,) True for each boundary facet that the holder grips, by the facets' centres (n, 3) in mm."""
 
     def bent(self, points_mm: Array) -> Array:
-        """Positions (n, 3) in mm in the body of points (n, 3) of the straight swept mesh; by default unchanged."""
+        """Positions (n, 3) in mm to which points (n, 3) of the straight swept quarter are moved; by default
+        unchanged.
+        """
         return points_mm
 
     def fitted(self, points_mm: Array) -> Array:
-        """Positions (n, 3) in mm in the body of points (n, 3) of the whole symmetric mesh; by default unchanged."""
+        """Positions (n, 3) in mm to which points (n, 3) of the whole mesh are moved, after `bent`; by default
+        unchanged.
+        """
         return points_mm
 
     def built(self) -> "BodyMesh":
-        """The mesh of this body; GeometryError as from `build_body`."""
+        """The mesh of this body. Raises GeometryError as `build_body`."""
         return swept_body(self)
 
     @property
@@ -192,7 +194,7 @@ class BodyGeometry(ABC):
 
     @property
     def finest_mm(self) -> float:
-        """Smallest spacing of the contact patch's grid lines in both directions."""
+        """Smallest spacing of the contact patch's grid lines in either direction."""
         return min(axis.finest_mm for axis in (self.axial, self.transverse))
 
     @property
@@ -201,7 +203,7 @@ class BodyGeometry(ABC):
         return self.layering.first * self.finest_mm, self.layering.growth
 
     def as_table(self) -> dict[str, Any]:
-        """All dimensions as nested plain values for JSON."""
+        """All dimensions by name as nested plain values, for JSON."""
         return asdict(self)  # type: ignore[call-overload,no-any-return]
 
     def with_layering(self, layering: Layering) -> Self:
@@ -220,13 +222,14 @@ class BodyMesh:
     geometry: BodyGeometry
     mesh: HexMesh
     patch: ContactPatch
-    smallest_scaled_jacobian: float
-    host: Host | None = None  #: What surrounds the mesh, whose surface 'grip' then moves with it; None of a whole body.
+    smallest_scaled_jacobian: float  #: Of all elements: 1 for a right-angled brick, 0 or less if inside out.
+    #: The file's elements around the mesh, with which its surface 'grip' then moves; None for a whole body.
+    host: Host | None = None
 
     @property
     def bedding(self) -> Array | None:
-        """Stiffness (n,) in N/mm by which an elastic grip holds each node of the mesh, or of its host's; None where the
-        grip is rigid.
+        """(n,) stiffness in N/mm by which an elastic grip holds each node of the mesh, or of its host's if it has one;
+        None where the grip is rigid.
         """
         stiffness = self.geometry.grip_stiffness_N_per_mm3
         if stiffness is None:
@@ -234,11 +237,11 @@ class BodyMesh:
         return stiffness * (self.mesh.surface_areas("grip") if self.host is None else self.host.areas_mm2)
 
     def worn(self, depth_mm: Array) -> "BodyMesh":
-        """A copy of this mesh with the nodes of its patch moved down by a vertical depth (n_a, n_t) in mm, added to
-        earlier ones.
+        """A copy of this mesh with the nodes of its patch moved down by a depth (n_a, n_t) in mm along z, on top of
+        earlier ones; the patch's `height` is then that of the worn surface.
 
-        The patch's `height` is then that of the worn surface. GeometryError, naming the element's place, when the
-        scaled Jacobian of an element falls below LEAST_SCALED_JACOBIAN.
+        Raises GeometryError, naming the element's place, when the scaled Jacobian of an element falls below
+        LEAST_SCALED_JACOBIAN.
         """
         patch, depth_mm = self.patch, _without_round_off(depth_mm)
         mesh = lowered(self.mesh, patch.nodes.ravel(), depth_mm.ravel())
@@ -262,16 +265,16 @@ def _without_round_off(depth_mm: Array) -> Array:
 
 
 def build_body(geometry: BodyGeometry) -> BodyMesh:
-    """Build the mesh of a body.
+    """The mesh of a body, built by `geometry.built`.
 
-    GeometryError when gmsh fails, leaves other elements than hexahedra, or the scaled Jacobian of an element is below
-    LEAST_SCALED_JACOBIAN.
+    Raises GeometryError when gmsh fails, leaves other elements than hexahedra, or the scaled Jacobian of an element is
+    below LEAST_SCALED_JACOBIAN.
     """
     return geometry.built()
 
 
 def swept_body(geometry: BodyGeometry) -> BodyMesh:
-    """The mesh that is swept from a body's cross-section; GeometryError as from `build_body`."""
+    """The mesh that is swept from a body's cross-section. Raises GeometryError as `build_body`."""
     points, cells = extruded_hexahedra(*geometry.section(), _half_lines_to_end(geometry))
     mesh = HexMesh(geometry.bent(points), cells, {}).with_mirror_image(axis=1).with_mirror_image(axis=0)
     mesh = HexMesh(geometry.fitted(mesh.points), mesh.cells, {})
@@ -326,8 +329,8 @@ def _named_surfaces(geometry: BodyGeometry, mesh: HexMesh, patch: ContactPatch) 
 
 @dataclass(frozen=True)
 class Elastic:
-    """An isotropic linear elastic material.
-    Raises ValueError unless the modulus is positive and Poisson's ratio lies between 0 and 0.5.
+    """An isotropic linear elastic material. Raises ValueError unless the modulus is positive and Poisson's ratio
+    between 0 and 0.5.
     """
 
     youngs_modulus_MPa: float

@@ -36,8 +36,8 @@ _IN_TETRAHEDRON = 0.25 - 0.05 * np.sqrt(5.0)  #: Coordinate of the four points t
 
 @dataclass(frozen=True, eq=False)
 class ElementKind:
-    """One kind of element with n nodes and q integration points; it has d = 3 reference coordinates, or two if it is
-    plane.
+    """One kind of element with n nodes and q integration points in d reference coordinates: 3, or 2 for a
+    quadrilateral.
     """
 
     name: str
@@ -55,7 +55,7 @@ class ElementKind:
 
     @cached_property
     def face_nodes(self) -> tuple[IntArray, ...]:
-        """Indices of all nodes of each face, its corners first."""
+        """For each face, indices of all its nodes, corners first."""
         found = []
         for face in self.faces:
             a, b, c = self.nodes[list(face[:3])]
@@ -89,7 +89,7 @@ class ElementKind:
         return np.asarray(np.maximum(np.maximum(at[..., 0] + at[..., 1] - 1.0, -least), np.abs(at[..., 2]) - 1.0))
 
     def within(self, at: Array) -> Array:
-        """Reference points (..., 3), with those outside the reference element moved onto its boundary."""
+        """Reference points (..., 3), those outside the reference element moved to a point of its boundary."""
         if self.corners == 8:
             return np.clip(at, -1.0, 1.0)
         span = at if self.corners == 4 else at[..., :2]
@@ -99,7 +99,7 @@ class ElementKind:
 
     @cached_property
     def middle(self) -> Array:
-        """Mean (d,) of the reference element's corners."""
+        """(d,) mean of the reference element's corners."""
         return np.asarray(self.nodes[: self.corners].mean(axis=0))
 
     @cached_property

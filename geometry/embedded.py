@@ -34,13 +34,12 @@ _POINTS = 3  #: Points each way of a face of the block at which it hangs on the 
 
 @dataclass(frozen=True)
 class EmbeddedGeometry(BlockGeometry):
-    """Dimensions of the block with the face of a file's body, embedded in that body."""
+    """A block of hexahedra with the face of a file's body, embedded in that body; fields as in `BlockGeometry`."""
 
     source: MeshSource = field(kw_only=True)
 
     @property
     def own(self) -> OwnSurface:
-        """The file's body in its own axes."""
         return own_surface(self.source)
 
     @property
@@ -60,14 +59,16 @@ class EmbeddedGeometry(BlockGeometry):
         return super().bent(points_mm)
 
     def built(self) -> BodyMesh:
-        """The mesh of the block with the file's elements around it as host. GeometryError if the block reaches beyond
-        them.
+        """The mesh of the block, with the file's elements around it as host. Raises GeometryError if the block reaches
+        beyond these.
         """
         meshed = swept_body(self)
         return BodyMesh(self, meshed.mesh, meshed.patch, meshed.smallest_scaled_jacobian, self._host(meshed.mesh))
 
     def holds(self, places_mm: Array) -> BoolArray:
-        """True (...) for places (..., 3) within the block's sides and less than its height below or above z = 0."""
+        """(...) True for places (..., 3) in mm inside the block's sides and less than its height below or above z =
+        0.
+        """
         x, y, z = np.moveaxis(places_mm, -1, 0)
         beside = (np.abs(x) >= self.half_width_along_mm) | (np.abs(y) >= self.half_width_across_mm)
         return np.asarray(~beside & (np.abs(z) < self.height_mm))
@@ -145,7 +146,9 @@ def _seam(block: HexMesh, solid: SolidMesh) -> BlockSeam:
 
 
 def block_fits(own: OwnSurface, half_widths_mm: tuple[float, float], height_mm: float) -> bool:
-    """True if a block of these half-widths (along, across) and height lies within the file's elements."""
+    """True if a block of these half-widths (along, across) and height, under the fitted face, lies within the file's
+    elements or beside them by at most 15 % of their size.
+    """
     steps = np.linspace(-1.0, 1.0, 7)
     plane = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2) * np.array(half_widths_mm)
     top = own.face.height(plane)
@@ -159,7 +162,7 @@ def block_fits(own: OwnSurface, half_widths_mm: tuple[float, float], height_mm: 
 
 @dataclass(frozen=True)
 class OwnGrid(BodyGeometry):
-    """A file's hexahedra used unchanged, since their contact surface is a grid."""
+    """A file's hexahedra used unchanged, since their contact surface is a grid; fields as in `BodyGeometry`."""
 
     source: MeshSource
     axial: GivenAxis
@@ -181,7 +184,7 @@ class OwnGrid(BodyGeometry):
         return float(np.ptp(own_surface(self.source).solid.points, axis=0).min())
 
     def with_layering(self, layering: Layering) -> OwnGrid:
-        """This geometry unchanged: the file's elements have the layers that they have."""
+        """This geometry unchanged: the file's elements keep their layers."""
         del layering
         return self
 
@@ -194,7 +197,9 @@ class OwnGrid(BodyGeometry):
         return np.zeros(len(centres_mm), dtype=bool)
 
     def built(self) -> BodyMesh:
-        """The mesh of the file's elements, with named surfaces."""
+        """The mesh of the file's elements, with named surfaces. Raises GeometryError if their contact surface is no
+        grid, or an element is too distorted.
+        """
         solid, found = own_surface(self.source).solid, grid_of(self.source)
         if found is None:
             raise GeometryError("the file's contact surface is no grid; please report this study")
@@ -210,9 +215,8 @@ class OwnGrid(BodyGeometry):
 
 @lru_cache(maxsize=4)
 def grid_of(source: MeshSource) -> ContactPatch | None:
-    """The contact patch of a file's body if its contact surface is a grid over the plane; None otherwise.
-
-    None also unless all elements are hexahedra of one material.
+    """The contact patch of a file's body; None unless its contact surface is a grid over the plane and all elements are
+    hexahedra of one material.
     """
     own = own_surface(source)
     solid = own.solid
@@ -227,9 +231,10 @@ def grid_of(source: MeshSource) -> ContactPatch | None:
 
 
 def on_grid(places_mm: Array, nodes: IntArray) -> tuple[list[Array], IntArray] | None:
-    """Lines (n_a,) and (n_t,) in mm of the grid of some nodes, and these (n_a, n_t) on it; None unless they form one.
+    """The grid that nodes lie on: its lines [(n_a,), (n_t,)] in mm, and the node (n_a, n_t) at each crossing; None
+    unless they form one with three lines each way.
 
-    places_mm: (n, 2) of all nodes in the plane.
+    places_mm: (n, 2) of all nodes in the plane. nodes: indices of those looked at.
     """
     places = places_mm[nodes]
     axes = [_lines(places[:, axis]) for axis in (0, 1)]
@@ -249,7 +254,8 @@ def _lines(values: Array) -> Array:
 
 
 def as_grid(source: MeshSource, grip_stiffness_N_per_mm3: float | None) -> OwnGrid | None:
-    """The geometry that uses the elements of a mesh file unchanged; None unless their contact surface is a grid.
+    """The geometry that uses the elements of a mesh file unchanged; None unless their contact surface is a grid, see
+    `grid_of`.
 
     grip_stiffness_N_per_mm3: stiffness of the grip per area; None if it is rigid.
     """

@@ -8,4 +8,4 @@ class WirewearError(Exception):
 
 
 class GeometryError(WirewearError):
-    """The dimensions or mesh sizes that are asked for cannot be meshed."""
+    """A body cannot be meshed as asked, or its file cannot be used."""

@@ -36,11 +36,10 @@ class GradedAxis:
 
     @property
     def finest_mm(self) -> float:
-        """Smallest spacing of the mesh lines."""
         return float(self.half_lines()[1])
 
     def half_lines(self) -> Array:
-        """Mesh lines in mm from 0 to the patch's edge, shape (n,): the first 0, the last `half_extent_mm`."""
+        """Mesh lines (n,) in mm from 0 to the patch's edge, both included."""
         lines = [0.0]
         size = self.fine_mm
         while lines[-1] < self.half_extent_mm - 0.3 * size:
@@ -52,7 +51,7 @@ class GradedAxis:
         return half_lines
 
     def lines(self) -> Array:
-        """Mesh lines in mm over the whole patch, shape (2n - 1,), exactly antisymmetric about zero."""
+        """Mesh lines (2 n - 1,) in mm over the whole patch, exactly antisymmetric about 0."""
         half_lines = self.half_lines()
         return np.concatenate([-half_lines[:0:-1], half_lines])
 
@@ -79,7 +78,7 @@ class EdgeGradedAxis:
             )
 
     def half_lines(self) -> Array:
-        """Mesh lines in mm from 0 to the patch's edge, shape (n,): the first 0, the last `half_extent_mm`."""
+        """Mesh lines (n,) in mm from 0 to the patch's edge, both included."""
         middle = graded_layers(self.fine_mm, self.growth, self.coarse_mm, self.fine_from_mm)[::-1]
         width = self.half_extent_mm - self.fine_from_mm
         fine = np.linspace(self.fine_from_mm, self.half_extent_mm, int(np.ceil(width / self.fine_mm - 1e-9)) + 1)
@@ -115,7 +114,6 @@ class RimGradedAxis:
 
     @property
     def finest_mm(self) -> float:
-        """Smallest spacing of the mesh lines."""
         return float(np.diff(self.half_lines()).min())
 
     @property
@@ -128,7 +126,7 @@ class RimGradedAxis:
         return np.asarray(np.sin(turned) * (self.rim_mm / np.sin(turned[-1])))
 
     def half_lines(self) -> Array:
-        """Mesh lines in mm from 0 to the patch's edge, shape (n,): the first 0, the last `half_extent_mm`."""
+        """Mesh lines (n,) in mm from 0 to the patch's edge, both included."""
         within = self._to_rim()
         sizes, rest = np.diff(within)[::-1], self.half_extent_mm - self.rim_mm
         beyond = [0.0]
@@ -144,7 +142,7 @@ class RimGradedAxis:
         return np.concatenate([within, self.rim_mm + beyond_rim])
 
     def lines(self) -> Array:
-        """Mesh lines in mm over the whole patch, shape (2n - 1,), exactly antisymmetric about zero."""
+        """Mesh lines (2 n - 1,) in mm over the whole patch, exactly antisymmetric about 0."""
         half_lines = self.half_lines()
         return np.concatenate([-half_lines[:0:-1], half_lines])
 
@@ -162,7 +160,6 @@ class GivenAxis:
 
     @property
     def finest_mm(self) -> float:
-        """Smallest spacing of the mesh lines."""
         return self.fine_mm
 
     @property
@@ -176,11 +173,10 @@ class GivenAxis:
         return min(-self.lines_mm[0], self.lines_mm[-1])
 
     def half_lines(self) -> Array:
-        """The mesh lines in mm that are not negative, shape (n,)."""
+        """Mesh lines (n,) in mm that are not negative."""
         return np.array([line for line in self.lines_mm if line >= 0.0])
 
     def lines(self) -> Array:
-        """All mesh lines in mm, shape (n,)."""
         return np.array(self.lines_mm)
 
 
@@ -216,10 +212,10 @@ class Layering:
 
 
 def graded_layers(first_mm: float, growth: float, largest_mm: float, extent_mm: float) -> Array:
-    """Thicknesses (n,) of layers in mm that grow from `first_mm` by the factor `growth` up to `largest_mm` and fill
+    """Thicknesses (n,) in mm of layers that grow from `first_mm` by the factor `growth` up to `largest_mm` and fill
     `extent_mm`.
 
-    All are scaled by a common factor so that their sum is `extent_mm`. GeometryError unless 0 < `first_mm` <=
+    All are scaled by a common factor so that their sum is `extent_mm`. Raises GeometryError unless 0 < `first_mm` <=
     `extent_mm`, `largest_mm` > 0 and `growth` >= 1.
     """
     if not (0.0 < first_mm <= extent_mm and largest_mm > 0.0 and growth >= 1.0):

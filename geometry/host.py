@@ -11,13 +11,11 @@ from geometry.solid import Places, SolidMesh
 
 @dataclass(frozen=True, eq=False)
 class BlockSeam:
-    """The seam, f faces of the block's sides and back with q integration points each, at which block and host are
-    joined.
-    """
+    """Where block and host are joined: f faces of the block's sides and back, with q integration points each."""
 
     cells: IntArray  #: (f,) cell of the block at each face.
-    local: Array  #: (f, q, 3) integration points in the reference element.
-    areas_mm2: Array  #: (f, q, 3) area of each point times the block's outward normal.
+    local: Array  #: (f, q, 3) integration points in the cells' reference coordinates.
+    areas_mm2: Array  #: (f, q, 3) area of each point times the block's outward unit normal.
     depth_mm: Array  #: (f,) thickness of the block's cells at the faces.
     places: Places  #: Places of the f q points in the host.
 
@@ -27,11 +25,10 @@ class Host:
     """The elements of a file around a block, in the body's axes; n nodes and `size` cells."""
 
     solid: SolidMesh
-    kept: Array  #: Share of each cell (size,) that lies outside the block.
+    kept: Array  #: (size,) share of each cell, 0 to 1, that lies outside the block and counts.
     seam: BlockSeam
-    held: IntArray  #: Nodes of the host that the holder grips.
+    held: IntArray  #: Indices of the host's nodes that the holder grips.
     areas_mm2: Array  #: (n,) area of the grip that belongs to each node of the host.
-    part: IntArray  #: Of each cell (size,), the number of its material in `parts` from 1, 0 where it is the body's own.
-    #: Numbers of materials at the integration points of the block's cells, (m, q), as in `part`.
-    block_part: IntArray
-    parts: tuple[tuple[float, float], ...]  #: Young's moduli in MPa and Poisson's ratios.
+    part: IntArray  #: (size,) number of each cell's material in `parts`, from 1; 0 for the body's own.
+    block_part: IntArray  #: (m, q) likewise, at the integration points of the block's cells.
+    parts: tuple[tuple[float, float], ...]  #: (Young's modulus in MPa, Poisson's ratio) of each further material.

@@ -38,7 +38,7 @@ _TOLERANCE = 1e-9  #: Residual of the inner nodes' equilibrium; their places nee
 
 @dataclass(frozen=True)
 class ElementMesh(ABC):
-    """A mesh of elements of one shape, with named parts of its boundary."""
+    """A mesh of n nodes and m elements of c nodes, all of one shape, with named parts of its boundary."""
 
     points: Array  #: (n, d) coordinates in mm.
     cells: IntArray  #: (m, c) node indices.
@@ -53,11 +53,11 @@ class ElementMesh(ABC):
         object.__setattr__(self, "surfaces", MappingProxyType(dict(self.surfaces)))
 
     def surface_nodes(self, name: str) -> IntArray:
-        """Sorted node indices (k,) of a named surface; KeyError without such a surface."""
+        """Sorted node indices (k,) of a named surface. Raises KeyError without such a surface."""
         return np.unique(self.surfaces[name])
 
     def boundary_facets(self) -> IntArray:
-        """Node indices (k, s) of the sides that belong to one cell only, ordered so that the sides face outwards."""
+        """Nodes (k, s) of the sides that belong to one cell only, ordered so that the sides face outwards."""
         sides = self.cells[:, self.SIDES].reshape(-1, self.SIDES.shape[1])
         _, first, counts = np.unique(np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
         return np.asarray(sides[first[counts == 1]])
@@ -69,15 +69,15 @@ class ElementMesh(ABC):
 
     @abstractmethod
     def scaled_jacobians(self) -> Array:
-        """Smallest scaled Jacobian over the corners of each cell, (m,): 1 for a brick with right angles, negative if
-        inside out.
+        """(m,) smallest scaled Jacobian over the corners of each cell: 1 for a right-angled one, negative if inside
+        out.
 
         Knupp, "Algebraic mesh quality metrics", SIAM J. Sci. Comput. 23 (2001).
         """
 
     def require_quality(self, least: float) -> float:
-        """The smallest scaled Jacobian of the mesh; GeometryError, naming the place of the worst cell, when it is below
-        `least`.
+        """The smallest scaled Jacobian of the mesh. Raises GeometryError, naming the place of the worst cell, if it is
+        below `least`.
         """
         jacobians = self.scaled_jacobians()
         worst = int(np.argmin(jacobians))
@@ -105,8 +105,8 @@ class HexMesh(ElementMesh):
     ADVICE = "use a finer outer mesh or a smaller patch"
 
     def surface_areas(self, name: str) -> Array:
-        """Area in mm² of a named surface that belongs to each node of the mesh, (n,); KeyError without such a
-        surface.
+        """(n,) area in mm² of a named surface that belongs to each node of the mesh, 0 for others. Raises KeyError
+        without such a surface.
         """
         self.surface_nodes(name)
         facets = self.surfaces[name]
@@ -127,8 +127,8 @@ class HexMesh(ElementMesh):
 
     @cached_property
     def springs(self) -> csr_matrix:
-        """Stiffness matrix (n, n) of springs along the elements' edges, one unknown per node: the edges' weighted graph
-        Laplacian.
+        """Stiffness matrix (n, n), one unknown per node, of springs along the elements' edges: the graph Laplacian
+        weighted by (mean length / length)².
         """
         edges = np.unique(np.sort(self.cells[:, _EDGES].reshape(-1, 2), axis=1), axis=0)
         lengths = np.linalg.norm(self.points[edges[:, 0]] - self.points[edges[:, 1]], axis=1)
@@ -140,11 +140,10 @@ class HexMesh(ElementMesh):
         return csr_matrix(diags(np.asarray(both.sum(axis=1)).ravel()) - both)
 
     def volume_mm3(self) -> float:
-        """Volume of the mesh, by splitting each cell into tetrahedra about its centre."""
         return float(self.cell_volumes().sum())
 
     def cell_volumes(self) -> Array:
-        """Volume (m,) in mm³ of each cell, by splitting it into tetrahedra about its centre."""
+        """(m,) volume in mm³ of each cell, by splitting it into tetrahedra about its centre."""
         corners = self.points[self.cells]
         centre = corners.mean(axis=1, keepdims=True)
         total = np.zeros(len(corners))
@@ -158,7 +157,8 @@ class HexMesh(ElementMesh):
         """This mesh joined with its mirror image about the plane where the coordinate `axis` is zero; nodes on it are
         shared.
 
-        All nodes must have a coordinate >= 0. A named surface of the result holds the facets of both halves.
+        All nodes must have a coordinate >= 0. This mesh's nodes and cells keep their numbers, the image's follow. A
+        named surface of the result holds the facets of both halves.
         """
         coordinate = self.points[:, axis]
         tolerance = 1e-9 * float(np.ptp(self.points))
@@ -201,8 +201,8 @@ class HexMesh(ElementMesh):
 
 
 class QuadMesh(ElementMesh):
-    """A mesh of four-node quadrilaterals in the plane (x, z), counter-clockwise with z upwards; its facets are
-    edges.
+    """A mesh of four-node quadrilaterals in the plane (x, z), counter-clockwise with z upwards; its facets are edges
+    (k, 2).
     """
 
     AXES = "xz"
@@ -210,15 +210,15 @@ class QuadMesh(ElementMesh):
     ADVICE = "make the body narrower or higher"
 
     def surface_lengths(self, name: str) -> Array:
-        """Length in mm of a named surface that belongs to each node of the mesh, (n,); KeyError without such a
-        surface.
+        """(n,) length in mm of a named surface that belongs to each node of the mesh, 0 for others. Raises KeyError
+        without such a surface.
         """
         self.surface_nodes(name)
         edges = self.surfaces[name]
         return self._spread(edges, np.linalg.norm(self.points[edges[:, 1]] - self.points[edges[:, 0]], axis=1))
 
     def scaled_jacobians(self) -> Array:
-        """Smallest sine of the four corner angles of each cell, (m,), negative if inside out."""
+        """(m,) smallest sine of the four corner angles of each cell, negative if inside out."""
         corners = self.points[self.cells]
         ahead = np.roll(corners, -1, axis=1) - corners
         lengths = np.linalg.norm(ahead, axis=2, keepdims=True)
@@ -239,9 +239,8 @@ class QuadMesh(ElementMesh):
 
 
 def mirror_images(mesh: HexMesh | QuadMesh, axis: int) -> IntArray | None:
-    """For each node the index (n,) of its mirror image about the plane where the coordinate `axis` is zero.
-
-    None unless points and cells are their own mirror image to the last bit and no cell crosses the plane.
+    """(n,) index of each node's mirror image about the plane where the coordinate `axis` is zero; None unless points
+    and cells are their own mirror image to the last bit and no cell crosses the plane.
     """
     points, cells = mesh.points, mesh.cells
     side = np.sign(points[:, axis])[cells]
@@ -259,11 +258,12 @@ def mirror_images(mesh: HexMesh | QuadMesh, axis: int) -> IntArray | None:
 
 
 def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
-    """A copy of the mesh with its surface nodes (k,) moved towards -z by a depth (k,) in mm, and inner nodes moved
-    smoothly.
+    """A copy of the mesh with its surface nodes of index `nodes` (k,) moved towards -z by `depth_mm` (k,), and inner
+    nodes moved smoothly with them.
 
     The other nodes of the boundary stay in place, so the volume shrinks by exactly the integral of the depth. A mesh
-    that is symmetric to the last bit stays so if the depth is. Elements are not checked: see `require_quality`.
+    that is symmetric to the last bit stays so if the depth is. Elements are not checked: see `require_quality`. Raises
+    GeometryError if the inner nodes' equilibrium does not converge.
     """
     drop = np.zeros(len(mesh.points))
     drop[nodes] = depth_mm

@@ -27,10 +27,10 @@ _MOST_BYTES = 500_000_000
 
 @lru_cache(maxsize=4)
 def read_solid(path: str, digest: str, mm_per_unit: float) -> SolidMesh:
-    """The mesh in a file, checked; coordinates are multiplied by mm_per_unit.
+    """The mesh in a .msh or .inp file, checked; coordinates are multiplied by mm_per_unit. The last four are kept.
 
-    digest: hash that the file's contents must have. Raises GeometryError, in one sentence, if the file holds no mesh,
-    the mesh is not sound, or the contents have changed.
+    digest: SHA-256 that the file's contents must have. Raises GeometryError, in one sentence, if the file holds no
+    mesh, the mesh is not sound, or the contents have changed.
     """
     file = Path(path)
     found = digest_of(path)
@@ -45,7 +45,9 @@ def read_solid(path: str, digest: str, mm_per_unit: float) -> SolidMesh:
 
 
 def digest_of(path: str) -> str:
-    """SHA-256 of a file's contents. Raises GeometryError if it cannot be read, is too large, or has no known ending."""
+    """SHA-256 of a file's contents, of a .mtx with its .csv. Raises GeometryError if it cannot be read, is larger than
+    500 MB, or has no known ending.
+    """
     file = Path(path)
     if file.suffix not in (*FORMATS, *MATRICES):
         raise GeometryError(f"{file.name} must be gmsh's .msh or Abaqus' .inp, or of a stiffness .npz or .mtx")

@@ -4,7 +4,7 @@ patch.
 A mesh's nodes lie on the surface that was meant, but its faces are chords of it. So a barrel is fitted through the
 nodes. If it meets all of them, it is the face; otherwise the nodes' heights above it are interpolated with continuous
 slopes and added. The body's own axes are x along its axis, z along the outward normal, with the origin at the first
-contact.
+contact; the plane is that of x and y. A set is a group of nodes, faces or cells that the file names.
 """
 
 from __future__ import annotations
@@ -46,7 +46,8 @@ class MeshSource:
     outward: Vector | None = None  #: Contact's outward normal in the file; None: the mean normal of its set.
     along: Vector | None = None  #: Body's axis in the file; None: the direction in which its face is straighter.
     at_mm: Vector | None = None  #: Point of first contact in the file; None: the outermost point.
-    parts: tuple[tuple[str, float, float], ...] = ()  #: Sets of cells of other materials: Young's modulus, Poisson's.
+    #: Sets of cells of other materials, each (name, Young's modulus in MPa, Poisson's ratio).
+    parts: tuple[tuple[str, float, float], ...] = ()
 
     @property
     def solid(self) -> SolidMesh:
@@ -56,27 +57,19 @@ class MeshSource:
 
 @dataclass(frozen=True, eq=False)
 class FittedFace:
-    """The smooth face of a body from a file: a barrel plus interpolated heights of the mesh's nodes above it; a
-    `Profile`.
-    """
+    """The smooth face of a body from a file, a `Profile`: a barrel plus interpolated heights of n nodes above it."""
 
     barrel: Barrel
-    nodes_mm: Array  #: (n, 2) in the plane.
-    off_mm: Array  #: (n,) heights above the barrel, empty where it is the face.
+    nodes_mm: Array  #: (n, 2) places of the nodes in the plane.
+    off_mm: Array  #: (n,) their heights above the barrel; (0,) if the barrel meets all of them.
 
     def height(self, plane_mm: Array) -> Array:
-        """Height (n,) in mm at plane points (n, 2); outside the nodes, the nearest node's height above the barrel is
-        added.
-        """
         height = self.barrel.height(plane_mm)
         if not len(self.off_mm):
             return height
         return np.asarray(height + self._off(plane_mm))
 
     def slope(self, plane_mm: Array) -> Array:
-        """Gradient (n, 2) of the height at plane points (n, 2): the barrel's, plus the interpolated part's by
-        differences.
-        """
         slope = self.barrel.slope(plane_mm)
         if not len(self.off_mm):
             return slope
@@ -86,7 +79,6 @@ class FittedFace:
         return slope
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """GeometryError when a patch that reaches this far to each side does not fit on the barrel."""
         self.barrel.require_within(along_mm, across_mm)
 
     def _off(self, plane_mm: Array) -> Array:
@@ -108,29 +100,30 @@ class FittedFace:
 
 @dataclass(frozen=True, eq=False)
 class OwnSurface:
-    """A body from a file in its own axes; lengths in mm."""
+    """The mesh of a file in the body's own axes, with the smooth face of its contact surface."""
 
     solid: SolidMesh
     face: FittedFace
     origin_mm: Array  #: (3,) in the file's axes.
     axes: Array  #: (3, 3) rows are x, y and z in the file's axes.
-    triangles: IntArray  #: (t, 3) of the contact's set that are seen along z.
-    nodes: IntArray  #: Nodes of these triangles.
+    #: (t, 3) faces of the contact's set, split into triangles, that look along z within 60 degrees.
+    triangles: IntArray
+    nodes: IntArray  #: Indices of the nodes of these faces, those on edges included.
     off_mm: float  #: Largest distance of those nodes from the fitted barrel.
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:
-        """Curvatures of the fitted barrel along the body's axis and across."""
+        """Curvatures of the fitted barrel (along, across) the body's axis, never negative."""
         return self.face.barrel.curvature_along_per_mm, self.face.barrel.curvature_across_per_mm
 
     @cached_property
     def element_mm(self) -> float:
-        """Size of the elements around the point of first contact."""
+        """Size of the file's elements around the point of first contact."""
         return self.element_within(0.0)
 
     @property
     def turn_rad(self) -> float:
-        """Largest angle between the file's faces that meet where it touches first."""
+        """Largest angle between the normals of the file's faces that meet at the node nearest to the first contact."""
         nearest = self.nodes[np.linalg.norm(self.solid.points[self.nodes], axis=1).argmin()]
         about = self.triangles[(self.triangles == nearest).any(axis=1)]
         about = (
@@ -143,16 +136,16 @@ class OwnSurface:
         return float(np.arccos(np.clip(normals @ normals.T, -1.0, 1.0)).max())
 
     def element_within(self, reach_mm: float) -> float:
-        """Size in mm of the largest elements within `reach_mm` of the first contact, or of the eight nearest (90th
-        percentile).
+        """Size in mm of elements near the first contact: the 90th percentile over those within `reach_mm` of it, and at
+        least the eight nearest.
         """
         away = np.linalg.norm(self.solid.middles, axis=1)
         near = (away <= reach_mm) | (away <= np.partition(away, min(7, len(away) - 1))[min(7, len(away) - 1)])
         return float(np.percentile(self.solid.edges_mm[near], 90.0))
 
     def deviation_mm(self, half_extents_mm: tuple[float, float]) -> float:
-        """Largest distance of the file's facets from the fitted face within a patch of these half-extents (along,
-        across).
+        """Largest distance along z of the file's faces from the fitted face, within a patch of these half-extents
+        (along, across).
         """
         at = self.solid.points[self.triangles]
         weights = np.array([[1, 1, 1], [1.5, 1.5, 0], [0, 1.5, 1.5], [1.5, 0, 1.5]]) / 3.0
@@ -167,7 +160,7 @@ class OwnSurface:
 
 @lru_cache(maxsize=4)
 def own_surface(source: MeshSource) -> OwnSurface:
-    """The body of a file in its own axes.
+    """The body of a file in its own axes. Results are kept for the last four files.
 
     Raises GeometryError, in one sentence, if the file cannot be read or its contact surface cannot be used.
     """

@@ -26,7 +26,7 @@ class ContactPatch:
     transverse_mm: Array  #: (n_t,) increasing grid lines; a planar body has one.
     nodes: IntArray  #: (n_a, n_t) indices into the body's mesh.
     profile: Profile  #: The unworn surface.
-    #: (n_a, n_t) vertical depth by which nodes of the mesh have been moved into a worn surface, None on a fresh one.
+    #: (n_a, n_t) depth along z by which nodes of the mesh have been moved into a worn surface; None: not moved.
     repositioned_depth_mm: Array | None = None
 
     def __post_init__(self) -> None:
@@ -38,7 +38,7 @@ class ContactPatch:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of nodes (n_a, n_t) along and across the body's axis."""
+        """Numbers of nodes (n_a, n_t)."""
         return len(self.axial_mm), len(self.transverse_mm)
 
     @property
@@ -47,24 +47,23 @@ class ContactPatch:
 
     @property
     def smallest_element(self) -> float:
-        """Smallest spacing of the grid lines in mm."""
         return float(min(np.diff(lines).min() for lines in self._axes if len(lines) > 1))
 
     def facets(self) -> IntArray:
-        """Indices (k, 4) into the body's mesh of the corners of the patch's cells, ordered so that the cells face
-        outwards.
+        """Corners (k, 4) of the patch's cells, as indices into the body's mesh, ordered so that the cells face
+        outwards; not for planar patches.
         """
         n = self.nodes
         return np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], axis=-1).reshape(-1, 4)
 
     def grid(self) -> Array:
-        """Coordinates (along, across) in mm of all nodes in the plane, (size, 2), in the order of `nodes.ravel()`."""
+        """Plane coordinates (along, across) in mm of all nodes, (size, 2), in the order of `nodes.ravel()`."""
         a, t = np.meshgrid(self.axial_mm, self.transverse_mm, indexing="ij")
         return np.column_stack([a.ravel(), t.ravel()])
 
     def height(self, plane_mm: Array) -> Array:
-        """Height (n,) in mm of the surface at plane points (n, 2): the profile's less the depth by which nodes have
-        been moved.
+        """Heights (n,) in mm of the surface at plane points (n, 2) in mm: the profile's, less the depth by which nodes
+        have been moved.
         """
         fresh, depth = self.profile.height(plane_mm), self.repositioned_depth_mm
         if depth is None:
@@ -73,13 +72,11 @@ class ContactPatch:
         return np.asarray(fresh - np.einsum("ij,ij->i", weights, depth.ravel()[nodes]))
 
     def node_areas(self) -> Array:
-        """Integral of each node's bilinear shape function over the plane, (size,), in mm²: the area that belongs to the
-        node.
-        """
+        """(size,) area in mm² of the plane that belongs to each node: the integral of its bilinear shape function."""
         return np.outer(_line_weights(self.axial_mm), _line_weights(self.transverse_mm)).ravel()
 
     def edge_nodes(self) -> BoolArray:
-        """True (size,) for nodes on the patch's outer edge."""
+        """(size,) True for nodes on the patch's outer edge."""
         edge = np.zeros(self.shape, dtype=bool)
         edge[[0, -1]] = True
         if len(self.transverse_mm) > 1:
@@ -95,7 +92,7 @@ class ContactPatch:
         return located(self.axial_mm, self.transverse_mm, plane_mm)
 
     def gradient(self, field: Array) -> Array:
-        """Gradient (along, across), (size, 2), at the nodes of a field (n_a, n_t), by central differences."""
+        """Gradient (size, 2) along and across the patch at its nodes, of a field (n_a, n_t), by central differences."""
         if len(self.transverse_mm) == 1:
             along = np.gradient(field[:, 0], self.axial_mm)
             return np.column_stack([along, np.zeros_like(along)])
@@ -103,8 +100,8 @@ class ContactPatch:
         return np.column_stack([along.ravel(), across.ravel()])
 
     def quadrature(self, points: int) -> tuple[Array, Array]:
-        """Gauss points of all cells, `points` in each direction: plane positions (g, 2) in mm and plane areas (g,) in
-        mm².
+        """Gauss points of all cells, `points` in each direction: plane positions (g, 2) in mm, and area (g,) in mm² of
+        each.
         """
         (a, wide), (t, deep) = (_gauss_on_lines(lines, points) for lines in self._axes)
         along, across = np.meshgrid(a, t, indexing="ij")
@@ -113,9 +110,7 @@ class ContactPatch:
 
 def located(axial: Array, transverse: Array, places: Array) -> tuple[IntArray, Array, BoolArray]:
     """Nodes and weights that interpolate a field bilinearly at places (n, 2) on a grid of increasing lines (n_a,) and
-    (n_t,).
-
-    Returned as by `ContactPatch.locate`.
+    (n_t,); returns as `ContactPatch.locate`.
     """
     i, u = _cell(axial, places[:, 0])
     if len(transverse) == 1:

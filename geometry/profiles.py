@@ -1,7 +1,8 @@
 """Unworn surfaces of contacting bodies: heights relative to the plane that touches them at the point of first contact.
 
 Plane points are (n, 2) coordinates in mm in the body's own frame: along and across the body's axis. A face is a surface
-that is straight across the body's axis; its fall is how far it lies below its highest point.
+that is straight across the body's axis; its fall is how far it lies below its highest point. Far beside a contact
+patch, where a round surface becomes steep, heights and slopes are those of its last gentle place.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ class Profile(Protocol):
     """
 
     def height(self, plane_mm: Array) -> Array:
-        """Height (n,) in mm at plane points (n, 2): zero at the origin, nowhere positive."""
+        """Heights (n,) in mm at plane points (n, 2): zero at the origin, nowhere positive."""
         ...
 
     def slope(self, plane_mm: Array) -> Array:
@@ -37,7 +38,7 @@ class Profile(Protocol):
         ...
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """GeometryError when a patch that reaches `along_mm` and `across_mm` to each side does not fit on the
+        """Raise GeometryError when a patch that reaches `along_mm` and `across_mm` to each side does not fit on the
         surface.
         """
         ...
@@ -45,27 +46,26 @@ class Profile(Protocol):
 
 @dataclass(frozen=True)
 class Cylinder:
-    """A cylinder that curves across the body's axis, as a wire does, or with `curved_along` along it, as a planar pad
-    does.
+    """A round cylinder about a line along the body's axis, as a wire; with `curved_along`, about a line across it, as a
+    planar pad.
     """
 
     radius_mm: float
     curved_along: bool = False
 
     def height(self, plane_mm: Array) -> Array:
-        """-(R - sqrt(R² - t²)) in mm, with t the distance of a point from the cylinder's highest line."""
+        """-(R - sqrt(R² - t²)), (n,) in mm, with t the distance of a point from the cylinder's highest line."""
         t = self._clipped(plane_mm)
         return -(t**2) / (self.radius_mm + np.sqrt(self.radius_mm**2 - t**2))
 
     def slope(self, plane_mm: Array) -> Array:
-        """Gradient: -t / sqrt(R² - t²) in the direction of curvature, 0 in the other."""
         t = self._clipped(plane_mm)
         slope = np.zeros((len(t), 2))
         slope[:, 0 if self.curved_along else 1] = -t / np.sqrt(self.radius_mm**2 - t**2)
         return slope
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """GeometryError when the patch reaches as far as the cylinder's radius in the direction of curvature."""
+        """Raise GeometryError when the patch reaches as far as the cylinder's radius in the direction of curvature."""
         reach = along_mm if self.curved_along else across_mm
         if reach >= self.radius_mm:
             raise GeometryError(
@@ -79,8 +79,8 @@ class Cylinder:
 
 @dataclass(frozen=True)
 class Barrel:
-    """A surface of revolution about a line parallel to the body's axis whose crown is an arc: a ball, a barrel or a
-    flat.
+    """A surface of revolution about a line parallel to the body's axis, with an arc as crown: a ball, a barrel, a
+    cylinder or a flat.
 
     curvature_along_per_mm, curvature_across_per_mm: one over the radius of the crown's arc along the axis, and of the
     thickest circle across it; 0 where straight.
@@ -90,8 +90,8 @@ class Barrel:
     curvature_across_per_mm: float
 
     def height(self, plane_mm: Array) -> Array:
-        """-(s + r - sqrt(r² - y²)) in mm, with s the fall of the crown at x and r = R - s the radius of the circle
-        across there.
+        """-(s + r - sqrt(r² - y²)), (n,) in mm, with s the fall of the crown at x and r = R - s the radius of the
+        circle across there.
         """
         x, y, share, root = self._circle(plane_mm)
         across = self.curvature_across_per_mm
@@ -104,7 +104,7 @@ class Barrel:
         return -np.column_stack([along * share, self.curvature_across_per_mm * y]) / root[:, None]
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """GeometryError when the patch reaches 0.95 of a radius of curvature, where the surface becomes steep."""
+        """Raise GeometryError when the patch reaches 0.95 of a radius of curvature, where the surface becomes steep."""
         k, across = self.curvature_along_per_mm, self.curvature_across_per_mm
         if k * along_mm >= _REACH or across * across_mm >= _REACH * (1.0 - across * self._fall(np.array(along_mm))):
             raise GeometryError(
@@ -144,14 +144,14 @@ class Flat:
 
 @dataclass(frozen=True)
 class RoundedFlat:
-    """A flat face that reaches half_width_mm to each side along the body's axis and then falls with edges of a
-    radius.
+    """A flat face that reaches half_width_mm to each side along the body's axis and then falls along arcs of
+    `edge_radius_mm`.
     """
 
     half_width_mm: float
     edge_radius_mm: float
-    #: The edges are what a flat cut off a cylinder of that radius leaves of it, with a corner at b, in place of arcs
-    #: that begin level there.
+    #: False: the arcs begin level, without a corner. True: they are what is left of a cylinder of that radius from
+    #: which the flat was cut, with corners at the flat's ends.
     cut: bool = False
 
     def __post_init__(self) -> None:
@@ -168,7 +168,7 @@ class RoundedFlat:
         return self._edge.slope(self._beyond(plane_mm)) * (np.abs(plane_mm[:, :1]) > self.half_width_mm)
 
     def require_within(self, along_mm: float, across_mm: float) -> None:  # noqa: ARG002 - the face is straight across
-        """GeometryError when the patch reaches the end of the rounded edge."""
+        """Raise GeometryError when the patch reaches the end of the arc."""
         if along_mm >= self._centre_mm + self.edge_radius_mm:
             raise GeometryError(
                 f"a contact patch {along_mm} mm to the side does not fit on a face of half-width {self.half_width_mm} "
@@ -196,7 +196,7 @@ class TabledProfile:
 
     If x begins at 0, both sides are alike; otherwise points are needed on both sides. The face is a smooth curve
     through the points that overshoots none of them (monotone cubics); where both sides are alike it is level in the
-    middle.
+    middle. Raises GeometryError for points of which that is not so, or that fall nowhere.
     """
 
     points_mm: tuple[tuple[float, float], ...]
@@ -225,10 +225,10 @@ class TabledProfile:
 
     @property
     def even(self) -> TabledProfile:
-        """A face, alike on both sides, that nowhere lies below this one on either side and falls steadily outwards.
+        """The face, alike on both sides and falling steadily outwards, whose fall at a distance from the middle is the
+        least of this face's from there on, on either side.
 
-        Its fall at a distance is the least fall of this face from that distance on, on either side, so the contact of
-        this face lies within the contact of the returned one.
+        It nowhere lies below this face, so the contact of this face lies within its contact.
         """
         return TabledProfile(tuple(zip(*(values.tolist() for values in self._hull), strict=True)))
 
@@ -240,7 +240,7 @@ class TabledProfile:
         return np.column_stack([-self._fall(x, 1), np.zeros_like(x)])
 
     def require_within(self, along_mm: float, across_mm: float) -> None:  # noqa: ARG002 - the face is straight across
-        """GeometryError when the patch reaches beyond the points."""
+        """Raise GeometryError when the patch reaches beyond the points."""
         if along_mm > self.reach_mm:
             raise GeometryError(
                 f"a body {along_mm} mm to the side reaches beyond its profile, whose points end at {self.reach_mm} mm"
@@ -277,15 +277,15 @@ class TabledProfile:
 
 @dataclass(frozen=True)
 class Turned:
-    """A surface of revolution about the normal at its middle: along every radius it falls as `face` does along a body's
-    axis.
+    """A surface of revolution about the normal at its middle: along every radius it falls as `face` does along the
+    body's axis.
     """
 
     face: Cylinder | RoundedFlat | TabledProfile
 
     def height(self, plane_mm: Array) -> Array:
-        """Height (n,) in mm at plane points (n, 2): the face's at that radius; beyond the face's last point it falls on
-        at the slope that it has there.
+        """Heights (n,) in mm at plane points (n, 2): the face's at that radius; beyond a tabled face's last point it
+        falls on at the slope that it has there.
         """
         along, beyond = self._along(plane_mm)
         return np.asarray(self.face.height(along) + beyond * self.face.slope(along)[:, 0])
@@ -312,9 +312,9 @@ class LoweredSurface:
     """A surface that lies below a base surface by a map of measured depths: an old scar, or deviations from nominal
     form.
 
-    x_mm (n_x,), y_mm (n_y,), depth_mm (n_x, n_y): the map, depths positive downwards. to_map: (2, 2) matrix; its
-    product with a vector (along, across) in the plane is the vector's components on the map's x and y. Depths and their
-    gradients are bilinear between the map's lines; outside the map they are those at its rim.
+    x_mm (n_x,), y_mm (n_y,), depth_mm (n_x, n_y): the map, depths positive downwards. to_map: (2, 2) turns plane
+    vectors (along, across) to the map's (x, y). Depths and their gradients are bilinear between the map's lines;
+    outside the map they are those at its rim.
     """
 
     base: Profile
@@ -330,7 +330,6 @@ class LoweredSurface:
         return np.asarray(self.base.slope(plane_mm) - self._at(plane_mm)[:, 1:] @ self.to_map)
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """GeometryError when the patch does not fit on the base surface."""
         self.base.require_within(along_mm, across_mm)
 
     def _at(self, plane_mm: Array) -> Array:

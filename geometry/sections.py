@@ -54,15 +54,13 @@ def wire_section(
     finest_mm: float | None = None,
     bore_radius_mm: float = 0.0,
 ) -> tuple[Array, IntArray]:
-    """Mesh half of the cross-section of a wire or tube.
+    """Mesh half of the cross-section of a wire or tube: points (n, 2) in mm as (y >= 0, z), the contact at the origin
+    and +z outwards, and quads (m, 4), their indices counter-clockwise.
 
     half_lines_mm: (k,) grid lines of the contact patch across the wire, from 0; each becomes a node on the surface.
-    coarse_mm: largest element far from the contact.  bore_radius_mm: inner radius of a tube, 0 for a wire.
-    finest_mm: the patch's smallest spacing along the wire; the uppermost layer's thickness follows from it where it is
-    smaller than that across.
-
-    Returns points (n, 2) in mm as (y >= 0, z), the contact at the origin and +z outwards, and quads (m, 4),
-    counter-clockwise.
+    coarse_mm: largest element far from the contact. layering: of the elements under the contact. finest_mm: the patch's
+    smallest spacing along the wire, from which the uppermost layer's thickness follows if it is smaller than the
+    spacing across; None: that across. bore_radius_mm: inner radius of a tube, 0 for a wire.
     """
     section = _Quads()
     if bore_radius_mm:
@@ -83,11 +81,12 @@ def wire_section(
 def block_section(
     half_width_mm: float, height_mm: float, half_lines_mm: Array, coarse_mm: float, layering: Layering, finest_mm: float
 ) -> tuple[Array, IntArray]:
-    """Mesh half of a rectangular cross-section whose upper side carries the contact.
+    """Mesh half of a rectangular cross-section whose upper side carries the contact: points (n, 2) in mm as (y >= 0, z
+    <= 0), and quads (m, 4), their indices.
 
     half_lines_mm: (k,) grid lines of the contact patch across, from 0. coarse_mm: largest element far from the contact.
-    finest_mm: the patch's smallest spacing, from which the uppermost layer's thickness follows. Returns points (n, 2)
-    in mm as (y >= 0, z <= 0) and quads (m, 4).
+    layering: of the elements under the contact. finest_mm: the patch's smallest spacing, from which the uppermost
+    layer's thickness follows.
     """
     section = _Quads()
     beside = half_width_mm - half_lines_mm[-1]

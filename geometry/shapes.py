@@ -1,6 +1,7 @@
 """Shapes of bodies: wires and tubes, blocks with a curved face, and planar pads and specimens with their meshes.
 
-A planar body is a slice of 1 mm thickness in the plane (x, z), for line contacts.
+A planar body is a slice of 1 mm thickness in the plane (x, z), for line contacts. The contact is at the origin, the
+patch is the part of the surface that may touch, the back is the side opposite to it, the grip what the holder holds.
 """
 
 from dataclasses import dataclass, field, replace
@@ -22,19 +23,22 @@ _LEAST_QUALITY = 0.2
 
 @dataclass(frozen=True)
 class WireGeometry(BodyGeometry):
-    """Dimensions and mesh sizes of a wire or a tube; see `BodyGeometry`."""
+    """Dimensions and mesh sizes of a wire or, with a bore, a tube; see `BodyGeometry`. Raises GeometryError for a patch
+    too large for it.
+    """
 
     diameter_mm: float
     length_mm: float
     axial: GradedAxis | RimGradedAxis
     transverse: GradedAxis | RimGradedAxis
     coarse_mm: float
-    grip_half_angle_rad: float = pi / 4  #: Half of the sector of the lateral surface, from the back, that is gripped.
-    grip_half_length_mm: float | None = None
+    #: Largest angle from the back, either way round, at which the lateral surface is gripped.
+    grip_half_angle_rad: float = pi / 4
+    grip_half_length_mm: float | None = None  #: Largest distance from the middle at which it is; None: all along.
     grip_stiffness_N_per_mm3: float | None = None
     layering: Layering = field(default_factory=Layering)
-    gripped_at_ends: bool = False  #: Whether the holder grips both ends in its place.
-    bore_mm: float = 0.0  #: A tube's inner diameter.
+    gripped_at_ends: bool = False  #: True if the holder grips both end faces instead.
+    bore_mm: float = 0.0  #: A tube's inner diameter; 0: a wire.
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.bore_mm < self.diameter_mm:
@@ -73,14 +77,10 @@ class WireGeometry(BodyGeometry):
         return min(0.5 * (self.diameter_mm - self.bore_mm) if self.bore_mm else self.diameter_mm, self.length_mm)
 
     def section(self) -> tuple[Array, IntArray]:
-        """Half of a disc, or of a ring for a tube."""
         lines, bore = self.transverse.half_lines(), 0.5 * self.bore_mm
         return wire_section(self.radius_mm, lines, self.coarse_mm, self.layering, self.finest_mm, bore)
 
     def gripped(self, centres_mm: Array) -> BoolArray:
-        """True (n,) for facets on the back, within the grip's half-angle and half-length; or on the ends if
-        `gripped_at_ends`.
-        """
         x, y, z = centres_mm.T
         from_back = np.abs(np.arctan2(y, -(z + self.radius_mm)))
         reach = self.half_length_mm * (1.0 - 1e-9)
@@ -94,19 +94,22 @@ class WireGeometry(BodyGeometry):
 
 @dataclass(frozen=True)
 class BlockGeometry(BodyGeometry):
-    """A block with a barrel-shaped face, held at its back and its four sides; lengths in mm."""
+    """A block with a barrel-shaped face, held at its back and its four sides. Raises GeometryError for a patch too
+    large for it.
+    """
 
-    curvature_along_per_mm: float  #: One over the face's radius along x, 0 where straight; the next is across.
-    curvature_across_per_mm: float
-    half_width_along_mm: float  #: How far the block reaches to each side along x; the next is across.
-    half_width_across_mm: float
+    curvature_along_per_mm: float  #: One over the face's radius along x, 0 where straight.
+    curvature_across_per_mm: float  #: One over that across, along y.
+    half_width_along_mm: float  #: How far the block reaches to each side along x.
+    half_width_across_mm: float  #: How far along y.
     height_mm: float  #: From the contact to the back.
     axial: GradedAxis | RimGradedAxis
     transverse: GradedAxis | RimGradedAxis
     coarse_mm: float
     grip_stiffness_N_per_mm3: float | None = None
     layering: Layering = field(default_factory=Layering)
-    face: Turned | None = None  #: The face of a pad of revolution; it lies below the surface of the mesh.
+    #: The face of a pad of revolution, which lies below the barrel that is meshed; None: the barrel.
+    face: Turned | None = None
 
     def __post_init__(self) -> None:
         widths = self.half_width_along_mm, self.half_width_across_mm
@@ -120,7 +123,7 @@ class BlockGeometry(BodyGeometry):
 
     @property
     def profile(self) -> Profile:
-        """The pad's face where one is given, otherwise the surface of the mesh."""
+        """`face` if one is given, otherwise the surface of the mesh."""
         return self.face or self.meshed_profile
 
     @property
@@ -136,14 +139,13 @@ class BlockGeometry(BodyGeometry):
         return min(2.0 * self.half_width_along_mm, 2.0 * self.half_width_across_mm, self.height_mm)
 
     def section(self) -> tuple[Array, IntArray]:
-        """Half of a rectangle."""
         lines = self.transverse.half_lines()
         return block_section(
             self.half_width_across_mm, self.height_mm, lines, self.coarse_mm, self.layering, self.finest_mm
         )
 
     def bent(self, points_mm: Array) -> Array:
-        """Points (n, 3) moved down so that the top follows the face's profile; the shift falls linearly to 0 at the
+        """Points (n, 3) in mm moved down so that the top follows the meshed face; the shift falls linearly to 0 at the
         back.
         """
         share = np.maximum(1.0 + points_mm[:, 2] / self.height_mm, 0.0)
@@ -152,7 +154,7 @@ class BlockGeometry(BodyGeometry):
         return bent
 
     def gripped(self, centres_mm: Array) -> BoolArray:
-        """True (n,) for facets on the block's back and its four sides."""
+        """(n,) True for facets on the block's back and its four sides."""
         x, y, z = centres_mm.T
         aside = np.maximum(np.abs(x) / self.half_width_along_mm, np.abs(y) / self.half_width_across_mm)
         return np.asarray((aside > 1.0 - 1e-9) | (z < -self.height_mm * (1.0 - 1e-9)))
@@ -160,7 +162,9 @@ class BlockGeometry(BodyGeometry):
 
 @dataclass(frozen=True)
 class PlanarGeometry:
-    """Dimensions and mesh sizes of a planar body of unit thickness below a contact surface, held at its back."""
+    """Dimensions and mesh sizes of a planar body below a contact surface, held at its back. Raises GeometryError if it
+    is too small for its patch, or a face.
+    """
 
     profile: Profile  #: The contact surface.
     half_width_mm: float  #: How far the body reaches to each side of the point of first contact.
@@ -190,13 +194,16 @@ class PlanarGeometry:
             )
 
     def layers(self) -> Array:
-        """Thicknesses (n,) in mm of the rows of elements in the middle of the body, from the surface down."""
+        """Thicknesses (n,) in mm of the rows of elements at x = 0, from the surface down."""
         return graded_layers(self.along.fine_mm, self.growth, self.far_mm, self.height_mm)
 
 
 @dataclass(frozen=True)
 class PlanarMesh:
-    """The mesh of a planar body in the body's own frame: the origin is the point of first contact, +z outwards."""
+    """The mesh of a planar body in the body's own frame: the origin is the point of first contact, +z outwards.
+
+    quality: smallest scaled Jacobian of its elements, 1 at best.
+    """
 
     geometry: PlanarGeometry
     mesh: QuadMesh
@@ -205,16 +212,16 @@ class PlanarMesh:
 
     @property
     def bedding(self) -> Array | None:
-        """Stiffness (n,) in N/mm per mm of thickness by which an elastic grip holds each node; None where the grip is
+        """(n,) stiffness in N/mm per mm of thickness by which an elastic grip holds each node; None where the grip is
         rigid.
         """
         stiffness = self.geometry.grip_stiffness_N_per_mm3
         return None if stiffness is None else stiffness * self.mesh.surface_lengths("grip")
 
     def worn(self, depth_mm: Array) -> "PlanarMesh":
-        """A copy of this mesh with the nodes of its patch moved down by a vertical depth (n,) in mm.
+        """A copy of this mesh, with the nodes of its patch at a depth `depth_mm` (n_a,) along z below where they are.
 
-        Nodes below move with the surface node above them, by a share that falls linearly to 0 at the back.
+        Nodes below move with the surface node above them, by a share that falls linearly to 0 at the back. Raises
         GeometryError when an element becomes too distorted.
         """
         patch, points = self.patch, self.mesh.points.copy()
@@ -231,7 +238,7 @@ def build_planar(geometry: PlanarGeometry) -> PlanarMesh:
     """Build the mesh of a planar body, with the named surfaces 'contact', 'grip' (the back or its held part) and
     'sides'.
 
-    GeometryError when an element is too distorted.
+    Raises GeometryError when an element is too distorted.
     """
     x = _lines_to_sides(geometry)
     layers = geometry.layers()

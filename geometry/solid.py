@@ -1,6 +1,6 @@
 """Meshes of solid elements from files: mixtures of element kinds, named sets, checks, and points located in them.
 
-Cells are numbered kind after kind, in the order of `SolidMesh.groups`; n is the number of nodes.
+n is the number of nodes. Cells are numbered kind after kind, in the order of `SolidMesh.groups`; `size` of them.
 """
 
 from collections.abc import Iterator, Mapping
@@ -28,11 +28,13 @@ _CHUNK = 2_000_000  #: Numbers of places times cells that are looked at together
 
 @dataclass(frozen=True)
 class Places:
-    """The places of p points in a mesh: the cell of each, shape functions there, and the distance outside it."""
+    """The places of p points in a mesh: the cell of each, and what interpolates nodal fields there."""
 
-    cell: IntArray  #: (p,) in the order of `SolidMesh.groups`.
-    weights: tuple[tuple[IntArray, IntArray, Array], ...]  #: By kind: rows (r,) of places, nodes (r, n), shapes (r, n).
-    beyond_mm: Array  #: (p,) distance from the cell, 0 inside.
+    cell: IntArray  #: (p,) number of the cell.
+    #: For each kind of element with k nodes: indices (r,) of its points, nodes (r, k) of their cells, and values (r, k)
+    #: of shape functions.
+    weights: tuple[tuple[IntArray, IntArray, Array], ...]
+    beyond_mm: Array  #: (p,) distance of the point outside its cell, 0 inside.
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,13 +42,12 @@ class SolidMesh:
     """A mesh of solid elements of any kinds; lengths in mm."""
 
     points: Array  #: (n, 3).
-    cells: Mapping[int, IntArray]  #: By their number of nodes k (`ELEMENT_KINDS`), (m, k).
-    sets: Mapping[str, IntArray]  #: Named sets of nodes, sorted; of a set of cells all their nodes.
-    parts: Mapping[str, Mapping[int, BoolArray]]  #: Named sets of cells: for each kind (m,).
+    cells: Mapping[int, IntArray]  #: For each number of nodes k, the key in `ELEMENT_KINDS`, nodes (m, k) of its cells.
+    sets: Mapping[str, IntArray]  #: Named sets of nodes, sorted indices; for a set of cells all their nodes.
+    parts: Mapping[str, Mapping[int, BoolArray]]  #: Named sets of cells: for each k, (m,) True for its cells.
 
     @property
     def groups(self) -> Iterator[tuple[ElementKind, IntArray]]:
-        """Each kind of element with its cells (m, k)."""
         return ((ELEMENT_KINDS[count], cells) for count, cells in self.cells.items())
 
     @property
@@ -55,7 +56,6 @@ class SolidMesh:
         return sum(len(cells) for cells in self.cells.values())
 
     def moved(self, points: Array) -> Self:
-        """A copy of the mesh with its nodes at `points` (n, 3)."""
         return replace(self, points=points)
 
     @cached_property
@@ -77,8 +77,8 @@ class SolidMesh:
         return tuple(outer)
 
     def nodes_between(self, corners: IntArray) -> IntArray:
-        """Sorted nodes of the boundary faces whose corners are all among `corners`, including nodes on edges
-        and faces.
+        """Sorted nodes of those boundary faces whose corners are all among `corners`, nodes within edges and faces
+        included.
         """
         known = np.zeros(len(self.points), dtype=bool)
         known[corners] = True
@@ -104,7 +104,7 @@ class SolidMesh:
         return np.vstack([triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
     def areas_of(self, name: str) -> Array:
-        """Area in mm² of a named part of the boundary that belongs to each node, (n,)."""
+        """(n,) area in mm² that belongs to each node, of the boundary faces of a named set; 0 for others."""
         triangles = self.triangles_of(name)
         a, b, c = (self.points[triangles[:, k]] for k in range(3))
         size = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
@@ -112,7 +112,7 @@ class SolidMesh:
 
     @cached_property
     def edges_mm(self) -> Array:
-        """Size (size,) of each cell: mean distance between successive corners."""
+        """(size,) size of each cell: mean distance between successive corners."""
         found = []
         for kind, cells in self.groups:
             at = self.points[cells[:, : kind.corners]]
@@ -121,12 +121,12 @@ class SolidMesh:
 
     @cached_property
     def middles(self) -> Array:
-        """Mean (size, 3) of each cell's corners."""
+        """(size, 3) mean of each cell's corners."""
         return np.vstack([self.points[cells[:, : kind.corners]].mean(axis=1) for kind, cells in self.groups])
 
     def gradients(self, kind: ElementKind, cells: IntArray) -> tuple[Array, Array]:
-        """Gradients (m, q, k, 3) of the shape functions in 1/mm at the integration points of cells (m, k), and volumes
-        (m, q).
+        """Gradients (m, q, k, 3) of the shape functions in 1/mm at the integration points of cells (m, k) of a kind,
+        and the volume (m, q) in mm³ of each point.
         """
         slopes = kind.slopes(kind.points)
         jacobian = np.einsum("mni,qnj->mqij", self.points[cells], slopes, optimize=True)
@@ -134,7 +134,7 @@ class SolidMesh:
         return local, np.linalg.det(jacobian) * kind.weights
 
     def require_sound(self) -> None:
-        """GeometryError if a cell is inside out or has no volume (naming its place), or if the mesh has parts that
+        """Raise GeometryError if a cell is inside out or has no volume, naming its place, or if the mesh has parts that
         share no nodes.
 
         That the boundary is closed need not be checked: it is the boundary of the cells.
@@ -171,8 +171,8 @@ class SolidMesh:
         return len(sizes), sizes.tolist()
 
     def located(self, places: Array) -> Places:
-        """The places in the mesh of points (p, 3); each gets the cell that contains it, or else the best one
-        near it.
+        """The places in the mesh of points (p, 3) in mm: each gets the cell that contains it, or else the nearest of
+        those tried.
         """
         cell, best, local = (
             np.zeros(len(places), dtype=np.int64),

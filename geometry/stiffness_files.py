@@ -1,9 +1,10 @@
 """Bodies whose condensed stiffness a file gives: the matrix, its nodes, and the grid of those that may touch.
 
-In numpy's .npz the arrays are `stiffness_N_per_mm` (3 n, 3 n), `nodes_mm` (n, 3), for each set of nodes its indices
-under its name and, where the elements form layers under the contact, `layers_mm_and_growth` (2,). A Matrix Market file
-.mtx has beside it a table .csv of the same name with the columns x_mm, y_mm, z_mm and set. Unknown 3 i + k is the
-displacement of node i along axis k. The axes are the body's: x along it, z outwards from where it touches, the origin.
+In numpy's .npz the arrays are `stiffness_N_per_mm` (3 n, 3 n), `nodes_mm` (n, 3), for each set of nodes (those that may
+touch, those held) its indices under its name and, where the elements form layers under the contact,
+`layers_mm_and_growth` (2,). A Matrix Market file .mtx has beside it a table .csv of the same name with the columns
+x_mm, y_mm, z_mm and set. Unknown 3 i + k is the displacement of node i along axis k. The axes are the body's: x along
+it, z outwards from where it touches, the origin.
 """
 
 from __future__ import annotations
@@ -28,17 +29,21 @@ _ROUND_OFF = 1e-6  #: Of a matrix: asymmetry, and forces of a rigid motion, over
 
 @dataclass(frozen=True, eq=False)
 class FileStiffness:
-    """The stiffness of a body of n nodes, free of its holder; lengths in mm."""
+    """The stiffness of a body of n nodes without its holder."""
 
     nodes_mm: Array  #: (n, 3).
     matrix: Array  #: (3 n, 3 n) in N/mm, symmetric; no rigid motion meets a force.
-    contact: IntArray  #: Nodes on the contact surface.
-    held: IntArray  #: Nodes that the holder grips.
-    layers: tuple[float, float] | None  #: Thickness of the uppermost elements, and its growth from one to the next.
+    contact: IntArray  #: Indices of the nodes on the contact surface.
+    held: IntArray  #: Indices of the nodes that the holder grips.
+    #: Thickness in mm of the uppermost elements under the contact, and the factor by which it grows from layer to
+    #: layer; None if unknown.
+    layers: tuple[float, float] | None
 
     @property
     def of_free(self) -> tuple[Array, ContactPatch]:
-        """Stiffness (3 f, 3 f) of the nodes that are not held, those of the patch first in its order, and the patch."""
+        """Stiffness (3 f, 3 f) in N/mm between the f nodes that are not held, the patch's first, in its order; and the
+        patch.
+        """
         patch = self.patch
         others = np.setdiff1d(np.arange(len(self.nodes_mm)), np.concatenate([self.contact, self.held]))
         free = (3 * np.concatenate([patch.nodes.ravel(), others])[:, None] + np.arange(3)).ravel()
@@ -46,7 +51,7 @@ class FileStiffness:
 
     @property
     def patch(self) -> ContactPatch:
-        """The grid of nodes that may touch. GeometryError if they are no grid about the origin."""
+        """The grid of nodes that may touch. Raises GeometryError if they form none about the origin."""
         found = on_grid(self.nodes_mm[:, :2], self.contact)
         if found is None or any(lines[0] >= 0.0 or lines[-1] <= 0.0 for lines in found[0]):
             raise GeometryError("the nodes that may touch are no grid of lines along x and y about the origin")
@@ -60,11 +65,10 @@ class FileStiffness:
 
 @dataclass(frozen=True)
 class OwnStiffness(OwnGrid):
-    """The grid of a body whose stiffness is known; it has no elements."""
+    """The geometry of a body whose stiffness a file gives: a contact patch, but no elements."""
 
     @property
     def read(self) -> FileStiffness:
-        """The condensed stiffness in the file."""
         return read_stiffness(self.source)
 
     @property
@@ -88,7 +92,9 @@ class OwnStiffness(OwnGrid):
 
 
 def of_stiffness(source: MeshSource) -> OwnStiffness:
-    """The body of a file. GeometryError, in one sentence, if it cannot be used."""
+    """The geometry of the body in a stiffness file. Raises GeometryError, in one sentence, if the file cannot be
+    used.
+    """
     read = read_stiffness(source)
     axial, transverse = (GivenAxis(tuple(each.tolist())) for each in (read.patch.axial_mm, read.patch.transverse_mm))
     finest = min(axial.finest_mm, transverse.finest_mm)
@@ -99,7 +105,9 @@ def of_stiffness(source: MeshSource) -> OwnStiffness:
 
 @lru_cache(maxsize=2)
 def read_stiffness(source: MeshSource) -> FileStiffness:
-    """The checked contents of a file. GeometryError, in one sentence, if they are no stiffness of a body."""
+    """The checked contents of a stiffness file; the last two are kept. Raises GeometryError, in one sentence, if they
+    are no stiffness of a body.
+    """
     name = Path(source.file).name
     if digest_of(source.file) != source.digest:
         raise GeometryError(f"{name} is not the file that it was: put the one back that was read before")
@@ -170,7 +178,8 @@ def _named(nodes: IntArray | None, name: str) -> IntArray:
 
 
 def write_stiffness(path: Path, patch: ContactPatch, of_contact: Array, layers: tuple[float, float]) -> None:
-    """Write a body to .npz by the stiffness (3 n, 3 n) in N/mm of its patch's n nodes relative to a rigid holder.
+    """Write a body to `path`, an .npz, from the stiffness `of_contact` (3 n, 3 n) in N/mm of its patch's n nodes
+    relative to a rigid holder; layers: as in `FileStiffness`.
 
     Three nodes behind the patch stand for the holder and carry its motion.
     """
