@@ -154,7 +154,8 @@ class BodyGeometry(ABC):
 
     @property
     @abstractmethod
-    def half_length_mm(self) -> float: ...
+    def half_length_mm(self) -> float:
+        """Half of the body's extent along its axis x."""
 
     @property
     @abstractmethod
