@@ -1,7 +1,8 @@
 """Analysis of fretting loops, simulated and measured alike, and models of a rig's sensors.
 
 A loop is tangential force Q over displacement δ for one cycle. Its figures are quantities read from it, such as slip
-amplitude, dissipated energy and friction. A plateau is the part of a branch on which the contact slides.
+amplitude, dissipated energy and friction. A branch is the half between two reversals of the drive; its micro-slip is
+the part up to the onset of gross slip, its plateau the part on which the contact slides.
 """
 
 from typing import TYPE_CHECKING

@@ -77,7 +77,8 @@ ROUND_OFF = 5e-3
 
 
 def allowed_slip(slip_um: Measured, amplitude_um: Measured, energy_mJ: Measured, force_N: Measured) -> Measured:
-    """δ0 limited to 0 … δa; if it lies farther outside than its interval, any slip that the loop's area allows.
+    """δ0 limited to 0 … δa (`amplitude_um`); if its interval lies wholly outside of that, the range of slips that the
+    loop's area allows, with its middle as value.
 
     force_N: mean of the largest |Q| of both directions.
     """
@@ -90,9 +91,9 @@ def allowed_slip(slip_um: Measured, amplitude_um: Measured, energy_mJ: Measured,
 
 
 def within_bounds(found: LoopFigures) -> LoopFigures:
-    """Figures limited to 0 ≤ A ≤ 1, 0 ≤ B ≤ 1 and 0 ≤ E_d/(4Pδ0) ≤ max|Q|/P.
+    """The figures, limited to 0 ≤ A ≤ 1, 0 ≤ B ≤ 1 and 0 ≤ E_d/(4Pδ0) ≤ max|Q|/P.
 
-    A figure whose interval reaches its bound is set to the bound; one beyond it is left out with a note.
+    A figure whose interval reaches its bound is set to the bound; one beyond it is left out (None), with a note.
     """
     notes = list(found.notes)
     held: dict[str, Any] = {}
@@ -106,7 +107,7 @@ def within_bounds(found: LoopFigures) -> LoopFigures:
 
 
 def bounded(figure: Measured, high: float) -> Measured | None:
-    """Figure limited to 0 … `high`, with its interval; None where the whole interval lies outside.
+    """The figure limited to 0 … `high`, with its interval; None where the whole interval lies outside.
 
     The upper end of the interval may exceed `high` by ROUND_OFF, as coarse samples cut corners off.
     """
@@ -126,17 +127,16 @@ def analyse_loop(
 ) -> LoopFigures:
     """Analyse one cycle of a force–displacement loop.
 
-    Definitions follow Infante-García et al., Sensors 20 (2020) 4152, sections 1 and 3: δ0 is half the loop's width
-    at zero force (here at the mean force, which a sensor's offset does not shift), K_t,m the mean slope of both
-    micro-slip branches, each fitted over half of its micro-slip region. Friction: E_d/(4Pδ0) (Fouvry et al. 1996)
-    and the geometry-independent coefficient (Jahangiri et al. 2012).
-    Raises LoopError, which says in one sentence what is wrong with the samples.
+    displacement_um: (n,), n ≥ 16, starting anywhere in the cycle and in either direction. tangential_force_N: (n,),
+    positive when it resists motion towards +x (the sign is found out if not). normal_force_N: a number or (n,),
+    positive when pressing; without it, and where it falls to zero within the cycle, friction figures are left out.
+    time_s: (n,) times of the samples; without them the samples count as evenly spread where that makes sense.
 
-    displacement_um: displacement (n,), n ≥ 16, starting anywhere in the cycle and in either direction.
-    tangential_force_N: force (n,), positive when it resists motion towards +x (the sign is found out if not).
-    normal_force_N: number or (n,), positive when pressing; without it, and where it falls to zero within the cycle,
-    friction figures are left out.
-    time_s: sample times (n,); without them the samples count as evenly spread where that makes sense.
+    Definitions follow Infante-García et al., Sensors 20 (2020) 4152, sections 1 and 3: δ0 is half the loop's width at
+    zero force (here at the mean force, which a sensor's offset does not shift), K_t,m the mean slope of both micro-slip
+    branches, each fitted over half of its micro-slip region. Friction: E_d/(4Pδ0) (Fouvry et al. 1996) and the
+    geometry-independent coefficient (Jahangiri et al. 2012). Raises LoopError, which says in one sentence what is wrong
+    with the samples.
     """
     loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
     loop, courses = _followed(loop)

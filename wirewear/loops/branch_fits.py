@@ -1,6 +1,7 @@
 """Both branches of a loop, freed from free play, each with its fitted micro-slip.
 
-A shelf is a stretch of a branch at nearly constant force about zero, along which the holder floats in its free play.
+A shelf is a stretch of a branch at nearly constant force about zero, along which the holder floats in its free play. A
+course is a branch with the fit of its micro-slip and plateau.
 """
 
 from dataclasses import dataclass
@@ -15,9 +16,8 @@ from wirewear.loops.stick_slip import Course
 
 @dataclass(frozen=True)
 class BranchFits:
-    """Forward and backward branch with their fitted micro-slip, the stroke in µm, and the shelves of free play, if any.
-
-    Where there are shelves, the branches are those that a rig without play would give.
+    """Forward and backward branch, each with its fit; the stroke in µm; and the shelves (forward, backward) of free
+    play, None if there are none. Where there are, the branches are those that a rig without play would give.
     """
 
     forward: Course
@@ -31,7 +31,7 @@ class BranchFits:
 
     @property
     def slide(self) -> bool:
-        """True if both branches have a plateau of at least three samples."""
+        """True if both branches have a plateau with at least three samples."""
         return slides_visibly(self.forward) and slides_visibly(self.backward)
 
     @property
@@ -46,7 +46,7 @@ class BranchFits:
 
     @property
     def force_zero(self) -> Measured | None:
-        """Force in N at which the shelves lie, which is the zero error of the force sensor; None without shelves."""
+        """Force in N at which the shelves lie, that is, the zero error of the force sensor; None without shelves."""
         if self.shelves is None:
             return None
         up, down = self.shelves

@@ -39,11 +39,11 @@ _PARAMETER = np.linspace(1.0, 0.0, 200)
 
 
 def upright(loop: CleanLoop) -> CleanLoop:
-    """Loop with k·Q added to its displacement, k just large enough that the reading reverses where the drive does.
+    """The loop with k·Q added to its displacement, k (its `lean_um_per_N`) just large enough that the reading reverses
+    where the drive does; unchanged if it does already.
 
     A sensor that the force deflects by more than the contact yields keeps running after the drive has reversed. δ + kQ
-    encloses the same area as δ and is as wide at any force (∮Q d(kQ) = 0). Loops without that fault are returned as
-    they are.
+    encloses the same area as δ and is as wide at any force (∮Q d(kQ) = 0).
     """
     lean = lean_of(loop.displacement_um, loop.force_N)
     if lean == 0.0:
@@ -58,8 +58,8 @@ def upright(loop: CleanLoop) -> CleanLoop:
 
 
 def lean_of(displacement_um: Array, force_N: Array) -> float:
-    """Compliance k in µm/N such that displacement + k·force of one cycle (n,) reverses with the drive; 0 if it does
-    already.
+    """Compliance k in µm/N such that displacement + k·force, of one cycle (n,), reverses with the drive; 0 if the
+    displacement does already, or no such k is found.
     """
     if not _runs_on(displacement_um, force_N):
         return 0.0
@@ -79,7 +79,8 @@ def _runs_on(displacement_um: Array, force_N: Array, share: float = FALLEN) -> b
 
 
 def vertex(loop: CleanLoop, centre: int) -> tuple[float, bool]:
-    """Displacement at which the drive reverses near sample `centre`, and True if that sample was taken at or after it.
+    """Displacement (µm) at which the drive reverses near the sample of index `centre`, and True if that sample was
+    taken at or after the reversal.
 
     It is the extreme of the parabola through three samples, or the meeting point of straight lines through two samples
     on either side, whichever is nearer: a drive that reverses sharply has no round tip.
@@ -151,7 +152,7 @@ class MicroSlip:
     height_N: float  #: Rise of the force from the reversal to the onset (extrapolated in partial slip).
     plateau_slope_N_per_um: float  #: Mean slope of the plateau.
     misfit: float  #: Sum of squared residuals.
-    slides: bool  #: Whether a plateau was found.
+    slides: bool  #: True if a plateau was found.
     length_um: float  #: Travel from reversal to reversal.
     plateau: tuple[float, ...]  #: Coefficients of the plateau's polynomial in travel/length − ½.
     shape: int  #: Index of the fitted shape in SHARES.
@@ -177,7 +178,7 @@ class MicroSlip:
 
 
 def slides_visibly(course: tuple[Branch, MicroSlip]) -> bool:
-    """True if a plateau was found and has at least three samples."""
+    """True if a branch has a plateau, by its fit, with at least three samples."""
     branch, slip = course
     return slip.slides and int(np.count_nonzero(branch.travel_um > slip.travel_um)) >= 3
 
@@ -204,10 +205,11 @@ def _branch(
 
 
 def remaining_force(travel: Array, share: float) -> Array:
-    """Share of the micro-slip's rise in force that is still to come at travels (n,), given as shares of the whole
-    travel.
+    """Share g (n,) of the micro-slip's rise in force that is still to come at travels (n,), in shares of the travel up
+    to the onset of gross slip.
 
-    x(s) = (1−r)(1−s³) + r(1−s²), g = s³, for a spring in series with a Mindlin contact that takes the share r.
+    x(s) = (1−r)(1−s³) + r(1−s²), g = s³, for a spring in series with a Mindlin contact that takes the share r =
+    `share`.
     """
     s = _PARAMETER
     return np.interp(travel, (1.0 - share) * (1.0 - s**3) + share * (1.0 - s**2), s**3)
@@ -276,11 +278,10 @@ def _search(branch: Branch, onsets: Array, order: int, share: float = PLATEAU_SH
 
 
 def settled(branch: Branch, slip: MicroSlip, crossing_um: float) -> MicroSlip:
-    """Micro-slip of a branch, replaced by an early onset where the force only oscillates about its plateau.
+    """The fit of a branch, replaced by one with an early onset where the force only oscillates about its plateau.
 
     The fit may take such an oscillation for micro-slip up to the branch's end; the medians over thirds of the branch
-    show the plateau.
-    crossing_um: travel at which the force changes sign.
+    show the plateau. crossing_um: travel at which the force changes sign.
     """
     if crossing_um > EARLY * branch.length_um or slip.travel_um < LATE * branch.length_um:
         return slip

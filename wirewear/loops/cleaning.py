@@ -51,17 +51,17 @@ BACKWARDS = (
 
 @dataclass(frozen=True)
 class CleanLoop:
-    """One cycle of samples in order of time, without outliers, turning clockwise, as a loop that dissipates energy
+    """One cycle of n samples in order of time, without outliers, turning clockwise as a loop that dissipates energy
     does.
     """
 
-    displacement_um: Array  #: Displacement, freed from noise where a smooth drive explains it (n,).
-    raw_displacement_um: Array  #: The same samples as given (n,).
+    displacement_um: Array  #: (n,) freed from noise where a smooth drive explains it, and from a certain drift.
+    raw_displacement_um: Array  #: (n,) the same samples as read.
     force_N: Array  #: Tangential force (n,).
-    normal_force_N: Array | None  #: Smooth normal force (n,), or None.
+    normal_force_N: Array | None  #: (n,) smoothed; None if not given, clipped or zero within the cycle.
     time: Array  #: Times of the samples, in any unit (n,).
     times_known: bool  #: True if times were given; else samples count as evenly spread.
-    index: NDArray[np.intp]  #: Position of each sample in the input (n,).
+    index: NDArray[np.intp]  #: (n,) position of each sample in the input.
     displacement_noise_um: float  #: Standard deviation of one entry of displacement_um.
     raw_noise_um: float  #: Standard deviation of one entry of raw_displacement_um.
     smoothed: bool  #: True if `displacement_um` is smoothed.
@@ -69,15 +69,16 @@ class CleanLoop:
     normal_noise_N: float  #: Standard deviation of the mean normal force.
     outliers: tuple[int, ...]  #: Positions in the input of the samples left out.
     notes: tuple[str, ...]  #: Sentences on assumptions and corrections.
-    past: int = 0  #: Number of samples left out because they lie behind one cycle.
-    #: Displacement per force that was added to both displacements (see `wirewear.loops.branches`).
+    past: int = 0  #: Number of samples left out because they lie past one cycle.
+    #: Displacement per force that was added to both displacements (see `wirewear.loops.branches.upright`); 0: none.
     lean_um_per_N: float = 0.0
-    may_drift_by: float = 0.0  #: Possible drift, displacement per time; another period is as likely.
+    #: Possible drift, µm per unit of `time`; another period would explain the samples as well. 0: none.
+    may_drift_by: float = 0.0
 
     @property
     def amplitude_noise_um(self) -> float:
-        """Standard deviation of the drive's amplitude: an error common to all displacements if they are smoothed, else
-        0.
+        """Standard deviation of the drive's amplitude: that of the displacements if they are smoothed, as it is common
+        to all; else 0.
         """
         return self.displacement_noise_um if self.smoothed else 0.0
 
@@ -88,7 +89,7 @@ class CleanLoop:
         return replace(self, displacement_um=self.displacement_um - moved, may_drift_by=0.0)
 
     def taken(self, order: NDArray[np.intp]) -> "CleanLoop":
-        """Copy of the loop with its samples picked by these indices, in their order."""
+        """Copy of the loop with the samples of these indices, in their order."""
         normal = None if self.normal_force_N is None else self.normal_force_N[order]
         return replace(
             self,
@@ -101,11 +102,10 @@ class CleanLoop:
         )
 
     def noted(self, note: str) -> "CleanLoop":
-        """Copy of the loop with one more note."""
         return replace(self, notes=(*self.notes, note))
 
     def without_smooth_drive(self) -> "CleanLoop":
-        """Copy of the loop with displacements as sampled, not smoothed."""
+        """Copy of the loop with displacements as read, not smoothed."""
         raw = self.raw_displacement_um
         return replace(self, displacement_um=raw, displacement_noise_um=self.raw_noise_um, smoothed=False)
 
@@ -117,7 +117,9 @@ def clean_loop(
     *,
     time_s: ArrayLike | None = None,
 ) -> CleanLoop:
-    """Check one cycle and return it cleaned; arguments and errors are those of `wirewear.loops.analyse_loop`."""
+    """Check one cycle of samples and return it cleaned. Arguments and errors are those of
+    `wirewear.loops.analyse_loop`.
+    """
     displacement = _channel(displacement_um, "displacement_um")
     count = len(displacement)
     if count < FEWEST_SAMPLES:

@@ -32,22 +32,20 @@ STILL = "the clock stands still, and tells no time of a sample"
 
 @dataclass(frozen=True, eq=False)
 class Clock:
-    """Repaired times of samples, in the order in which they were recorded."""
+    """Repaired times of n samples, in the order in which they were recorded."""
 
-    time_s: Array | None  #: Repaired times (n,); None if unknown.
+    time_s: Array | None  #: (n,); None if the clock does not show them.
     note: str = ""  #: Sentence on the repair; "" if none was needed.
-    doubt_s: float = 0.0  #: Uncertainty of times across a gap in the log.
+    doubt_s: float = 0.0  #: Uncertainty of times across a gap in the log; 0 if there is none.
     gaps: bool = False  #: True if times are unknown and the log has gaps.
 
 
 def read_clock(time_s: Array, displacement_um: Array, force_N: Array, parts: Sequence[Array] = ()) -> Clock:
-    """Repaired times behind recorded times (n,), which are NaN where unknown, of samples of displacement and force
-    (n,).
+    """Repaired times of n samples of displacement and force; time_s: (n,) as recorded, NaN where unknown.
 
     Where the clock runs back while the drive goes on, later times are shifted so that they go on. Where neighbours
-    share a time, samples are spread evenly between gaps in the record.
-
-    parts: numbers of cycles and of repeats, each (n,); where one of them changes, the clock may restart.
+    share a time, samples are spread evenly between gaps in the record. parts: numbers of cycles and of repeats, each
+    (n,); where one of them changes, the clock may restart.
     """
     going_on, note = _going_on(time_s, displacement_um, parts)
     clock = _between_ticks(going_on, displacement_um, force_N)

@@ -37,8 +37,8 @@ FEWEST_SLIPS = 4  #: So many single samples that fall alike are slips, and no ch
 
 
 def turns_of(displacement_um: Array) -> Places:
-    """Indices of the first sample, of every reversal of the drive, and of the last sample, for displacements (n,), n ≥
-    2.
+    """Turns (k,): indices of the first sample, of every reversal of the drive, and of the last sample, for
+    displacements (n,), n ≥ 2. Ripples and spikes are no reversals.
     """
     calm = _without_spikes(displacement_um)
     places = np.arange(calm.size)
@@ -120,7 +120,9 @@ def _turns_by(levels: Array, least: float) -> Places:
 
 
 def cycles_between(displacement_um: Array, turns: Places) -> float:
-    """Number of cycles between the first and the last of these turns; a full sweep counts as half a cycle."""
+    """Number of cycles between the first and the last of the turns (k,), indices into displacements (n,); each full
+    sweep counts as half a cycle, those at the ends by their length.
+    """
     swings = np.abs(np.diff(_without_spikes(displacement_um)[turns]))
     if swings.size < 2:
         return 0.5
@@ -129,10 +131,10 @@ def cycles_between(displacement_um: Array, turns: Places) -> float:
 
 
 def cycle_starts(displacement_um: Array, turns: Places) -> Places:
-    """Indices at which cycles begin: where the drive passes the first sample's displacement again in the same
-    direction.
+    """Indices (c,) at which cycles begin: where the drive passes the first sample's displacement again in the same
+    direction; if the first sample lies at a reversal, at every second turn.
 
-    If the first sample lies at a reversal, all cycles begin at reversals.
+    turns: (k,) of the displacements (n,), as by `turns_of`.
     """
     x = _without_spikes(displacement_um)
     if turns.size < 3:
@@ -161,8 +163,8 @@ def cycle_starts(displacement_um: Array, turns: Places) -> Places:
 
 
 def split_cycles(displacement_um: Array) -> list[slice]:
-    """Slices of samples (n,) in order of time, one for each whole cycle; one slice of all samples if there is one
-    cycle.
+    """Slices of displacements (n,) in order of time, one for each whole cycle; one slice of all samples if they are at
+    most a cycle and a quarter.
 
     Cycles may differ in amplitude. An incomplete last cycle is left out.
     """
@@ -194,9 +196,10 @@ def _without_spikes(values: Array) -> Array:
 
 
 def signal_among(flagged: BoolArray, force: Array, time: Array, noise: float) -> BoolArray:
-    """Mark the forces (n,) that were flagged as outliers but belong to the signal: slips, jumps or points on a line.
+    """(n,) True for forces (n,) of a closed loop that were flagged as outliers but belong to the signal: slips, jumps
+    or points on a line.
 
-    force, time: samples (n,) of a closed loop.  noise: standard deviation of one force.  flagged: not changed.
+    flagged: (n,) not changed. time: (n,). noise: standard deviation of one force.
     """
     middle = 0.5 * float(np.percentile(force, 5) + np.percentile(force, 95))
     kept = _alike_dips(force, flagged, middle) | _usual_jumps(force, flagged, middle)
@@ -206,7 +209,8 @@ def signal_among(flagged: BoolArray, force: Array, time: Array, noise: float) ->
 
 
 def continues_a_line(time: Array, force: Array, sample: int, noise: float) -> bool:
-    """True if a sample of a closed loop lies on the line of the three samples before it or of the three after it.
+    """True if the sample of index `sample` of a closed loop lies on the line of the three samples before it or of the
+    three after it, to within 4 noise and a tenth of its jump.
 
     The tip of a stick stretch and the first sample after a slip do so, an outlier does not.
     """

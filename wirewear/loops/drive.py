@@ -27,21 +27,21 @@ WINDOWS, MOST_WINDOWS = 8, 2000  #: Beginnings in each cycle, and in all, of win
 
 @dataclass(frozen=True)
 class SmoothSignal:
-    """Smooth course of a sampled signal, with the noise of its samples and the samples that stand out."""
+    """Smooth course of n samples of a signal, in the samples' unit, with their noise."""
 
-    values: Array  #: Smooth signal (n,), or the samples where no smooth signal explains them.
+    values: Array  #: (n,) smooth signal, or the samples themselves where no smooth signal explains them.
     noise: float  #: Standard deviation of one sample.
     deviation: float  #: Standard deviation of one entry of values.
-    outliers: BoolArray  #: Marks (n,) of samples farther than 5 noise from the smooth signal.
-    smoothed: bool  #: False if `values` are the samples.
+    outliers: BoolArray  #: (n,) True for samples farther than 5 `noise` from the smooth signal.
+    smoothed: bool  #: False if `values` are the samples themselves.
 
 
 def smooth_periodic(time: Array, values: Array, *, lowest_harmonic: int = 1) -> SmoothSignal:
     """Fit a smooth course to one cycle of a signal (n,): a Fourier series with a linear drift, or three straight ramps.
 
-    Schwarz's criterion chooses the number of harmonics, from `lowest_harmonic` up. Where neither fit explains the
-    samples to within their noise, where there is next to no noise, or where samples are too few, the samples are
-    returned unchanged, with `smoothed` False.
+    time: (n,) of the samples, in any unit. Schwarz's criterion chooses the number of harmonics, from `lowest_harmonic`
+    up; 0 lets the signal be constant. Where neither fit explains the samples to within their noise, where there is next
+    to no noise, or where there are fewer than 40 samples, the samples are returned unchanged, with `smoothed` False.
     """
     count = len(values)
     noise = sample_noise(values, time)
@@ -70,9 +70,9 @@ def rough(values: Array, noise: float = 0.0) -> SmoothSignal:
 
 @dataclass(frozen=True)
 class Drift:
-    """Rate at which a drive moves off, in its unit per time.
+    """Rate at which a drive moves off while it cycles, in the displacement's unit per unit of time; 0 if it does not.
 
-    `certain` is False where a slightly different period would explain the samples as well as the drift does.
+    certain: False if a slightly different period would explain the samples as well as the drift does.
     """
 
     rate: float = 0.0
@@ -80,10 +80,11 @@ class Drift:
 
 
 def drift_of(time: Array, values: Array) -> Drift:
-    """Drift rate of a drive's samples (n,) over one cycle, found by a short Fourier series with a linear term.
+    """Drift of a drive's samples (n,) over one cycle, from a short Fourier series with a linear term; a rate of 0 where
+    none shows. time: (n,).
 
-    A cycle cut short or overrun also ends away from its start; a second fit with free period tells the two apart where
-    the samples allow. Returns a rate of 0 where no drift shows.
+    A cycle cut short or overrun also ends away from its start; a second fit with free period distinguishes the two
+    where the samples allow.
     """
     extent = float(np.ptp(values))
     if len(values) < 8 * (HIGHEST_HARMONIC - 1):
@@ -110,8 +111,8 @@ def drift_of(time: Array, values: Array) -> Drift:
 
 
 def uneven(time: Array) -> BoolArray:
-    """True for each loop of times (..., n) whose sampling steps are uneven: upper quartile over 1.5 times the lower
-    one.
+    """(...) True for each loop of times (..., n) whose sampling steps are uneven: their upper quartile exceeds 1.5
+    times the lower one.
     """
     low, high = np.percentile(np.diff(time), [25, 75], axis=-1)
     # Steps of time are alike whose upper quartile exceeds the lower one by no more than this factor.
@@ -119,9 +120,10 @@ def uneven(time: Array) -> BoolArray:
 
 
 def period_of(time: Array, displacement: Array) -> float:
-    """Duration of the cycle that samples (n,) cover, in the unit of `time`; the last sample does not repeat the first.
+    """Duration of the cycle that samples (n,) at times (n,) cover, in the unit of `time`; the last sample does not
+    repeat the first.
 
-    The result assumes evenly spread samples, unless a sine of another period leaves clearly smaller residuals.
+    Samples count as spread evenly over the cycle, unless a sine of another period leaves residuals smaller by a tenth.
     """
 
     def sine(period: float) -> tuple[float, float]:
@@ -140,10 +142,8 @@ def period_of(time: Array, displacement: Array) -> float:
 
 
 def period_by_phase(time: Array, displacement: Array, about: float) -> float:
-    """Period of samples (n,) that span more than two cycles without gaps, from the phase of their fundamental over
-    time.
-
-    Ripples on the drive hardly move this phase, unlike the sample at which a cycle begins.
+    """Period, in the unit of `time`, of samples (n,) that span more than two cycles without gaps, from the phase of
+    their fundamental over time; ripples on the drive hardly move it, unlike the sample at which a cycle begins.
 
     about: first estimate of the period, good enough to count the cycles.
     """
@@ -167,14 +167,16 @@ def period_by_phase(time: Array, displacement: Array, about: float) -> float:
 
 
 def even_period(time: Array) -> float:
-    """Period of samples that are evenly spread over one cycle and whose last does not repeat the first."""
+    """Period, in the unit of `time` (n,), of samples evenly spread over one cycle, the last of which does not repeat
+    the first.
+    """
     count = len(time)
     return float(time[-1] - time[0]) * count / (count - 1)
 
 
 def series(time: Array, period: float, harmonics: int) -> Array:
-    """Columns (n, 2 + 2k) of a Fourier series at times (n,): constant, linear drift, then cosine and sine of k
-    harmonics.
+    """Columns (n, 2 + 2 k) of a Fourier series with k harmonics at times (n,): a constant, a line from -1 to 1 over the
+    period, then cosine and sine of each harmonic.
     """
     phase = 2.0 * np.pi * (time - time[0]) / period
     columns = [np.ones_like(phase), phase / np.pi - 1.0]

@@ -24,7 +24,9 @@ MOST_IN_PARTIAL_SLIP = 1.0 / 3.0
 
 
 def mean_force(loop: CleanLoop) -> Measured:
-    """Mean tangential force in N over the path, ∮Q|dδ| / ∮|dδ|, which does not depend on how samples are spread."""
+    """Mean tangential force in N over the path, ∮Q|dδ| / ∮|dδ|, to which each sample contributes by the way around
+    it.
+    """
     step = np.abs(np.roll(loop.displacement_um, -1) - loop.displacement_um)
     weight = 0.5 * (step + np.roll(step, 1))
     weight /= weight.sum()
@@ -76,10 +78,11 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 def crossing_travel(branch: Branch, slip: MicroSlip, level_N: float, force_noise_N: float) -> tuple[float, float]:
-    """Travel in µm at which a branch passes a force `level_N` (in the loop's sign), and its standard deviation in µm.
+    """Travel in µm at which a branch passes the tangential force `level_N` (in the loop's sign), and its standard
+    deviation in µm; (0, half of the first travel) if it never passes.
 
-    A parabola is fitted to samples around the crossing if at least six lie there; else it is interpolated between the
-    two samples on either side.
+    slip: the branch's fit. force_noise_N: standard deviation of a sample. A parabola is fitted to samples around the
+    crossing if at least six lie there; else it is interpolated between the two samples on either side.
     """
     level = branch.direction * level_N
     z, y = branch.travel_um, branch.force_N - level
@@ -104,10 +107,10 @@ def crossing_travel(branch: Branch, slip: MicroSlip, level_N: float, force_noise
 
 
 def balance(travel: Array, force: Array) -> float:
-    """Travel at which a branch's forces (n,), counted from a level, change from negative to positive on the whole.
+    """Travel (µm) at which a branch's forces (n,), counted from a level, change from negative to positive on the whole:
+    that at which their integral over travel (n,) is least.
 
-    It minimises the integral of force over travel. Forces that oscillate cross the level several times, but over
-    travels that add little to the integral.
+    Forces that oscillate cross the level several times, but over travels that add little to the integral.
     """
     order = np.argsort(travel, kind="stable")
     z, y = travel[order], force[order]
@@ -128,7 +131,9 @@ def _passage(slip: MicroSlip, level: float, z: Array, force: Array) -> float:
 def slip_amplitude(
     loop: CleanLoop, forward: tuple[Branch, MicroSlip], backward: tuple[Branch, MicroSlip], level_N: float
 ) -> Measured:
-    """δ0 in µm: half the distance between the two branches at the force `level_N`."""
+    """δ0 in µm: half the distance between the two branches at the force `level_N`. forward, backward: branches with
+    their fits.
+    """
     up, up_deviation = crossing_travel(*forward, level_N, loop.force_noise_N)
     down, down_deviation = crossing_travel(*backward, level_N, loop.force_noise_N)
     right = backward[0].origin_um - down
@@ -147,8 +152,8 @@ def by_energy(energy: Measured, height_N: Measured) -> Measured:
 
 
 def narrow(slip: Measured, other: Measured, amplitude_um: float) -> bool:
-    """True if a slip read from the loop's width is below 0.85 of that from its energy, or exceeds the displacement
-    amplitude.
+    """True if a slip amplitude read from the loop's width is below 0.85 of the `other`, by its energy (or of the
+    displacement amplitude, if that is less), or exceeds the displacement amplitude beyond its interval.
     """
     wide = slip.value > amplitude_um + (slip.interval95[1] - slip.value)
     # A width at mid force below this share of what energy and sliding force give was read where the loop slides.
@@ -156,7 +161,7 @@ def narrow(slip: Measured, other: Measured, amplitude_um: float) -> bool:
 
 
 def force_amplitude(loop: CleanLoop, tops: tuple[Measured, Measured]) -> Measured:
-    """Amplitude Q* in N: mean of the largest forces of both directions, which a force offset does not shift.
+    """Amplitude Q* in N: mean of the largest |Q| of both directions, which a force offset does not shift.
 
     tops: largest |Q|/P of either direction, or largest |Q| if the normal force is unknown.
     """
@@ -166,8 +171,8 @@ def force_amplitude(loop: CleanLoop, tops: tuple[Measured, Measured]) -> Measure
 
 
 def energy_ratio(energy_mJ: Measured, amplitude_um: Measured, force_N: Measured) -> Measured | None:
-    """Energy over the box 4 δ Q*: ratio A with the displacement amplitude for δ, B with the slip amplitude; None if it
-    is 0.
+    """Energy over the box 4 δ Q*: ratio A if `amplitude_um` is the displacement amplitude, B if it is the slip
+    amplitude. None if that box is empty.
     """
     if amplitude_um.value * force_N.value <= 0.0:
         return None

@@ -48,7 +48,9 @@ class Measured:
         return Measured.from_deviation(self.value, self.deviation + abs(other - self.value) / 1.96)
 
     def over(self, *divisors: "Measured", times: float = 1.0) -> "Measured":
-        """This value times `times` over the product of the divisors, whose errors count as independent."""
+        """This value times `times` over the product of the divisors, none of them 0, whose errors count as
+        independent.
+        """
         share = times / prod(one.value for one in divisors)
         parts = [share * self.deviation, *(share * self.value * one.deviation / one.value for one in divisors)]
         return Measured.from_deviation(share * self.value, float(np.linalg.norm(parts)))
@@ -106,7 +108,7 @@ class Sticking:
         return self.kept(self.chi_squared + known**2)
 
     def kept(self, chi_squared: Array) -> "Sticking":
-        """Candidates whose new χ² (n,) lies within 25 of the best, with χ² counted from the best."""
+        """Candidates whose new χ² (n,) lies within 25 of the best's, with these χ², counted from the best."""
         other = chi_squared - chi_squared.min()
         near = other <= KEPT
         return Sticking(
@@ -116,9 +118,8 @@ class Sticking:
 
     @property
     def friction(self) -> Measured | None:
-        """Coefficient of friction with the load's uncertainty; None without a load.
-
-        NaN, with an interval open above, where the loop bounds friction from below only.
+        """Coefficient of friction with the load's uncertainty; None without a load. Where the loop bounds friction from
+        below only: NaN, with an interval open above.
         """
         if self.load_N is None:
             return None
@@ -128,7 +129,7 @@ class Sticking:
 
     @property
     def limit(self) -> Measured:
-        """Friction limit µP in N; NaN, with an interval open above, where the loop bounds it from below only."""
+        """Friction limit µP in N. Where the loop bounds it from below only: NaN, with an interval open above."""
         low, high = self._ends
         if self._unseen:
             force = float((self.limit_N * self.share)[self._left].min())
@@ -137,8 +138,8 @@ class Sticking:
 
     @property
     def used(self) -> Measured:
-        """Share Q*/µP of the friction limit that is reached; NaN with the interval 0 to 1 where µP is bounded from
-        below only.
+        """Share Q*/µP of the friction limit that is reached. Where µP is bounded from below only: NaN, with the
+        interval 0 to 1.
         """
         if self._unseen:
             return Measured(np.nan, (0.0, 1.0))
@@ -241,7 +242,9 @@ class LoopFigures:
 
 
 def regime_of(figures: Iterable[LoopFigures]) -> RegimeOfTest:
-    """Regime of a test: that of all its loops, or "mixed" if only some of them slide as a whole."""
+    """Regime of a test: "gross slip" or "partial slip" (also if there are no loops), or "mixed" if only some of its
+    loops slide as a whole; loops whose contact opens count as sliding.
+    """
     slides = {one.regime != "partial slip" for one in figures}
     if len(slides) == 2:
         return "mixed"

@@ -42,10 +42,10 @@ SAME_FORCE, SAME_WIDTH = 0.12, 0.4
 
 @dataclass(frozen=True)
 class Shelf:
-    """Shelf of one branch: its width with its standard deviation, the travel at which it begins, its force, the
-    branch's rise.
+    """Shelf of one branch: its width with its standard deviation, the travel at which it begins, its force, and the
+    rise of the force from reversal to plateau.
 
-    The force is in branch coordinates, in which the force of both branches rises along the travel.
+    Forces are those of the branch: multiplied by the direction of motion, so that they rise along the travel.
     """
 
     width_um: float
@@ -98,7 +98,8 @@ def without_shelf(branch: Branch, shelf: Shelf, play_um: float) -> Branch:
 
 
 def shelf_of(loop: CleanLoop, branch: Branch) -> Shelf | None:
-    """Shelf of one branch, or None: travel over force is fitted by a smooth curve with one step in it.
+    """Shelf of one branch; None if it has none. Travel over force is fitted by a smooth curve with one step in it, the
+    shelf.
 
     The curve is a line with a bend, as a contact softens on its way to sliding; both flanks share it.
     """

@@ -32,8 +32,8 @@ SAMPLES_OF_MEAN, BEHIND_NOISES, BEHIND_STEPS, BEHIND_SHARE = 5, 4.0, 1.5, 0.002
 
 @dataclass(frozen=True)
 class Plateau:
-    """Sliding samples (n,) of one branch: slip position x = δ − Q/K, travel, |Q|, and |Q|/P (or |Q| if P is
-    unknown).
+    """The n sliding samples of one branch: slip position x = δ − Q/K, travel, |Q|, and |Q|/P (or |Q| in N if P is
+    unknown), (n,) each.
     """
 
     slip_position_um: Array
@@ -43,21 +43,26 @@ class Plateau:
 
 
 def slip_position(branch: Branch, stiffness_N_per_um: float) -> Array:
-    """Slip position x = δ − Q/K in µm (n,): displacement less the elastic yielding of bodies and rig."""
+    """Slip position x = δ − Q/K in µm of a branch's samples, (n,): displacement less the elastic yielding of bodies and
+    rig, of stiffness K.
+    """
     displacement = branch.origin_um + branch.direction * branch.travel_um
     position: Array = displacement - branch.direction * branch.force_N / stiffness_N_per_um
     return position
 
 
 def sliding_part(branch: Branch, slip: MicroSlip, stiffness_N_per_um: float) -> Plateau:
-    """Samples of a branch behind the onset of gross slip."""
+    """Samples of a branch at travels beyond the onset of gross slip that `slip`, its fit, shows. stiffness_N_per_um: K
+    of bodies and rig, for the slip positions.
+    """
     slides = branch.travel_um > slip.travel_um
     position = slip_position(branch, stiffness_N_per_um)[slides]
     return Plateau(position, branch.travel_um[slides], branch.force_N[slides], force_ratio(branch)[slides])
 
 
 def advancing(branch: Branch) -> Branch:
-    """Branch without the samples at which the drive goes back and until it has come as far again.
+    """The branch without the samples at which the drive goes back by more than its noise, and on until it has come as
+    far again; unchanged if 16 samples would not be left.
 
     A ripple of the drive unloads the contact, which sticks there.
     """
@@ -90,8 +95,8 @@ def force_ratio(branch: Branch) -> Array:
 
 
 def value_at(position: Array, values: Array, where: float, half_window: float) -> Measured:
-    """Value at a slip position, by a robust parabola over ± half_window, or by interpolation if fewer than 5 samples
-    lie there.
+    """Value at the slip position `where`, of values (n,) at positions (n,) in µm: by a robust parabola over ±
+    half_window µm, or by interpolation, then without uncertainty, if fewer than 5 samples lie there.
     """
     near = np.abs(position - where) <= half_window
     if np.count_nonzero(near) < 5:
@@ -103,11 +108,11 @@ def value_at(position: Array, values: Array, where: float, half_window: float) -
 
 
 def peak(travel: Array, values: Array, noise: float, *, slides: bool) -> Measured:
-    """Largest value of a branch, without the upward bias of noise.
+    """Largest of a branch's values (n,) at travels (n,), without the upward bias of noise.
 
     With noise it is the top of a robust Legendre series whose degree (0 to 8) minimises Schwarz's criterion. Without
-    noise, or where the tip of a branch that does not slide exceeds the series by five noises, it is the largest sample.
-    noise: standard deviation of one value.
+    noise, with fewer than 20 samples, or where the tip of a branch that does not slide exceeds the series by five
+    noises, it is the largest sample. noise: standard deviation of one value. slides: True if the branch has a plateau.
     """
     if noise <= 1e-3 * float(np.max(np.abs(values))) or len(values) < 20:
         return Measured.from_deviation(float(values.max()), noise)
@@ -126,10 +131,11 @@ def peak(travel: Array, values: Array, noise: float, *, slides: bool) -> Measure
 def height_at(
     branches: tuple[Branch, Branch], stiffnesses_N_per_um: Sequence[float], where: float, half_window: float
 ) -> Measured:
-    """Mean |Q| of both directions in N at the slip position `where`, both forces being read at the same position.
+    """Mean |Q| of both directions in N at the slip position `where` (µm), from a window of ± half_window µm; both
+    forces are read at equal slip positions.
 
-    A scar's walls raise one direction's force as much as they lower the other's. The result uses the one of the given
-    stiffnesses for which the mean varies least over the window.
+    A scar's walls raise one direction's force as much as they lower the other's. Slip positions use the one of the
+    given stiffnesses K for which the mean varies least over the window.
     """
 
     def read(stiffness: float) -> tuple[Array, Array]:
@@ -156,7 +162,9 @@ def middle_slope(plateau: Plateau) -> Measured:
 
 @dataclass(frozen=True)
 class SlidingFigures:
-    """Figures that only a sliding loop has, named as in `LoopFigures`; `height_N` is the mean |Q| at mid-slip."""
+    """Figures that only a sliding loop has, named as in `LoopFigures`; height_N: mean |Q| of both directions at
+    mid-slip. None where they are not known.
+    """
 
     height_N: Measured | None = None
     friction: Measured | None = None
@@ -175,8 +183,8 @@ def peaks(loop: CleanLoop, forward: Course, backward: Course) -> tuple[Measured,
 def largest_ratio(loop: CleanLoop, tops: tuple[Measured, Measured], *, slides: bool) -> Measured | None:
     """Largest |Q|/P of the cycle; None without a normal force.
 
-    It is the larger of the two peaks `tops`. In partial slip under a changing normal force, |Q|/P may be larger just
-    after a reversal; then the largest sample counts.
+    It is the larger of `tops`, the peaks of both directions. In partial slip (not `slides`) under a changing normal
+    force, |Q|/P may be larger just after a reversal; then the largest sample counts.
     """
     if loop.normal_force_N is None:
         return None
@@ -200,9 +208,11 @@ def _peak(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> Measured:
 def sliding_figures(
     loop: CleanLoop, courses: tuple[Course, Course], tops: tuple[Measured, Measured], stiffness_N_per_um: float
 ) -> SlidingFigures:
-    """Plateau slope, hooks, asymmetry and (with a normal force) geometry-independent friction of a sliding loop.
+    """Plateau slope, hooks, asymmetry and (with a normal force) geometry-independent friction of a sliding loop; all
+    None if its force does not resist the motion both ways.
 
-    tops: largest |Q|/P of each direction (largest |Q| without a normal force).
+    courses: branches (forward, backward) with their fits. tops: largest |Q|/P of each (largest |Q| without a normal
+    force). stiffness_N_per_um: K of bodies and rig while the contact slides.
     """
     branches = advancing(courses[0][0]), advancing(courses[1][0])
     plateaus = (

@@ -29,9 +29,10 @@ FULL = 0.5  #: Loops this full, of the box around them, are opened by more than 
 
 
 def lag_of(loop: CleanLoop) -> Measured | None:
-    """Number of samples by which the force is read late (negative: early); None where the loop does not show it.
+    """Number of samples by which the force is read late (negative: early); None where the loop does not show it, or its
+    samples are uneven in time.
 
-    Behind a contact that sticks, the rise of the force tells when the reversal was. The deviation covers the contact's
+    Behind a contact that sticks, the rise of the force shows when the reversal was. The deviation covers the contact's
     unknown shape, the difference of both reversals, and the steps in which both channels are read.
     """
     if loop.lean_um_per_N or not (loop.times_known or loop.smoothed) or not _even(loop):
@@ -49,7 +50,7 @@ def lag_of(loop: CleanLoop) -> Measured | None:
 
 
 def is_certain(lag: Measured) -> bool:
-    """True if a lag exceeds one sample and three of its standard deviations."""
+    """True if a lag, of either sign, exceeds one sample and three of its standard deviations."""
     return abs(lag.value) > max(LEAST_LAG, CERTAIN * lag.deviation)
 
 
@@ -104,20 +105,24 @@ def _passed(rise: Array, begin: int, level: float) -> float:
 
 
 def earlier(loop: CleanLoop, samples: float) -> CleanLoop:
-    """Copy of the loop with its force read `samples` samples earlier (interpolated), on the closed cycle."""
+    """Copy of the loop with its force read earlier by this number of samples (interpolated), around the closed
+    cycle.
+    """
     places = np.arange(loop.force_N.size, dtype=float)
     force = np.interp(places + samples, places, loop.force_N, period=loop.force_N.size)
     return replace(loop, force_N=force)
 
 
 def branch_earlier(branch: Branch, samples: float) -> Branch:
-    """Copy of the branch with its force read `samples` samples earlier (interpolated)."""
+    """Copy of the branch with its force read earlier by this number of samples (interpolated)."""
     places = np.arange(branch.force_N.size, dtype=float)
     return replace(branch, force_N=np.interp(places + samples, places, branch.force_N))
 
 
 def goes_with_velocity(loop: CleanLoop) -> bool:
-    """True for a wide loop without a plateau: an ellipse, as viscous friction or a lagging elastic force makes it."""
+    """True for a loop that fills half or more of its box without a plateau: an ellipse, as viscous friction or a
+    lagging elastic force makes it.
+    """
     box = float(np.ptp(loop.displacement_um) * np.ptp(loop.force_N))
     if abs(enclosed_area(loop.displacement_um, loop.force_N)) < FULL * box or not _even(loop):
         return False

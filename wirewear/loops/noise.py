@@ -44,15 +44,11 @@ LEAST_NOISE, COARSE, FINE = 2e-4, 0.01, 2e-3
 def correlated_noise(
     parts: Sequence[tuple[Array, Array]], stated: float | None, rounding: float = 0.0
 ) -> tuple[float, float]:
-    """Standard deviation of one sample of an AR(1) noise, and the factor by which correlation raises the error of a
-    mean.
+    """Standard deviation of one sample of an AR(1) noise, and its stretch √((1+ρ)/(1−ρ)).
 
-    `parts` are pairs of a design (m, k) of smooth curves and samples (m,) that follow them but for noise, which is
-    alike in all parts. `stated` is the deviation that the record states for a sample, if any. `rounding` is the
-    deviation of white noise added by rounding.
-
-    The curves absorb some of the slow noise. The noise is therefore estimated by restricted likelihood, which corrects
-    for it.
+    parts: pairs of a design (m, k) of smooth curves and samples (m,) that follow these but for noise, which is alike in
+    all parts. stated: deviation that the record states for a sample; None if it states none. rounding: deviation of
+    white noise added by rounding. The curves absorb some of the slow noise; restricted likelihood corrects for that.
 
     Source: Patterson & Thompson, Biometrika 58 (1971) 545, for a first-order autoregression.
     """
@@ -122,9 +118,9 @@ def _likeliest(variance: float, free: int, determinants: float, stated: float | 
 
 
 def noise_factor(weights: Array, order: NDArray[np.intp], correlation: float) -> float:
-    """Standard deviation of a weighted sum of samples of one branch, over that of one sample.
+    """Standard deviation of a weighted sum of m samples of one branch, over that of one sample.
 
-    weights: (m,).  order: numbers of the samples along their branch (m,).  correlation: between neighbours (AR(1)).
+    weights: (m,). order: (m,) numbers of the samples along their branch. correlation: between neighbours (AR(1)).
     """
     if correlation <= 0.0:
         return float(np.linalg.norm(weights))
@@ -137,18 +133,19 @@ def noise_product(
     """Covariance of two weighted sums over samples of one branch, over the variance of one sample.
 
     weights, order: weights and sample numbers (m,) of the first sum; others, their_order: (k,) of the second.
+    correlation: between neighbours (AR(1)); a negative one counts as 0.
     """
     apart = np.abs(order[:, None] - their_order)
     return float(weights @ np.where(apart == 0, 1.0, max(correlation, 0.0) ** apart) @ others)
 
 
 def correlation_of(stretch: float) -> float:
-    """Correlation of neighbours from the factor by which it raises the error of a mean of many samples."""
+    """Correlation of neighbours that has this stretch; inverse of `stretch_of`."""
     return (stretch**2 - 1.0) / (stretch**2 + 1.0)
 
 
 def correlation_of_neighbours(factor: float, most: float) -> float:
-    """Correlation at which `noise_of_neighbours` gives this factor, limited to 0 … `most`."""
+    """Correlation, from 0 to `most`, at which `noise_of_neighbours` gives this factor, or comes nearest to it."""
     from scipy.optimize import brentq
 
     within = float(np.clip(factor, noise_of_neighbours(0.0), noise_of_neighbours(most)))
@@ -156,32 +153,35 @@ def correlation_of_neighbours(factor: float, most: float) -> float:
 
 
 def stretch_of(correlation: float) -> float:
-    """Factor by which a correlation of neighbours raises the error of a mean of many samples."""
+    """Stretch √((1+ρ)/(1−ρ)) for the correlation ρ of neighbours."""
     return float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
 
 
 def noise_of_neighbours(correlation: float) -> float:
-    """Factor by which the true noise of a sample exceeds the estimate that takes neighbours as uncorrelated.
-
-    The estimate is the distance from the cubic through four neighbours, which correlated neighbours make too small.
+    """True noise of a sample over its estimate from the distance to the cubic through four neighbours, which takes
+    neighbours as uncorrelated; above 1 for a positive correlation.
     """
     weights = np.append(-WEIGHTS, 1.0)
     return float(np.linalg.norm(weights)) / noise_factor(weights, np.array([*NEIGHBOURS, 0]), correlation)
 
 
 def through_neighbours(loops: Array) -> Array:
-    """Value (m, n) of the cubic through four neighbours at each sample of closed loops (m, n) sampled at even times."""
+    """(m, n) value, at each sample of closed loops (m, n) sampled at even times, of the cubic through its four
+    neighbours.
+    """
     parts = (weight * np.roll(loops, -shift, axis=1) for shift, weight in zip(NEIGHBOURS, WEIGHTS, strict=True))
     return np.asarray(sum(parts))
 
 
 def noises(loops: Array) -> Array:
-    """Robust standard deviation of one sample of each closed loop (m, n) sampled at even times, shape (m,)."""
+    """(m,) robust standard deviation of one sample of each of m closed loops (m, n) sampled at even times."""
     return 1.4826 * np.median(np.abs(loops - through_neighbours(loops)), axis=1) / _SCATTER
 
 
 def sample_noise(values: Array, time: Array) -> float:
-    """Robust standard deviation of one sample, from its distance to the cubic through four neighbours at any times."""
+    """Robust standard deviation of one sample of a signal (n,), from its distance to the cubic through four neighbours,
+    at any times (n,); 1 % of the range if fewer than four samples can be used.
+    """
     count = len(values)
     centre = np.arange(2, count - 2)
     offsets = np.array([-2, -1, 1, 2])
@@ -212,7 +212,8 @@ def noise_along(values: Array) -> float:
 
 
 def outliers(values: Array, time: Array) -> BoolArray:
-    """Mark the samples (n,) of a closed loop that lie farther off than noise and the steps of their neighbours allow.
+    """(n,) True for samples of a closed loop, at times (n,), that lie farther off than noise and the steps of their
+    neighbours allow.
 
     The second smallest of the four steps between neighbours counts, as an outlier among them spoils two; below 100
     samples it is the mean of the two middle ones, because a hook at a reversal is then as steep as an outlier.
@@ -229,10 +230,11 @@ def outliers(values: Array, time: Array) -> BoolArray:
 
 
 def outside_neighbours(loops: Array, allowed: Callable[[Array], Array]) -> BoolArray:
-    """Mark the samples of closed loops (m, n) outside the range between the medians of three neighbours on either side.
+    """(m, n) True for samples of closed loops (m, n) outside the range between the medians of three neighbours on
+    either side.
 
-    `allowed` gives the margin (m, n) by which the range is widened, from the sizes of the four steps between neighbours
-    (4, m, n), sorted from small to large.
+    allowed: from the sizes of the four steps between neighbours (4, m, n), sorted from small to large, to the margin
+    (m, n) by which that range is widened.
     """
     left = [np.roll(loops, shift, axis=1) for shift in (1, 2, 3)]
     right = [np.roll(loops, -shift, axis=1) for shift in (1, 2, 3)]
@@ -276,7 +278,7 @@ def _digit_of(values: Array) -> float:
 
 
 def rounding_noise(step: float) -> float:
-    """Standard deviation of what rounding to steps adds to a sample, step/√12.
+    """Standard deviation step/√12 of what rounding to multiples of `step` adds to a sample.
 
     Source: Bennett, Bell System Technical Journal 27 (1948) 446.
     """
@@ -285,9 +287,9 @@ def rounding_noise(step: float) -> float:
 
 @dataclass(frozen=True)
 class Clipped:
-    """Samples of a channel (n,) that read its largest or smallest value, and the values that they read.
+    """Samples (n,) of a channel that read its largest or smallest value, marked True, and the values that they read.
 
-    `sure` is False where the channel's steps are so coarse that a plateau may lie within one of them.
+    sure: False where the channel's steps are so coarse that a plateau may lie within one of them.
     """
 
     samples: BoolArray
@@ -296,7 +298,7 @@ class Clipped:
 
     @property
     def text(self) -> str:
-        """Sentence part that says how many samples read which value."""
+        """Part of a sentence: how many samples read which value."""
         count = int(np.count_nonzero(self.samples))
         return f"{count} samples read exactly {' or '.join(f'{value:.6g}' for value in self.values)}"
 

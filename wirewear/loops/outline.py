@@ -10,10 +10,11 @@ MOST_POINTS = 3000  #: More points than this are no digitised loop, and would ta
 
 
 def outline(x: Array, y: Array) -> NDArray[np.intp] | None:
-    """Indices (n,) that put points (x, y) in order along their loop.
+    """Indices (n,) that put points (x, y) in order along their loop; None where the points are already in order of
+    time, do not lie on a loop, or are more than MOST_POINTS.
 
-    None where the points are already in order of time, do not lie on a loop, or are more than MOST_POINTS. The order is
-    the shortest closed tour, found by reversing stretches of a first one (Croes, Operations Research 6 (1958) 791).
+    The order is the shortest closed tour, found by reversing stretches of a first one (Croes, Operations Research 6
+    (1958) 791).
     """
     count = len(x)
     width, height = float(np.ptp(x)), float(np.ptp(y))
@@ -44,6 +45,7 @@ def outline(x: Array, y: Array) -> NDArray[np.intp] | None:
 
 
 def step_lengths(points: Array, order: NDArray[np.intp]) -> Array:
+    """Distances (n,) from each point of a closed tour to the next. points: (n, 2); order: (n,) indices into them."""
     path = points[order]
     return np.asarray(np.linalg.norm(np.roll(path, -1, axis=0) - path, axis=1))
 
@@ -76,8 +78,8 @@ def _middle_line(points: Array) -> tuple[Array, Array]:
 
 
 def shortened(points: Array, order: NDArray[np.intp]) -> NDArray[np.intp]:
-    """The closed tour `order` (indices into `points`), shortened by reversing stretches as long as that helps; changed
-    in place.
+    """The closed tour `order` (n,), indices into points (n, 2), with stretches reversed as long as that shortens it, at
+    most 20 rounds. `order` is changed in place and returned.
     """
     count = len(order)
     for _ in range(20):

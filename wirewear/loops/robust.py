@@ -19,7 +19,9 @@ def median_deviation(values: Array) -> float:
 
 
 def biweight(residuals: Array, scale: float) -> Array:
-    """Tukey's biweights (n,) of residuals: 0 beyond six scales; all 1 if the scale is not positive."""
+    """Tukey's biweights (n,), from 0 to 1, of residuals (n,): 0 beyond six scales; all 1 if the scale is not
+    positive.
+    """
     if scale <= 0.0:
         return np.ones_like(residuals)
     inside = np.clip(1.0 - (residuals / (6.0 * scale)) ** 2, 0.0, None)
@@ -29,7 +31,9 @@ def biweight(residuals: Array, scale: float) -> Array:
 
 @dataclass(frozen=True)
 class LinearFit:
-    """Weighted least-squares fit: coefficients (p,), their covariance (p, p), residuals (n,) and residual scale."""
+    """Weighted least-squares fit: coefficients (p,), their covariance (p, p), residuals (n,) and the residuals'
+    weighted standard deviation, `scale`.
+    """
 
     coefficients: Array
     covariance: Array
@@ -87,7 +91,8 @@ class RobustLine:
 
 
 def fit_line(x: Array, y: Array, x_noise: float, y_noise: float) -> RobustLine:
-    """Line through at least two points with errors in both coordinates (Deming's regression with biweights).
+    """Line through at least two points (x, y), each (n,), with errors in both coordinates (Deming's regression with
+    biweights).
 
     x_noise, y_noise: standard deviations of one point; if both are 0, only y counts as uncertain.
     """

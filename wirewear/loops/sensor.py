@@ -24,11 +24,11 @@ _LAGS = ("first-order", "delay")
 
 @dataclass(frozen=True, eq=False)
 class LoopSignals:
-    """Signals of one cycle of a periodic loop, each (n,); `normal_force_N` is None where unknown.
+    """Signals of one cycle of a periodic loop, (n,) each; normal_force_N is None where unknown.
 
-    `time_s` counts within the cycle; the last sample does not repeat the first. `period_s` may be left out where the
-    samples are evenly spread over the cycle.
-    Raises SensorError for channels that differ in length or hold fewer than two samples.
+    time_s counts within the cycle; the last sample does not repeat the first. period_s may be None where the samples
+    are evenly spread over the cycle. Raises SensorError for channels that differ in length or hold fewer than two
+    samples.
     """
 
     time_s: Array
@@ -50,13 +50,13 @@ class LoopSignals:
 
     @property
     def displacement_amplitude_um(self) -> float:
-        """Half of the displacement's range."""
         return 0.5 * float(np.ptp(self.displacement_um))
 
     @property
     def spacing_s(self) -> Array:
-        """Time from each sample to the next (n,); the last entry reaches the first sample of the next cycle. Raises
-        SensorError for times that do not rise, or a period that is needed but neither given nor evident.
+        """(n,) time from each sample to the next; the last entry reaches the first sample of the next cycle.
+
+        Raises SensorError for times that do not rise, or a period that is needed but neither given nor evident.
         """
         steps = np.diff(self.time_s)
         if not (steps > 0.0).all():
@@ -78,12 +78,14 @@ class LoopSignals:
 
 
 def enclosed_area(x: Array, y: Array) -> float:
-    """Area of a closed loop (n,), samples joined by straight lines; positive where it turns clockwise (dissipates)."""
+    """Area of a closed loop (n,), its samples joined by straight lines; positive where it turns clockwise
+    (dissipates).
+    """
     return float(enclosed_areas(x[None], y[None])[0])
 
 
 def enclosed_areas(x: Array, y: Array) -> Array:
-    """Area of each closed loop (m, n), shape (m,), positive where it turns clockwise."""
+    """(m,) area of each of m closed loops (m, n), positive where it turns clockwise."""
     # About its own middle, a loop far from the origin loses no digits.
     x, y = x - x.mean(axis=1, keepdims=True), y - y.mean(axis=1, keepdims=True)
     after_x, after_y = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
@@ -133,11 +135,11 @@ class SensorNoise:
 
 
 def lagged(signals: LoopSignals, values: Array, time_s: float, kind: LagKind) -> Array:
-    """Channel `values` (n,) of a periodic loop, delayed by a lag of `time_s` seconds.
+    """The channel `values` (n,) of a periodic loop, delayed by a lag of `time_s` seconds.
 
-    A delay gives x(t − τ), a first-order lag the periodic solution of τ y' + y = x, both as products of the Fourier
-    series with exp(−iωτ) and 1/(1 + iωτ) (e.g. Bendat & Piersol, Random Data, 4th ed., section 2.3).
-    Raises SensorError for values that are not finite, or times without a period.
+    signals: the loop, for its times. A delay gives x(t − τ), a first-order lag the periodic solution of τ y' + y = x,
+    both as products of the Fourier series with exp(−iωτ) and 1/(1 + iωτ) (e.g. Bendat & Piersol, Random Data, 4th ed.,
+    section 2.3). Raises SensorError for values that are not finite, or times without a period.
     """
     return _filtered(signals, values, lambda frequency: _transfer(frequency, time_s, kind))
 
@@ -327,8 +329,8 @@ OTHER_NUMBERS = tuple(name for name in NUMBERS if not name.endswith("_gain"))
 
 @dataclass(frozen=True, eq=False)
 class HeldStroke:
-    """True amplitude that makes the sensor read the asked one, its loop, the readings, and the number of loops
-    computed.
+    """A stroke for which the sensor reads the asked amplitude: the true amplitude, the true loop, its readings, and the
+    number of loops that were computed to find it.
     """
 
     amplitude_um: float
@@ -346,14 +348,12 @@ def sensor_held_stroke(
     tolerance: float = 1e-6,
     most_evaluations: int = 30,
 ) -> HeldStroke:
-    """Find the true displacement amplitude whose noise-free reading has the amplitude `asked_um`.
+    """The true displacement amplitude whose noise-free reading has the amplitude `asked_um`, with its loop.
 
-    Iterates a ← a + (asked − read(a)), from the second step on divided by the secant's slope (Steffensen's device).
-    Raises SensorError if the asked amplitude is not positive, or no true amplitude is found.
-
-    sensor: the sensor that controls the drive.  loop_at: gives the true loop for a true amplitude in µm.
-    first_guess_um: true amplitude to begin with; the asked one by default.  tolerance: largest |read − asked| / asked.
-    most_evaluations: largest number of calls of `loop_at`.
+    sensor: the one that controls the drive. loop_at: gives the true loop for a true amplitude in µm. first_guess_um:
+    true amplitude to begin with; None: the asked one. tolerance: largest |read − asked| / asked. most_evaluations: of
+    `loop_at`. Iterates a ← a + (asked − read(a)), from the second step on divided by the secant's slope (Steffensen's
+    device). Raises SensorError if the asked amplitude is not positive, or no true amplitude is found.
     """
     if not asked_um > 0.0:
         raise SensorError(f"the amplitude to be held on the sensor's reading is {asked_um} um, but must be positive")

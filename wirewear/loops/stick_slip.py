@@ -1,6 +1,7 @@
 """Stick-slip on the plateaus of a sliding loop, and the static peak by which the force first exceeds its plateau.
 
-A slip is a sudden fall of the force within at most three samples.
+A slip is a sudden fall of the force within at most three samples. A course is a branch with the fit of its micro-slip
+and plateau; `courses` are (forward, backward).
 """
 
 import numpy as np
@@ -29,8 +30,8 @@ EARLY = 0.12  #: Where a static force is sought: from the onset on over this sha
 
 
 def stick_slip(loop: CleanLoop, courses: tuple[Course, Course]) -> StickSlip | None:
-    """Stick-slip on both plateaus of a sliding loop; None if fewer than four slips are found or one plateau
-    has none.
+    """Stick-slip on both plateaus of a sliding loop; None if fewer than four slips are found in all, or none on one
+    plateau.
     """
     found = [_slips(loop, *course) for course in courses]
     slips = np.concatenate([drops for drops, _, _ in found])
@@ -96,9 +97,8 @@ def _stick_noise(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> float:
 
 
 def static_overshoot(loop: CleanLoop, courses: tuple[Course, Course]) -> Measured | None:
-    """Share by which the force before sliding exceeds the plateau's later peaks, mean of both directions.
-
-    None where either direction has no such static peak.
+    """Share of the plateau's later peaks by which the force just before sliding exceeds them, mean of both directions;
+    None if either direction has no such static peak.
     """
     found = [_overshoot(loop, *course) for course in courses]
     if None in found:

@@ -54,9 +54,10 @@ _REMAINING = np.linspace(1.0, 0.0, 240) ** 1.5  # dense where a contact begins t
 
 
 def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | None:
-    """Contacts in partial slip that would leave such a loop.
+    """Contacts in partial slip that would leave such a loop. courses: forward and backward branch with their fits.
 
-    None where the load varies by more than 5 % within the cycle, a branch has too few samples, or its force falls.
+    None where the load varies by more than 5 % within the cycle, a branch has fewer than 6 samples or both fewer than
+    24, or the force falls along them.
     """
     load = loop.normal_force_N
     if load is not None and float(np.ptp(load)) > STEADY * float(np.mean(load)):
@@ -96,10 +97,11 @@ def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | N
 def slip_of(
     loop: CleanLoop, courses: tuple[Course, Course], seen: Regime, *, hides: bool, viscous: bool
 ) -> tuple[Regime, tuple[Regime, ...], Sticking | None]:
-    """Regime of a loop, all regimes that its uncertainty allows, and the possible contacts in partial slip (or None).
+    """Regime of a loop, all regimes that its uncertainty allows, and the possible contacts in partial slip (None if
+    that is not the regime, or they cannot be found).
 
-    seen: regime that the branches show.  hides: walls of a scar may hide a plateau.
-    viscous: the force follows the velocity.
+    seen: regime that the branches show. hides: True if walls of a scar may hide a plateau. viscous: True if the force
+    follows the velocity.
     """
     sticking = sticking_of(loop, courses) if seen == "partial slip" and not (hides or viscous) else None
     if sticking is None:

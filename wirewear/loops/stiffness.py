@@ -29,10 +29,10 @@ _MOST_STEPS = 25
 
 @dataclass(frozen=True)
 class Corner:
-    """Share r of the micro-slip travel that a Cattaneo–Mindlin contact takes, mean of both branches, with its
-    deviation.
+    """Roundness of the corner from micro-slip to plateau: share r of the micro-slip travel that a Cattaneo–Mindlin
+    contact takes, mean of both branches, with its standard deviation.
 
-    0 makes a sharp corner (a spring and Coulomb friction), 1 the corner of the contact alone.
+    0 makes a sharp corner (a spring and Coulomb friction), 1 the corner of the contact alone; fits reach up to 2.
     """
 
     share: float
@@ -40,17 +40,18 @@ class Corner:
 
     @property
     def curvature(self) -> Measured:
-        """Area that the rounded corner cuts off, over the area of the triangle below the sharp corner.
+        """Area that the rounded corner cuts off, over the area of the triangle below the sharp corner: 0 is sharp, 0.2
+        is a Cattaneo–Mindlin contact alone.
 
         The sharp corner is where the branch's first tangent meets the extended plateau; the triangle lies between the
-        reversal, that corner and the force's rise there. 0 is sharp, 0.2 is a Cattaneo–Mindlin contact alone.
+        reversal, that corner and the force's rise there.
         """
         low, high = np.clip([self.share - 1.96 * self.deviation, self.share + 1.96 * self.deviation], *SHARES)
         return Measured(_rounding(self.share), (_rounding(float(low)), _rounding(float(high))))
 
     @property
     def sliding_over_measured_stiffness(self) -> float:
-        """Secant stiffness of the whole micro-slip over K_t,m, the slope of its first half; at most 1.
+        """Secant stiffness of the whole micro-slip over the slope of its first half, K_t,m; at most 1.
 
         Force over secant stiffness is the elastic yielding of bodies, rig and contact when sliding begins.
         """
@@ -123,7 +124,9 @@ def _corner(branch: Branch, slip: MicroSlip) -> tuple[float, float] | None:
 
 
 def micro_slip_branch(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> MicroSlipBranch:
-    """Line fitted over the first half of a branch's micro-slip; its interval covers a region 20 % longer or shorter."""
+    """Line fitted over the first half of a branch's micro-slip (`slip`, its fit); its interval covers a region 20 %
+    longer or shorter.
+    """
     travel = min(slip.travel_um, branch.length_um)
     line, fitted = _line(loop, branch, 0.5 * travel)
     others = [_line(loop, branch, part * travel)[0].slope for part in (0.4, 0.6)]
@@ -157,10 +160,12 @@ def _line(
 
 
 def bent(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> bool:
-    """True if the first half of the micro-slip is too bent, flat or scattered for a line: its stiffness has no meaning.
+    """True if the first half of a branch's micro-slip is too bent, flat or scattered for a line: its stiffness has no
+    meaning.
 
-    That is so if its halves differ in slope by more than any contact's, if it rises by less than the whole micro-slip
-    on average, or if samples lie too far off the line, as where the force oscillates or free play is hidden.
+    That is so if its halves differ in slope by more than any contact's, if it rises by less than 0.7 of the whole
+    micro-slip's mean slope, or if samples lie off the line by more than 0.1 of its rise, as where the force oscillates
+    or free play is hidden.
     """
     reach = 0.5 * min(slip.travel_um, branch.length_um)
     line, inside = _line(loop, branch, reach)
@@ -195,7 +200,9 @@ def mean_stiffness(forward: MicroSlipBranch, backward: MicroSlipBranch) -> Measu
 
 
 def sliding_stiffness(measured: Measured | None, corner: Corner | None) -> float:
-    """Stiffness in N/µm by which bodies and rig have yielded while the contact slides; infinite if not measured."""
+    """Stiffness in N/µm by which bodies and rig have yielded while the contact slides: `measured` (K_t,m), lowered by
+    the corner's roundness if known; infinite if `measured` is None.
+    """
     if measured is None:
         return math.inf
     return measured.value * (1.0 if corner is None else corner.sliding_over_measured_stiffness)
