@@ -2,8 +2,8 @@
 
 Papailiou (IEEE Trans. Power Delivery 12 (1997) 1576): a member (wire or strand of a layer) sticks until its tension
 grows along it by more than radial pressure and friction allow. It slips first at the neutral axis, at last at the
-extrados. Reversals follow Masing's rule to first order in µ sin α, so that the amplitude of curvature can be used in
-place of a first bend.
+extrados, the outer side. Reversals follow Masing's rule to first order in µ sin α, so that the amplitude of curvature
+can be used in place of a first bend.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,9 @@ ANGLES = np.linspace(0.0, 0.5 * pi, _PLACES)
 
 @dataclass(frozen=True, eq=False)
 class SlipCourse:
-    """Slip of one member of a layer; `gain_N` holds its tension over the mean at ANGLES if it slips everywhere."""
+    """How one member of a layer slips as the strand is bent. gain_N: its tension above the mean at ANGLES, from the
+    neutral axis to the extrados, if it slips everywhere.
+    """
 
     helix: Helix
     stiffness_N: float  #: Axial stiffness EA.
@@ -49,7 +51,7 @@ class SlipCourse:
         return float(self._ratio[-1])
 
     def slip_mm(self, curvature_per_mm: float) -> float:
-        """Slip in mm along the member at the neutral axis; 0 while it sticks."""
+        """Slip along the member at the neutral axis when the strand is bent to this curvature; 0 while it sticks."""
         reached = float(np.interp(curvature_per_mm, self._ratio, ANGLES))
         if curvature_per_mm <= self.first_per_mm:
             return 0.0
@@ -59,13 +61,13 @@ class SlipCourse:
         return self.helix.radius_mm / sin(self.helix.angle_rad) * (free - held)
 
     def gained_N(self, curvature_per_mm: float) -> float:
-        """Tension over the mean at the extrados in N: that of a sticking member, limited by friction."""
+        """Tension above the mean at the extrados at this curvature: that of a sticking member, limited by friction."""
         return min(self._lever_N_mm * curvature_per_mm, float(self.gain_N[-1]))
 
 
 @dataclass(frozen=True)
 class BentLayer:
-    """Layer of a bent strand: its helix, number of members, and tension and axial stiffness EA of each in N."""
+    """A layer of a bent strand: its helix, number of members, and tension and axial stiffness EA of each."""
 
     helix: Helix
     count: int
@@ -76,12 +78,12 @@ class BentLayer:
 def slip_courses(
     layers: Sequence[BentLayer], friction: float, outside_N_per_mm: float, presses: Sequence[float]
 ) -> list[SlipCourse]:
-    """Slip of each layer, from the innermost to the outermost.
+    """The course of slip of each layer, from the innermost to the outermost.
 
-    outside_N_per_mm: radial load on the outermost layer per mm of the strand's axis.
-    presses: share of each layer's radial load that it passes to the layer below, 0 for one that arches. A member is
-    held below by its own radial pressure and that of the layers above, and above by the latter. Layers above are taken
-    to have slipped already (Papailiou); an arching layer is held by its neighbours as by a core.
+    outside_N_per_mm: radial load on the outermost layer per mm of the strand's axis. presses: share of each layer's
+    radial load that it passes to the layer below, 0 for one that arches. A member is held below by its own radial
+    pressure and that of the layers above, and above by the latter. Layers above are taken to have slipped already
+    (Papailiou); an arching layer is held by its neighbours as by a core.
     """
     found: list[SlipCourse] = []
     above = np.full(_PLACES, outside_N_per_mm)
@@ -100,7 +102,7 @@ def slip_courses(
 
 
 def relative_slip_mm(outer: Helix | None, outer_mm: float, inner: Helix | None, inner_mm: float) -> tuple[float, float]:
-    """Slip in mm of an outer member against an inner one at the neutral axis: along the strand's axis, then around it.
+    """(along the strand's axis, around it): slip of an outer member against an inner one at the neutral axis.
 
     Each slides along itself by outer_mm or inner_mm; with opposite lays both add up along the axis. A helix of None is
     a straight core, which does not slide.

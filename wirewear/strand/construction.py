@@ -1,7 +1,8 @@
 """Construction of a strand or rope: wires, layers of wires or strands, and how a tension is shared among them.
 
-Hruska (Wire and Wire Products 26 (1951) 766): no rotation, no contraction of the radii. A strand in a rope counts as a
-member with its own stiffness, as a wire does. A layer arches if its members touch each other and not the layer below.
+Hruska (Wire and Wire Products 26 (1951) 766): no rotation, no contraction of the radii. A member is a wire or strand of
+a layer; a strand in a rope counts with its own stiffness, as a wire does. A layer arches if its members touch each
+other and not the layer below. A right lay has the hand 1, a left one -1.
 """
 
 from collections.abc import Sequence
@@ -20,7 +21,7 @@ STEEPEST_deg = 45.0
 
 @dataclass(frozen=True)
 class RopeWire:
-    """Round wire; its yield stress is None where unknown."""
+    """A round wire of a rope; its yield stress is None where unknown, its material None if constants are stated."""
 
     diameter_mm: float
     elastic: Elastic
@@ -38,7 +39,7 @@ class RopeWire:
 
     @property
     def bending_N_mm2(self) -> tuple[float, float]:
-        """Bending stiffness EI, given twice: as the least and the largest one."""
+        """Bending stiffness EI twice, as the least and the largest one of a strand."""
         own = self.elastic.youngs_modulus_MPa * pi * self.diameter_mm**4 / 64.0
         return own, own
 
@@ -49,7 +50,7 @@ class RopeWire:
 
 @dataclass(frozen=True)
 class Fibre:
-    """Core of fibres, which fills the middle and carries no tension."""
+    """A core of fibres, which fills the middle and carries no tension."""
 
     diameter_mm: float
     stiffness_N: float = 0.0
@@ -62,9 +63,8 @@ class Fibre:
 
 @dataclass(frozen=True)
 class Layer:
-    """Wires or strands on a common helix; gap_mm is the distance to the layer or core below.
-
-    presses: share of its radial load that it passes on: 1, less where its members lie in valleys, 0 if it arches.
+    """Wires or strands on a common helix. gap_mm: distance to the layer or core below. presses: share of its radial
+    load that it passes on: 1, less where its members lie in valleys, 0 if it arches.
     """
 
     count: int
@@ -100,9 +100,7 @@ class Strand:
 
     @cached_property
     def bending_N_mm2(self) -> tuple[float, float]:
-        """Bending stiffness with all members slipping, Σ n EI cos α, and with all sticking, which adds ½ Σ n EA r²
-        cos³α.
-        """
+        """(least, largest): Σ n EI cos α with all members slipping, and ½ Σ n EA r² cos³α more with all sticking."""
         least, most = self.core.bending_N_mm2
         for own in self.layers:
             slips, sticks = (own.count * one * cos(own.helix.angle_rad) for one in own.member.bending_N_mm2)
@@ -133,7 +131,7 @@ Member: TypeAlias = RopeWire | Fibre | Strand
 
 
 def outer_diameter_mm(core: Member, layers: Sequence[Layer]) -> float:
-    """Diameter over a core and the layers around it."""
+    """Diameter over a core and the layers around it, of which there may be none."""
     if not layers:
         return core.diameter_mm
     return 2.0 * layers[-1].helix.radius_mm + layers[-1].member.diameter_mm
@@ -141,7 +139,9 @@ def outer_diameter_mm(core: Member, layers: Sequence[Layer]) -> float:
 
 @dataclass(frozen=True)
 class AskedLayer:
-    """A layer as it is stated, on the core and layers `below` it; `where` names it in messages."""
+    """A layer as it is stated. below: the core and the layers that it lies on; radius_mm: of its helix, None to let it
+    rest; where: its name in messages.
+    """
 
     below: tuple[Member, Sequence[Layer]]
     count: int

@@ -1,7 +1,7 @@
 """All kinds of contact in a bent strand or rope: angle, load and slip, and the stresses in its wires over a cycle.
 
 A member is a wire or strand of a layer. A crown is where a wire of an outer strand comes nearest to, or farthest from,
-the rope's axis.
+the rope's axis. The extrados is the outer side of the bend. Slip is largest at the neutral axis and is given there.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,8 +20,7 @@ ContactSort = Literal["crossing", "line", "side by side", "crown", "sheave"]
 
 @dataclass(frozen=True)
 class Bend:
-    """Cycle of bending: amplitude of curvature, whether it starts from a straight rope, and friction.
-
+    """A cycle of bending: amplitude of curvature, whether it starts from a straight rope (pulsating), and friction.
     tension_share: amplitude of the tension over its mean, in step with the bending.
     """
 
@@ -33,7 +32,7 @@ class Bend:
 
 @dataclass(frozen=True)
 class LoadedWire:
-    """Wire of a layer with its stresses along its axis in a cycle, all at the extrados.
+    """A wire with its stresses along its axis in a cycle, at the extrados: means, and amplitudes.
 
     Bending stress is E d/D (Reuleaux). `axial_amplitude_MPa` includes the amplitude of the tension and the tension that
     friction adds in bending.
@@ -66,9 +65,8 @@ class SheaveGroove:
 
 @dataclass(frozen=True)
 class ContactSlip:
-    """Slip amplitudes in mm at a contact, along the strand's axis and around it, without and with friction.
-
-    share: tangential force over its limit, Q/µP.
+    """Slip amplitudes (along the strand's axis, around it) at a contact, without (free) and with friction (held); NaN
+    if not computed. share: tangential force over its limit, Q/µP, 1 in gross slip.
     """
 
     free_mm: tuple[float, float] = (nan, nan)
@@ -78,7 +76,7 @@ class ContactSlip:
 
 @dataclass(frozen=True)
 class WireContact:
-    """Contacts of one kind; the load is that of one contact, or of one millimetre of a line contact.
+    """Contacts of one kind. load_N: of one contact, or of one millimetre of a line contact.
 
     Angles are those of the wires to the axis of the strand or rope, positive for a right lay.
     """
@@ -115,19 +113,19 @@ class WireContact:
 
     @property
     def motion_rad(self) -> float:
-        """Direction of the slip, as an angle to the strand's axis."""
+        """Angle of the slip to the strand's axis, positive as that of a right lay."""
         along, around = self.slip.free_mm
         return atan2(around, along)
 
     @property
     def along_across_mm(self) -> tuple[float, float]:
-        """Slip amplitude along the lower wire, and across it."""
+        """(along, across): slip amplitude in the directions of the lower wire."""
         turned = self.motion_rad - self.lower_rad
         return self.slip_amplitude_mm * cos(turned), self.slip_amplitude_mm * sin(turned)
 
     @property
     def wires(self) -> list[LoadedWire]:
-        """The bodies in contact that are wires: both, or one on a sheave."""
+        """The bodies in contact that are wires: (lower, upper), or the upper alone on a sheave."""
         return [own for own in (self.lower, self.upper) if isinstance(own, LoadedWire)]
 
     @property
@@ -137,7 +135,7 @@ class WireContact:
 
     @property
     def gap_per_mm(self) -> tuple[float, float]:
-        """Coefficients A ≤ B in 1/mm of the gap Ax² + By²; A = 0 for a line contact."""
+        """(A, B), A ≤ B: coefficients in 1/mm of the gap Ax² + By²; A = 0 for a line contact."""
         across = 2.0 / self.upper.wire.diameter_mm
         if isinstance(self.lower, SheaveGroove):
             below, angle = self.lower.curvatures_per_mm, self.upper_rad
@@ -152,7 +150,7 @@ class WireContact:
 def contacts_of(rope: Strand, tension_N: float, bend: Bend, groove: SheaveGroove | None = None) -> list[WireContact]:
     """All kinds of contact in a strand, or in a rope and its strands, from the innermost to the outermost.
 
-    groove: of a sheave, if the rope runs on one; its curvature along the rope is that of the bent rope.
+    groove: of a sheave, None if the rope runs on none; its curvature along the rope is that of the bent rope.
     """
     found = list(_Bent(rope, tension_N, 0.0, 0.0, bend).contacts())
     if groove is not None:
@@ -395,7 +393,7 @@ def _on_sheave(rope: Strand, tension_N: float, bend: Bend, groove: SheaveGroove)
 
 
 def degrees_of(contact: WireContact) -> tuple[float, float]:
-    """Crossing angle, 0 to 180°, and direction of slip, −90 to 90°, as a study of crossed wires states them.
+    """(crossing angle, 0 to 180°, direction of slip, −90 to 90°), as a study of crossed wires states them.
 
     Both are about the outward normal; the lower wire is the driven one. Axis, direction around it and outward normal
     form a left-handed system.

@@ -27,7 +27,7 @@ _PLACES = 400
 @dataclass(frozen=True)
 class ContactEstimate:
     """Estimates of one kind of contact; energies and volumes are per cycle, for one contact or one millimetre of a
-    line.
+    line. Values are NaN where slip, and so energy, is not computed.
     """
 
     contact: WireContact
@@ -44,11 +44,13 @@ class ContactEstimate:
 
     @property
     def life_cycles(self) -> float:
+        """Cycles until a crack begins in the first of both wires; NaN where not known."""
         known = [one for one in self.lives if not isnan(one)]
         return min(known, default=nan)
 
     @property
     def regime(self) -> str:
+        """ "gross slip", "partial slip" or "not computed"."""
         share = self.contact.slip.share
         if isnan(share):
             return "not computed"
@@ -56,7 +58,7 @@ class ContactEstimate:
 
     @property
     def severity(self) -> tuple[float, float]:
-        """Sorting key, the smallest being the worst: life in cycles, then the negative friction energy per area."""
+        """Sorting key, the smallest being the worst: (life in cycles, negative friction energy per area in mJ/mm²)."""
         life = self.life_cycles
         area = pi * self.minor_mm * self.major_mm if self.major_mm < inf else 2.0 * self.minor_mm
         energy = self.energy_mJ / area
@@ -66,7 +68,7 @@ class ContactEstimate:
 def estimated(
     contact: WireContact, friction: float, wear_mm3_per_J: float, cycles: int, life: LifeTable | None
 ) -> ContactEstimate:
-    """Estimates of a contact; life: criterion and data, completed by the wires' materials, or None."""
+    """Estimates of a contact after `cycles` cycles. life: criterion and data beside the wires'; None for no lives."""
     first, second = contact.elastic
     modulus = contact_modulus(first, second)
     small, large = contact.gap_per_mm
@@ -226,6 +228,6 @@ def _antiplane(x_mm: Array, z_mm: Array, half_width_mm: float) -> Array:
 def estimates(
     contacts: Sequence[WireContact], friction: float, wear_mm3_per_J: float, cycles: int, life: LifeTable | None
 ) -> list[ContactEstimate]:
-    """Estimates of all contacts, the worst first."""
+    """Estimates of all contacts, the worst first; arguments as in `estimated`."""
     found = [estimated(one, friction, wear_mm3_per_J, cycles, life) for one in contacts]
     return sorted(found, key=lambda one: one.severity)

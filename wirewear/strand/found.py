@@ -19,7 +19,7 @@ from wirewear.test import LineStudy, Study
 
 @dataclass(frozen=True, eq=False)
 class RopeContacts:
-    """A strand or rope with all kinds of contact in it, the worst first."""
+    """A strand or rope with an estimate of each kind of contact in it, the worst first."""
 
     tables: RopeTables
     rope: Strand
@@ -31,7 +31,7 @@ class RopeContacts:
 
     @property
     def figures(self) -> dict[str, float]:
-        """Diameter, stiffnesses and torque of the whole rope, by column name."""
+        """Diameter, axial and bending stiffness and torque of the whole rope, by name with unit."""
         least, most = self.rope.bending_N_mm2
         return {
             "diameter_mm": self.rope.diameter_mm,
@@ -43,7 +43,7 @@ class RopeContacts:
 
     @property
     def notes(self) -> list[str]:
-        """Sentences on contacts whose estimates need caution."""
+        """Sentences on contacts whose estimates need caution; empty if none does."""
         found = [note for one in self.contacts for note in notes(one)]
         if all(isnan(one.yield_ratio) for one in self.contacts):
             found.append("No yield_stress_MPa is stated in [wires]: whether contacts yield is not known.")
@@ -51,11 +51,11 @@ class RopeContacts:
 
     @property
     def rows(self) -> list[dict[str, Any]]:
-        """One row of plain values for each kind of contact; None for unknown values."""
+        """A row of plain values for each kind of contact, by column with its unit; None where unknown."""
         return [_row(one) for one in self.contacts]
 
     def studies(self) -> dict[str, Study | LineStudy]:
-        """Study of each contact with known slip, by the contact's name.
+        """The study of each contact whose slip is known and at least 0.1 µm, by the contact's name.
 
         Raises StudyError if a value lies outside the range of a study.
         """
@@ -63,9 +63,9 @@ class RopeContacts:
 
 
 def strand_contacts(rope: str | Path | dict[str, object]) -> RopeContacts:
-    """Contacts of a rope, given by its file or by tables.
+    """Contacts of a rope, given by its file's path or by the nested tables of one.
 
-    Raises StudyError, in one sentence, if the data are not consistent.
+    Raises StudyError, in one sentence, if the file cannot be read or its data are not consistent.
     """
     if isinstance(rope, dict):
         tables, where = rope_of(rope, "the rope"), "the rope"

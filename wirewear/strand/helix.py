@@ -1,4 +1,8 @@
-"""Wires and strands as helices: angles, curvatures, where neighbours touch, how layers cross (mm, rad)."""
+"""Wires and strands as helices: angles, curvatures, where neighbours touch, how layers cross (mm, rad).
+
+A right lay has the hand 1, a left one -1. The extrados is the outer side of a bent strand; slip along a helix is
+largest at the neutral axis, a quarter of a turn from there.
+"""
 
 from dataclasses import dataclass
 from math import atan, atan2, cos, degrees, hypot, pi, sin
@@ -9,7 +13,7 @@ Hand = Literal[1, -1]  #: Right and left lay.
 
 @dataclass(frozen=True)
 class Helix:
-    """Helical centre line of this radius about an axis, with one turn for each lay length."""
+    """A helical centre line of this radius about an axis, with one turn in each lay length."""
 
     radius_mm: float
     lay_length_mm: float
@@ -22,7 +26,7 @@ class Helix:
 
     @property
     def signed_angle_rad(self) -> float:
-        """Lay angle, negative for a left lay."""
+        """Lay angle to the axis, negative for a left lay."""
         return self.hand * self.angle_rad
 
     @property
@@ -31,7 +35,8 @@ class Helix:
         return sin(self.angle_rad) ** 2 / self.radius_mm
 
     def free_slip_mm(self, curvature_per_mm: float) -> float:
-        """Slip r² cos²α κ/sin α along the helix at the neutral axis, when the strand is bent to κ without friction.
+        """Slip r² cos²α κ/sin α along the helix at the neutral axis, when the strand is bent to the curvature κ without
+        friction.
 
         It varies as the sine of the angle from the extrados, where it is zero (Feyrer, Wire Ropes, 2007; Papailiou,
         IEEE Trans. Power Delivery 12 (1997) 1576: strains of plane sections summed up along the helix).
@@ -58,16 +63,18 @@ def least_radius_mm(diameter_mm: float, lay_length_mm: float, count: int) -> flo
 
 
 def radial_share(helix: Helix, count: int) -> float:
-    """Share of the force between neighbours of a layer that acts along the radius of either."""
+    """Part along the radius of the force between touching neighbours of a layer of `count`, over that force."""
     radii = helix.radius_mm, helix.radius_mm
     distance_mm, turned_rad = _nearest(radii, helix.lay_length_mm, 2.0 * pi / count)
     return helix.radius_mm * (1.0 - cos(turned_rad)) / distance_mm
 
 
 def valley_radius_mm(inner: Helix, inner_mm: float, outer_mm: float, count: int) -> float:
-    """Radius at which a layer lies in the valleys of a layer of as many wires and the same lay (Seale).
+    """Radius of the helix of a layer that lies in the valleys of the layer `inner`, with as many wires and the same lay
+    (Seale).
 
-    It is the inner layer's radius if the valleys are so wide that the outer wires fall between the inner ones.
+    inner_mm, outer_mm: diameters of the wires. The inner layer's radius if the valleys are so wide that the outer wires
+    fall between the inner ones.
     """
     from scipy.optimize import brentq
 
@@ -82,9 +89,8 @@ def valley_radius_mm(inner: Helix, inner_mm: float, outer_mm: float, count: int)
 
 
 def valley_shares(inner: Helix, outer: Helix, count: int) -> tuple[float, float]:
-    """Radial parts of the force between a wire that lies in a valley and a wire below, over that force: (outer, inner).
-
-    count: number of wires in the inner layer, between two of which the valley lies.
+    """(outer, inner): parts along either wire's radius of the force between a wire that lies in a valley and a wire
+    below, over that force. count: number of wires in the inner layer.
     """
     distance_mm, turned_rad = _nearest((inner.radius_mm, outer.radius_mm), inner.lay_length_mm, pi / count)
     return (
@@ -111,9 +117,8 @@ def _nearest(radii_mm: tuple[float, float], lay_length_mm: float, apart_rad: flo
 
 
 def crossing_spacing_mm(inner: Helix, inner_count: int, outer: Helix) -> float:
-    """Distance along the axis between crossings of an outer wire with wires of the layer below.
-
-    1/(n_i |s_o/L_o − s_i/L_i|), with s the hand of lay; infinite if both layers have the same lay.
+    """Distance along the axis between crossings of an outer wire with wires of the layer below, 1/(n_i |s_o/L_o −
+    s_i/L_i|), with s the hand of lay; infinite if both layers have the same lay.
     """
     turns = abs(outer.hand / outer.lay_length_mm - inner.hand / inner.lay_length_mm)
     return 1.0 / (inner_count * turns) if turns > 1e-12 else float("inf")
@@ -121,7 +126,8 @@ def crossing_spacing_mm(inner: Helix, inner_count: int, outer: Helix) -> float:
 
 @dataclass(frozen=True)
 class DoubleHelix:
-    """Wire of a strand that is itself laid around a rope's axis.
+    """Wire of a strand that is itself laid around a rope's axis. strand: the strand's helix; wire: the wire's in the
+    strand.
 
     Its lay length is stated in the frame that turns with the strand's path, one radius of which points to the rope's
     axis (Lee, Int. J. Mech. Sci. 33 (1991) 471); angles are those of the curve's tangents.
@@ -132,7 +138,9 @@ class DoubleHelix:
 
     @property
     def twist(self) -> float:
-        """Path of the wire around the strand per path along it, r(2πs/L + S sin β cos β/R)."""
+        """Path of the wire around the strand per path along it, r(2πs/L + S sin β cos β/R): r, s, L of the wire, R, S,
+        β (lay angle) of the strand; positive for a right lay.
+        """
         beta = self.strand.angle_rad
         own = 2.0 * pi * self.wire.hand / self.wire.lay_length_mm
         return self.wire.radius_mm * (own + self.strand.hand * sin(beta) * cos(beta) / self.strand.radius_mm)
@@ -155,7 +163,7 @@ class DoubleHelix:
         return turning / (along**2 + twist**2)
 
     def crown_spacing_mm(self, count: int) -> float:
-        """Distance along the strand between places where one of its `count` wires reaches the inner side."""
+        """Distance along the strand between places where one of its `count` outermost wires reaches the inner side."""
         return self.wire.lay_length_mm / count
 
     @property
@@ -164,6 +172,6 @@ class DoubleHelix:
 
 
 def between_deg(first_rad: float, second_rad: float) -> float:
-    """Smaller angle between two lines, 0 to 90°."""
+    """Smaller angle, 0 to 90°, between two lines at these angles."""
     apart = abs(degrees(second_rad - first_rad)) % 180.0
     return min(apart, 180.0 - apart)

@@ -25,7 +25,7 @@ OF_RUN = {
 
 @dataclass(frozen=True, eq=False)
 class ContactRuns(Sweep):
-    """Sweep over the studies of different contacts, the worst first; `worst` is the number of them that are run."""
+    """A sweep over the studies of different contacts, the worst first, of which the first `worst` are run."""
 
     studies: tuple[Study | LineStudy, ...] = ()
     worst: int = 0
@@ -52,9 +52,9 @@ def run_contacts(
     *,
     worst: int | None = None,
 ) -> dict[str, SweepRow]:
-    """Run the studies of the `worst` first contacts (all by default) and return their rows by the contacts' names.
+    """Run the studies of the first `worst` contacts (all for None) and return their rows by the contacts' names.
 
-    Each result is kept in a folder. Rows that the output folder already holds are reused. Raises as `run_sweep` does.
+    Each result is kept in a folder of `output`. Rows that it already holds are reused. Raises what `run_sweep` raises.
     """
     if not studies:
         return {}
@@ -66,7 +66,7 @@ def run_contacts(
 
 
 def with_runs(table: list[dict[str, Any]], runs: Mapping[str, SweepRow]) -> list[dict[str, Any]]:
-    """Rows of the table of contacts, each with the figures of its run added."""
+    """Rows of the table of contacts with the figures of each one's run, None where missing; as given without runs."""
     return [row | _of_run(runs.get(row["contact"])) for row in table] if runs else table
 
 

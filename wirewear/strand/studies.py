@@ -1,4 +1,7 @@
-"""Studies of a strand's contacts, to be simulated by `wirewear run`."""
+"""Studies of a strand's contacts, to be simulated by `wirewear run`.
+
+A contact has a study if its motion is known and at least 0.1 µm in amplitude.
+"""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,12 +28,12 @@ _LINE = (
 
 
 def file_name(contact_name: str) -> str:
-    """File name for the study of this contact."""
+    """Name of the file with the study of the contact with this name."""
     return re.sub(r"[^a-z0-9]+", "_", contact_name.lower()).strip("_") + ".toml"
 
 
 def has_study(found: ContactEstimate) -> bool:
-    """True if a contact's motion is known and at least 0.1 µm in amplitude."""
+    """True if the contact's motion, slip and elastic displacement, is known and at least 0.1 µm in amplitude."""
     # Smallest amplitude of a study.
     return _amplitude_um(found) >= 0.1
 
@@ -40,7 +43,7 @@ def _amplitude_um(found: ContactEstimate) -> float:
 
 
 def study_tables(found: ContactEstimate, rope: RopeTables) -> dict[str, Any] | None:
-    """Tables of a contact's study; None if its motion is below 0.1 µm or not computed."""
+    """Nested tables of a contact's study, as a file states them; None if it has none."""
     contact = found.contact
     lower, upper, amplitude_um = contact.lower, contact.upper, _amplitude_um(found)
     if not isinstance(lower, LoadedWire) or not has_study(found):
@@ -93,7 +96,7 @@ def study_tables(found: ContactEstimate, rope: RopeTables) -> dict[str, Any] | N
 
 
 def studies_of(found: Sequence[ContactEstimate], rope: RopeTables) -> dict[str, Study | LineStudy]:
-    """Study of each contact that has one, by the contact's name.
+    """The study of each contact that has one, by the contact's name.
 
     Raises StudyError, in one sentence, if a value lies outside the range of a study.
     """
@@ -102,7 +105,7 @@ def studies_of(found: Sequence[ContactEstimate], rope: RopeTables) -> dict[str, 
 
 
 def write_studies(found: Sequence[ContactEstimate], rope: RopeTables, folder: Path) -> dict[str, Path]:
-    """Write the study of each contact that has one, and return the files by the contacts' names.
+    """Write the study of each contact that has one to `folder`, and return the files by the contacts' names.
 
     Raises ResultError if the folder cannot be written; StudyError as `studies_of` does.
     """
@@ -123,7 +126,7 @@ def _written(found: Sequence[ContactEstimate], rope: RopeTables, folder: Path) -
 
 
 def notes(found: ContactEstimate) -> list[str]:
-    """Sentences on a contact whose estimates need caution: it yields, arches, or lies on a sheave."""
+    """Sentences on a contact whose estimates need caution, as it yields, arches, or lies on a sheave; else empty."""
     contact, said = found.contact, []
     if found.yield_ratio > 2.0:
         said.append(

@@ -51,10 +51,10 @@ class _OwnMaterial(keys.OfMaterial):
 
 
 class AllWires(YieldingKeys):
-    """Material of all wires that state none of their own."""
+    """Keys of the material of all wires that state none of their own."""
 
     def wire(self, diameter_mm: float, own: _OwnMaterial) -> RopeWire:
-        """Wire of this diameter, with its own constants where it states any."""
+        """A wire of this diameter, with its own constants where `own` states any."""
         modulus, ratio = own.youngs_modulus_MPa, own.poissons_ratio
         material = self.material if modulus is None and ratio is None else own.material
         elastic = Elastic(modulus or self.youngs_modulus_MPa, self.poissons_ratio if ratio is None else ratio)
@@ -63,14 +63,14 @@ class AllWires(YieldingKeys):
 
 
 class CoreTable(_OwnMaterial):
-    """Middle of a strand: a wire, or fibres in a rope."""
+    """Keys of the middle of a strand: a wire, or fibres in a rope."""
 
     wire_diameter_mm: keys.Diameter | None = Field(None, description="diameter of the core's wire", examples=[3.0])
     fibre_diameter_mm: Fibres | None = Field(None, description="diameter of a core of fibres, which bears no tension")
 
 
 class LayerOfWires(_OwnMaterial):
-    """One layer of wires."""
+    """Keys of one layer of wires."""
 
     wires: Count = Field(description="number of wires", examples=[6])
     wire_diameter_mm: keys.Diameter = Field(description="diameter of its wires", examples=[2.9])
@@ -80,7 +80,7 @@ class LayerOfWires(_OwnMaterial):
 
 
 class OuterStrands(keys.Table):
-    """Equal strands around the core strand, or the fibre core, of a rope."""
+    """Keys of equal strands around the core strand, or the fibre core, of a rope."""
 
     strands: Count = Field(description="number of strands", examples=[6])
     lay_length_mm: LayLength = Field(description="length along the rope in which a strand goes around once")
@@ -91,7 +91,7 @@ class OuterStrands(keys.Table):
 
 
 class RopeConditions(keys.Table):
-    """Tension and bending of the rope."""
+    """Keys of the rope's tension and bending."""
 
     tension_N: Tension = Field(description="tension of the rope", examples=[20000.0])
     tension_amplitude_N: TensionAmplitude = Field(0.0, description="amplitude of the tension, in step with the bending")
@@ -105,17 +105,18 @@ class RopeConditions(keys.Table):
 
     @property
     def curvature_amplitude_per_mm(self) -> float:
+        """Amplitude of the curvature of the rope's axis: 1/radius for reversed bending, half of it for pulsating."""
         return (1.0 if self.bending == "reversed" else 0.5) / self.bending_radius_mm
 
 
 class RopeFriction(keys.Table):
-    """Coefficient of friction of all contacts."""
+    """The key for the coefficient of friction of all contacts."""
 
     friction: keys.Friction = Field(description="coefficient of friction", examples=[0.15])
 
 
 class RopeWear(keys.Table):
-    """The energy law of wear: worn volume = coefficient × friction energy."""
+    """The key of the energy law of wear: worn volume = coefficient × friction energy."""
 
     energy_wear_coefficient_mm3_per_J: keys.WearCoefficient = Field(
         description="worn volume of both wires together per dissipated energy", examples=[3e-5]
@@ -123,7 +124,7 @@ class RopeWear(keys.Table):
 
 
 class Sheave(ElasticKeys):
-    """Sheave that the rope is bent over."""
+    """Keys of a sheave that the rope is bent over."""
 
     groove_radius_mm: Radius = Field(description="radius of the groove across the rope")
 
@@ -142,7 +143,9 @@ class RopeTables(keys.NamedTable):
     life: LifeTable | None = Field(None, description="criterion and data by which lives are estimated")
 
     def construction(self, where: str) -> Strand:
-        """Strand or rope that the tables describe. Raises StudyError, in one sentence, if it is impossible."""
+        """The strand or rope that the tables describe; where: name of the file for messages. Raises StudyError, in one
+        sentence, if it is impossible.
+        """
         fibres, outer = self.core.fibre_diameter_mm, self.outer_strands
         core = self._core(self.core, f"[core] of {where}", may_be_fibre=outer is not None and not self.layers)
         if outer is None and not self.layers:
@@ -187,14 +190,12 @@ def _hand(lay: str) -> Hand:
 
 
 def load_rope(path: str | Path) -> RopeTables:
-    """Tables of a rope's file. Raises StudyError, in one sentence, if it cannot be read or is no rope's file."""
+    """Checked tables of a rope's file. Raises StudyError, in one sentence, if it cannot be read or is not a rope's."""
     path = Path(path)
     require_no_other(path, StudyError, Held.ROPE)
     return rope_of(read_toml(path, StudyError, "TOML file"), str(path))
 
 
 def rope_of(tables: dict[str, object], where: str) -> RopeTables:
-    """Checked tables of a rope; `where` names their origin. Raises StudyError, in one sentence, if they are
-    not valid.
-    """
+    """A rope's nested tables, checked; `where` names their origin. Raises StudyError, in one sentence, if not valid."""
     return validated(RopeTables, tables, where, StudyError)

@@ -1,6 +1,7 @@
 """Reference problems with closed-form solutions, solved one after another by ``wirewear verify``.
 
-A family is a group of problems; each row compares one computed quantity with its closed form.
+A family is a group of problems. Each function ..._rows solves one at a level (meshes and tolerances) and returns rows,
+each of which compares one computed quantity with its closed form.
 """
 
 from collections.abc import Callable
@@ -50,10 +51,10 @@ def _unwatched(title: str, done: int, of: int) -> None:
 def verify(
     level: Level, started: Callable[[str, int, int], None] = _unwatched, families: tuple[Family, ...] | None = None
 ) -> tuple[Row, ...]:
-    """Compute the rows of the given families, by default of all.
+    """The rows of the given families at a level; None for all families.
 
-    started: called before each family with its title, the number of families done and their total number.
-    Raises SolverError if a problem cannot be solved.
+    started: called before each family with its title, the number of families done and their total number. Raises
+    SolverError if a problem cannot be solved.
     """
     chosen = FAMILIES if families is None else families
     rows: list[Row] = []

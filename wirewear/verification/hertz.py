@@ -42,7 +42,7 @@ _FLOOR = 0.003
 
 
 def wire_geometry(resolution: float, *, radius_mm: float = RADIUS_mm, long_patch: bool = False) -> WireGeometry:
-    """Wire with `resolution` elements per contact radius; a long patch lets the contact slide by 3 contact radii."""
+    """A wire with `resolution` elements per contact radius; on a long patch the contact can slide by 3 radii."""
     a = CONTACT_RADIUS_mm
     element, outer = a / resolution, max(a / resolution, 0.75 * a)
     axial = GradedAxis(element, 4.2 * a, outer, 4.5 * a) if long_patch else GradedAxis(element, 2.0 * a, outer, 4.0 * a)
@@ -55,13 +55,13 @@ def wire_geometry(resolution: float, *, radius_mm: float = RADIUS_mm, long_patch
 
 @cache
 def condensed(geometry: BodyGeometry) -> CondensedBody:
-    """Steel body of this geometry, always condensed here, as a verification must not use the cache on disk."""
+    """A steel body of this geometry, always condensed here, as a verification must not use the cache on disk."""
     meshed = build_body(geometry)
     return replace(condense(meshed.mesh, meshed.patch, STEEL), bricks=Bricks(STEEL, geometry.layers))
 
 
 def scaled_patch(wire: ContactPatch, radius_mm: float, factor: float) -> ContactPatch:
-    """Patch of a wire of this radius, with all lengths multiplied by a factor."""
+    """Patch of a wire of this radius, with all lengths multiplied by `factor`."""
     axial, transverse, profile = factor * wire.axial_mm, factor * wire.transverse_mm, Cylinder(factor * radius_mm)
     return replace(wire, axial_mm=axial, transverse_mm=transverse, profile=profile)
 
@@ -76,7 +76,10 @@ def crossed(
     wear: WearRates | None = None,
     primary_is_upper: bool = True,
 ) -> ContactProblem:
-    """Contact problem of two bodies: the lower one's axis along the motion, the upper one's at `angle_deg` to it."""
+    """Contact problem of two bodies: the lower one's axis along the motion, the upper one's at `angle_deg` to it.
+
+    wear: None for none. primary_is_upper: whose nodes carry the tractions.
+    """
     above = place(upper, upper=True, axis_angle_rad=float(np.radians(angle_deg)))
     below = place(lower, upper=False, axis_angle_rad=0.0)
     return ContactProblem(
@@ -90,7 +93,7 @@ def crossed(
 
 
 def element_mm(body: CondensedBody) -> float:
-    """Element size in the middle of the patch, which grading may change a little from the asked one."""
+    """Element size in the middle of the patch across the axis, which grading may change a little from the asked one."""
     lines = body.patch.transverse_mm
     return float(np.diff(lines)[len(lines) // 2])
 
@@ -147,7 +150,8 @@ def _wire_rows(
 def pressed_rows(
     name: str, lower: CondensedBody, upper: CondensedBody, exact: PointContact, angle_deg: float, level: Level
 ) -> tuple[Row, ...]:
-    """Rows that compare two pressed bodies with Hertz's contact; `angle_deg` is between the bodies' axes.
+    """Rows that compare two pressed bodies with Hertz's contact `exact`. name: of the problem; angle_deg: between the
+    bodies' axes.
 
     Semi-axes are those of the Hertz pressure with the same second moments, a² = 5 <x²>. The direction is left out for a
     round contact.
@@ -201,8 +205,8 @@ class _Solution:
 
 
 def hertz_rows(level: Level) -> tuple[Row, ...]:
-    """Rows on peak pressure, approach and radius on each mesh, on whether their errors fall, and on further finest
-    results.
+    """Rows on peak pressure, approach and radius on each of three meshes, on whether their errors fall, and on the
+    finest mesh's mean pressure and contact area.
 
     The radius is that of the Hertz pressure with the same second moment, a² = 5/2 <r²>; the radius of the nodes in
     contact, which comes in steps, is checked to within an element. The layers under the patch are refined as well; with

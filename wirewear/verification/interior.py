@@ -50,13 +50,12 @@ _PARTIAL, _SLIDING = 0.5, 3.0
 
 
 def interior_rows(level: Level) -> tuple[Row, ...]:
-    """Rows on the largest von Mises stress and its depth under wires and a line contact, and on equilibrium of the held
-    wire.
-    """
+    """Rows on the largest von Mises stress and its depth under wires and lines, and on equilibrium of a wire."""
     return (*wire_rows(level), *line_rows(level))
 
 
 def wire_rows(level: Level) -> tuple[Row, ...]:
+    """Rows of `interior_rows` on crossed wires."""
     resolution = level.hertz_resolutions[-1]
     exact = reference.hertz_point(LOAD_N, WIRE_RADIUS_mm, CONTACT_MODULUS_MPa)
     a = exact.contact_radius_mm
@@ -106,6 +105,7 @@ def _balance_rows(
 
 
 def line_rows(level: Level) -> tuple[Row, ...]:
+    """Rows of `interior_rows` on a line contact."""
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     a = exact.half_width_mm
     element = a / level.line_resolution

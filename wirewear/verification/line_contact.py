@@ -88,9 +88,7 @@ def line_contact_rows(level: Level) -> tuple[Row, ...]:
 
 
 def cylinder_on_flat(element_mm: float) -> solvers.ContactProblem:
-    """Contact problem of a cylindrical pad on a flat, both 8 mm high, with elements of `element_mm` under the
-    contact.
-    """
+    """Contact problem of a cylindrical pad on a flat, both 8 mm high, with elements of this size under the contact."""
     pad = build_planar(pad_geometry(element_mm))
     specimen = build_planar(PlanarGeometry(Flat(), 8.0, 8.0, pad.geometry.along))
     upper, lower = (solvers.condense(body.mesh, body.patch, MATERIAL) for body in (pad, specimen))
@@ -114,7 +112,7 @@ def pad_geometry(element_mm: float) -> PlanarGeometry:
 def to_force(
     problem: solvers.ContactProblem, state: solvers.ContactState, force_N_per_mm: float
 ) -> solvers.ContactState:
-    """State after displacing the flat until the tangential force equals `force_N_per_mm`, the last step being
+    """The state after displacing the flat until the tangential force equals `force_N_per_mm`, the last step being
     shortened.
 
     Raises ValueError if the force is not reached, as beyond µP.
@@ -137,7 +135,7 @@ def tangential_force(state: solvers.ContactState) -> float:
 
 
 def half_width(problem: solvers.ContactProblem, elliptic: Array) -> float:
-    """Half-width of a distribution p0 √(1 − x²/a²) given at the primary body's nodes, from a² = 4 <x²>."""
+    """Half-width a in mm of a distribution p0 √(1 − x²/a²), `elliptic` (n,) at the primary's nodes: a² = 4 <x²>."""
     weight = problem.primary.patch.node_areas() * elliptic
     x = problem.primary.node_positions[:, 0]
     x = x - (weight * x).sum() / weight.sum()
@@ -179,9 +177,7 @@ def line_surface_rows(level: Level) -> tuple[Row, ...]:
 
 
 def bulk_rows(level: Level) -> tuple[Row, ...]:
-    """Rows on shift and half-width of the stick zone on a flat under bulk tension in step with the motion, and edge
-    tension.
-    """
+    """Rows on shift and width of the stick zone, and edge tension, of a flat under bulk tension with the motion."""
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     tension = _BULK_SHARE * FRICTION * exact.peak_pressure_MPa
     a, element = exact.half_width_mm, exact.half_width_mm / level.line_surface_resolution

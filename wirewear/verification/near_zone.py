@@ -1,9 +1,9 @@
 """Metal that flows beneath pressed spheres and rolling lines, by plasticity in a half-space, beside other results.
 
 The pairs of `wirewear.verification.yielding` as a body that yields under a rigid one: its E/(1 - nu²) is that of the
-pair, and its print that of both. Three of them harden: tamaas 2.9 (volume integrals) has their largest pressures. A
-rolling line shakes down or flows on (Melan's limits), and leaves residual stress (Merwin & Johnson, Proc. Inst. Mech.
-Eng. 177 (1963) 676).
+pair, and its print (permanent depth) that of both. Three of them harden: tamaas 2.9 (volume integrals) has their
+largest pressures. A rolling line shakes down or flows on (Melan's limits), and leaves residual stress (Merwin &
+Johnson, Proc. Inst. Mech. Eng. 177 (1963) 676).
 """
 
 from collections.abc import Iterator
@@ -42,7 +42,9 @@ _SHEAR_MPa, _MODULUS_MPa, _PASSES = 100.0, 200_000.0, 8
 def under_sphere(
     radius_mm: float, material: Elastic, metal: Metal, contact_mm: float, resolution: int
 ) -> tuple[PlasticZone, Array]:
-    """A half-space, and its gap in mm to a sphere, on a grid of `resolution` points per contact radius `contact_mm`."""
+    """(half-space that yields, gap (n, n) in mm to an unloaded sphere of radius_mm), on a grid of `resolution` points
+    per contact radius `contact_mm`.
+    """
     step, count = contact_mm / resolution, int(_WIDE * resolution) // 2 * 2 + 1
     space = HalfSpace(material, (count, count), (step, step), contact_mm * _LAYERS)
     along, across = space.axes_mm()
@@ -50,7 +52,7 @@ def under_sphere(
 
 
 def near_zone_rows(level: Level) -> tuple[Row, ...]:
-    """Rows of all pressed bodies and rolling lines."""
+    """Rows on all pressed bodies and rolling lines."""
     fine, tolerance = level.near_zone_resolution, level.near_zone_tolerance
     pressed = tuple(row for case in CASES + _HARDER for row in rows_of(case, fine, tolerance))
     hardened = tuple(
@@ -67,7 +69,7 @@ def near_zone_rows(level: Level) -> tuple[Row, ...]:
 
 
 def rows_of(case: Pressed, resolution: int, tolerance: float) -> tuple[Row, ...]:
-    """Largest pressure, contact radius and print of one pair of bodies."""
+    """Rows on largest pressure, contact radius and print of a pair of bodies. tolerance: of the first two."""
     last, name = pressed_by(case, resolution), f"{case.name}, metal that flows"
     return (
         compared(name, "largest pressure [MPa]", last.largest_MPa, case.pressure_MPa, tolerance),
@@ -91,7 +93,9 @@ def pressed_by(case: Pressed, resolution: int, hardening: float = 0.0) -> Indent
 
 
 def rolling_rows() -> tuple[Row, ...]:
-    """Residual stress along a line's path after its first pass, and passes a little below and above shakedown."""
+    """Rows on residual stress after a line's first pass, and on whether metal flows on 5 % below and above
+    shakedown.
+    """
     first, _ = next(rolled(3.9, 0.0))
     rows = [compared("Line rolling at 3.9 k", "residual stress [k]", first, -0.497, 0.1)]
     for friction, limit in SHAKEDOWN:
@@ -106,10 +110,10 @@ def rolling_rows() -> tuple[Row, ...]:
 def rolled(
     pressure: float, friction: float, passes: int = _PASSES, resolution: int = 5
 ) -> Iterator[tuple[float, float]]:
-    """After each pass of a Hertz line of half-width 1 mm over perfectly plastic metal: the lowest residual stress along
-    the path over k, the yield stress in shear, and the largest plastic strain that the pass has gone through.
+    """Yields after each pass of a Hertz line of half-width 1 mm over perfectly plastic metal: (lowest residual stress
+    along the path over k, the yield stress in shear; largest plastic strain that the pass has gone through).
 
-    pressure: the largest one, over k. friction: traction along the motion over pressure.
+    pressure: the largest one, over k. friction: traction along the motion over pressure. resolution: points per mm.
     """
     material, count = Elastic(_MODULUS_MPa, 0.3), 16 * resolution + 1
     space = HalfSpace(material, (count, 1), (1.0 / resolution, 1.0), _ROLLED)

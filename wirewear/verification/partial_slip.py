@@ -59,9 +59,7 @@ _COMPLIANCE_TOLERANCE = 0.04
 
 
 def worn_pressure_rows(level: Level) -> tuple[Row, ...]:
-    """Rows on the mirror error of a worn line contact's pressures, and on its pressures beside those of three finer
-    runs.
-    """
+    """Rows on the mirror error of a worn line contact's pressures, and on pressures beside three finer runs."""
     cycles = level.worn_line_cycles
     name, own = f"Worn line contact, {cycles} cycles", _worn(cycles, {})
     mirror = compared(
@@ -136,9 +134,7 @@ def _worn_out(problem: solvers.ContactProblem) -> solvers.ContactState:
 
 
 def partial_slip_rows(level: Level) -> tuple[Row, ...]:
-    """Rows on initial compliance, and on stick radius, displacement and energy of a closed cycle at two tangential
-    forces.
-    """
+    """Rows on initial compliance, and on stick radius, displacement and energy of a cycle at two force amplitudes."""
     load, radius = LOAD_N * level.enlarged**3, CONTACT_RADIUS_mm * level.enlarged
     modulus = reference.tangential_contact_modulus(STEEL, STEEL)
     exact = reference.partial_slip_point(load, FRICTION, radius, modulus)

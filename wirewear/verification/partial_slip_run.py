@@ -1,8 +1,9 @@
 """Whole runs in partial slip: wires that wear, compared with their final shape, and contacts of other bodies at a
 point.
 
-They use the meshes, cycle jumps and loops of `wirewear run`. Other bodies are a ball and barrels on flats and crossed
-cylinders; their bulk compliance (see `hertz`) is read from their condensed compliance, as for wires.
+They use the meshes, cycle jumps and loops of `wirewear run`. The core is the part of the contact that sticks for good.
+Other bodies are a ball and barrels on flats and crossed cylinders; their bulk compliance (see `hertz`) is read from
+their condensed compliance, as for wires.
 """
 
 from collections.abc import Mapping
@@ -45,7 +46,7 @@ _BALL: Mapping[str, object] = {"shape": "ball", "diameter_mm": _BALL_mm}
 
 
 def held_force_rows(_level: Level) -> tuple[Row, ...]:
-    """Rows on volume and largest depth of both bodies and pressure in the middle, when a ball on a flat has ended to
+    """Rows on volume and largest depth of both bodies and pressure in the middle, once a ball on a flat has ceased to
     wear under a held load and force, at quick fidelity.
     """
     force_N = _HELD_SHARE * FRICTION * _HELD_N
@@ -101,7 +102,7 @@ def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
 
 
 def worn_out_study(resolution: float) -> Study:
-    """Study of steel wires at constant approach, whose amplitude is half of what gross slip needs."""
+    """Study of steel wires at constant approach and half of gross slip. resolution: elements per contact radius."""
     element_um = 1e3 * _CONTACT_RADIUS_mm / resolution
     steel = {"youngs_modulus_MPa": hertz.STEEL.youngs_modulus_MPa, "poissons_ratio": hertz.STEEL.poissons_ratio}
     tables = {
@@ -129,7 +130,7 @@ def worn_out_study(resolution: float) -> Study:
 
 
 def limiting_shape(resolution: float) -> reference.LimitingShape:
-    """Shape at which the wear of such a run ends, with the bulk compliance of its wires."""
+    """The shape at which wear of the run of `worn_out_study` ends, with the bulk compliance of its wires."""
     body = hertz.condensed(discretise(worn_out_study(resolution), "quick").fixed)
     bulk = [hertz.crossed_bulk_compliance(body, normal=n, contact_radius_mm=_CONTACT_RADIUS_mm) for n in (True, False)]
     shear = reference.tangential_contact_modulus(hertz.STEEL, hertz.STEEL)
@@ -164,8 +165,8 @@ def study_of(
     conditions: Mapping[str, float] | None = None,
     **tables: Mapping[str, object],
 ) -> Study:
-    """Study of two steel bodies in contact at a point; lower and upper are their tables, `tables` any further ones;
-    conditions: beside those of the others or in their place.
+    """Study of two steel bodies in contact at a point. lower, upper: their tables; conditions: further keys of
+    [conditions], also in place of those here; tables: any further ones.
     """
     steel = {"youngs_modulus_MPa": hertz.STEEL.youngs_modulus_MPa, "poissons_ratio": hertz.STEEL.poissons_ratio}
     stated = {

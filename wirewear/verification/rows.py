@@ -46,7 +46,7 @@ _LEVELS: dict[str, tuple[Any, Any]] = {
 
 @dataclass(frozen=True)
 class Level:
-    """Meshes and relative tolerances of a level of verification."""
+    """Meshes and relative tolerances of a level of verification, QUICK or FULL."""
 
     name: str
     fidelity: str  #: Level of fidelity of bodies that are meshed as in runs.
@@ -81,7 +81,7 @@ QUICK, FULL = (Level(**{name: both[k] for name, both in _LEVELS.items()}) for k 
 
 
 def table(rows: "Sequence[Row]") -> Table:
-    """Table with one line for each row, and a caption on how many passed."""
+    """A table for rich to print with one line for each row, and a caption on how many passed."""
     failed = sum(not row.passed for row in rows)
     caption = f"{len(rows) - failed} of {len(rows)} checks passed"
     result = Table(box=box.SIMPLE, pad_edge=False, caption=caption, caption_justify="left")
@@ -112,8 +112,8 @@ def _error(value: float) -> str:
 def write_json(path: Path, level: str, rows: "Sequence[Row]") -> None:
     """Write version, level and all rows as JSON in one step; numbers that are not finite become null.
 
-    The folder is created if missing.
-    Raises ResultError if the file cannot be written, and RunError if the folder cannot be created.
+    The folder is created if missing. Raises ResultError if the file cannot be written, and RunError if the folder
+    cannot be created.
     """
     document = {
         "wirewear": version("wirewear"),
@@ -128,7 +128,7 @@ def write_json(path: Path, level: str, rows: "Sequence[Row]") -> None:
 
 @dataclass(frozen=True)
 class Row:
-    """A computed quantity and its closed form."""
+    """A computed quantity, its closed form, and the relative error that is allowed."""
 
     problem: str
     quantity: str
@@ -158,7 +158,9 @@ def compared(
     raw: float | None = None,
     order: float | None = None,
 ) -> Row:
-    """Row with errors relative to `scale`, or to |exact| if none is given; `raw` is the uncorrected computed value."""
+    """A row with errors relative to `scale` or, for None, to |exact|. raw: computed value without correction, None if
+    there is none; order: observed order of convergence.
+    """
     size = abs(exact) if scale is None else scale
     raw_error = None if raw is None else (raw - exact) / size
     return Row(problem, quantity, computed, exact, (computed - exact) / size, tolerance, raw_error, order)
@@ -178,6 +180,6 @@ def largest_growth(errors: Sequence[float], floor: float) -> float:
 
 
 def falling(problem: str, quantity: str, errors: Sequence[float], floor: float) -> Row:
-    """Row that passes if no error exceeds that on the next coarser mesh."""
+    """A row that passes if no error, from coarse to fine, exceeds the one before; those below `floor` count as 0."""
     growth = largest_growth(errors, floor)
     return Row(problem, f"{quantity}: error over coarser mesh's, ≤ 1", growth, 1.0, max(growth - 1.0, 0.0), 0.0)

@@ -1,4 +1,7 @@
-"""Sliding wires in the proportions of the steel wires' test: loop behind a rig's spring, energies, symmetries."""
+"""Sliding wires in the proportions of the steel wires' test: loop behind a rig's spring, energies, symmetries.
+
+The resolution of a mesh is its number of elements per contact radius.
+"""
 
 from dataclasses import dataclass
 from math import nan
@@ -33,9 +36,7 @@ _WEAR = WearRates(upper_mm3_per_mJ=5e-8, lower_mm3_per_mJ=5e-8)
 
 
 def rig_loop_rows(level: Level) -> tuple[Row, ...]:
-    """Rows on friction work, loop area, half-width at zero force and largest force of a loop behind the rig's
-    spring.
-    """
+    """Rows on friction work, area, half-width at zero force and largest force of a loop behind the rig's spring."""
     body = hertz.condensed(hertz.wire_geometry(level.loop_resolution, long_patch=True))
     bulk = hertz.crossed_bulk_compliance(body, normal=False, contact_radius_mm=hertz.CONTACT_RADIUS_mm)
     contact = reference.partial_slip_point(
@@ -91,33 +92,33 @@ def sliding_wires(
     wear: solvers.WearRates | None = None,
     primary_is_upper: bool = True,
 ) -> solvers.ContactProblem:
-    """Contact problem of equal wires crossed at right angles behind the rig's spring."""
+    """Contact problem of equal wires crossed at right angles behind the rig's spring. wear: None for none."""
     body = hertz.condensed(hertz.wire_geometry(resolution, long_patch=True))
     holder = solvers.Holder(hertz.LOAD_N, rig_compliance_mm_per_N)
     return hertz.crossed(body, body, holder, friction=friction, wear=wear, primary_is_upper=primary_is_upper)
 
 
 def at_end_of_stroke(problem: solvers.ContactProblem, amplitude_mm: float = AMPLITUDE_mm) -> solvers.ContactState:
-    """State after pressing and moving from mid-stroke to `amplitude_mm`, which may be negative."""
+    """The state after pressing and moving from mid-stroke to `amplitude_mm`, which may be negative."""
     pressed, _ = solvers.press(problem, solvers.unloaded_state(problem))
     return solvers.first_quarter(problem, pressed, solvers.Drive(amplitude_mm), INCREMENTS)
 
 
 def whole_loop(problem: solvers.ContactProblem, amplitude_mm: float = AMPLITUDE_mm) -> solvers.CycleTrace:
-    """First full cycle from the end of the stroke at `amplitude_mm`, without wear."""
+    """The first full cycle from the end of the stroke at `amplitude_mm`, without wear."""
     start = at_end_of_stroke(problem, amplitude_mm)
     return solvers.run_cycle(problem, start, solvers.Drive(abs(amplitude_mm)), INCREMENTS, 0.0)[1]
 
 
 def jumped(problem: solvers.ContactProblem, start: solvers.ContactState, cycles: float) -> solvers.ContactState:
-    """State after one jump over this number of cycles from the end of the stroke."""
+    """The state after one jump over `cycles` cycles from the end of the stroke."""
     symmetry = solvers.symmetry_of(problem)
     begin, trace = solvers.closed_trace(problem, start, solvers.Drive(AMPLITUDE_mm), INCREMENTS, symmetry)
     return solvers.jump_cycles(lambda *_: problem, begin, trace, symmetry, 1.0, cycles).state
 
 
 def half_width_at_zero_force(drive_mm: Array, force_N: Array) -> float:
-    """Half the distance in mm between the loop's two crossings of zero force."""
+    """Half the distance in mm between the zero crossings of a closed loop of displacements and forces (n,)."""
     before = np.roll(force_N, 1)
     crossing = np.flatnonzero((force_N > 0.0) != (before > 0.0))
     share = before[crossing] / (before[crossing] - force_N[crossing])
@@ -138,9 +139,7 @@ _SI = _UnitSystem(1e-3, 1e6)
 
 
 def limit_rows(level: Level) -> tuple[Row, ...]:
-    """Rows on swapped roles of the bodies, mirrored motion, rigid and frictionless limits, and SI units against mm, N,
-    MPa.
-    """
+    """Rows on exchanged roles, mirrored motion, rigid and frictionless limits, and SI units against mm, N, MPa."""
     resolution = level.loop_resolution
     plain = whole_loop(sliding_wires(resolution)).tangential_force
     swapped = whole_loop(sliding_wires(resolution, primary_is_upper=False)).tangential_force

@@ -21,7 +21,7 @@ _ON_FLAT = {"kind": "point-contact", "bodies": {"upper": _BALL, "lower": _FLAT}}
 
 @dataclass(frozen=True)
 class Pressed:
-    """Bodies under a load, and the reference values of largest pressure, contact radius and print of both bodies."""
+    """Bodies under a load, and reference values of largest pressure, contact radius and print of both together."""
 
     name: str
     bodies: Mapping[str, object]
@@ -47,12 +47,12 @@ CASES = (
 
 
 def yielding_rows(level: Level) -> tuple[Row, ...]:
-    """Rows of all pressed bodies."""
+    """Rows on all pressed bodies."""
     return tuple(row for case in CASES for row in rows_of(case, level))
 
 
 def rows_of(case: Pressed, level: Level) -> tuple[Row, ...]:
-    """Largest pressure, contact radius and print of one pair of bodies."""
+    """Rows on largest pressure, contact radius and print of one pair of bodies."""
     run = simulate(study_of(case), fidelity=level.yielding_fidelity)
     pressure = float(run.settings["fresh_max_pressure_MPa"])
     radius = float(run.settings["fresh_contact_radius_um"])
