@@ -37,12 +37,10 @@ _COUNTS = {key: _patterns(key) for key in NUMBER_WORDS}
 
 
 def counts_in(labels: Sequence[str], key: str) -> list[int] | None:
-    """Numbers of cycles or of repeats that these labels state in words, one for each label.
+    """Number of cycles or of repeats that each label states in words, one for each label; key: "cycle" or "repeat".
 
     None if a label states no number, or if every number may be read both as thousands and as a fraction: ``"Cycle
     1.000"``.
-
-    key: "cycle" or "repeat".
     """
     found = []
     for label in labels:
@@ -71,7 +69,8 @@ def _count(number: str, unit: str | None) -> float | None:
 
 
 def blocks_of(lines: Sequence[str], head: int) -> tuple[list[str], list[range]]:
-    """Words above each table of a text, and the range of its line indices, which may include blank lines.
+    """Words above each table of a text, joined, and the range of its rows' line indices, which may include blank lines;
+    one of each for every table.
 
     head: index of the line of column names. It may be repeated above each table; in a text of several sheets it must
     be, and the sheet's title comes last in the words.
@@ -98,15 +97,15 @@ def blocks_of(lines: Sequence[str], head: int) -> tuple[list[str], list[range]]:
 
 
 def is_row(line: str) -> bool:
-    """True if a line holds at least two numbers and does not begin with a word, other than one for a missing value."""
+    """True if a line holds at least two numbers, or words for missing ones, and does not begin with any other word."""
     fields = re.split(r"[\t;,]\s*|\s+", line.strip())
     numbers = (re.match(r"\"?[-+]?\.?\d", field) or MISSING.fullmatch(field) for field in fields)
     return not WORDS.match(line) and sum(found is not None for found in numbers) > 1
 
 
 def is_comment(line: str) -> bool:
-    """True if a line among rows is a comment: it begins with a comment sign and is no row with a missing first
-    value.
+    """True if a line among rows is a comment: it begins with a comment sign and is no row whose first value is
+    missing.
     """
     if _COMMENT.match(line) or not _PERHAPS.match(line):
         return _COMMENT.match(line) is not None
@@ -118,7 +117,8 @@ def is_comment(line: str) -> bool:
 
 
 def numbering(labels: Sequence[str]) -> dict[str, list[int]]:
-    """Numbers of cycles and of repeats of several blocks, by key, as far as every label states them.
+    """Numbers of several blocks by their labels, in order: {"cycle": ..., "repeat": ...}, each only if every label
+    states it.
 
     Empty if there is only one block, or if two blocks would have the same numbers.
     """
@@ -129,9 +129,10 @@ def numbering(labels: Sequence[str]) -> dict[str, list[int]]:
 
 
 def numbered(lines: Sequence[str], head: int, delimiter: str | None) -> list[str]:
-    """Lines of the text in which every row has its block's cycle and repeat appended; lines outside blocks are blank.
+    """The lines of a text, each row with its block's cycle and repeat appended; lines outside blocks become blank, so
+    that their number stays.
 
-    The number of lines stays the same; the line of names at index `head` gets the names of the two new columns.
+    head: index of the line of names, which gets the names of the two new columns. delimiter: None for white space.
     """
     labels, blocks = blocks_of(lines, head)
     numbers, sign = numbering(labels), delimiter or " "

@@ -82,13 +82,13 @@ def mark_used(path: Path) -> None:
 
 
 def not_kept(path: Path, problem: OSError) -> None:
-    """Warn, once, that a file could not be cached."""
+    """Warn, once a process, that a file could not be cached, for the reason of `problem`."""
     _warn_once(f"nothing can be written to the cache folder {path.parent} ({why_not_written(problem)})")
 
 
 def remove_abandoned(directory: Path, pattern: str) -> None:
-    """Delete unfinished files and folders that match the pattern and are older than a day, as killed processes leave
-    them.
+    """Delete files and folders in `directory` that match the pattern and are older than a day: what killed processes
+    left unfinished.
     """
     for left in directory.glob(pattern):
         with suppress(OSError):
@@ -134,7 +134,7 @@ installed = cache(version)  #: The version of a package; each is read from a fil
 
 @dataclass(frozen=True)
 class Identity:
-    """Identity of a result: digest `asked` of the question, and digest `made` of the code and plan that answer it."""
+    """Identity of a result: `asked`, a digest of the question, and `made`, one of the code and plan that answer it."""
 
     asked: str
     made: str
@@ -150,15 +150,16 @@ class Identity:
 
     @classmethod
     def of_text(cls, text: object) -> "Identity":
-        """Identity from its text in a file; a text of an earlier format gives one that equals no other."""
+        """Identity from its text in a file, see `__str__`; a text of an earlier format gives one that equals no
+        other.
+        """
         asked, _, made = str(text).partition(".")
         return cls(asked, made)
 
 
 def identity_of(asked: Mapping[str, object], code: Iterable[str], plan: Mapping[str, object]) -> Identity:
-    """Identity of a result: `asked` is the question, `code` the program's files and folders that answer it.
-
-    plan: further settings that follow from both, and whose change makes another result.
+    """Identity of a result; asked: the question. code: the program's files and folders that answer it, relative to the
+    folder that holds the packages. plan: further settings that follow from both, and whose change makes another result.
     """
     beneath = {name: installed(name) for name in _BENEATH}
     return Identity(digest(asked), digest({"code": code_hash(tuple(code)), "beneath": beneath, "plan": plan}))
@@ -171,7 +172,8 @@ def digest(parts: Mapping[str, object]) -> str:
 
 @cache
 def code_hash(code: tuple[str, ...] = ALL_CODE) -> str:
-    """SHA-256 over the program's own files in these files and folders, which changes with any of them.
+    """SHA-256, as hexadecimal digits, over the program's files in these files and folders, relative to the folder that
+    holds the packages; it changes with any of them.
 
     Raises WirewearError if one of them does not exist.
     """
@@ -187,7 +189,9 @@ def code_hash(code: tuple[str, ...] = ALL_CODE) -> str:
 
 
 def added_code(objects: Iterable[object]) -> dict[str, str]:
-    """SHA-256 of the source file of each class, or object's class, that is not part of this program, by module name."""
+    """SHA-256 of the source files of those objects' classes (or of the objects, if they are classes) that are not part
+    of this program, by the name of their module.
+    """
     modules = {(item if isinstance(item, type) else type(item)).__module__ for item in objects}
     foreign = sorted(name for name in modules if name.partition(".")[0] not in (*ALL_CODE, "builtins"))
     files = {name: getattr(sys.modules.get(name), "__file__", None) for name in foreign}

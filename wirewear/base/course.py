@@ -15,7 +15,9 @@ _FLAT = 1e-9  #: An energy that falls as the reciprocal of the cycles within thi
 
 @dataclass(frozen=True)
 class Course:
-    """Value that changes exponentially from initial to final: f + (i − f) exp(−(n/n_c)^m) after n cycles."""
+    """Value that changes exponentially from initial to final: f + (i − f) exp(−(n/n_c)^m) after n cycles, unless
+    `order` is not 0.
+    """
 
     initial: float
     final: float
@@ -40,7 +42,7 @@ class Course:
     def at(self, cycles: Array) -> Array: ...
 
     def at(self, cycles: float | Array) -> float | Array:
-        """Value after this number of cycles; a number or an array (n,)."""
+        """Values after these numbers of cycles: a number for a number, (n,) for (n,)."""
         passed = cycles / self.cycles
         if self.steepness != 1.0:
             passed = passed**self.steepness
@@ -59,7 +61,8 @@ class Course:
 
 
 def enclosed_energy(cycles: Sequence[float] | Array, per_cycle: Sequence[float] | Array) -> float:
-    """Sum of an energy per cycle, from the first to the last of these increasing cycles.
+    """Sum of an energy per cycle, in its unit, over all cycles from the first to the last of `cycles`; per_cycle: the
+    energy at each of these increasing numbers.
 
     Between two of them the energy per cycle is taken as a power of the number of cycles.
     """

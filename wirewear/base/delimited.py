@@ -50,7 +50,7 @@ _LABEL = re.compile(r"[^\W\d_]{2}|[^\W\d_]\W*[=\d]")  #: Of what numbers in word
 
 
 def is_clock(field: str) -> bool:
-    """True if a field is a time of day, with or without a date before it."""
+    """True if a field is a time such as 12:30:05.2, with or without a date before it."""
     return _CLOCK.fullmatch(field) is not None
 
 
@@ -64,7 +64,7 @@ def ungrouped(field: str, decimal: str) -> str:
 
 
 def in_doubt(field: str) -> bool:
-    """True if a number such as ``1,234`` may be read as thousands or as a fraction of three digits."""
+    """True if a field such as ``1,234`` may be read as thousands or as a fraction of three digits."""
     found = _GROUPED.fullmatch(field)
     return found is not None and found[1] in ".," and not found[2] and found[3] is None
 
@@ -79,8 +79,8 @@ class DelimitedLayout:
     header_lines: int = 0  #: Number of lines before the line of names.
     names_line: bool = True  #: True if a line names the columns.
     lines_after_names: int = 0  #: Number of lines between names and numbers, such as one of units.
-    ragged: bool = False  #: Whether rows may be shorter than the line of names.
-    most_rows: int | None = None  #: Number of lines of numbers that are read; None for all.
+    ragged: bool = False  #: True if rows may be shorter than the line of names.
+    most_rows: int | None = None  #: Number of lines of numbers that are read; None: all.
     blocks: bool = False  #: True if several tables are read, numbered by words above each (see `blocks`).
 
     @property
@@ -90,7 +90,6 @@ class DelimitedLayout:
 
     @property
     def lines_before_rows(self) -> int:
-        """Number of lines above the first row."""
         return self.header_lines + self.names_line + self.lines_after_names
 
 
@@ -99,9 +98,8 @@ CSV = DelimitedLayout()
 
 @dataclass(frozen=True)
 class Numbers:
-    """Columns of numbers (n,) by name, NaN for empty fields, and the lines of the file that they stand on.
-
-    `line_numbers` (n,) is None if the rows stand on consecutive lines from `first_line`.
+    """Columns (n,) of numbers by name, NaN for empty fields, and the lines of the file on which the n rows stand:
+    consecutive ones from `first_line`, unless line_numbers (n,) lists them. Both count from 1.
     """
 
     columns: dict[str, Array]
@@ -130,7 +128,11 @@ class DelimitedText:
         return tuple(self._fields(line)) if line.strip() else ()
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Line number, counted from 1, and fields of every row; blank lines and comments are skipped."""
+        """Each row in order: the number of its line, counted from 1, and its fields. Blank lines and comments are
+        skipped.
+
+        Raises RecordError if quotation marks cannot be read.
+        """
         number = self.layout.lines_before_rows + 1
         lines = islice(self._lines(), number - 1, None)
         if b'"' not in self.data or self.layout.delimiter is None:
@@ -140,12 +142,12 @@ class DelimitedText:
             yield from self._quoted(("" if is_comment(line) else line for line in lines), number)
 
     def numbers(self, places: Mapping[str, int], *, as_logged: bool = False, clock: str | None = None) -> Numbers:
-        """Columns of numbers by name, from the column index (from 0) of each name.
+        """Columns of numbers by name; places: the index (from 0) of each name's column.
 
-        as_logged: rows may differ in length, a word such as "No Data" stands for a missing value, and the columns cycle
-        and repeat hold their numbers in words such as "Cycle 5000".
-        clock: name of the column that may hold times of day, which are converted to seconds.
-        Raises RecordError, naming line and column, if a field is missing or not a number.
+        as_logged: True if rows may differ in length, words such as "No Data" stand for missing values, and the columns
+        named "cycle" and "repeat" may hold their numbers in words such as "Cycle 5000". clock: name of a column that
+        may hold times of day, which become seconds, going on past midnight. Raises RecordError, naming line and column,
+        if a field is missing or not a number.
         """
         found = self._fast(places) or self._slow(places, as_logged, clock)
         for values in found.columns.values() if as_logged else ():
@@ -321,8 +323,8 @@ def _seconds(field: str) -> float | None:
 
 
 def contents_of(path: Path) -> tuple[bytes, list[Sheet]]:
-    """Bytes of a file and an empty list; for a spreadsheet the text of the sheet with the most numbers, and all its
-    sheets.
+    """Bytes of a file, and an empty list; of a spreadsheet the text (UTF-8) of the sheet with the most numbers, and all
+    its sheets that hold numbers.
 
     Raises RecordError if the file cannot be read.
     """
@@ -335,7 +337,7 @@ def contents_of(path: Path) -> tuple[bytes, list[Sheet]]:
 
 
 def sheets_left_out(path: Path, layout: DelimitedLayout) -> tuple[str, ...]:
-    """Sentence that names the sheets of a spreadsheet that `read_delimited` does not read; empty if there are none.
+    """One sentence that names the sheets of a spreadsheet that `read_delimited` does not read; empty if there are none.
 
     Raises RecordError if the file cannot be read.
     """
@@ -353,8 +355,7 @@ def _sheets_of(path: Path, _digest: bytes) -> list[Sheet]:
 
 
 def read_delimited(path: Path, layout: DelimitedLayout = CSV) -> DelimitedText:
-    """Delimited text of a file; of a spreadsheet, the sheet with the most numbers, or all sheets if `layout.blocks`
-    says so.
+    """Delimited text of a file; of a spreadsheet, the sheet with the most numbers, or with `layout.blocks` all sheets.
 
     Raises RecordError if the file cannot be read, or is not text in the layout's encoding.
     """
@@ -377,7 +378,8 @@ def read_delimited(path: Path, layout: DelimitedLayout = CSV) -> DelimitedText:
 
 
 def repeated_heads(lines: Sequence[str], layout: DelimitedLayout) -> list[int]:
-    """Indices of lines that repeat the head of a table that goes on below them: some column, as of time, never falls.
+    """Indices of the lines, of the first head's height, that repeat the head of a table which goes on below them: some
+    column, as of time, never falls and rises in all.
 
     Empty if there are none, or the tables below them are others.
     """

@@ -65,15 +65,18 @@ class Engine(ABC):
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Keep the connection to the workers open inside this context."""
+        """Within this context, keep the connection to the workers open, if there is one; else it is opened for each
+        `done`.
+        """
         yield
 
     @abstractmethod
     def done(self, tasks: Sequence[Callable[[], Result]], until: float = inf) -> Iterator[Done[Result]]:
-        """Yield every task when it has ended; no task starts after the time `until` (of time.monotonic).
+        """Yield each task once it has ended, in the order of their ends; no task starts after the time `until` (of
+        time.monotonic).
 
-        If the caller stops iterating, running tasks end and no other starts.
-        Raises EngineError if the cluster cannot be reached, or runs another program.
+        If the caller stops iterating, running tasks end and no other starts. Raises EngineError if the cluster cannot
+        be reached, or runs another program.
         """
 
 
@@ -86,13 +89,13 @@ def results_of(engine: Engine, tasks: Sequence[Callable[[], Result]]) -> list[Re
 class LocalProcesses(Engine):
     """Engine with up to `jobs` processes on this machine, which end when the parent process ends.
 
-    Each process is replaced after `tasks_per_process` tasks, so that memory kept by libraries does not add up.
+    Each process is replaced after `tasks_per_process` tasks, so that memory kept by libraries does not add up. None is
+    started before `done`.
     """
 
     words = "processes of this machine"
 
     def __init__(self, jobs: int, tasks_per_process: int = 20) -> None:
-        """Prepare the engine; no process is started yet."""
         self._jobs = jobs
         self._tasks_per_process = tasks_per_process
 
@@ -101,7 +104,6 @@ class LocalProcesses(Engine):
         return self._jobs
 
     def done(self, tasks: Sequence[Callable[[], Result]], until: float = inf) -> Iterator[Done[Result]]:
-        """Yield every task when it has ended; see `Engine.done`."""
         lost: list[int] = []
         waiting = deque(range(len(tasks)))
         while waiting:
@@ -167,8 +169,8 @@ if TYPE_CHECKING:
 
 
 def engine_of(jobs: int | None = None, scheduler: str | None = None) -> Engine:
-    """Engine on this machine, by default with one process for each core, or on the cluster with this scheduler
-    address.
+    """The engine for a number of jobs on this machine (None: one for each core) or, if it is given, for the cluster
+    with this scheduler's address.
     """
     if scheduler is not None:
         return DaskCluster(scheduler)
@@ -176,13 +178,13 @@ def engine_of(jobs: int | None = None, scheduler: str | None = None) -> Engine:
 
 
 class DaskCluster(Engine):
-    """Engine on a Dask cluster, given by the address of its scheduler, such as tcp://10.0.0.1:8786.
+    """Engine on a Dask cluster, given by the address of its scheduler, such as tcp://10.0.0.1:8786. It is contacted
+    when first used.
 
     Its workers must run the same program with one thread each, as gmsh handles one mesh per process.
     """
 
     def __init__(self, address: str) -> None:
-        """Prepare the engine; the cluster is not contacted yet."""
         self.address = address
         self.words = f"the Dask cluster at {address}"
         self._kept: Client | None = None
@@ -193,7 +195,6 @@ class DaskCluster(Engine):
             return len(_workers(client))
 
     def done(self, tasks: Sequence[Callable[[], Result]], until: float = inf) -> Iterator[Done[Result]]:
-        """Yield every task when it has ended; see `Engine.done`."""
         from distributed import as_completed
         from distributed.client import FutureCancelledError
         from distributed.scheduler import KilledWorker
@@ -228,7 +229,6 @@ class DaskCluster(Engine):
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Connect to the cluster and check its program once, and keep the connection inside this context."""
         if self._kept is not None:
             yield
             return

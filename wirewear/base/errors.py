@@ -67,5 +67,7 @@ def show_warnings_plainly() -> None:
 
 
 def renamed(former: str, present: str) -> None:
-    """Warn whoever uses a public name of an earlier version, which goes on working (docs/promises.md)."""
+    """Warn of a deprecated name: whoever uses the public name `former` of an earlier version, which goes on working
+    (docs/promises.md), is given the `present` one.
+    """
     warnings.warn(f"{former} is now {present}", DeprecationWarning, stacklevel=3)

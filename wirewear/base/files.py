@@ -52,7 +52,7 @@ def parsed_toml(text: str, where: str, kind: type[WirewearError]) -> dict[str, o
 
 
 def table_of(tables: Mapping[str, object], name: str) -> Mapping[str, object]:
-    """Table of this name within TOML tables; empty if there is none."""
+    """The table of this name within TOML tables; empty if there is none, or something else has the name."""
     found = tables.get(name)
     return found if isinstance(found, Mapping) else {}
 
@@ -69,7 +69,9 @@ def _hint(text: str, reason: str) -> str:
 
 
 def toml_text(tables: Mapping[str, object], prefix: str = "") -> str:
-    """TOML text of tables that hold texts, numbers, lists and tables; `prefix` begins the names of inner tables."""
+    """TOML text of tables that hold texts, numbers, lists and tables; prefix: what begins the names of inner tables, as
+    "rig.".
+    """
     own = [f"{key} = {spelled(value)}" for key, value in tables.items() if not isinstance(value, Mapping)]
     inner = []
     for key, value in tables.items():
@@ -92,7 +94,7 @@ def spelled(value: object) -> str:
 
 
 def is_encoding_of_text(name: str) -> bool:
-    """True if `name` is an encoding that Python knows and that stores text, rather than packed bytes or host names."""
+    """True if `name` is an encoding that Python knows, for texts and not for packed bytes or host names."""
     try:
         return "1,5".encode(name).decode(name) == "1,5" and codecs.lookup(name).name not in _NO_TEXTS
     except (LookupError, ValueError):
@@ -155,9 +157,9 @@ def with_checksum(table: Mapping[str, object]) -> dict[str, object]:
 
 
 def require_unchanged(table: Mapping[str, object], where: str, kind: type[WirewearError]) -> None:
-    """Check the checksum of a table made by `with_checksum` and read from JSON; a table without one passes.
+    """Check a table that was made by `with_checksum` and read from JSON; one without a checksum passes.
 
-    Raises an error of class `kind` if the table has changed.
+    Raises an error of class `kind`, with a sentence that begins with `where`, if the table has changed.
     """
     try:
         whole = "sha256" not in table or with_checksum(table)["sha256"] == table["sha256"]

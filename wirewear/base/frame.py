@@ -35,7 +35,9 @@ CITATION = (
 
 
 def rendered(template: Path, values: Mapping[str, object], filters: Mapping[str, Filter] | None = None) -> str:
-    """HTML page from a template that extends frame.html, filled with these values."""
+    """HTML page from a Jinja template that extends frame.html, filled with these values; filters: further ones, by
+    name.
+    """
     own = _version()
     return environment(template.parent, filters).get_template(template.name).render(
         css=(HERE / "frame.css").read_text(encoding="utf-8"),
@@ -46,7 +48,9 @@ def rendered(template: Path, values: Mapping[str, object], filters: Mapping[str,
 
 
 def environment(folder: Path, filters: Mapping[str, Filter] | None = None) -> "jinja2.Environment":
-    """Jinja environment for templates in `folder` and beside this file; values are escaped unless marked as safe."""
+    """Jinja environment for templates in `folder` and beside this file; values are escaped unless marked as safe.
+    filters: further ones, by name.
+    """
     import jinja2
 
     made = jinja2.Environment(
@@ -79,17 +83,19 @@ def inline_svg(image: bytes, name: str) -> str:
 
 
 def number(value: float, digits: int = 5) -> float | None:
-    """Value rounded to this number of digits; None if it is not finite."""
+    """Value rounded to this number of significant digits; None if it is not finite."""
     return float(f"{value:.{digits}g}") if isfinite(value) else None
 
 
 def numbers(values: Iterable[float], digits: int = 5) -> list[float | None]:
-    """Values rounded to this number of digits, None in place of those that are not finite."""
+    """Values rounded to this number of significant digits, None in place of those that are not finite."""
     return [number(float(value), digits) for value in values]
 
 
 def figure(value: float | None, digits: int = 3, sign: bool = False) -> str:
-    """Number as text for readers, with powers of ten as 10ⁿ; a dash for None and NaN. sign: show a plus sign."""
+    """Number as text for readers, with this number of significant digits and powers of ten as 10ⁿ; a dash for None and
+    NaN. sign: True to show a plus sign.
+    """
     if value is None or value != value:  # noqa: PLR0124 (NaN)
         return "–"
     if value in (float("inf"), -float("inf")):

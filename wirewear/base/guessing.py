@@ -47,17 +47,20 @@ class NoTableError(RecordError):
 
 @dataclass(frozen=True)
 class GuessedLayout:
-    """Guessed layout of a text with its column names and stated units ("" if unstated); further fields as commented."""
+    """Guessed layout of a text, with its columns' names (empty if no line names them) and stated units ("" if
+    unstated).
+    """
 
     layout: delimited.DelimitedLayout
     names: tuple[str, ...]
     units: tuple[str, ...]
     width: int = 0  #: Number of fields in a row.
-    sample_rate_Hz: float | None = None  #: Sample rate that the header states.
+    sample_rate_Hz: float | None = None  #: Sample rate that the header states; None if it states none.
     clocks: bool = False  #: True if a column holds times of day.
-    #: Layouts of several tables with the same names, or of a table followed by other text; else empty.
+    #: Layouts of several tables with the same names, or of one followed by other text; else empty.
     tables: tuple[delimited.DelimitedLayout, ...] = ()
-    step_um: float | None = None  #: Spacing of points of a line of heights, as the header states it.
+    #: Spacing of points of a line of heights, as the header states it; None if it does not.
+    step_um: float | None = None
     words: frozenset[int] = frozenset()  #: Indices of the columns of words.
     remarks: tuple[str, ...] = ()  #: Sentences on blocks and sheets.
 
@@ -68,9 +71,10 @@ class GuessedLayout:
 
 
 def guessed_layout(path: Path) -> GuessedLayout:
-    """Guessed layout of a text file or spreadsheet with a table of numbers.
+    """Layout of a text file or spreadsheet with a table of numbers, guessed from its first 200 lines.
 
-    Raises RecordError if the file cannot be read, and NoTableError if no table of numbers is found in it.
+    Raises RecordError if the file cannot be read or its numbers are ambiguous, and NoTableError if no table of numbers
+    is found.
     """
     data, sheets = delimited.contents_of(path)
     encoding = "utf-8" if sheets else encoding_of(data)
@@ -346,8 +350,8 @@ def _rate(header: list[str], table: _Table) -> float | None:
 
 
 def known_columns(file: Path, names: Sequence[str]) -> dict[str, Array]:
-    """Columns (n,) of a text file by name, for those of `names` that it has. Raises RecordError if it cannot
-    be read.
+    """Columns (n,) of a text file by name, for those of `names` that it has. Raises RecordError if it cannot be
+    read.
     """
     text = delimited.read_delimited(file, guessed_layout(file).layout)
     places: dict[str, int] = {name: text.names.index(name) for name in names if name in text.names}

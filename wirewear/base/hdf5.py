@@ -30,20 +30,21 @@ _SEAL_LENGTH = len("\nwirewear sha256 \n") + 64
 
 
 def hdf5_image(fill: Callable[[h5py.File], None], *, track_order: bool = False) -> bytes:
-    """Bytes of a new HDF5 file that `fill` writes to; with `track_order` groups keep the order of their creation."""
+    """Bytes of a new HDF5 file, sealed, that `fill` writes to; track_order: True if groups keep the order of their
+    creation.
+    """
     with _in_memory(track_order=track_order) as file:
         return _filled(file, fill)
 
 
 class GrowingImage:
-    """HDF5 file in memory whose bytes are taken repeatedly while it grows."""
+    """HDF5 file in memory, empty at first, whose bytes are taken repeatedly while it grows."""
 
     def __init__(self) -> None:
-        """Begin with an empty file."""
         self._file = _in_memory()
 
     def filled(self, fill: Callable[[h5py.File], None]) -> bytes:
-        """Bytes of the file after `fill` has added to it."""
+        """Bytes of the file, sealed, after `fill` has added to it."""
         return _filled(self._file, fill)
 
 
@@ -83,10 +84,9 @@ def opened_hdf5(
 ) -> Iterator[h5py.File]:
     """Open an HDF5 file made by `hdf5_image` for reading, checking its checksum.
 
-    Raises an error of class `kind` if there is no such file, it is damaged or truncated, or it refers to other files.
-
-    what: kind of file in messages, such as "result file".
-    unsealed: values of the attribute `format` of older files, which have no checksum.
+    what: kind of file in messages, such as "result file". unsealed: values of the attribute `format` of older files,
+    which have no checksum. Raises an error of class `kind` if there is no such file, it is damaged or truncated, or it
+    refers to other files.
     """
     data = read_bytes(path, kind, what)
     if not data.startswith(_SIGNATURE):

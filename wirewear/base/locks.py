@@ -22,11 +22,11 @@ LOCK_FILE_NAME = ".wirewear-lock"
 
 @contextmanager
 def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, object]]:
-    """Lock a folder, which is created if missing, for the enclosed work; `what` names the work for messages.
+    """Lock a folder, created if missing, for the enclosed work; `what` names the work in messages of others.
 
     Yields what the last holder noted, if it did not finish; else an empty mapping. `noted` is written to the lock file,
-    and the file remains only if something was noted and the work ends in an error.
-    Raises RunError if another process holds the folder, or it cannot be written to.
+    which remains only if something was noted and the work ends in an error. Raises RunError if another process holds
+    the folder, or it cannot be written to.
     """
     path = prepared_folder(folder) / LOCK_FILE_NAME
     with writing(RunError, f"the output folder {folder} cannot be used"):
@@ -50,7 +50,9 @@ def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, obj
 
 
 def last_noted(folder: Path) -> Mapping[str, object]:
-    """Note of the process that holds a folder, or that held it and did not finish; empty if there is none."""
+    """What the process that holds a folder, or held it and did not finish, noted in its lock file; empty if there is
+    none.
+    """
     try:
         descriptor = os.open(folder / LOCK_FILE_NAME, os.O_RDONLY | os.O_NOFOLLOW)
     except OSError:

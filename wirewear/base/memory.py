@@ -17,8 +17,8 @@ MOST_EXPANSION, HARMLESS = 100, 100e6
 
 
 def require_room(path: Path, need: float, kind: type[WirewearError]) -> None:
-    """Check that contents of `need` bytes, as a file states them, fit into memory and are plausible for the file's
-    size.
+    """Check that contents of `need` bytes, as a file states them, fit into free memory and are at most a hundred times
+    the file's size (small ones pass).
 
     Raises an error of class `kind` if not.
     """
@@ -55,7 +55,7 @@ def free_disk(path: Path) -> float:
 
 
 def size_text(size: float) -> str:
-    """Number of bytes as text with two digits, such as ``46 TB``."""
+    """A size in bytes as text with two digits, such as ``46 TB``."""
     for unit in ("bytes", "kB", "MB", "GB", "TB"):
         if size < 999.5 or unit == "TB":
             break

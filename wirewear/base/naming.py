@@ -1,6 +1,7 @@
 """Usual names of channels and units in many languages, and the encoding of a text found by them.
 
-A channel is a measured quantity such as "force" or "displacement".
+A channel is a measured quantity such as "force" or "displacement", a key of `USUAL_NAMES`. A stem is a column's name
+without its unit, in plain letters with _ between words.
 """
 
 import codecs
@@ -132,18 +133,18 @@ def states_factor(name: str) -> bool:
 
 
 def units_of(channel: str) -> dict[str, float]:
-    """Units in which loggers write a channel, including those per length of a line contact, and their factors to its
-    unit.
+    """Units in which loggers write a channel, those per length of a line contact among them, with the factor from each
+    to the unit in which records keep the channel; empty for a channel without unit.
     """
     unit = UNIT_OF.get(channel, "")
     return FIELD_UNITS.get(unit, {}) | UNITS_PER_LENGTH.get(unit, {})
 
 
 def stem_and_unit(name: str, known: dict[str, float]) -> tuple[str, str | None]:
-    """Name of a column without its unit, and the unit, or None: ``("tangential_force", "N")`` for ``"Tangential force
-    [N]"``.
+    """Stem of a column's name, and its unit, None if it states none of the known ones: ``("tangential_force", "N")``
+    for ``"Tangential force [N]"``.
 
-    known: units that count, by name.
+    known: units that count, by name; other values are not read.
     """
     name = unicodedata.normalize("NFKC", name).lstrip("#%/; ")
     bracketed = re.fullmatch(r"(.+?)[\s_]*[\[(]\s*([^\[\]()]+?)\s*[\])]", name)
@@ -157,13 +158,11 @@ def stem_and_unit(name: str, known: dict[str, float]) -> tuple[str, str | None]:
 
 
 def recognised(names: Sequence[str], channel: str, units: Sequence[str] = ()) -> list[int]:
-    """Indices of the columns that hold a channel: first those with its exact usual names, then those with words beside
-    them.
+    """Indices of the columns (by their names) that may hold a channel, the likeliest first; empty if none does.
 
-    Within each group the most usual names come first. Of columns with equal names, a column in a unit of the channel is
-    preferred to a raw signal, and a zeroed column to one that was not zeroed.
-
-    units: stated unit of each column ("" if unstated); by default the units in the names.
+    Names that are exactly usual ones come before those with other words beside, and more usual names before others. Of
+    columns with equal names, one in a unit of the channel is preferred to a raw signal, and a zeroed one to one that
+    was not zeroed. units: stated unit of each column ("" if unstated); if empty, the units in the names.
     """
     known, parted = units_of(channel), [stem_and_unit(name, units_of(channel)) for name in names]
     own = list(units) or [unit or "" for _, unit in parted]
@@ -202,7 +201,7 @@ _WORDS = frozenset(
 
 
 def encoding_of(data: bytes) -> str:
-    """Most likely encoding of a text: the one in which most of its words are known."""
+    """Name of the most likely encoding of a text, as Python calls it: the one in which most of its words are known."""
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16"
     try:

@@ -53,9 +53,9 @@ _TAKEN = {
 
 
 def require_no_other(path: Path, kind: type[WirewearError], *wanted: Held) -> None:
-    """Check that a path does not hold content that only other commands accept; unrecognised content passes.
+    """Check that a path holds nothing but content of the kinds `wanted`; content that is not recognised passes.
 
-    Raises an error of class `kind` that names the content and a suitable command.
+    Otherwise raises an error of class `kind` that names the content and a suitable command.
     """
     held = None
     with suppress(OSError, ValueError):

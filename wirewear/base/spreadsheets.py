@@ -91,9 +91,9 @@ def workbook_text(sheets: list[Sheet]) -> bytes:
 
 
 def left_out(path: Path, sheets: list[Sheet], names: str | None = None) -> tuple[str, ...]:
-    """Sentence that names the sheets that are not read, as a tuple; empty if there are none.
+    """One sentence, in a tuple, that names the sheets that are not read; an empty tuple if there are none.
 
-    names: line of column names that the sheets to be read contain; if None, only the largest sheet is read.
+    names: line of column names that the sheets to be read contain; None: only the largest sheet is read.
     """
     left = [
         repr(one.title) for one in sheets if (one is not largest(sheets) if names is None else names not in one.lines)

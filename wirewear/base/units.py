@@ -77,8 +77,8 @@ _LARGEST_FLOAT = int(sys.float_info.max)  # An integer beyond cannot be compared
 class Quantity:
     """Allowed values of a key: numbers from `low` to `high` in `unit` (a key of UNIT_NAMES), or one of `words`.
 
-    Calling it with a value checks and returns the value, as a float or, with `whole`, as an int divisible by
-    `multiple_of`.
+    Called with a value, it checks and returns it: as a float, with `whole` as an int divisible by `multiple_of`, or as
+    the word.
     """
 
     unit: str
@@ -89,7 +89,7 @@ class Quantity:
     words: tuple[str, ...] = ()
 
     def __call__(self, value: object) -> float | int | str:
-        """Check and return a value read from a study.
+        """The value, checked; see the class.
 
         Raises ValueError if it is not allowed, with a message that continues after the key's name.
         """
@@ -118,7 +118,7 @@ class Quantity:
 
     @property
     def range_text(self) -> str:
-        """Allowed range in words, such as ``between 0.02 and 20 millimetres``."""
+        """The allowed range in words, such as ``between 0.02 and 20 millimetres``."""
         words = "".join(f', or "{word}"' for word in self.words)
         return f"between {self.low:.12g} and {self.high:.12g} {UNIT_NAMES[self.unit]}".rstrip() + words
 
@@ -145,7 +145,7 @@ def finite_number(value: object) -> float:
 
 
 def unit_of(name: str) -> str:
-    """Symbol of the unit at the end of a column's name: "µm" for `depth_um`; "1" if there is none."""
+    """Symbol of the unit that ends a column's name: "µm" for `depth_um`; "1" if there is none."""
     if name in _OF_ITSELF:
         return _OF_ITSELF[name]
     units = {unit: symbol.strip() for unit, symbol in UNIT_SYMBOLS.items() if unit != "1"} | RESULT_UNITS

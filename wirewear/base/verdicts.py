@@ -10,7 +10,9 @@ from rich.text import Text
 
 @dataclass(frozen=True)
 class Comparison:
-    """Simulated and expected figure, the relative tolerance, and the source of the expected one."""
+    """Simulated and expected figure, the relative tolerance (0.01: 1 %), and the source of the expected one in
+    words.
+    """
 
     name: str
     simulated: float
@@ -31,7 +33,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Finding:
-    """A statement, the results as evidence, and True in `holds` if they support it."""
+    """A statement, the results that are its evidence, in words, and in `holds` True if they support it."""
 
     statement: str
     evidence: str

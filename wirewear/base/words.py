@@ -6,7 +6,7 @@ from difflib import get_close_matches
 
 
 def counted(number: float) -> str:
-    """Whole number as text, such as 9999; from 10 000 on with thin spaces between thousands."""
+    """A number rounded to a whole one, as text such as 9999; from 10 000 on with thin spaces between thousands."""
     whole = round(number)
     return f"{whole:,}".replace(",", "\u2009") if abs(whole) >= 10_000 else str(whole)
 

@@ -63,7 +63,9 @@ def finite(value: object) -> object: ...
 
 
 def finite(value: object) -> object:
-    """Copy of a value of mappings, sequences and plain values, with None in place of numbers that are not finite."""
+    """Copy of a value of mappings, sequences (which become lists) and plain values, with None for numbers that are not
+    finite.
+    """
     if isinstance(value, float):
         return value if isfinite(value) else None
     if isinstance(value, Mapping):
@@ -85,8 +87,8 @@ def prepared_folder(path: Path) -> Path:
 
 
 def usable_folder(path: Path) -> Path:
-    """Check that an output folder exists and takes files, or could be created; nothing is left behind. Returns the
-    path.
+    """Check that an output folder exists and takes files, or could be created; returns its path. Nothing is left
+    behind.
 
     Raises RunError if it cannot be created or written to.
     """
@@ -102,10 +104,9 @@ def usable_folder(path: Path) -> Path:
 
 
 def usable_file(path: Path) -> Path:
-    """Check that a file could be written or replaced, its folder being created if missing; nothing is left behind or
-    changed.
+    """Check that a file could be written or replaced, its folder being created if missing; returns its path. Nothing is
+    left behind or changed.
 
-    Returns the path.
     Raises RunError if it could not.
     """
     with writing(RunError, f"{path} cannot be written"):
@@ -197,11 +198,11 @@ def in_one_step(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def folder_in_one_step(path: Path, *, in_place_of: Sequence[str] = ()) -> Iterator[Path]:
-    """Yield a new folder beside `path`, to be filled, that becomes `path` if the enclosed work succeeds.
+    """Yield a new folder beside `path`, to be filled, that becomes `path` if the enclosed work succeeds; else it is
+    deleted.
 
     in_place_of: names in `path` that are replaced; all else in it is kept. If empty, `path` must not exist, or be an
-    empty folder.
-    Raises OSError if the folder cannot be written, or `path` holds files that cannot stay.
+    empty folder. Raises OSError if the folder cannot be written, or `path` holds files that cannot stay.
     """
     # The name of "." is that of the folder.
     path = link_followed(path).resolve()
@@ -240,10 +241,8 @@ def put_back(path: Path) -> None:
 
 
 def set_aside(path: Path) -> Path | None:
-    """Previous folder of `path`, left aside by a process killed during the exchange; None if `path` exists or none is
-    found.
-
-    None also if several folders could be it.
+    """The one folder beside `path` that a process killed during an exchange has left as its previous contents; None if
+    `path` exists, or there is no such folder or several.
     """
     found = [] if os.path.lexists(path) else [*path.parent.glob(f"{_literal(path.name)}{_BEFORE}*")]
     return found[0] if len(found) == 1 else None
@@ -288,7 +287,9 @@ def require_absent(paths: Iterable[Path], kind: type[WirewearError]) -> None:
 
 
 def is_special(path: Path) -> bool:
-    """True for a device, pipe or socket, and for a stream that this process already has open."""
+    """True for a device, pipe or socket, and for a path such as /dev/stdout that leads to an open stream of this
+    process.
+    """
     return open_number(path) is not None or (path.exists() and not path.is_file() and not path.is_dir())
 
 
@@ -344,7 +345,7 @@ def writing(kind: type[WirewearError], what: str, then: str = "") -> Iterator[No
 
 
 def why_not_written(error: OSError) -> str:
-    """Reason for an OSError in writing, as the end of a sentence."""
+    """Reason for an OSError in writing, as the end of a sentence, without a full stop."""
     if isinstance(error, FileExistsError):
         nowhere = isinstance(error.filename, str | os.PathLike) and os.path.islink(error.filename)  # noqa: PTH114
         return "it is a link that leads nowhere" if nowhere else "it is a file, not a folder"
@@ -369,7 +370,7 @@ def _beside(path: Path, *, folder: bool) -> tuple[Path, int]:
 
 
 def name_beside(path: Path) -> Path:
-    """Unique name beside a path for a file that is being written."""
+    """Path of a new, unique name in the folder of `path`, with its ending, for a file that is being written."""
     return path.with_name(f".{path.stem}.{secrets.token_hex(4)}.partial{path.suffix}")
 
 

@@ -142,7 +142,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
 
     def predicted(self, chain: Chain) -> Chain:
         """The chain with a compliance of 1.21 s/P added, at the load P: asperities that close by s ln p give way by s/P
-        per N.
+        per N. Their height also spreads the pressure.
         """
         height_um = self._height_um.at(chain.cycles)
         # Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
@@ -215,10 +215,10 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         return replace(described, layers=(*described.layers, ThirdBody(self.retained_fraction, self.modulus_MPa)))
 
     def predicted(self, chain: Chain) -> Chain:
-        """The chain with debris in the scars and the bed's compliance: of f V/A thickness on the area A it shears by f
-        V/(A² G) per N.
+        """The chain with debris in the scars, whose bed shears by f V/(A² G) per N: it is f V/A thick on the worn area
+        A, with the worn volume V, the share f that stays and the shear modulus G.
 
-        A² = πRV for wires once the scar is larger than Hertz's contact. A bed that fills up over time is multiplied by
+        A² is πRV for wires once the scar is larger than Hertz's contact. A bed that fills up over time is multiplied by
         a power of A². One that is full at the thickness h_f has h_f (1 − exp(−f V/(A h_f))); further debris is ejected.
         A bed also spreads the pressure, like a rough layer that closes as much, h p/M, under the mean pressure p.
         """

@@ -1,8 +1,9 @@
 """Effects as immutable objects that change one seam of the model, and the chain in which fast models apply them.
 
-To a fast model a test is a chain in series: drive, free play and springs, contact, sensors, at n moments of the test. A
-subclass of `Effect` changes the description of its seam by `changed`, and the chain by `predicted`, by default by
-applying `changed` at every moment.
+A seam is a place in the model where effects enter, and its description an object that says what the model has there
+(see `wirewear.effects.seams`). To a fast model a test is a chain in series: drive, free play and springs, contact,
+sensors, at n moments of the test. A subclass of `Effect` changes the description of its seam by `changed`, and the
+chain by `predicted`, by default by applying `changed` at every moment.
 """
 
 from abc import ABC, abstractmethod
@@ -34,7 +35,7 @@ _OF_SENSORS = (
 
 
 class UnforeseenError(StudyError):
-    """An effect changes a field of its seam's description that a chain does not hold."""
+    """An effect changes a field of its seam's description that a chain does not hold: it needs its own `predicted`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,27 +44,27 @@ class Chain:
     are (n,).
     """
 
-    radius_um: float  #: Radius of the sphere, or of the cylinder, whose gap to a flat the bodies have.
+    radius_um: float  #: Radius of the sphere (or the cylinder, of a line contact) that has the bodies' gap to a flat.
     fresh_area_um2: float  #: Area of the contact before any wear.
-    cycles: Array  #: Cycles done; the next is friction energy dissipated.
-    energy_J: Array
-    worn_um3: Array  #: Volume that both wires have lost.
+    cycles: Array  #: Cycles done.
+    energy_J: Array  #: Friction energy dissipated.
+    worn_um3: Array  #: Volume that both bodies together have lost.
     amplitude_um: Array  #: Displacement amplitude that the drive holds, NaN where it holds slip or energy.
     load_N: Array  #: Normal load before any wear.
     misalignment_rad: Array  #: Angle by which the motion rises out of the contact plane.
     friction: Array  #: Coefficient of friction.
-    wear_um3_per_mJ: Array  #: Worn volume of both wires per friction energy.
-    retained_fraction: Array  #: Share of the worn volume that stays in the scars as debris.
+    wear_um3_per_mJ: Array  #: Worn volume of both bodies together per friction energy.
+    retained_fraction: Array  #: Share of the worn volume that stays in the scars as debris, 0 to 1.
     bed_MPa: Array  #: Modulus of the debris; zero for a rigid bed.
-    oxygen_W: Array  #: Supply of oxygen, zero for enough everywhere.
+    oxygen_W: Array  #: Supply of oxygen, see `solvers.OxygenSupply`; 0 for enough everywhere.
     starved_factor: Array  #: Factor on wear where there is no oxygen.
-    compliance_um_per_N: Array  #: Compliance in series with the contact along the motion; likewise free play.
-    free_play_um: Array
+    compliance_um_per_N: Array  #: Compliance in series with the contact along the motion.
+    free_play_um: Array  #: Free play in series with it.
     flattening_um: Array  #: Approach of the wires by flattening before any wear.
     rough_um: Array  #: Height of a layer of asperities that spreads the contact's pressures.
     bed_um: Array  #: Height of a layer of asperities that closes like a bed of debris.
     crossing_error_rad: Array  #: Deviation of the angle between the wires' axes from 90°.
-    gain: Array  #: Errors of the sensors, as the next six; see `wirewear.loops.sensor.Sensor`.
+    gain: Array  #: Errors of the sensors, as the next six: see `wirewear.loops.sensor.Sensor`.
     linear_um_per_N: Array
     quadratic_um_per_N2: Array
     crosstalk: Array
@@ -74,31 +75,31 @@ class Chain:
 
     @property
     def worn_area2_um4(self) -> Array:
-        """Square (n,) of the worn contact's area, π R V."""
+        """(n,) square of the worn contact's area: π R V, with the worn volume V."""
         return pi * self.radius_um * self.worn_um3
 
     def with_oxygen(self, supply_W: float, starved_factor: float) -> "Chain":
-        """The chain with a supply of oxygen: unchanged, since oxygen reaches every place in the scars of contacts at a
-        point.
+        """The chain with a supply of oxygen (see `solvers.OxygenSupply`): unchanged, since oxygen reaches every place
+        in the scars of contacts at a point.
         """
         del supply_W, starved_factor
         return self
 
     @property
     def ages(self) -> list[Age]:
-        """Cycles done and energy dissipated at each moment."""
+        """Age of the test at each of the n moments."""
         return [Age(n, energy) for n, energy in zip(self.cycles.tolist(), self.energy_J.tolist(), strict=True)]
 
     @classmethod
     def joined(cls, chains: Sequence["Chain"]) -> "Chain":
-        """One chain with the moments of all chains, one after the other; radius, fresh area and length are those of the
-        first.
+        """One chain with the moments of all chains (at least one), one after the other; radius, fresh area and length
+        are those of the first.
         """
         columns: dict[str, Any] = {name: np.concatenate([getattr(chain, name) for chain in chains]) for name in COLUMNS}
         return replace(chains[0], **columns)
 
     def taken(self, moments: NDArray[np.intp]) -> "Chain":
-        """The chain with the chosen moments (indices) only."""
+        """The chain with the moments of these indices only."""
         return replace(self, **{name: getattr(self, name)[moments] for name in COLUMNS})
 
 
@@ -108,7 +109,7 @@ class LineChain(Chain):
 
     @property
     def worn_area2_um4(self) -> Array:
-        """Square (n,) of the worn contact's area, (2 L w)², with w³ = 3 R V/(2 L)."""
+        """(n,) square of the worn contact's area, (2 L w)², with w³ = 3 R V/(2 L)."""
         half_width = np.cbrt(1.5 * self.radius_um * self.worn_um3 / self.length_um)
         return np.asarray((2.0 * self.length_um * half_width) ** 2)
 
@@ -192,11 +193,11 @@ _VIEWS: dict[Seam, _SeamView] = {
 
 @dataclass(frozen=True)
 class Effect(ABC, Generic[T]):
-    """An effect that the nominal model lacks; its fields are its parameters, each made by `parameter`.
+    """An effect that the nominal model lacks; its fields are its parameters, each made by `parameter`. T is the
+    description that it changes.
 
-    A subclass's docstring gives the physics and its source; the first line is its title.
-
-    Raises StudyError if a parameter is out of its range.
+    A subclass's docstring gives the physics and its source; the first line is its title. Raises StudyError if a
+    parameter is out of its range.
     """
 
     #: Name in files; unique.
@@ -238,10 +239,12 @@ class Effect(ABC, Generic[T]):
 
     @abstractmethod
     def changed(self, described: T, age: Age) -> T:
-        """The seam's description with this effect in it, at an age of the test."""
+        """The description of the effect's seam with this effect in it, at an age of the test. `described` is not
+        changed.
+        """
 
     def predicted(self, chain: Chain) -> Chain:
-        """The chain with this effect in it, for fast models; by default `changed` at every moment.
+        """The chain with this effect in it, for fast models; by default by `changed` at every moment.
 
         Raises UnforeseenError if it changes a field of its seam's description that a chain does not hold.
         """
@@ -280,13 +283,13 @@ class Effect(ABC, Generic[T]):
 
     @classmethod
     def choices(cls) -> dict[str, tuple[str, ...]]:
-        """Fields that take one of a few words, by name, each with its words; the first is the default."""
+        """Fields that take one of a few words: for each its words, the first of which is the default."""
         return {field.name: field.metadata["choice"] for field in fields(cls) if "choice" in field.metadata}
 
     @classmethod
     def expected(cls) -> dict[str, object]:
-        """Everything assumed about this effect before a record is seen, as plain numbers, from which a diagnosis
-        starts.
+        """Everything assumed about this effect before a record is seen, from which a diagnosis starts, as plain values
+        for JSON: prior_weight, model_error, forms and parameters.
         """
         return {
             "prior_weight": cls.prior_weight,
@@ -297,23 +300,23 @@ class Effect(ABC, Generic[T]):
 
     @classmethod
     def considered_for(cls, contact: str, held: str) -> bool:
-        """True if a diagnosis considers this effect for a kind of contact.
+        """True if a diagnosis considers this effect for a kind of contact, one of `wirewear.base.kinds`.
 
-        held: what the drive holds in place of its displacement, such as the slip; empty if nothing.
+        held: what the drive holds in place of its displacement, such as "slip"; empty if it holds that.
         """
         return _meant(cls.contacts, contact) and (bool(held) or not cls.of_held_drives)
 
     @classmethod
     def forms(cls, contact: str | None = None) -> dict[str, Parameter]:
-        """Numbers by which the effect's law may differ from its source's, by name, for one kind of contact or
-        for all.
+        """Forms by name: numbers by which the effect's law may differ from its source's (see
+        `wirewear.effects.parameter`), for one kind of contact, or with None for all.
         """
         known = [field for field in fields(cls) if "form" in field.metadata]
         return {one.name: one.metadata["form"] for one in known if _meant(one.metadata["contacts"], contact)}
 
     @classmethod
     def answer_to(cls, measurement: Measurement) -> str:
-        """Words on what a measurement would show if this effect were the cause; "" if not known."""
+        """What a measurement would show if this effect were the cause, as part of a sentence; "" if not known."""
         return next((answer.text for answer in cls.answers if answer.measurement == measurement), "")
 
     @classmethod
@@ -323,23 +326,23 @@ class Effect(ABC, Generic[T]):
 
     @property
     def values(self) -> dict[str, float]:
-        """The parameters' values by name; infinite for "rigid"."""
+        """The parameters' values by name; infinite where a file says "rigid"."""
         return {name: getattr(self, name) for name in self.parameters()}
 
     @classmethod
     def neutral(cls, stated: Stated) -> Self:
         """The effect with values at which it changes nothing.
 
-        stated: numbers of a study by key, of which some values are multiples.
+        stated: numbers of a study by key, such as "contact.friction", of which some values are multiples.
         """
         known = {name: item.beside(stated) for name, item in cls.parameters().items()}
         return cls(**{name: item.easy if item.neutral is None else item.neutral for name, item in known.items()})
 
     @classmethod
     def sized(cls, size: Size, stated: Stated) -> Self:
-        """The effect at a size that is easy or hard to see in a record.
+        """The effect at a size that is "easy" or "hard" to see in a record.
 
-        stated: numbers of a study by key, of which some values are multiples.
+        stated: numbers of a study by key, such as "contact.friction", of which some values are multiples.
         """
         return cls(**{name: getattr(item.beside(stated), size) for name, item in cls.parameters().items()})
 

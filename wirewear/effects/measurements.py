@@ -1,5 +1,6 @@
-"""Further measurements beyond a record's loops. Two effects are distinguished by one that would show different
-answers.
+"""Further measurements beyond a record's loops, by which effects are distinguished.
+
+Two effects are distinguished by a measurement that would show different answers under them.
 """
 
 from dataclasses import dataclass
@@ -7,7 +8,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Measurement:
-    """A measurement that laboratories can make, why it distinguishes effects, and its cost in days of a laboratory."""
+    """A measurement that laboratories can make, why it distinguishes effects, and its cost in days of a laboratory's
+    work.
+    """
 
     what: str
     why: str
@@ -21,7 +24,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Answer:
-    """The result that a measurement would show under an effect."""
+    """What a measurement would show under an effect, as part of a sentence."""
 
     measurement: Measurement
     text: str

@@ -2,7 +2,8 @@
 seen.
 
 A form is a number by which a law may differ from the law of its source. A coordinate is a parameter's value expressed
-as a standard normal deviate under what is expected.
+as a standard normal deviate under what is expected: 0 in the middle of `interest`, ±1.96 at its ends. A parameter's
+sizes are its values `easy`, `hard` and `interest`.
 """
 
 import math
@@ -51,9 +52,10 @@ class Parameter:
     held_by: tuple[str, float] | None = None
 
     def beside(self, stated: Stated) -> "Parameter":
-        """The parameter with plain values in a study that states the numbers `stated`, by key.
+        """The parameter with its sizes and neutral value in its own unit, in a study that states the numbers `stated`
+        by key; unchanged if they are no multiples.
 
-        Raises StudyError if the number is missing of which its sizes are multiples.
+        Raises StudyError if the number is missing of which they are multiples.
         """
         if not self.share_of:
             return self
@@ -67,9 +69,7 @@ class Parameter:
         )
 
     def value(self, coordinate: float) -> float:
-        """The value at a coordinate (a standard normal deviate under what is expected), within the parameter's
-        range.
-        """
+        """The value at a coordinate, limited to the parameter's range."""
         low, high = self._ends()
         at = 0.5 * (low + high) + coordinate * (high - low) / (2.0 * _ENDS)
         if self.logarithmic:
@@ -77,24 +77,23 @@ class Parameter:
         return min(max(at, self.quantity.low), self.quantity.high)
 
     def coordinate(self, value: float) -> float:
-        """The coordinate (a standard normal deviate under what is expected) of a value; inverse of `value`."""
+        """The coordinate of a value, which must be positive for a logarithmic parameter; inverse of `value`."""
         low, high = self._ends()
         at = math.log(value) if self.logarithmic else value
         return (at - 0.5 * (low + high)) / (high - low) * 2.0 * _ENDS
 
     @property
     def near_neutral(self) -> float:
-        """The neutral value or, where that is 0 or infinite on a logarithmic scale, one that hardly differs from it in
+        """The neutral value (0 if there is none) or, where that is 0 or infinite on a logarithmic scale, the value one
+        standard deviation from the middle of what is expected, on the neutral side, which hardly differs from it in
         effect.
-
-        This is one standard deviation from the middle of what is expected, on the neutral side.
         """
         if not self.logarithmic or self.neutral is None or 0.0 < self.neutral < math.inf:
             return self.neutral or 0.0
         return self.value(1.0 if self.neutral else -1.0)
 
     def scaled(self, factor: float) -> "Parameter":
-        """This parameter with its sizes multiplied by a factor, within its range."""
+        """This parameter with its sizes multiplied by a factor, limited to its range."""
         if factor == 1.0:
             return self
         low, high = self.quantity.low, self.quantity.high
@@ -106,7 +105,7 @@ class Parameter:
         return replace(self, easy=within(self.easy), hard=within(self.hard), interest=interest)
 
     def bounds(self) -> tuple[float, float]:
-        """Coordinates of both ends of its range; infinite where the range has no end on its scale."""
+        """Coordinates of the lower and the upper end of its range; infinite where the range has no end on its scale."""
         low, high = self.quantity.low, self.quantity.high
         return (-math.inf if self.logarithmic and low <= 0.0 else self.coordinate(low)), self.coordinate(high)
 
@@ -115,7 +114,7 @@ class Parameter:
         return (math.log(low), math.log(high)) if self.logarithmic else (low, high)
 
     def checked(self, value: object) -> float:
-        """The value as a number; an infinite stiffness may be written as "rigid".
+        """The value of a file as a number; an infinite stiffness may be written as "rigid".
 
         Raises ValueError if it is out of range or not a number; the message continues a sentence that begins with the
         name.
@@ -144,13 +143,15 @@ def parameter(
 
 
 def cycles_of_change(meaning: str, typical: float) -> float:
-    """A parameter: the number of cycles over which a change happens; `typical` is its size for "easy" and "hard"."""
+    """A parameter: the number of cycles over which a change happens, expected from 30 to 1e5; typical: its size for
+    "easy" and "hard".
+    """
     quantity, ends = Quantity("cycles", 1.0, 1e9), (30.0, 1e5)
     return parameter(meaning, quantity, neutral=None, easy=typical, hard=typical, interest=ends, logarithmic=True)
 
 
 def choice(*words: str) -> str:
-    """A dataclass field of an effect that takes one of a few words; the first is the default."""
+    """A dataclass field of an effect that takes one of these words; the first is the default."""
     made: str = field(default=words[0], metadata={"choice": words})
     return made
 
@@ -167,24 +168,28 @@ def form(described: Parameter, *, contacts: tuple[str, ...] = ()) -> float:
 
 
 def exponent(deviation: float) -> Parameter:
-    """A form: the exponent of a law over its source's; its logarithm has the standard deviation `deviation`."""
+    """A form: the exponent of a law over its source's; deviation: standard deviation of its logarithm."""
     ends = math.exp(-_ENDS * deviation), math.exp(_ENDS * deviation)
     meaning = "exponent of its law over that of its source's"
     return Parameter(meaning, _EXPONENT, neutral=1.0, easy=1.0, hard=1.0, interest=ends, logarithmic=True)
 
 
 def added(meaning: str, low: float, high: float) -> Parameter:
-    """A form: a number added to an exponent or an order of a law; between `low` and `high` for 95 % of laws."""
+    """A form: a number added to an exponent or an order of a law, from `low` to `high` for 95 % of laws. meaning: of
+    the number.
+    """
     return Parameter(meaning, _ORDER, neutral=0.0, easy=0.0, hard=0.0, interest=(low, high))
 
 
 def order(deviation: float) -> Parameter:
-    """A form: the order of a change's kinetics beyond the first; its standard deviation is `deviation`."""
+    """A form: the order of a change's kinetics beyond the first (see `Course.order`); deviation: its standard
+    deviation.
+    """
     return added("order of its kinetics beyond the first", -_ENDS * deviation, _ENDS * deviation)
 
 
 def limit_um(low: float, high: float) -> Parameter:
-    """A form: the largest thickness in µm, unlimited by the source's law; between `low` and `high` for 95 % of limited
+    """A form: the largest thickness in µm, without limit by the source's law; from `low` to `high` for 95 % of limited
     laws.
     """
     never = math.inf
@@ -193,7 +198,7 @@ def limit_um(low: float, high: float) -> Parameter:
 
 
 def share(low: float, high: float) -> Parameter:
-    """A form: the share of a change that does not happen, 0 by the source's law; between `low` and `high` for 95 % of
+    """A form: the share of a change that does not happen, 0 by the source's law; from `low` to `high` for 95 % of
     laws.
     """
     meaning = "share of it that stays for good"
@@ -201,7 +206,9 @@ def share(low: float, high: float) -> Parameter:
 
 
 def part(meaning: str, low: float, high: float) -> Parameter:
-    """A form: the share of something that acts, 1 by the source's law; between `low` and `high` for 95 % of laws."""
+    """A form: the share of something that acts, 1 by the source's law; from `low` to `high` for 95 % of laws. meaning:
+    of what, as "of its give".
+    """
     return Parameter(f"share {meaning}", _PART, neutral=1.0, easy=1.0, hard=1.0, interest=(low, high))
 
 

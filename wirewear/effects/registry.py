@@ -32,10 +32,10 @@ LIBRARY: tuple[EffectType, ...] = (
 
 
 def effects_of_tables(value: object) -> tuple[AnyEffect, ...]:
-    """The effects from a list of `[[effects]]` tables; effect objects in it are kept.
+    """The effects that a list of `[[effects]]` tables states; effect objects in it are kept.
 
-    Raises ValueError if it is not such a list, an effect is unknown or given twice, or a parameter is missing, unknown
-    or out of range; the message continues a sentence that begins with "effects" and their place.
+    Raises ValueError if `value` is not such a list, an effect is unknown or given twice, or a parameter is missing,
+    unknown or out of range; the message continues a sentence that begins with "effects" and their place.
     """
     if not isinstance(value, list | tuple):
         raise ValueError(f"is {shown(value)}, but must be tables {_EXAMPLE}")
@@ -113,23 +113,24 @@ def _problem(sentence: str) -> StudyError:
 
 
 def all_measurements() -> tuple[Measurement, ...]:
-    """Every measurement that can distinguish effects: the library's, then those that effects of packages name."""
+    """Every further measurement that can distinguish effects: the library's, then those that effects of packages
+    name.
+    """
     named = (answer.measurement for effect in all_effects().values() for answer in effect.answers)
     return tuple(dict.fromkeys((*measurements.LIBRARY, *named)))
 
 
 def splits(measurement: Measurement, one: str, other: str) -> bool:
-    """True if a measurement is known to show different answers under two effects; "none" names the model without an
-    effect.
+    """True if a measurement is known to show different answers under the effects of these two names; "none" names the
+    model without an effect.
     """
     a, b = (_shown(measurement, name) for name in (one, other))
     return bool(a and b and a != b)
 
 
 def distinguished_by(effect: EffectType) -> tuple[Measurement, ...]:
-    """Measurements that distinguish an effect from those it can be confused with, cheapest first.
-
-    Where it can be confused with none: from any other effect.
+    """Measurements that distinguish an effect from any of those it can be confused with, or if there are none, from any
+    other effect; the cheapest first.
     """
     others = effect.confused_with or tuple(all_effects())
     found = [m for m in all_measurements() if any(splits(m, effect.name, other) for other in others)]
@@ -144,7 +145,7 @@ def _shown(measurement: Measurement, name: str) -> str:
 
 
 def effects_json() -> list[dict[str, object]]:
-    """Every effect with its parameters as plain values for JSON."""
+    """Every effect with its parameters, sizes and measurements, as plain values for JSON."""
     return [_effect_json(effect) for effect in all_effects().values()]
 
 
@@ -177,7 +178,7 @@ def _parameter_json(name: str, item: Parameter) -> dict[str, object]:
 
 
 def effects_table() -> Table:
-    """A table for the terminal of every effect with its seam, parameters and sizes."""
+    """A table of every effect with its seam, parameters, sizes and signature, to be printed with rich."""
     table = Table(title="Effects", title_justify="left", show_lines=True)
     for heading in ("effect", "seam", "parameters: neutral, hard and easy to see", "signature"):
         table.add_column(heading, overflow="fold")

@@ -29,7 +29,7 @@ class Seam(StrEnum):
 
 @dataclass(frozen=True)
 class Age:
-    """Age of a test: cycles done, and friction energy dissipated in J."""
+    """Age of a test: number of cycles done, and friction energy dissipated in J."""
 
     cycles: float
     energy_J: float
@@ -58,8 +58,8 @@ class ContactLaw:
 
 @dataclass(frozen=True)
 class Specimens:
-    """The wires as mounted: the angle between their axes, and the approach in mm by which they were flattened
-    together.
+    """The bodies as mounted: the angle between the wires' axes, and the approach in mm by which both were flattened
+    together before any wear.
     """
 
     crossing_angle_deg: float
@@ -68,14 +68,16 @@ class Specimens:
 
 @dataclass(frozen=True)
 class Control:
-    """Amplitude in µm that the drive holds constant; None if it holds the slip or energy that the study states."""
+    """Displacement amplitude in µm that the drive holds constant; None if it holds the slip or energy that the study
+    states.
+    """
 
     displacement_amplitude_um: float | None
 
 
 @dataclass(frozen=True)
 class Loading:
-    """The load on the holder when the bodies have just been pressed together, and its direction."""
+    """The load on the holder when the bodies have just been pressed together, and the motion's direction."""
 
     normal_load_N: float  #: Along the loading axis.
     misalignment_rad: float = 0.0  #: Angle by which the motion rises out of the contact plane.
@@ -95,7 +97,9 @@ class ChangesASeam(Protocol):
 
 
 def applied(effects: Iterable[ChangesASeam], seam: Seam, described: T, age: Age) -> T:
-    """The description `described` of a seam after all effects that change this seam, one after the other, at an age."""
+    """The description `described` of a seam after all those of `effects` that change this seam, one after the other, at
+    an age of the test.
+    """
     for effect in effects:
         if effect.seam is seam:
             described = effect.changed(described, age)
@@ -103,7 +107,9 @@ def applied(effects: Iterable[ChangesASeam], seam: Seam, described: T, age: Age)
 
 
 def problem_with(problem: ContactProblem, effects: Sequence[ChangesASeam], age: Age) -> ContactProblem:
-    """A nominal contact problem with effects on holder, loading, contact law and wear law, at an age of the test."""
+    """The nominal contact problem with the effects on holder, loading, contact law and wear law in it, at an age of the
+    test; other effects do not count here.
+    """
     if problem.friction_law.ages or problem.wear.law.ages:
         problem = replace(problem, cycle=age.cycles)
     if not effects:

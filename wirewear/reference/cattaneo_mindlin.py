@@ -25,7 +25,8 @@ from wirewear.reference.hertz import require_positive
 class PartialSlipPoint:
     """A circular contact of radius a that carries the normal load P and a tangential force Q of at most µP.
 
-    stiffness_N_per_mm is Mindlin's initial tangential stiffness K = 2G*a. Raises ValueError unless all are positive.
+    stiffness_N_per_mm is Mindlin's initial tangential stiffness K = 2G*a. Raises ValueError unless all fields are
+    positive.
     """
 
     normal_load_N: float
@@ -60,19 +61,21 @@ def mindlin_stiffness(tangential_modulus_MPa: float, contact_radius_mm: float) -
 def partial_slip_point(
     normal_load_N: float, friction: float, contact_radius_mm: float, tangential_modulus_MPa: float
 ) -> PartialSlipPoint:
-    """The contact of a Hertz radius and a tangential modulus G*, see `PartialSlipPoint`."""
+    """The contact of this Hertz radius whose stiffness follows from the tangential modulus G*."""
     stiffness = mindlin_stiffness(tangential_modulus_MPa, contact_radius_mm)
     return PartialSlipPoint(normal_load_N, friction, contact_radius_mm, stiffness)
 
 
 def stick_radius(contact: PartialSlipPoint, force_N: ArrayLike) -> Array:
-    """Stick radius c = a(1 − |Q|/µP)^⅓ in mm on first loading; 0 when sliding."""
+    """Stick radius c = a(1 − |Q|/µP)^⅓ in mm on first loading, of the forces' shape; 0 when sliding. Raises ValueError
+    beyond µP.
+    """
     return contact.contact_radius_mm * np.cbrt(_unused_capacity(contact, force_N))
 
 
 def loading_displacement(contact: PartialSlipPoint, force_N: ArrayLike) -> Array:
-    """Displacement u = 3µP/(2K) · [1 − (1 − |Q|/µP)^⅔] in mm on first loading, odd in Q. Raises ValueError
-    beyond µP.
+    """Displacement u = 3µP/(2K) · [1 − (1 − |Q|/µP)^⅔] in mm on first loading, odd in Q, of the forces' shape. Raises
+    ValueError beyond µP.
     """
     remaining = np.cbrt(_unused_capacity(contact, force_N)) ** 2
     direction: Array = np.sign(np.asarray(force_N, float))
@@ -80,7 +83,9 @@ def loading_displacement(contact: PartialSlipPoint, force_N: ArrayLike) -> Array
 
 
 def loading_force(contact: PartialSlipPoint, displacement_mm: ArrayLike) -> Array:
-    """Force Q = µP[1 − (1 − |u|/u_slip)^(3/2)] in N on first loading, µP beyond u_slip, odd in u."""
+    """Force Q = µP[1 − (1 − |u|/u_slip)^(3/2)] in N on first loading, odd in u, of the displacements' shape; µP beyond
+    u_slip.
+    """
     u = np.asarray(displacement_mm, float)
     remaining = np.maximum(1.0 - np.abs(u) / contact.full_slip_displacement_mm, 0.0)
     force: Array = np.sign(u) * contact.limit_N * (1.0 - remaining**1.5)
@@ -88,17 +93,18 @@ def loading_force(contact: PartialSlipPoint, displacement_mm: ArrayLike) -> Arra
 
 
 def displacement_after_reversal(contact: PartialSlipPoint, force_N: ArrayLike, reversal_force_N: float) -> Array:
-    """Displacement u(Q) = u* − 2u₁((Q* − Q)/2) in mm after first loading to Q* and reversal.
+    """Displacement u(Q) = u* − 2u₁((Q* − Q)/2) in mm after first loading to Q* and reversal, of the forces' shape.
 
-    Q lies between Q* and −Q*; a negative Q* describes reloading in a closed cycle. Raises ValueError outside.
+    Q lies between Q* and −Q*; a negative Q* describes reloading in a closed cycle. Raises ValueError where |Q* − Q|
+    exceeds 2µP.
     """
     change = 0.5 * (reversal_force_N - np.asarray(force_N, float))
     return loading_displacement(contact, reversal_force_N) - 2.0 * loading_displacement(contact, change)
 
 
 def loading_traction(contact: PartialSlipPoint, radius_mm: ArrayLike, force_N: float) -> Array:
-    """Traction q(r) = µp0[√(1 − r²/a²) − (c/a)√(1 − r²/c²)] in MPa on first loading, odd in Q (second term for r < c
-    only).
+    """Traction q(r) = µp0[√(1 − r²/a²) − (c/a)√(1 − r²/c²)] in MPa at radii r (any shape) on first loading, odd in Q;
+    the second term counts for r < c only, and all is 0 for r > a.
     """
     r = np.asarray(radius_mm, float)
     a, c = contact.contact_radius_mm, float(stick_radius(contact, force_N))
@@ -111,19 +117,23 @@ def loading_traction(contact: PartialSlipPoint, radius_mm: ArrayLike, force_N: f
 def traction_after_reversal(
     contact: PartialSlipPoint, radius_mm: ArrayLike, force_N: float, reversal_force_N: float
 ) -> Array:
-    """Traction q(r) = q₁(Q*) − 2q₁((Q* − Q)/2) in MPa after first loading to Q* and unloading to Q."""
+    """Traction q(r) = q₁(Q*) − 2q₁((Q* − Q)/2) in MPa at radii r (any shape), after first loading to Q* and unloading
+    to Q.
+    """
     change = 0.5 * (reversal_force_N - force_N)
     first = loading_traction(contact, radius_mm, reversal_force_N)
     return first - 2.0 * loading_traction(contact, radius_mm, change)
 
 
 def stick_radius_after_reversal(contact: PartialSlipPoint, force_N: float, reversal_force_N: float) -> float:
-    """Inner radius c' = a[1 − |Q* − Q|/(2µP)]^⅓ in mm of the annulus that slips back after a reversal at Q*."""
+    """Radius c' = a[1 − |Q* − Q|/(2µP)]^⅓ in mm inside which nothing slips back after a reversal at Q*; outside, an
+    annulus does.
+    """
     return float(stick_radius(contact, 0.5 * (reversal_force_N - force_N)))
 
 
 def energy_per_cycle(contact: PartialSlipPoint, force_amplitude_N: float) -> float:
-    """Energy dissipated by a closed cycle between ±Q*, in N·mm = mJ.
+    """Energy in mJ that a closed cycle between ±Q* dissipates, without gross slip.
 
     7.2(µP)²/K · {1 − (1−T)^(5/3) − (5T/6)[1 + (1−T)^⅔]}, T = Q*/µP (Mindlin & Deresiewicz 1953). Raises ValueError
     beyond µP.
@@ -174,7 +184,7 @@ def unloading_stiffness(contact: PartialSlipPoint, rig_stiffness_N_per_mm: float
 def first_loading_force(
     contact: PartialSlipPoint, displacement_mm: ArrayLike, rig_stiffness_N_per_mm: float = math.inf
 ) -> Array:
-    """Force Q in N on first loading through the rig's spring at displacements δ; odd in δ, µP beyond
+    """Force Q in N on first loading through the rig's spring at displacements δ (any shape), odd in δ; µP beyond
     `sliding_threshold`.
 
     With s³ = 1 − Q/µP the displacement is the cubic (µP/K_s)(1 − s³) + 1.5(µP/K)(1 − s²), solved by bisection.
@@ -195,7 +205,9 @@ def first_loading_force(
 def force_amplitude(
     contact: PartialSlipPoint, displacement_amplitude_mm: float, rig_stiffness_N_per_mm: float = math.inf
 ) -> float:
-    """Largest force Q* in N of the closed loop of amplitude δa."""
+    """Largest force Q* in N of the closed loop of amplitude δa; µP in gross slip. Raises ValueError for an amplitude
+    that is not positive.
+    """
     require_positive(displacement_amplitude_mm=displacement_amplitude_mm)
     return float(first_loading_force(contact, displacement_amplitude_mm, rig_stiffness_N_per_mm))
 
@@ -212,7 +224,7 @@ def slip_amplitude(
 def dissipated_energy(
     contact: PartialSlipPoint, displacement_amplitude_mm: float, rig_stiffness_N_per_mm: float = math.inf
 ) -> float:
-    """Energy of a closed loop in mJ; in gross slip 4µP(δa − µP/K_s) − 4.8(µP)²/K."""
+    """Energy in mJ of the closed loop of amplitude δa; in gross slip 4µP(δa − µP/K_s) − 4.8(µP)²/K."""
     amplitude = force_amplitude(contact, displacement_amplitude_mm, rig_stiffness_N_per_mm)
     sliding = max(displacement_amplitude_mm - sliding_threshold(contact, rig_stiffness_N_per_mm), 0.0)
     return energy_per_cycle(contact, amplitude) + 4.0 * contact.limit_N * sliding
@@ -226,7 +238,9 @@ def branch_force(
     *,
     forward: bool,
 ) -> Array:
-    """Force Q in N at δ on one branch of the closed loop: ∓Q* ± 2Q₁(|δ ± δa|/2), upper signs on the forward branch."""
+    """Force Q in N at displacements δ (any shape) on one branch of the closed loop: ∓Q* ± 2Q₁(|δ ± δa|/2), upper signs
+    on the forward branch (towards +x).
+    """
     amplitude = force_amplitude(contact, displacement_amplitude_mm, rig_stiffness_N_per_mm)
     sign = 1.0 if forward else -1.0
     travelled = displacement_amplitude_mm + sign * np.asarray(displacement_mm, float)
@@ -240,7 +254,8 @@ def closed_loop(
     rig_stiffness_N_per_mm: float = math.inf,
     samples: int = 400,
 ) -> HysteresisLoop:
-    """The whole steady Q–δ loop under a sinusoidal drive, in partial or in gross slip.
+    """The whole steady Q–δ loop under a sinusoidal drive of amplitude δa, in partial or in gross slip; samples: of the
+    cycle.
 
     Raises ValueError for fewer than 8 samples or values that are not positive.
     """

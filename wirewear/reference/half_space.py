@@ -55,8 +55,8 @@ def sliding_stress(
     peak_shear_MPa: float,
     poissons_ratio: float,
 ) -> Array:
-    """Stresses (..., 6) in MPa under p0 √(1 − r²/a²) and a shear q0 √(1 − r²/a²) along +x: a sliding sphere for q0 = µ
-    p0.
+    """Stresses (..., 6) in MPa in a half-space under a pressure p0 √(1 − r²/a²) and a shear q0 √(1 − r²/a²) along +x: a
+    sliding sphere for q0 = µ p0.
 
     The largest tension is on the surface at the trailing edge x = −a: p0 (1 − 2ν)/3 + q0 π (4 + ν)/8 (Hamilton, Proc.
     Inst. Mech. Eng. 197C (1983) 53). Raises ValueError for a radius that is not positive, or a point above the surface.
@@ -89,11 +89,11 @@ def partial_slip_stress(
     friction: float,
     poissons_ratio: float,
 ) -> Array:
-    """Stresses (..., 6) in MPa in partial slip on first loading: those of sliding, less those of a shear on the stick
-    zone.
+    """Stresses (..., 6) in MPa in a half-space in partial slip on first loading: as in sliding, less those of a shear
+    on the stick zone.
 
     The shear is µ p0 [√(1 − r²/a²) − (c/a) √(1 − r²/c²)] along +x (Cattaneo 1938, Mindlin 1949). Raises ValueError for
-    radii that are not positive or a stick zone larger than the contact.
+    radii that are not positive, a stick zone larger than the contact, or a point above the surface.
     """
     require_positive(contact_radius_mm=contact_radius_mm, stick_radius_mm=stick_radius_mm)
     if stick_radius_mm > contact_radius_mm:
@@ -206,7 +206,9 @@ def _stress(gradient: Array, nu: float) -> Array:
 
 
 def line_stick_ratio(force_N_per_mm: float, limit_N_per_mm: float) -> float:
-    """Stick ratio c/a = √(1 − |Q|/µP) of a line contact on first loading. Raises ValueError beyond µP."""
+    """Stick ratio c/a = √(1 − |Q|/µP), 0 to 1, of a line contact on first loading; limit_N_per_mm is µP. Raises
+    ValueError beyond it.
+    """
     unused = 1.0 - abs(force_N_per_mm) / limit_N_per_mm
     if unused < -1e-9:
         raise ValueError(f"the tangential force must not exceed µP = {limit_N_per_mm:g} N/mm")
@@ -216,14 +218,16 @@ def line_stick_ratio(force_N_per_mm: float, limit_N_per_mm: float) -> float:
 def line_stick_ratio_after_reversal(
     force_N_per_mm: float, reversal_force_N_per_mm: float, limit_N_per_mm: float
 ) -> float:
-    """Inner edge c'/a = √(1 − |Q* − Q|/(2µP)) of the zones that slip back after a reversal at Q*. ValueError outside
-    ±Q*.
+    """Ratio c'/a = √(1 − |Q* − Q|/(2µP)) of the inner edge of the zones that slip back after a reversal at Q* to the
+    half-width; limit_N_per_mm is µP. Raises ValueError where |Q* − Q| exceeds 2µP.
     """
     return line_stick_ratio(0.5 * (reversal_force_N_per_mm - force_N_per_mm), limit_N_per_mm)
 
 
 def line_loading_traction(contact: LineContact, friction: float, x_mm: ArrayLike, force_N_per_mm: float) -> Array:
-    """Traction q(x) = µp0[√(1 − x²/a²) − (c/a)√(1 − x²/c²)] in MPa on first loading of a line contact, odd in Q."""
+    """Traction q(x) = µp0[√(1 − x²/a²) − (c/a)√(1 − x²/c²)] in MPa at distances x (any shape) on first loading of a
+    line contact, odd in Q; each root counts as 0 where it is not real.
+    """
     a = contact.half_width_mm
     c = a * line_stick_ratio(force_N_per_mm, friction * contact.normal_load_N_per_mm)
     x = np.asarray(x_mm, float)
@@ -234,8 +238,8 @@ def line_loading_traction(contact: LineContact, friction: float, x_mm: ArrayLike
 def line_traction_after_reversal(
     contact: LineContact, friction: float, x_mm: ArrayLike, force_N_per_mm: float, reversal_force_N_per_mm: float
 ) -> Array:
-    """Traction q(x) = q₁(Q*) − 2q₁((Q* − Q)/2) in MPa after first loading to Q* and unloading to Q; q₁ is that of first
-    loading.
+    """Traction q(x) = q₁(Q*) − 2q₁((Q* − Q)/2) in MPa at distances x (any shape) after first loading to Q* and
+    unloading to Q; q₁ is `line_loading_traction`.
     """
     change = 0.5 * (reversal_force_N_per_mm - force_N_per_mm)
     first = line_loading_traction(contact, friction, x_mm, reversal_force_N_per_mm)
@@ -248,7 +252,8 @@ def line_stick_shift(contact: LineContact, friction: float, bulk_stress_MPa: flo
 
     Friction µp0 √(1 − x²/a²) strains the surfaces relative to each other by 4 (1 − ν²) µp0 x/(aE). Subtracting µp0
     (c/a) √(1 − (x − e)²/c²) in a stick zone of half-width c about e leaves 4 (1 − ν²) µp0 e/(aE) there, which equals
-    the bulk strain (1 − ν²) σ/E (Nowell & Hills, Int. J. Mech. Sci. 29 (1987) 355; while e + c <= a).
+    the bulk strain (1 − ν²) σ/E (Nowell & Hills, Int. J. Mech. Sci. 29 (1987) 355). It holds while e + c <= a, which is
+    not checked.
     """
     return float(contact.half_width_mm * bulk_stress_MPa / (4.0 * friction * contact.peak_pressure_MPa))
 

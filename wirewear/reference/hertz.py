@@ -29,7 +29,7 @@ def tangential_contact_modulus(first: Elastic, second: Elastic) -> float:
 
 
 def require_positive(**values: float) -> None:
-    """Raise ValueError naming the first argument that is not a positive number."""
+    """Raise ValueError naming the first of the arguments, given by name, that is not a positive number."""
     for name, value in values.items():
         if not value > 0.0:
             raise ValueError(f"{name} must be positive, not {value:g}")
@@ -56,17 +56,19 @@ class PointContact:
 
     @property
     def mean_pressure_MPa(self) -> float:
-        """Mean pressure: load over contact area, two thirds of the peak pressure."""
         return 2.0 / 3.0 * self.peak_pressure_MPa
 
     def pressure(self, x_mm: ArrayLike, y_mm: ArrayLike = 0.0) -> Array:
-        """Pressure p = p0 √(1 − x²/a² − y²/b²) in MPa, 0 outside; x along the major axis (shapes broadcast)."""
+        """Pressure p = p0 √(1 − x²/a² − y²/b²) in MPa at coordinates from the middle, x along the major axis (shapes
+        broadcast); 0 outside.
+        """
         x, y = np.asarray(x_mm, float), np.asarray(y_mm, float)
         inside = 1.0 - (x / self.major_semi_axis_mm) ** 2 - (y / self.minor_semi_axis_mm) ** 2
         return self.peak_pressure_MPa * np.sqrt(np.maximum(inside, 0.0))
 
     def mean_over_disc_MPa(self, diameter_mm: float) -> float:
-        """Mean pressure over a disc about the middle of a circular contact: load on the disc over its area.
+        """Mean pressure in MPa over a disc about the middle of a circular contact: load on the disc over its area,
+        which may exceed the contact's.
 
         Raises ValueError if the contact is not circular.
         """
@@ -79,7 +81,7 @@ class PointContact:
 
 @dataclass(frozen=True)
 class LineContact:
-    """Hertz line contact, loads per unit length."""
+    """Hertz line contact; its load is per mm of its length."""
 
     normal_load_N_per_mm: float
     half_width_mm: float
@@ -87,16 +89,17 @@ class LineContact:
 
     @property
     def mean_pressure_MPa(self) -> float:
-        """Mean pressure: load over contact width, π/4 of the peak pressure."""
         return math.pi / 4.0 * self.peak_pressure_MPa
 
     def pressure(self, x_mm: ArrayLike) -> Array:
-        """Pressure p = p0 √(1 − x²/a²) in MPa, 0 outside (shape of x)."""
+        """Pressure p = p0 √(1 − x²/a²) in MPa at distances x from the middle, of their shape; 0 outside."""
         x = np.asarray(x_mm, float)
         return self.peak_pressure_MPa * np.sqrt(np.maximum(1.0 - (x / self.half_width_mm) ** 2, 0.0))
 
     def mean_over_segment_MPa(self, length_mm: float) -> float:
-        """Mean pressure over a segment about the middle: load on it over its length."""
+        """Mean pressure in MPa over a segment of this length across the contact, about its middle; it may be longer
+        than the contact is wide.
+        """
         share = 0.5 * length_mm / self.half_width_mm
         within = min(share, 1.0)
         return self.peak_pressure_MPa * (within * math.sqrt(1.0 - within**2) + math.asin(within)) / (2.0 * share)
@@ -127,10 +130,11 @@ def hertz_line(normal_load_N_per_mm: float, radius_mm: float, modulus_MPa: float
 def relative_curvatures(
     first_radius_mm: float, second_radius_mm: float, crossing_angle_deg: float
 ) -> tuple[float, float, float]:
-    """Gap Ax² + By² of two cylinders of radii R1 and R2, crossed at the angle ω: (A, B, angle) with A ≤ B in 1/mm.
+    """Gap Ax² + By² of two cylinders of radii R1 and R2, crossed at the angle ω: (A, B, angle), with A ≤ B in 1/mm.
 
     The angle in rad is that of the x axis, the contact's major axis, from the first cylinder's axis. 4AB = sin²ω/(R1
-    R2) (Johnson 1985, section 4.1).
+    R2) (Johnson 1985, section 4.1). Raises ValueError for a radius that is not positive, or an angle not between 0 and
+    180°.
     """
     require_positive(first_radius_mm=first_radius_mm, second_radius_mm=second_radius_mm)
     if not 0.0 < crossing_angle_deg < 180.0:
@@ -142,12 +146,11 @@ def relative_curvatures(
 def gap_curvatures(
     first_per_mm: tuple[float, float], second_per_mm: tuple[float, float], angle_rad: float
 ) -> tuple[float, float, float]:
-    """Gap Ax² + By² of two bodies: (A, B, angle) with A ≤ B in 1/mm.
+    """Gap Ax² + By² of two bodies: (A, B, angle), with A ≤ B in 1/mm, and in rad the angle of the x axis, the contact's
+    major axis, counter-clockwise from the first body's axis (Johnson 1985, section 4.1).
 
-    first_per_mm, second_per_mm: curvatures of each body (along its axis, across it).  angle_rad: of the second body's
-    axis from the first one's.
-    The angle returned, in rad, is that of the x axis, the contact's major axis, from the first body's axis (Johnson
-    1985, section 4.1).
+    first_per_mm, second_per_mm: curvatures of each body (along its axis, across it), positive if convex. angle_rad: of
+    the second body's axis from the first one's.
     """
     (k1, m1), (k2, m2) = first_per_mm, second_per_mm
     c, s = math.cos(angle_rad), math.sin(angle_rad)
@@ -185,7 +188,7 @@ def semi_axis_ratio(curvature_ratio: float) -> float:
 
 
 def hertz_elliptic(normal_load_N: float, smaller: float, larger: float, modulus_MPa: float) -> PointContact:
-    """Elliptic Hertz contact over a gap Ax² + By² with A = smaller, B = larger (1/mm); modulus_MPa is E*.
+    """Elliptic Hertz contact over a gap Ax² + By² with A = `smaller` and B = `larger`, in 1/mm; modulus_MPa is E*.
 
     Semi-axis a³ = 3PD/(2πAE*), approach 3PK/(2πaE*), p0 = 3P/(2πab), with D = (K − E)/e² and the complete elliptic
     integrals K and E of the contact's eccentricity e (Johnson 1985, section 4.2). Raises ValueError for an argument
@@ -239,7 +242,8 @@ def hertz_bodies(
 
 
 def first_yield_ratio(axis_ratio: float, poissons_ratio: float) -> float:
-    """p0/σ_y at first yield on the axis below an elliptic Hertz contact without friction.
+    """Peak pressure over yield stress, p0/σ_y, at which an elliptic Hertz contact without friction first yields by von
+    Mises, on the axis below it.
 
     axis_ratio: minor over major semi-axis, 0 for a line contact. Stresses on the axis of circle and line are in closed
     form (Johnson, Contact Mechanics (1985), sections 3.4 and 4.2); ellipses are interpolated between.

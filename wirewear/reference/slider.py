@@ -19,8 +19,8 @@ _SPRINGS = 40
 
 @dataclass(frozen=True)
 class SlidingBall:
-    """A ball on a flat: its radius, the moduli E* and G* of the pair, friction, and the stiffness of the rig (inf:
-    rigid).
+    """A ball on a flat: its radius, the moduli E* and G* of the pair, the coefficient of friction, and the stiffness of
+    the rig's spring along the motion (inf: rigid).
     """
 
     radius_mm: float
@@ -32,26 +32,28 @@ class SlidingBall:
 
 @dataclass(frozen=True)
 class SliderLoop:
-    """A closed loop that starts when the drive is at +amplitude; arrays (n,)."""
+    """A closed loop that starts when the drive is at +amplitude, at the ends of n equal parts of the cycle; arrays
+    (n,).
+    """
 
     displacement_mm: Array
-    slid_mm: Array  #: Distance that the ball has slid, averaged over its load; without contact, that of the drive.
+    slid_mm: Array  #: Distance that the ball has slid, averaged over its load; without contact, that which it moves.
     force_N: Array
 
     @property
     def slip_amplitude_mm(self) -> float:
-        """Slip amplitude: half of the range of `slid_mm`."""
+        """Half of the range of `slid_mm`."""
         return 0.5 * float(np.ptp(self.slid_mm))
 
     @property
     def energy_mJ(self) -> float:
-        """Dissipated energy: area of the force–displacement loop, by the trapezoidal rule."""
+        """Dissipated energy: area of the loop of force over displacement, by the trapezoidal rule."""
         means = 0.5 * (self.force_N + np.roll(self.force_N, 1))
         return float(means @ (self.displacement_mm - np.roll(self.displacement_mm, 1)))
 
 
 def slider_loop(amplitude_mm: float, load_N: Array, ball: SlidingBall) -> SliderLoop:
-    """The closed loop under a sinusoidal drive.
+    """The closed loop of a ball that a sinusoidal drive moves by ±amplitude_mm through the rig's spring.
 
     load_N: (n,) at the ends of n equal parts of the cycle, which starts at +amplitude; 0 where there is no contact.
     """

@@ -27,7 +27,9 @@ _LEAST = 1e-6
 
 @dataclass(frozen=True)
 class CrossedWireScar:
-    """Round scar of two equal wires crossed at 90°; depth and volume are those of both wires together."""
+    """Round scar of two equal wires crossed at 90°; its depth in the middle and its volume are those of both wires
+    together.
+    """
 
     volume_mm3: float
     depth_mm: float
@@ -36,7 +38,9 @@ class CrossedWireScar:
 
 @dataclass(frozen=True)
 class LineScar:
-    """Scar of a cylinder on a flat, a circular segment; depth and area are those of both bodies together."""
+    """Scar of a cylinder on a flat, a circular segment; its largest depth and its area are those of both bodies
+    together.
+    """
 
     area_mm2: float
     depth_mm: float
@@ -49,7 +53,8 @@ def worn_volume(energy_wear_coefficient_mm3_per_J: float, dissipated_energy_mJ: 
 
 
 def crossed_wire_scar(volume_mm3: float, wire_radius_mm: float) -> CrossedWireScar:
-    """Scar of equal wires of radius R crossed at 90°, when it is much longer than the stroke.
+    """Scar of equal wires of radius R crossed at 90° after a worn volume V of both, when it is much longer than the
+    stroke.
 
     The wires touch like a sphere of radius R on a flat, so the overlap is a cap: V = πRh², a² = 2Rh. If V grows with
     the number of cycles N, the depth grows as N^½. Raises ValueError for an argument that is not positive.
@@ -60,7 +65,8 @@ def crossed_wire_scar(volume_mm3: float, wire_radius_mm: float) -> CrossedWireSc
 
 
 def line_contact_scar(area_mm2: float, radius_mm: float) -> LineScar:
-    """Scar of a cylinder on a flat: A = 2b³/(3R), h = b²/(2R). If A grows with the number of cycles N, h grows as N^⅔.
+    """Scar of a cylinder of radius R on a flat after a worn area A: A = 2b³/(3R), h = b²/(2R). If A grows with the
+    number of cycles N, h grows as N^⅔.
 
     Raises ValueError for an argument that is not positive.
     """
@@ -70,7 +76,7 @@ def line_contact_scar(area_mm2: float, radius_mm: float) -> LineScar:
 
 
 def worn_pressure(normal_load_N: float, scar: CrossedWireScar) -> float:
-    """Uniform pressure P/(πa²) in MPa that a worn contact tends to."""
+    """Uniform pressure P/(πa²) in MPa to which a worn contact tends."""
     return normal_load_N / (math.pi * scar.radius_mm**2)
 
 
@@ -105,9 +111,10 @@ def explicit_stability_limit(
 
 @dataclass(frozen=True)
 class LimitingShape:
-    """Shape at which wear has ended in partial slip; depths and volume are those of both bodies together.
+    """Shape at which wear has ended in partial slip, of a sphere pressed into a half-space by an approach d until a
+    zone of radius c sticks; depths and volume are those of both bodies together.
 
-    Raises ValueError unless all are positive and the stick zone lies within the contact, c² < d R.
+    Raises ValueError unless all fields are positive and the stick zone lies within the contact, c² < d R.
     """
 
     sphere_radius_mm: float
@@ -122,7 +129,9 @@ class LimitingShape:
             raise ValueError("the stick radius must lie within the contact of the approach")
 
     def depth(self, radius_mm: ArrayLike) -> Array:
-        """Worn depth in mm at distances from the middle, of their shape."""
+        """Worn depth in mm at distances (mm) from the middle, of their shape; inside the stick zone that at its edge,
+        0.
+        """
         r = np.maximum(np.asarray(radius_mm, float), self.stick_radius_mm)
         return np.maximum(self._opening(r), 0.0)
 
@@ -146,26 +155,28 @@ class LimitingShape:
 
     @cached_property
     def deepest_mm(self) -> tuple[float, float]:
-        """The largest depth, and the radius where it is."""
+        """The largest depth, and the distance from the middle where it is."""
         radii = np.linspace(self.stick_radius_mm, self.edge_radius_mm, 4001)
         depths = self.depth(radii)
         place = int(np.argmax(depths))
         return float(depths[place]), float(radii[place])
 
     def load_N(self, modulus_MPa: float) -> float:
-        """Load P = 2 E* (d c − c³/(3R)), which the stick zone alone carries."""
+        """Load P = 2 E* (d c − c³/(3R)), which the stick zone alone carries; modulus_MPa is E*."""
         c = self.stick_radius_mm
         return 2.0 * modulus_MPa * (self.approach_mm * c - c**3 / (3.0 * self.sphere_radius_mm))
 
     def slip_mm(self, friction: float, modulus_MPa: float, tangential_modulus_MPa: float) -> float:
-        """Amplitude in mm of the remote relative motion at which the edge of the stick zone is about to slip."""
+        """Amplitude in mm of the bodies' motion at a distance from the contact at which the edge of the stick zone is
+        about to slip; modulus_MPa and tangential_modulus_MPa are E* and G*.
+        """
         deeper = self.approach_mm - self.stick_radius_mm**2 / self.sphere_radius_mm
         return friction * modulus_MPa / tangential_modulus_MPa * deeper
 
     def volume_after_slip_mm3(self, slip_mm: float, curvature_per_mm: float) -> float:
-        """Volume where slip is no longer small beside the contact, to first order.
+        """Worn volume in mm³ where slip is no longer small beside the contact, to first order.
 
-        slip_mm: u0, amplitude of the bodies at a distance.  curvature_per_mm: of the face between them along the
+        slip_mm: u0, amplitude of the bodies' motion at a distance. curvature_per_mm: of the face between them along the
         motion, half the difference of theirs. At an end of the stroke the annulus has slid by s = u0 (1 − 2/π arcsin
         c/r) over a face that is inclined by x times the curvature: it touches ahead until that much more has worn.
         """
@@ -176,8 +187,8 @@ class LimitingShape:
         return self.volume_mm3 + 4.0 * curvature_per_mm * slip_mm * float(more)
 
     def pressure(self, radius_mm: ArrayLike, modulus_MPa: float) -> Array:
-        """Pressure in MPa at distances from the middle: Hertz's over the stick zone plus a flat punch's, infinite at
-        its edge.
+        """Pressure in MPa at distances (mm) from the middle, of their shape: Hertz's over the stick zone plus a flat
+        punch's, infinite at its edge, 0 beyond; modulus_MPa is E*.
         """
         r, c, big = np.asarray(radius_mm, float), self.stick_radius_mm, self.sphere_radius_mm
         root = np.sqrt(np.maximum(c**2 - r**2, 0.0))
@@ -194,8 +205,8 @@ class LimitingShape:
 
 @dataclass(frozen=True)
 class WearingContact:
-    """A sphere on a half-space, moved by ±drive_mm through the compliance of the bodies' bulk, that wears where it
-    slips.
+    """A sphere on a half-space, moved by ±drive_mm at a distance, beyond the compliance of the bodies' bulk, that wears
+    where it slips.
     """
 
     sphere_radius_mm: float
@@ -203,11 +214,11 @@ class WearingContact:
     tangential_modulus_MPa: float  #: G*.
     friction: float
     drive_mm: float  #: Amplitude of the prescribed motion.
-    bulk_normal_mm_per_N: float = 0.0  #: Compliance of the bodies beyond that of half-spaces; next: tangential.
-    bulk_tangential_mm_per_N: float = 0.0
+    bulk_normal_mm_per_N: float = 0.0  #: Normal compliance of the bodies beyond that of half-spaces.
+    bulk_tangential_mm_per_N: float = 0.0  #: Tangential compliance beyond it.
 
     def under_approach(self, approach_mm: float) -> LimitingShape:
-        """The limiting shape where the bodies are pressed by a constant approach, the deformation of their bulk
+        """The limiting shape where the bodies are held pressed by a constant approach, the deformation of their bulk
         included.
 
         The edge of the stick zone is where it is about to slip: G* u0 = µ E* (d − c²/R). Raises ValueError if nothing
@@ -240,7 +251,8 @@ class WearingContact:
 def worn_under_load(
     sphere_radius_mm: float, modulus_MPa: float, normal_load_N: float, share_of_limit: float
 ) -> LimitingShape:
-    """The limiting shape under a held load P and a held tangential force, a share of µP.
+    """The limiting shape under a held load P and a held tangential force, `share_of_limit` (0 to 1) of µP; modulus_MPa
+    is E*.
 
     The core stays as large as in the fresh contact (Ciavarella and Hills, Eur. J. Mech. A 18 (1999) 491).
     """
@@ -251,7 +263,7 @@ def worn_under_load(
 
 
 def even_line_load(profile: Profile, half_width_mm: float, modulus_MPa: float) -> float:
-    """Load in N/mm under which an even profile h touches a flat over the half-width a.
+    """Load in N/mm under which an even profile h touches a flat over the half-width a; modulus_MPa is E*.
 
     P = E* ∫ t h'(t)/√(a² − t²) dt from 0 to a (Johnson, Contact Mechanics, 1985, section 2.7: the profile as a stack of
     flat punches), with t = a sin θ.
@@ -260,7 +272,7 @@ def even_line_load(profile: Profile, half_width_mm: float, modulus_MPa: float) -
 
 
 def turned_load(profile: Profile, radius_mm: float, modulus_MPa: float) -> float:
-    """Load in N under which a turned profile h touches a flat over a circle of radius a.
+    """Load in N under which a turned profile h touches a flat over a circle of radius a; modulus_MPa is E*.
 
     P = 2 E* ∫ r² h'(r)/√(a² − r²) dr from 0 to a (Sneddon, Int. J. Eng. Sci. 3 (1965) 47).
     """
@@ -276,8 +288,8 @@ def _stacked(profile: Profile, reach_mm: float, power: int) -> float:
 def even_line_contact(
     profile: Profile, normal_load_N_per_mm: float, modulus_MPa: float, widest_mm: float
 ) -> LineContact:
-    """Half-width and largest pressure of an even profile on a flat under a load; widest_mm: largest half-width that is
-    tried.
+    """The contact of an even profile on a flat under a load: its half-width and largest pressure; modulus_MPa is E*,
+    widest_mm the largest half-width that is tried.
 
     p(x) = 1/π ∫ P'(s)/√(s² − x²) ds from |x| to a. Raises ValueError where the widest contact bears less than the load.
     """
@@ -289,8 +301,8 @@ def even_line_contact(
 
 
 def turned_contact(profile: Profile, normal_load_N: float, modulus_MPa: float, widest_mm: float) -> PointContact:
-    """Radius, approach and largest pressure of a turned profile on a flat under a load; widest_mm: largest radius
-    tried.
+    """The contact of a turned profile on a flat under a load: radius, approach and largest pressure; modulus_MPa is E*,
+    widest_mm the largest radius that is tried.
 
     The approach is 1/2E* ∫ P'(s)/s ds from 0 to a, p(r) = 1/2π ∫ P'(s)/(s √(s² − r²)) ds from r to a. Raises ValueError
     where the widest contact bears less than the load.
@@ -324,7 +336,8 @@ def _peak(reach: float, s: Array, per_place: Array) -> float:
 
 
 def even_line_scar(profile: Profile, area_mm2: float, widest_mm: float) -> LineScar:
-    """Scar of an even profile on a flat in gross slip, both bodies together: A = 2 ∫ (h(b) − h(t)) dt from 0 to b.
+    """Scar of an even profile on a flat in gross slip after a worn area A of both bodies: A = 2 ∫ (h(b) − h(t)) dt from
+    0 to b; widest_mm: largest half-width b that is tried.
 
     Raises ValueError where the area is larger than that of the widest scar.
     """
@@ -334,7 +347,8 @@ def even_line_scar(profile: Profile, area_mm2: float, widest_mm: float) -> LineS
 
 
 def turned_scar(profile: Profile, volume_mm3: float, widest_mm: float) -> float:
-    """Radius in mm of the scar of a turned profile in gross slip: V = 2π ∫ (h(b) − h(r)) r dr from 0 to b.
+    """Radius b in mm of the scar of a turned profile in gross slip after a worn volume V of both bodies: V = 2π ∫ (h(b)
+    − h(r)) r dr from 0 to b; widest_mm: largest radius that is tried.
 
     Raises ValueError where the volume is larger than that of the widest scar.
     """
