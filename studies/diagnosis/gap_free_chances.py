@@ -25,7 +25,7 @@ from wirewear import RecordError, ResultError, WirewearError, read_record
 from wirewear.app.cli.study_script import StudyScript, wide_console
 from wirewear.diagnosis import prepared
 from wirewear.diagnosis.infer.covariance import estimate
-from wirewear.diagnosis.infer.inference import Problem
+from wirewear.diagnosis.infer.inference import Problem, fit
 from wirewear.diagnosis.infer.weighing import chance
 
 #: Deviation of the logarithm of a whole record's variance: eighty gap-free records of nineteen tests have 0.18 of it.
@@ -79,8 +79,8 @@ def _chance(path: Path) -> Chance:
     read = prepared(read_record(path))[0].reduced()
     covariance = estimate(read.states, read.setup, read.observed)
     problem = Problem.of(read.states, read.setup, read.observed.layout, covariance)
-    whitened = problem.whitened(read.setup)
-    residual = problem.mean - problem.predicted(read.setup)
+    setup = fit(problem, ()).setup
+    whitened, residual = problem.whitened(setup), problem.mean - problem.predicted(setup)
     by_observable = {}
     for part in problem.layout:
         block = covariance.total[part.rows, part.rows]

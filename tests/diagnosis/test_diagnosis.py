@@ -23,7 +23,7 @@ from wirewear.base.cache import code_hash
 from wirewear.diagnosis import Diagnosis, diagnose
 from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.infer.covariance import estimate
-from wirewear.diagnosis.infer.inference import Problem
+from wirewear.diagnosis.infer.inference import Problem, fit
 from wirewear.diagnosis.observe.along_branches import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.surrogate.candidates import nominal_inputs
@@ -145,7 +145,8 @@ def test_whitened_residuals_of_gap_free_records_are_standard_deviates_at_most() 
         one = independent_record(seed=seed)
         observed, setup = reduce(one), nominal_inputs(nominal_study(one), "sensor")
         covariance = estimate(frozen_states(), setup, observed)
-        whitened = Problem.of(frozen_states(), setup, observed.layout, covariance).whitened(setup)
+        problem = Problem.of(frozen_states(), setup, observed.layout, covariance)
+        whitened = problem.whitened(fit(problem, ()).setup)
         assert float((whitened**2).mean()) < 1.3
         assert abs(whitened).max() < 4.5
 

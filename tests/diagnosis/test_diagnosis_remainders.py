@@ -10,13 +10,14 @@ from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.nominal import BallNominal
 from studies.blind.generators.nuisances import Nuisances, Scatter
 from studies.blind.generators.waveform import Waveform
-from tests.diagnosis.diagnosis_cases import nominal, states
+from tests.diagnosis.diagnosis_cases import nominal, record, states
 from wirewear.diagnosis import diagnose
+from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Fit, Problem, fit
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of
 from wirewear.diagnosis.observe import Site
 from wirewear.diagnosis.observe.channels import own_noise
-from wirewear.diagnosis.observe.reduction import Layout
+from wirewear.diagnosis.observe.reduction import Layout, reduce
 from wirewear.diagnosis.observe.scars import ScarSkew
 from wirewear.diagnosis.surrogate.candidates import Candidate, library
 from wirewear.diagnosis.wording import of_remainder, remaining
@@ -55,6 +56,16 @@ def test_an_angle_far_beyond_what_is_expected_is_found() -> None:
     problem = Problem(states(), nominal(), layout, mean, np.eye(2) / 0.006)
     found = fit(problem, [angle])
     assert angle.values(found.coordinates)["angle_deg"] == pytest.approx(true, rel=0.02)
+
+
+def test_explanations_are_fitted_with_a_law_of_friction_far_from_mindlins() -> None:
+    observed, setup, spring = reduce(record(repeats=1)), nominal("sensor"), candidate("tangential_compliance")
+    problem = Problem.of(states(), setup, observed.layout, estimate(states(), setup, observed))
+    true = np.array([spring.parameters["stiffness_N_per_mm"].coordinate(150.0)])
+    softer = replace(spring.applied(setup, true), micro_slip=2.5 * states().freedoms["micro_slip"])
+    found = fit(replace(problem, mean=problem.predicted(softer)), [spring])
+    assert found.free == pytest.approx([2.5], abs=0.3)
+    assert spring.values(found.coordinates)["stiffness_N_per_mm"] == pytest.approx(150.0, rel=0.02)
 
 
 def test_effects_that_are_one_beside_another_are_a_class_though_neither_explains_alone() -> None:

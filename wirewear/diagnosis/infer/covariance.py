@@ -16,7 +16,6 @@ from scipy.special import chdtrc
 
 from geometry.arrays import Array, IntArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.observe.along_branches import KneePeak
 from wirewear.diagnosis.observe.local_lines import OUTLYING
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.observable import ModelLoops, Scale
@@ -46,6 +45,10 @@ TURNED = _SMOOTH.number("turned")
 #: Where scatters and freedoms that are relative stand in a setup.
 _RELATIVE = {"friction": "friction_factor", "wear": "wear_factor", "load": "load_factor", "amplitude": "amplitude_um"}
 
+#: Freedoms that every explanation is fitted with, as no straight line follows them: laws of friction from Mindlin's to
+#: Dahl's lie far apart, and a contact as soft as its rig yields over much of the stroke.
+FITTED = ("micro_slip",)
+
 #: Names of components that are no observable's.
 HOOKS, OWN = "hooks", "own"
 _OF_REPEATABILITY = constants("infer.covariance.repeatability")
@@ -73,7 +76,7 @@ NOISE_INFLATION = _KNOWN.number("noise_inflation")
 
 def solver_covariance(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Array:
     """Covariance (n, n) of the solvers' differences around a setup."""
-    freedoms = np.column_stack([derivatives(states, setup, layout, states.freedoms), _bent(states, setup, layout)])
+    freedoms = derivatives(states, setup, layout, states.freedoms)
     covariance: Array = freedoms @ freedoms.T + remainder(states, setup, layout)
     return covariance
 
@@ -117,22 +120,6 @@ def derivatives(states: WearStates, setup: SurrogateInputs, layout: Layout, size
         states, *(moved(setup, name, side * size) for side in (0.5, -0.5) for name, size in sizes.items())
     )
     return np.nan_to_num(both[: len(sizes)] - both[len(sizes) :]).T
-
-
-def _bent(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Array:
-    """What a straight line in the order of micro-slip misses of knees (n, 1 or 0), root of the mean square.
-
-    Laws of friction from Mindlin's to Dahl's lie so far apart that a knee shows them only beyond a standard deviation,
-    where a contact as soft as its rig yields over much of the stroke. f(z) = f(0) + f'z + c z²/4, and E z⁴ = 3.
-    """
-    size = states.freedoms.get("micro_slip", 0.0)
-    if size == 0.0:
-        return np.zeros((len(layout), 0))
-    far, none, *both = layout.computed(
-        states, *(moved(setup, "micro_slip", share * size) for share in (2.0, 0.0, 0.5, -0.5))
-    )
-    missed: Array = np.nan_to_num(0.25 * 3.0**0.5 * (far - none - 2.0 * (both[0] - both[1])))
-    return np.where(layout.of_kind(KneePeak), missed, 0.0)[:, None]
 
 
 def remainder(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Array:
@@ -263,6 +250,8 @@ class Covariance:
 
     mean: Array  #: (n,) best mean of the repeats.
     total: Array  #: (n, n) covariance of `mean` less a perfect model's observables, solver error included.
+    free: Mapping[str, float]  #: Standard deviations of the freedoms that explanations are fitted with, by name.
+    moved: Array  #: (n, k) what each of these moves in it.
     single: Array  #: (n,) variance of one repeat against the model, with noise, scatter and solver error.
     numerical: Array  #: (n, n) covariance of the solver error in it.
     tolerated: Array  #: (n, n) covariance of what is within the record's tolerance in it.
@@ -279,6 +268,7 @@ def estimate(states: WearStates, setup: SurrogateInputs, observed: Observations)
     sizes = {name: max(stated.get(name, size), LEAST_NOISE * size) for name, size in SCATTER.items()}
     per_repeat = derivatives(states, setup, layout, sizes)
     shared = np.column_stack([derivatives(states, setup, layout, {**SHARED, **states.doubts}), observed.common])
+    free = {name: states.freedoms[name] for name in FITTED if name in states.freedoms}
     numerical = solver_covariance(states, setup, layout)
     within = tolerated(states, setup, layout, observed.tolerance)
     common = shared @ shared.T
@@ -300,6 +290,8 @@ def estimate(states: WearStates, setup: SurrogateInputs, observed: Observations)
     return Covariance(
         mean=sampling @ weighted,
         total=0.5 * (total + total.T),
+        free=free,
+        moved=derivatives(states, setup, layout, free),
         single=single,
         numerical=numerical,
         tolerated=within,

@@ -59,7 +59,7 @@ def distortions(problem: Problem, fits: Sequence[Fit]) -> tuple[Distortion, ...]
 
 def _beside(problem: Problem, fit: Fit) -> list[Distortion]:
     jacobian = jacobian_of(problem, fit)
-    residual = problem.whitened(fit.setup) - jacobian @ fit.coordinates
+    residual = problem.whitened(fit.setup) - jacobian @ fit.places
     alone = _log_evidence(residual, jacobian)
     found = []
     for sets in columns_of(problem, fit.setup):

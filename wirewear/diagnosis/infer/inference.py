@@ -7,7 +7,7 @@ themselves (MacKay, Information Theory, Inference and Learning Algorithms, 2003,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -16,7 +16,7 @@ from scipy.linalg import solve_triangular
 
 from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.covariance import Covariance
+from wirewear.diagnosis.infer.covariance import Covariance, moved
 from wirewear.diagnosis.observe.reduction import Layout
 from wirewear.diagnosis.surrogate.candidates import Candidate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
@@ -41,7 +41,8 @@ class Problem:
     """Measured observables to be explained by the fast model: `mean` (n,), listed by `layout`.
 
     `whitening` (m, n) turns residuals into m independent standard deviates. `known` caches the predicted observables
-    by setup; problems of one record on the same states share them.
+    by setup; problems of one record on the same states share them. `free` are standard deviations of numerical freedoms
+    by name, with which every explanation is fitted.
     """
 
     states: WearStates
@@ -50,16 +51,19 @@ class Problem:
     mean: Array
     whitening: Array
     known: dict[SurrogateInputs, Array] = field(default_factory=dict)
+    free: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def of(cls, states: WearStates, setup: SurrogateInputs, layout: Layout, covariance: Covariance) -> Problem:
         """The problem of explaining all observables of `layout`, with the covariance's mean and total."""
-        return cls(states, setup, layout, covariance.mean, _whitening(covariance.total))
+        everything = np.ones(len(layout), dtype=bool)
+        return cls(states, setup, layout, covariance.mean, np.zeros((0, 0))).part(everything, covariance)
 
     def part(self, keep: BoolArray, covariance: Covariance) -> Problem:
         """The problem of explaining only the observables that `keep` (n,) marks, with their part of the covariance."""
-        whitening = _whitening(covariance.total[np.ix_(keep, keep)])
-        return Problem(self.states, self.setup, self.layout.taken(keep), covariance.mean[keep], whitening)
+        fixed = covariance.total - covariance.moved @ covariance.moved.T
+        whitening, mean = _whitening(fixed[np.ix_(keep, keep)]), covariance.mean[keep]
+        return Problem(self.states, self.setup, self.layout.taken(keep), mean, whitening, free=covariance.free)
 
     def predictions(self, setups: Sequence[SurrogateInputs]) -> Array:
         """Observables (k, n) predicted under k setups."""
@@ -87,6 +91,12 @@ class Fit:
     setup: SurrogateInputs
     distance2: float
     log_evidence: float
+    free: Array = field(default_factory=lambda: np.zeros(0))  #: (k,) coordinates of the numerical freedoms.
+
+    @property
+    def places(self) -> Array:
+        """Coordinates (p + k,) of the effects and the freedoms."""
+        return np.concatenate([self.coordinates, self.free])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -109,11 +119,20 @@ class Fit:
 
 
 def jacobian_of(problem: Problem, one: Fit) -> Array:
-    """Derivative (m, p) of a fit's whitened residuals by its coordinates (p,)."""
-    if not one.candidates:
+    """Derivative (m, p + k) of a fit's whitened residuals by its places (p + k,)."""
+    if not one.places.size:
         return np.zeros((problem.whitening.shape[0], 0))
-    asked = _jacobian(lambda z: applied(one.candidates, problem.setup, z), one.coordinates, problem.whitened(one.setup))
+    asked = _jacobian(lambda z: placed(problem, one.candidates, z), one.places, problem.whitened(one.setup))
     return together(problem, [asked])[0]
+
+
+def placed(problem: Problem, candidates: Sequence[Candidate], places: Array) -> SurrogateInputs:
+    """The setup with effects and numerical freedoms at such places (p + k,)."""
+    count = places.size - len(problem.free)
+    setup = applied(candidates, problem.setup, places[:count])
+    for (name, size), place in zip(problem.free.items(), places[count:].tolist(), strict=True):
+        setup = moved(setup, name, size * place)
+    return setup
 
 
 def applied(candidates: Sequence[Candidate], setup: SurrogateInputs, coordinates: Array) -> SurrogateInputs:
@@ -166,27 +185,31 @@ def sought(
 ) -> Asking[Fit]:
     """The best coordinates of these effects together, from several starts, or from what another record says of them.
 
+    A start has the effects' coordinates (p,), or those of the freedoms, which are at nothing else, after them (p + k,).
     With `known`, its normal distribution of the coordinates is what is expected, and the evidence is that of this
     record given the other.
     """
-    candidates = tuple(candidates)
-    if not candidates:
+    candidates, free = tuple(candidates), len(problem.free)
+    low, high = np.vstack([np.zeros((0, 2)), *(candidate.bounds() for candidate in candidates)]).T
+    count = low.size
+    if not count + free:
         (whitened,) = yield [problem.setup]
         distance2 = float(whitened @ whitened)
         return Fit((), np.zeros(0), np.zeros((0, 0)), problem.setup, distance2, -0.5 * distance2)
 
-    low, high = np.vstack([candidate.bounds() for candidate in candidates]).T
-    ends = np.maximum(low, -REACH), np.minimum(high, REACH)
-    middle: Array = np.zeros(low.size)
-    root: Array = np.eye(low.size)
+    ends: tuple[Array, Array] = np.full(count + free, -REACH), np.full(count + free, REACH)
+    middle, root = np.zeros(count + free), np.eye(count + free)
     if known is not None:
-        middle, root = known.coordinates, np.asarray(np.linalg.cholesky(known.spread), dtype=np.float64)
-        starts, ends = [np.zeros(low.size)], (np.full(low.size, -REACH), np.full(low.size, REACH))
+        middle[:count], root[:count, :count] = known.coordinates, np.linalg.cholesky(known.spread)
+        starts = [np.zeros(count)]
+    else:
+        ends[0][:count], ends[1][:count] = np.maximum(low, -REACH), np.minimum(high, REACH)
 
     def at(z: Array) -> SurrogateInputs:
-        return applied(candidates, problem.setup, middle + root @ z)
+        return placed(problem, candidates, middle + root @ z)
 
-    places = _starts(candidates) if starts is None else starts
+    own = _starts(candidates) if starts is None else starts
+    places = [np.concatenate([start, np.zeros(count + free - start.size)]) for start in own]
     rests = yield [at(z) for z in places]
     best: tuple[float, Array, Array] | None = None
     for start in _promising(places, rests):
@@ -201,11 +224,13 @@ def sought(
     distance2 = float(rest @ rest)
     evidence = -0.5 * distance2 - 0.5 * float(z @ z) - 0.5 * float(np.linalg.slogdet(hessian)[1])
     found = middle + root @ z
-    spread = np.asarray(root @ np.linalg.inv(hessian) @ root.T, dtype=np.float64)
-    return Fit(candidates, found, spread, at(z), distance2, evidence)
+    spread = np.asarray(root @ np.linalg.inv(hessian) @ root.T, dtype=np.float64)[:count, :count]
+    return Fit(candidates, found[:count], spread, at(z), distance2, evidence, found[count:])
 
 
 def _starts(candidates: Sequence[Candidate]) -> list[Array]:
+    if not candidates:
+        return [np.zeros(0)]
     if len(candidates) == 1:
         return candidates[0].starts()
     return [np.concatenate([candidate.starts()[1] for candidate in candidates])]

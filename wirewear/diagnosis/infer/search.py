@@ -18,7 +18,7 @@ from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_model_error
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
-from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, applied, sought, together
+from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, applied, placed, sought, together
 from wirewear.diagnosis.infer.weighing import NOTICEABLE, Remainder, distances, remainder_of
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.surrogate.candidates import Candidate, library
@@ -119,7 +119,7 @@ def search(states: WearStates, setup: SurrogateInputs, observed: Observations, l
             problem, covariance = problem_around(states, setup, pairs[0].setup, observed, pairs[0].candidates, problem)
             none, *singles = _refitted(problem, singles, best)
             single = max((none, *singles), key=lambda one: one.merit)
-            pairs = together(problem, [sought(problem, one.candidates, [one.coordinates]) for one in pairs])
+            pairs = together(problem, [sought(problem, one.candidates, [one.places]) for one in pairs])
             pairs = [one for one in pairs if one.log_evidence > single.log_evidence + PAIR_GAIN]
         if not pairs:
             problem, covariance, none, singles = alone
@@ -162,7 +162,7 @@ def _refitted(problem: Problem, singles: Sequence[Fit], best: Fit) -> list[Fit]:
     asked = [sought(problem, ())]
     for one in singles:
         hopeless = best.log_evidence - one.log_evidence > _HOPELESS * abs(best.log_evidence)
-        starts = [one.coordinates] if hopeless else [one.coordinates, *one.candidates[0].starts()]
+        starts = [one.places] if hopeless else [one.places, *one.candidates[0].starts()]
         asked.append(sought(problem, one.candidates, starts, _SCREENING if hopeless else ITERATIONS))
     return together(problem, asked)
 
@@ -214,7 +214,7 @@ def _joint_starts(first: Fit, second: Fit, alone: bool) -> list[Array]:
 
     A scar that two effects shape together may look like another size of one of them; its few depths are soon computed.
     """
-    found = [np.concatenate([first.coordinates, second.coordinates])]
+    found = [np.concatenate([first.coordinates, second.coordinates, first.free])]
     if alone:
         # Forms begin as their source has them: places of theirs, too, would be thousands.
         both = (*first.candidates, *second.candidates)
@@ -259,19 +259,20 @@ def updated(first: Search, states: WearStates, setup: SurrogateInputs, observed:
 
     def both(one: Fit) -> Fit:
         own = second[one.names]
-        together = applied(one.candidates, first.problem.setup, own.coordinates)
+        together = placed(first.problem, one.candidates, np.concatenate([own.coordinates, one.free]))
         white = first.problem.whitened(together)
         return replace(
             own,
             setup=together,
             distance2=float(white @ white) + own.distance2,
             log_evidence=one.log_evidence + own.log_evidence,
+            free=one.free,
         )
 
     none, singles, pairs = both(first.none), tuple(map(both, first.singles)), tuple(map(both, first.pairs))
     chosen, beside = leading(none, (*singles, *pairs))
-    seen = distortions(problem, [_carried(problem, one) for one in beside])
-    lefts = remainder_of(first.problem, chosen), remainder_of(problem, _carried(problem, chosen))
+    seen = distortions(problem, [second[one.names] for one in beside])
+    lefts = remainder_of(first.problem, chosen), remainder_of(problem, second[chosen.names])
     earlier = first if isinstance(first, Updated) else None
     return Updated(
         first.problem,
@@ -288,7 +289,8 @@ def updated(first: Search, states: WearStates, setup: SurrogateInputs, observed:
 
 def _carried(problem: Problem, one: Fit) -> Fit:
     """An explanation in the circumstances of another record."""
-    return replace(one, setup=applied(one.candidates, problem.setup, one.coordinates))
+    setup = applied(one.candidates, problem.setup, one.coordinates)
+    return replace(one, setup=setup, free=np.zeros(len(problem.free)))
 
 
 def _together(first: Sequence[Distortion], second: Sequence[Distortion]) -> tuple[Distortion, ...]:

@@ -281,7 +281,7 @@ class _LeftOut:
 
     def refit(self, one: Fit) -> Fit:
         """An explanation fitted to the rest alone."""
-        return fit(self.known, one.candidates, [one.coordinates]) if one.candidates else one
+        return fit(self.known, one.candidates, [one.places]) if one.candidates else one
 
     def squares_of(self, setup: SurrogateInputs) -> Array:
         """Squared residuals under a setup."""

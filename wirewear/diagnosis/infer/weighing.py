@@ -139,9 +139,7 @@ def distances(problem: Problem, fits: Sequence[Fit], known: Sequence[Fit] = ()) 
         near = together(
             twin,
             [
-                sought(
-                    twin, fits[j].candidates, [fits[j].coordinates], SEPARATION_ITERATIONS, known[j] if known else None
-                )
+                sought(twin, fits[j].candidates, [fits[j].places], SEPARATION_ITERATIONS, known[j] if known else None)
                 for j in others
             ],
         )

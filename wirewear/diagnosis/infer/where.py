@@ -90,7 +90,7 @@ def changes(problem: Problem, covariance: Covariance, setup: SurrogateInputs) ->
 
     Flagged are places where it is at least half of its largest, in standard deviations of one test.
     """
-    nominal = problem.predicted(problem.setup)
+    nominal = problem.predicted(replace(problem.setup, **{name: getattr(setup, name) for name in problem.free}))
     change = problem.predicted(setup) - nominal
     found = _places(problem, covariance, nominal, change, change**2)
     most = max((place.in_scatter for place in found), default=0.0)

@@ -154,7 +154,7 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     contact = replace(_contact(states, setup, chain, slip[at], layer and layer.taken(at)), share=share[at])
     loops = sensing.read_by_sensors(setup, chain, *sensing.branches_of(contact, chain, slip[at]), contact)
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
-    reach = states.reach(slip[ends])
+    reach = states.reach(np.maximum(slip[ends], [_LEAST_SLIP * one.amplitude_um for one in setups]))
     scars, skews = _scars(states, end, reach, under), _skews(states, end, reach)
     profiles = [
         states.profiles(one, end.taken(np.array([place])), float(reach[place])) for place, one in enumerate(setups)
