@@ -23,23 +23,24 @@ _MOST_LINES = 15  #: At most so many lines are drawn from a reference node to wh
 
 @dataclass(frozen=True, eq=False)
 class HeldBody:
-    """Section of a body: its outline and its held part, both as k line segments (k, 2, 2) between points in mm."""
+    """Section of a body: its outline and its held part, as k line segments (k, 2, 2) in mm. elastic: the grip is."""
 
     edge: Array
     grip: Array
-    elastic: bool = False  #: True if the grip is elastic.
+    elastic: bool = False
 
 
 @dataclass(frozen=True)
 class Supports:
-    """Labels of the load, the lower body's stroke and the holder's springs; empty for a spring that is rigid."""
+    """Labels of the load, the lower body's stroke and the holder's springs; empty for a spring that is rigid.
+    pivot_height: of the holder's pivot above the contact in mm; None if it does not rotate.
+    """
 
     load: str
     stroke: str
     tangential: str = ""
     normal: str = ""
     rotational: str = ""
-    #: Height of the holder's pivot above the contact in mm; None if it does not rotate.
     pivot_height: float | None = None
 
 

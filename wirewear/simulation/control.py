@@ -30,18 +30,21 @@ Measure = Callable[[CycleTrace, Probe | None], float]
 
 @dataclass(frozen=True)
 class HeldFigure:
-    """A figure of the loop that a drive holds by its amplitude, with which it grows; its unit is `unit`."""
+    """A figure of the loop, in `unit`, that a drive holds by its amplitude, with which it grows.
 
-    key: str  #: The study's key that states `target`, in `unit`.
+    key: the study's key that states `target`. first_mm, largest_mm: first and largest amplitude. measure: the figure of
+    a trace. slope: its growth per mm of amplitude where the bodies slide, None for growth in proportion. of_state: the
+    figure from a state at the end of a stroke, if that suffices: it can then be met in the first quarter cycle; else
+    None.
+    """
+
+    key: str
     target: float
     unit: str
-    largest_mm: float  #: Amplitude that the drive has at most.
+    largest_mm: float
     measure: Measure
-
-    #: Expected growth of the figure per mm of amplitude where the bodies slide; None if it grows in proportion.
     slope: Callable[[CycleTrace], float] | None
-    first_mm: float  #: Amplitude to begin with.
-    #: The figure from a state at the end of a stroke, if that suffices: it can then be met in the first quarter cycle.
+    first_mm: float
     of_state: Callable[[ContactState], float] | None = None
 
     def error(self, trace: CycleTrace) -> float:
@@ -172,13 +175,17 @@ def _per_um(_: CycleTrace) -> float:
 
 @dataclass(frozen=True)
 class HeldMeasure:
-    """How a quantity that a drive may hold (a key held_... of `Asked`) is measured from a loop, in `unit`."""
+    """How a quantity that a drive may hold (a key held_... of `Asked`) is measured, in `unit`.
+
+    measure: the quantity from a sensor without lag, a trace and a probe. slides_from: the quantity at which bodies
+    begin to slide as a whole, from their onset of sliding and the rig's travel in µm then. slope, of_state: as in
+    `HeldFigure`.
+    """
 
     unit: str
-    measure: Callable[[Sensor, CycleTrace, Probe | None], float]  #: With a sensor at the drive, without its lag.
-    #: The figure from which on bodies slide as a whole, by their onset of sliding and the rig's travel in µm then.
+    measure: Callable[[Sensor, CycleTrace, Probe | None], float]
     slides_from: Callable[[SlidingOnset, float], float]
-    slope: Callable[[CycleTrace], float] | None = _per_um  #: As that of `HeldFigure`.
+    slope: Callable[[CycleTrace], float] | None = _per_um
     of_state: Callable[[ContactState], float] | None = None
 
 

@@ -37,11 +37,13 @@ CSV_FILE_NAME = "convergence.csv"
 
 @dataclass(frozen=True)
 class Limit:
-    """A value extrapolated to zero spacing from three values at falling spacings."""
+    """A value extrapolated to zero spacing from three values at falling spacings. error: the extrapolated part or,
+    without a trend, the range of the values. order: of convergence, None without a trend.
+    """
 
     value: float
-    error: float  #: Error of the limit: the extrapolated part or, without a trend, the range of the values.
-    order: float | None  #: Order of convergence; None where the values show no trend.
+    error: float
+    order: float | None
 
 
 def richardson(spacings: Sequence[float], values: Sequence[float]) -> Limit:
@@ -82,7 +84,7 @@ def _order(spacings: Sequence[float], ratio: float) -> float:
 
 @dataclass(frozen=True)
 class Resolution:
-    """A resolution that is refined, such as the mesh. factors: of the spacing, in the two refined runs."""
+    """A resolution that is refined, such as the mesh. factors: by which its spacing is divided in both runs."""
 
     name: str
     factors: tuple[float, float]
@@ -128,7 +130,7 @@ PRESSURES = (
 
 
 def depth_of(body: int) -> Callable[[Any], float]:
-    """A function that gives the last largest depth in µm of a result's driven body (0) or held body (1)."""
+    """A function that gives the largest depth in µm, at the end, of a result's driven body (0) or held body (1)."""
     return lambda result: float(result.evolution[f"max_depth_{result.bodies[body]}_um"][-1])
 
 
@@ -148,12 +150,14 @@ VOLUME = Figure("worn volume", "10⁻³ mm³", lambda result: 1e3 * float(result
 
 @dataclass(frozen=True)
 class Converged:
-    """A figure at the end of the run, its values in refined runs and its limits."""
+    """A figure at the end of the run: its value as the study asks for it, its values in refined runs by their names,
+    and its limits by the names of the resolutions.
+    """
 
     figure: Figure
-    value: float  #: The figure in the run as the study asks for it.
-    refined: Mapping[str, float]  #: The figure in each refined run, by its name.
-    limits: Mapping[str, Limit]  #: The limit by each resolution.
+    value: float
+    refined: Mapping[str, float]
+    limits: Mapping[str, Limit]
 
     @property
     def limit(self) -> float:
@@ -171,10 +175,12 @@ Changes = dict[str, Any]  #: Tables of a study, nested as in its file.
 
 @dataclass(frozen=True)
 class RefinedSubject:
-    """How convergence is studied for contacts at a point (POINTS) or line contacts (LINES)."""
+    """How convergence is studied for contacts at a point (POINTS) or line contacts (LINES). figures: those compared,
+    from the bodies' names. finer: from a study and a fidelity, functions that give the changed keys for a refinement by
+    a factor, by resolution.
+    """
 
-    figures: Callable[[tuple[str, ...]], Sequence[Figure]]  #: The figures compared, from the bodies' names.
-    #: From a study and a fidelity: for each of its resolutions, the changes of tables that refine it by a factor.
+    figures: Callable[[tuple[str, ...]], Sequence[Figure]]
     finer: Callable[[Any, str], Mapping[Resolution, Callable[[float], Changes]]]
 
     def refined(self, study: AnyStudy, fidelity: str) -> Any:

@@ -32,30 +32,36 @@ Attempt = Callable[[solvers.ContactState, float, float], tuple[solvers.ContactSt
 
 @dataclass(frozen=True)
 class Motion:
-    """The motion of a contact in a block of cycles, and how its problem follows from the block and the test's age."""
+    """The motion of a contact in a block of cycles, and how its problem follows from the block and the test's age.
+
+    increments: of a measured cycle, more if follows_force and the force bends; wear_increments: of one that only wears.
+    fresh: gives the state of bodies that just touch. aged: a problem with its effects at an age. under: a problem with
+    load, rig and laws of the block. held: what the drive holds, None for its amplitude.
+    """
 
     drive: solvers.Drive
-    increments: int  #: Increments of a measured cycle; at least so many where they follow the force.
-    wear_increments: int  #: Increments of a cycle that only wears.
-    follows_force: bool  #: True if a measured cycle has more increments where its force bends.
-    fresh: Callable[[solvers.ContactProblem], solvers.ContactState]  #: The state of bodies that just touch.
-    #: A problem with its effects at an age of the test.
+    increments: int
+    wear_increments: int
+    follows_force: bool
+    fresh: Callable[[solvers.ContactProblem], solvers.ContactState]
     aged: Callable[[solvers.ContactProblem, Age], solvers.ContactProblem]
-    #: The problem of these bodies under the load, on the rig and with the laws of these cycles.
     under: Callable[[solvers.ContactProblem], solvers.ContactProblem]
-    held: HeldFigure | None = None  #: The figure that the drive holds; None if it holds its amplitude.
+    held: HeldFigure | None = None
 
 
 @dataclass(frozen=True)
 class FrettingTest:
-    """A test as a run goes through it, for any kind of contact."""
+    """A test as a run goes through it, for any kind of contact. motions: (last cycle, motion) of each block.
+    milestones: cycles whose loop is measured, increasing to the test's end. jump_tolerance: relative error allowed to a
+    cycle jump. explicit_jump_cycles: size of jumps without error control, None for jumps with it.
+    """
 
-    motions: tuple[tuple[float, Motion], ...]  #: Motions, one per block, each after the cycle up to which it lasts.
+    motions: tuple[tuple[float, Motion], ...]
     meshes: Meshes
-    milestones: tuple[float, ...]  #: Cycles at which the loop is measured; the last is the test's end.
-    jump_tolerance: float  #: Allowed relative error of a cycle jump.
-    explicit_jump_cycles: float | None = None  #: Size of jumps without error control.
-    stop: Stop | None = None  #: Conditions that end the test before its last cycle.
+    milestones: tuple[float, ...]
+    jump_tolerance: float
+    explicit_jump_cycles: float | None = None
+    stop: Stop | None = None
 
     @property
     def cycles(self) -> float:
@@ -221,7 +227,9 @@ class Cycler:
         return state, trace
 
     def wearing(self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float) -> Attempt:
-        """A function that tries jumps from the state after `done` cycles, from a cycle traced there without wear."""
+        """A function that tries jumps from `state` after `done` cycles, from a cycle traced there without wear: from
+        (unused, cycles done, cycles to jump) it gives (state then, relative change of the pressures).
+        """
         traced, unused = self._traced(problem, state, done), list[_Traced]()
         # A cycle that judges a jump, or leads to a loop, is that from which the next one starts: counted here, a run
         # that is resumed between both, and traces it again, counts as one that is not.

@@ -39,18 +39,21 @@ _OFF_RIM = 0.99
 
 @dataclass(frozen=True)
 class Discretisation:
-    """Meshes of the driven (moving) and the held (fixed) body, and the steps of a run; lengths in mm."""
+    """Meshes of the driven (moving) and the held (fixed) body, and the steps of a run; lengths in mm.
+
+    bodies: names (driven, held). level: of fidelity, refined as the study asks. expected: the contact and scar that the
+    meshes are for. coarsening: factor by which elements are larger than the level asks for.
+    """
 
     moving: BodyGeometry
     fixed: BodyGeometry
-    bodies: tuple[str, str]  #: Names of the driven and the held body.
+    bodies: tuple[str, str]
     increments_per_cycle: int
     increments_per_wear_cycle: int
     jump_tolerance: float
-    level: WireLevel  #: The level of fidelity, refined as the study asks.
-    expected: ExpectedContact  #: The contact and the scar that the meshes are for.
+    level: WireLevel
+    expected: ExpectedContact
     predicted_scar_half_width_mm: float
-    #: Factor by which elements are larger than the level asks for, to keep to its number of unknowns.
     coarsening: float
 
     @property
@@ -179,19 +182,23 @@ def _level_of(study: Study, fidelity: str) -> WireLevel:
 
 @dataclass(frozen=True)
 class ElementSizes:
-    """The contact that patches resolve, the scar that they hold, and sizes that the study states; lengths in mm."""
+    """The contact that patches resolve, the scar that they hold (None without wear), and sizes that the study states;
+    in mm.
 
-    contact: Ellipse  #: The fresh contact.
-    scar: Ellipse | None  #: The scar that the patch must hold; None without wear.
-    fresh: bool = True  #: True while the contact is about as small as fresh: it is resolved along its whole path.
-    widening: float = 1.0  #: Factor on the extent of the patch that is needed.
-    contact_mm: float | None = None  #: Element size that the study gives across the contact's narrowest axis.
-    outer_mm: float | None = None  #: Largest element size that the study gives.
-    #: Whether the contact sticks in its middle; its patch then reaches beyond the rim by this factor alone.
+    fresh: True while the contact is about as small as fresh, and is resolved along its whole path. widening: factor on
+    the extent that a patch needs. contact_mm, outer_mm: stated sizes of the elements, across the contact's narrowest
+    axis and the largest; None for none. sticks: True if the middle sticks; the patch then reaches stuck_margin times to
+    the rim. core: share of the contact's axes that sticks and whose area the nodes in it are to have; None for any.
+    """
+
+    contact: Ellipse
+    scar: Ellipse | None
+    fresh: bool = True
+    widening: float = 1.0
+    contact_mm: float | None = None
+    outer_mm: float | None = None
     sticks: bool = False
     stuck_margin: float = _STUCK_MARGIN
-    #: Of the contact's axes: those of the core that sticks, whose area its nodes are then to have; None where the
-    #: lines need not fit it.
     core: float | None = None
 
 

@@ -69,10 +69,10 @@ class Ellipse:
 
 @dataclass(frozen=True)
 class PatchAxis:
-    """One axis of a body's patch, and how far the contact travels along it in a cycle."""
+    """One axis of a body's patch: its angle, and how far the contact's centre moves along it to each side."""
 
-    angle_rad: float  #: Angle from the driven body's axis.
-    travel_mm: float  #: How far the contact's centre moves along it to each side.
+    angle_rad: float
+    travel_mm: float
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,8 @@ def fresh_ellipse(hertz: reference.PointContact) -> Ellipse:
 
 
 def scar_ellipse(volume_mm3: float, gap: GapCurvatures) -> Ellipse:
-    """Outline of the scar of a worn volume (both bodies together): the gap Ax² + By² cut off by a plane.
+    """Outline of the scar of a worn volume (both bodies together): the gap Ax² + By² cut off by a plane. gap: (A, B,
+    angle).
 
     The cap of depth d has the semi-axes sqrt(d/A), sqrt(d/B) and the volume pi d² / (2 sqrt(AB)); for wires of equal
     radius R crossed at right angles the scar's radius is (4 R V / pi)^(1/4).
@@ -165,21 +166,27 @@ def _work(effects: Sequence[AnyEffect], contact: ContactLaw, loading: Loading, a
 
 @dataclass(frozen=True)
 class ExpectedContact:
-    """The expected contact of the unworn bodies, and scar of the worn ones, from which meshes are sized."""
+    """The expected contact of the unworn bodies, and scar of the worn ones, from which meshes are sized.
 
-    gap: GapCurvatures  #: Gap of the unworn bodies; under a pad that of the ball with as large a contact.
-    hertz: reference.PointContact  #: Hertz's contact of the unworn bodies.
-    scar: Ellipse | None  #: Outline of the final scar in gross slip on a rigid rig, None without wear and flattening.
-    flattened_mm3: float  #: Volume of both bodies that an effect removes before the first cycle.
-    wear_factors: WearFactors  #: Factors of the effects on wear, over the test.
-    sticks: bool = False  #: Whether the middle of the contact sticks for good.
-    face: Face | None = None  #: The face of a pad.
-    lacking_mm3: float = 0.0  #: Volume that both bodies lacked when they were measured before the test.
-    spread: float = 1.0  #: Size of the fresh contact of bodies that yield, over Hertz's.
+    gap: of the unworn bodies, under a pad that of a ball with as large a contact. scar: its final outline in gross slip
+    on a rigid rig, None without wear. flattened_mm3, lacking_mm3: volume of both bodies that an effect removes before
+    the first cycle, and that measured surfaces lack. sticks: True if the middle sticks for good. face: of a pad, else
+    None. spread: size of the fresh contact over Hertz's, above 1 if bodies yield.
+    """
+
+    gap: GapCurvatures
+    hertz: reference.PointContact
+    scar: Ellipse | None
+    flattened_mm3: float
+    wear_factors: WearFactors
+    sticks: bool = False
+    face: Face | None = None
+    lacking_mm3: float = 0.0
+    spread: float = 1.0
 
     @property
     def fresh(self) -> Ellipse:
-        """Outline of the fresh contact."""
+        """Outline of the fresh contact, larger than Hertz's if bodies yield."""
         return fresh_ellipse(self.hertz).enlarged(self.spread)
 
     def scar_half_width_mm(self, worn_volume_mm3: float) -> float:

@@ -103,14 +103,16 @@ def middle_of(face: RoundedFlat, reach_mm: float, moved_mm: float = 0.0) -> floa
 
 @dataclass(frozen=True)
 class LinePlan:
-    """Meshes of both bodies and the steps of a run of a line contact; lengths in mm."""
+    """Meshes of both bodies and the steps of a run of a line contact; lengths in mm. pressure_length_mm: over which
+    pressures are averaged; hertz: the fresh contact.
+    """
 
     pad: PlanarGeometry
     specimen: PlanarGeometry
     increments_per_cycle: int
     jump_tolerance: float
-    pressure_length_mm: float  #: Length over which mean pressures are taken.
-    hertz: reference.LineContact  #: The fresh contact.
+    pressure_length_mm: float
+    hertz: reference.LineContact
 
     def settings(self) -> dict[str, Any]:
         """The values that a result records of the plan, by key: sizes in µm, increments, the fresh contact."""

@@ -35,7 +35,7 @@ def dissipated_energy_mJ(trace: CycleTrace) -> float:
 
 
 def friction_work_mJ(trace: CycleTrace) -> float:
-    """Friction work of a cycle in mJ, also from half of one; without bulk work about the loop's area."""
+    """Friction work of a cycle in mJ, also from half of one; about the loop's area if no bulk stress works."""
     return (2.0 if is_half(trace) else 1.0) * trace.friction_work
 
 

@@ -113,19 +113,23 @@ def _core_stage(study: Study, fidelity: str, fresh_mm: float, core: float) -> Me
 
 @dataclass(frozen=True)
 class PointMeshes(Meshes):
-    """The meshes that a run of a contact at a point goes through, and when it takes the next ones; see `Meshes`."""
+    """The meshes that a run of a contact at a point goes through, and when it takes the next ones; see `Meshes`.
+
+    stages: taken as the scar grows; spare: where the contact leaves these. sticking: stage -1, None for none;
+    begins_sticking: True if it is expected to be needed first. for_core: meshes for a core by its share of the fresh
+    contact's axes, None for none, fits: those made so far. move_nodes_at_stages: True if the nodes of later stages are
+    moved into the worn surface.
+    """
 
     study: Study
     expected: ExpectedContact
-    stages: tuple[MeshStage, ...]  #: Planned stages, taken as the scar grows.
-    spare: tuple[MeshStage, ...] = ()  #: Further stages, taken where the contact leaves the planned ones.
-    sticking: MeshStage | None = None  #: Stage -1, taken while the contact is fresh and sticks in its middle.
-    begins_sticking: bool = False  #: Whether the contact is expected to stick in its middle in the first cycles.
-    #: Meshes for an annulus that wears about a core of a share of the fresh contact's axes, None without any.
+    stages: tuple[MeshStage, ...]
+    spare: tuple[MeshStage, ...] = ()
+    sticking: MeshStage | None = None
+    begins_sticking: bool = False
     for_core: Callable[[float], MeshStage] | None = None
-    #: Whether the nodes of every stage but the first are moved into the worn surface when it begins.
     move_nodes_at_stages: bool = False
-    fits: dict[float, MeshStage] = field(default_factory=dict, compare=False)  #: Those so far, by that share.
+    fits: dict[float, MeshStage] = field(default_factory=dict, compare=False)
 
     @property
     def every(self) -> tuple[MeshStage, ...]:

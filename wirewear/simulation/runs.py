@@ -111,12 +111,14 @@ def _deliver(mailbox: Queue[Any], observers: Sequence[Observer]) -> None:
 
 @dataclass(frozen=True)
 class Task:
-    """One run of a study: where it is kept, and how it is prepared and simulated."""
+    """One run of a study: its label, its folder, and how it is prepared and simulated. simulate: from folder, observer
+    and `resume` to the result; can be sent to another process. prepare: makes what runs share, such as meshes, and
+    calls its argument with the name of each part.
+    """
 
-    label: str  #: Name of the run among others.
+    label: str
     folder: RunFolder
-    simulate: Callable[..., RunResult]  #: Simulates it in a folder with an observer; can be sent to another process.
-    #: Prepares what runs share, such as meshes, before they start side by side; calls its argument for each part.
+    simulate: Callable[..., RunResult]
     prepare: Callable[[Callable[[str], None]], None]
 
 

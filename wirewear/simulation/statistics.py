@@ -115,8 +115,8 @@ def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, flo
 
 
 def area_mismatch(trace: CycleTrace, bulk_work_mJ: float = 0.0) -> float:
-    """Relative difference of a loop's area from its friction work plus `bulk_work_mJ`; 0 if it encloses less than 0.1 %
-    of the rectangle around it.
+    """Relative difference of a loop's area from its friction work plus the work of bulk stresses; 0 if it encloses less
+    than 0.1 % of the rectangle around it.
     """
     drive, force, work = trace.drive, trace.tangential_force, trace.friction_work + bulk_work_mJ
     area = abs(enclosed_area(drive, force))
@@ -155,7 +155,7 @@ def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accu
 
 def bends(before: Energies, now: Energies) -> bool:
     """True if the friction energy between two cycles differs from what interpolation of loops there gives by over 0.2 %
-    of that so far. before, now: `Energies` of the two cycles.
+    of that so far. before, now: (cycle, friction work per cycle, friction energy so far in mJ) of each.
     """
     (start, per_cycle, worn), (end, later, total) = before, now
     expected = enclosed_energy((start, end), (per_cycle, later))

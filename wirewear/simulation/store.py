@@ -36,16 +36,14 @@ T = TypeVar("T")
 @dataclass(frozen=True)
 class MeshHistory:
     """Which meshes a run is on, and how they have changed. stage: index of the pair of meshes, -1 for those of a fresh
-    contact that sticks in its middle. changes: each with its cycle. core: share (0 to 1) of the fresh contact's axes
-    that sticks and that mesh lines follow, None if they need not.
+    contact that sticks in its middle. moved: depths in mm by which surface nodes of the lower and the upper body were
+    moved, None if they were not. changes: each with its cycle. core: share (0 to 1) of the fresh contact's axes that
+    sticks and that mesh lines follow, None if they need not.
     """
 
-    stage: int = 0  #: Index of the stage of the scar's growth.
-
-    #: Depths in mm by which the surface nodes of the lower and the upper body have been moved; None if they have not.
+    stage: int = 0
     moved: tuple[Array, Array] | None = None
-    changes: tuple[dict[str, float], ...] = ()  #: Changes of the meshes, each with its cycle.
-    #: Of the fresh contact's axes: those of the core that sticks, which the mesh lines fit; None where they need not.
+    changes: tuple[dict[str, float], ...] = ()
     core: float | None = None
 
 
@@ -106,15 +104,18 @@ class OneMesh(Meshes):
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """The state of a run after `done` cycles, from which it can go on."""
+    """The state of a run after `done` cycles, from which only a run of the same identity can go on. next_jump: size in
+    cycles of the jump to try next. guide: first guesses for the next cycle, None for none. counters: as from
+    `Tally.for_checkpoint`.
+    """
 
     done: float
-    next_jump: float  #: Size of the cycle jump to try next.
+    next_jump: float
     state: ContactState
-    guide: Guide | None  #: First guesses for the next cycle.
-    counters: dict[str, float]  #: The run's counters so far (increments, iterations, seconds).
-    meshes: MeshHistory  #: The meshes of the bodies.
-    identity: str  #: Identity of the run; only an equal one goes on from here.
+    guide: Guide | None
+    counters: dict[str, float]
+    meshes: MeshHistory
+    identity: str
 
 
 def _fill(file: h5py.File, checkpoint: Checkpoint) -> None:

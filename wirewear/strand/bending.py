@@ -21,12 +21,12 @@ ANGLES = np.linspace(0.0, 0.5 * pi, _PLACES)
 
 @dataclass(frozen=True, eq=False)
 class SlipCourse:
-    """How one member of a layer slips as the strand is bent. gain_N: its tension above the mean at ANGLES, from the
-    neutral axis to the extrados, if it slips everywhere.
+    """How one member of a layer, of axial stiffness EA, slips as the strand is bent. gain_N: its tension above the mean
+    at ANGLES, from the neutral axis to the extrados, if it slips everywhere.
     """
 
     helix: Helix
-    stiffness_N: float  #: Axial stiffness EA.
+    stiffness_N: float
     gain_N: Array
 
     @property

@@ -63,8 +63,8 @@ class Fibre:
 
 @dataclass(frozen=True)
 class Layer:
-    """Wires or strands on a common helix. gap_mm: distance to the layer or core below. presses: share of its radial
-    load that it passes on: 1, less where its members lie in valleys, 0 if it arches.
+    """`count` wires or strands on a common helix. gap_mm: distance to the layer or core below. presses: share of its
+    radial load that it passes on: 1, less where its members lie in valleys of the layer below, 0 if it arches.
     """
 
     count: int
@@ -72,7 +72,7 @@ class Layer:
     helix: Helix
     gap_mm: float
     presses: float
-    in_valleys: bool = False  #: True if its members lie in the valleys of the layer below, whose lay and number it has.
+    in_valleys: bool = False
 
     @property
     def touches(self) -> bool:

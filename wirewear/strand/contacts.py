@@ -76,9 +76,11 @@ class ContactSlip:
 
 @dataclass(frozen=True)
 class WireContact:
-    """Contacts of one kind. load_N: of one contact, or of one millimetre of a line contact.
-
-    Angles are those of the wires to the axis of the strand or rope, positive for a right lay.
+    """Contacts of one kind. load_N: of one contact, or of one millimetre of a line contact. lower_rad, upper_rad:
+    angles of the wires to the axis of the strand or rope, positive for a right lay. spacing_mm: between two contacts
+    along the upper wire, infinite for parallel wires. per_axial_mm: number of contacts, or mm of line contact, of all
+    members per mm of the axis. upper_curvature_per_mm: of the upper wire's centre line towards the lower body, 0 but on
+    a sheave.
     """
 
     name: str
@@ -88,8 +90,8 @@ class WireContact:
     load_N: float
     lower_rad: float
     upper_rad: float
-    spacing_mm: float  #: Distance between two contacts along the upper wire's axis.
-    per_axial_mm: float  #: Number of contacts, or mm of line contact, of all members per mm of the strand's axis.
+    spacing_mm: float
+    per_axial_mm: float
     slip: ContactSlip
     is_line: bool = True
     upper_curvature_per_mm: float = 0.0

@@ -28,19 +28,24 @@ _PLACES = 400
 class ContactEstimate:
     """Estimates of one kind of contact; energies and volumes are per cycle, for one contact or one millimetre of a
     line. Values are NaN where slip, and so energy, is not computed.
+
+    major_mm, minor_mm: semi-axes of the contact, the major one infinite for a line. elastic_mm: displacement before
+    sliding, or in all if it sticks. worn_depth_mm: of both wires together after all cycles. yield_ratio: peak pressure
+    over that at first yield of the softer wire, NaN if unstated. plastic_area_mm2: load over 2.8 times the yield
+    stress, NaN below yield. lives: cycles until a crack begins (lower, upper), NaN where not known.
     """
 
     contact: WireContact
     peak_pressure_MPa: float
-    major_mm: float  #: Major semi-axis of the contact ellipse; infinite for a line contact.
+    major_mm: float
     minor_mm: float
-    elastic_mm: float  #: Elastic displacement before sliding, or in all if it sticks.
+    elastic_mm: float
     energy_mJ: float
     worn_mm3: float
-    worn_depth_mm: float  #: Sum of both wires' depths after all cycles.
-    yield_ratio: float  #: Peak pressure over that at first yield of the softer wire; NaN if unstated.
-    plastic_area_mm2: float  #: Load over 2.8 times the yield stress; NaN if the contact does not yield.
-    lives: tuple[float, float]  #: Cycles until a crack begins in the lower and the upper wire; NaN where not known.
+    worn_depth_mm: float
+    yield_ratio: float
+    plastic_area_mm2: float
+    lives: tuple[float, float]
 
     @property
     def life_cycles(self) -> float:

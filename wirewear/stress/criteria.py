@@ -27,10 +27,12 @@ _SHEARS = 12
 
 @dataclass(frozen=True)
 class LifeCurve:
-    """A parameter as a sum of powers of the reversals 2N to initiation: Basquin's and Coffin and Manson's terms."""
+    """A parameter as a sum of powers of the reversals 2N to initiation, Basquin's and Coffin and Manson's. terms:
+    (positive factor, negative exponent) of each. endurance_cycles: longer lives are infinite.
+    """
 
-    terms: tuple[tuple[float, float], ...]  #: Pairs of a positive factor and a negative exponent.
-    endurance_cycles: float = np.inf  #: Longer lives are endless.
+    terms: tuple[tuple[float, float], ...]
+    endurance_cycles: float = np.inf
 
     def cycles(self, parameter: Array) -> Array:
         """Cycles N to initiation (n,) under parameters (n,); infinite where the parameter is not positive, or N would

@@ -44,12 +44,12 @@ class Span:
 
 @dataclass(frozen=True, eq=False)
 class Ahead:
-    """Cycles under the same conditions that would follow a run: their number, what each takes of life, and the depth
-    (c,) in mm that each wears.
+    """Cycles under the same conditions that would follow a run: their number, what each takes of life (as found last
+    under them), and the depth (c,) in mm that each wears.
     """
 
     cycles: float
-    rates: Rates  #: Those found last under these conditions.
+    rates: Rates
     speed_mm: Array
 
 
@@ -64,22 +64,29 @@ class Sum:
 
 @dataclass(frozen=True)
 class Initiation:
-    """Where a damage sum is first reached: after how many cycles, in which column, at which level (indices)."""
+    """Where a damage sum is first reached: after how many cycles, in which column, at which level (indices). beyond:
+    True if it is not while the run lasts, but if it went on.
+    """
 
     cycles: float
     column: int
     level: int
-    beyond: bool  #: Not while the run lasted, but if it went on.
+    beyond: bool
 
 
 @dataclass(frozen=True, eq=False)
 class Damage:
-    """Fatigue damage in c columns of points below a body's surface as it wears."""
+    """Fatigue damage in c columns of points below a body's surface as it wears.
 
-    depths_mm: Array  #: (d,) of the rates below the worn surface, from 0.
+    depths_mm (d,): of the rates below the worn surface, from 0. spans: the cycles of the run. worn_mm: gives the depths
+    (c,) worn off after a number of cycles. ahead: what would follow, again and again: a turn of the programme; empty
+    for nothing.
+    """
+
+    depths_mm: Array
     spans: Sequence[Span]
-    worn_mm: Callable[[float], Array]  #: Depths (c,) worn off at a cycle.
-    ahead: Sequence[Ahead] = ()  #: What would follow, again and again: a turn of the programme, or cycles all alike.
+    worn_mm: Callable[[float], Array]
+    ahead: Sequence[Ahead] = ()
 
     @property
     def end(self) -> float:

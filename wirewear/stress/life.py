@@ -39,15 +39,16 @@ WEAR_STATES = 6  #: Wear states of a life at most, if not asked for more.
 @dataclass(frozen=True, eq=False)
 class LifeState:
     """Damage that one cycle does to a body in the wear state of `cycle`, in columns at the crossings of lines axial_mm
-    (a,) and transverse_mm (t,), at d depths below the worn surface.
+    (a,) and transverse_mm (t,), at d depths below the worn surface. share (a, t, d): decimal logarithms of the share of
+    life it takes. normal (a, t, d, 3): of the critical planes. worn_mm (a, t): depth worn off.
     """
 
     cycle: int
     axial_mm: Array
     transverse_mm: Array
-    share: Array  #: Decimal logarithms (a, t, d) of the share of life per cycle at depths below the worn surface.
-    normal: Array  #: (a, t, d, 3) of the critical planes.
-    worn_mm: Array  #: (a, t).
+    share: Array
+    normal: Array
+    worn_mm: Array
 
     def onto(self, axial_mm: Array, transverse_mm: Array) -> tuple[Array, Array]:
         """(logarithms (c, d), worn depths (c,) in mm), interpolated to the c columns at the crossings of other lines;
@@ -109,17 +110,21 @@ def wear_state(
 class BodyLife:
     """Life of a body until a crack begins in it. initiation: the crack; low, high: ends of the 95 % interval by the
     scatter of the data; each None if none begins. plane: True for a line contact.
+
+    table: what was asked, with all data. states: wear states, in order; damage: its sums in columns on the lines of the
+    last of them. course: the cycles of the run, and what would follow. to_world (3, 3): from the body's axes to the
+    test's.
     """
 
     body: str
-    table: LifeTable  #: What was asked, with all data.
-    states: tuple[LifeState, ...]  #: Wear states, in order.
-    damage: Damage  #: Its sums in columns on the lines of the last of them.
-    initiation: Initiation | None  #: The crack.
-    low: Initiation | None  #: 95 % of lives lie between this and the next by the scatter of data alone.
+    table: LifeTable
+    states: tuple[LifeState, ...]
+    damage: Damage
+    initiation: Initiation | None
+    low: Initiation | None
     high: Initiation | None
-    course: BlockCourse  #: The cycles of the run, and what would follow it.
-    to_world: Array  #: From the body's axes to those of the test.
+    course: BlockCourse
+    to_world: Array
     plane: bool
 
     @property

@@ -44,11 +44,13 @@ def one_thread() -> Iterator[None]:
 
 @dataclass(frozen=True, eq=False)
 class SolvedBody(Generic[M]):
-    """A meshed body, worn or fresh, with its stiffness matrix factorised to find stresses under any contact forces."""
+    """A meshed body, worn or fresh, with its stiffness matrix factorised (interior) to find stresses at its integration
+    points under any contact forces. plane: True for plane strain.
+    """
 
     #: What corrects the stresses at its contact surface between the nodes.
     corrected: ClassVar[type[SurfaceStress] | type[LineSurfaceStress]]
-    plane: ClassVar[bool] = False  #: Whether it is one of plane strain.
+    plane: ClassVar[bool] = False
     meshed: M
     material: Elastic
     interior: Interior
@@ -90,14 +92,18 @@ B = TypeVar("B", bound=SolvedBody[Any])
 
 @dataclass(frozen=True, eq=False)
 class InnerState(Generic[B]):
-    """A body at one position of a cycle; all in the body's own axes, lengths in mm, stresses in MPa."""
+    """A body at one position of a cycle; all in the body's own axes, lengths in mm, stresses in MPa.
+
+    position: its index in `forces`. displacement (n, 3): of the mesh's nodes. is_upper: True for the held body.
+    residual: stress that first loading has left in it, None for none.
+    """
 
     body: B
     forces: ContactForces
-    position: int  #: Its place in `forces`.
-    displacement: Array  #: (n, 3) of the nodes.
-    is_upper: bool  #: It stands above and is held.
-    residual: Residual | None = None  #: What first loading has left in it.
+    position: int
+    displacement: Array
+    is_upper: bool
+    residual: Residual | None = None
 
     @classmethod
     def of(
@@ -200,13 +206,16 @@ S = TypeVar("S", bound=InnerState[Any])
 
 @dataclass(frozen=True)
 class Inside(Generic[S]):
-    """Functions that give stress states and grids of the bodies of contacts at a point, or of line contacts."""
+    """Functions that give stress states and grids of the bodies of contacts at a point, or of line contacts.
 
-    state: type[S]  #: What a body is at one position.
-    #: One as it was when such forces acted, with its nodes in the worn surface or where they were when fresh.
+    state: class of states. body: from a result, contact forces and whether nodes stand in the worn surface, to the
+    body. least_extent_mm: its thickness. grid: of a state, in µm.
+    """
+
+    state: type[S]
     body: Callable[[RunResult, ContactForces, bool], Any]
-    least_extent_mm: Callable[[RunResult, ContactForces], float]  #: Its thickness.
-    grid: "Callable[[S], pyvista.UnstructuredGrid]"  #: Of a state, in µm.
+    least_extent_mm: Callable[[RunResult, ContactForces], float]
+    grid: "Callable[[S], pyvista.UnstructuredGrid]"
 
     def states(
         self, result: RunResult, body: str, cycle: float, at: Sequence[str | int] | None = None, *, worn: bool = True

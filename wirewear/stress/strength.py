@@ -89,13 +89,15 @@ def _image(states: Sequence[InnerState[Any]]) -> CycleImage:
 
 @dataclass(frozen=True)
 class Where:
-    """A largest value in MPa and its place in µm, in the test's axes from the body's point of first contact."""
+    """A largest value in MPa and its place in µm, in the test's axes from the body's point of first contact; the depth
+    is below the worn surface. position: index of the recorded position where it occurs, -1 for one of a whole cycle.
+    """
 
     value_MPa: float
     x_um: float
     y_um: float
-    depth_um: float  #: Below the worn surface.
-    position: int = -1  #: The recorded position at which it occurs, -1 for one of a whole cycle.
+    depth_um: float
+    position: int = -1
 
 
 @dataclass(frozen=True)
@@ -184,15 +186,17 @@ def assessable(
 
 @dataclass(frozen=True)
 class Shown:
-    """A body to be assessed. surface: (t, 4) facets that may touch; to_world (3, 3): from its axes to the test's."""
+    """A body to be assessed. to_world (3, 3): from its axes to the test's. surface: (t, 4) facets that may touch. grid:
+    gives the grid of its state at a position. depth_mm: gives the depth of a point (3,) below its surface.
+    """
 
     cycle: int
     wire: str
     to_world: Array
     material: Elastic
     surface: IntArray
-    grid: Callable[[int], pyvista.UnstructuredGrid]  #: Of its state at a position.
-    depth_mm: Callable[[Array], float]  #: Of a point (3,) below its surface.
+    grid: Callable[[int], pyvista.UnstructuredGrid]
+    depth_mm: Callable[[Array], float]
 
 
 def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: StrengthAsked) -> Strength:

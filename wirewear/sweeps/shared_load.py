@@ -26,16 +26,21 @@ Simulate = Callable[[Study, str], RunResult]  #: Run a study under a label.
 
 @dataclass(frozen=True, eq=False)
 class SharedLoad:
-    """Shares of the load that n contacts bore in b blocks of cycles, and their runs."""
+    """Shares of the load that n contacts bore in b blocks of cycles, and their runs.
+
+    ends (b,): last cycle of each block. load_N (n, b): loads of the runs. approach_um (n, b): at mid-stroke of the
+    blocks' last cycles. depth_um (n, b): largest worn depths of both bodies, added. runs, labels: of each contact;
+    equal contacts have the same. change: largest change of a load in the last round, over the mean load.
+    """
 
     test: ManyContacts
-    ends: tuple[int, ...]  #: (b,) last cycle of each block.
-    load_N: Array  #: (n, b) under which they were run.
-    approach_um: Array  #: (n, b) at mid-stroke of the last cycle of each block.
-    depth_um: Array  #: (n, b) largest worn depths of both bodies, added.
-    runs: tuple[RunResult, ...]  #: Of each contact; equal contacts have the same.
-    labels: tuple[str, ...]  #: Of the runs, one for each contact.
-    change: float  #: Largest change of a load, over the mean load, in the last round.
+    ends: tuple[int, ...]
+    load_N: Array
+    approach_um: Array
+    depth_um: Array
+    runs: tuple[RunResult, ...]
+    labels: tuple[str, ...]
+    change: float
     rounds: int
 
     @property

@@ -249,13 +249,13 @@ def figures_of(result: RunResult, life: float | None = None) -> dict[str, float 
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """A study without variants and the runs that are made of it."""
+    """A study without variants and the runs that are made of it. keep_results: True to keep their result files."""
 
-    name: str  #: Title of the sweep.
+    name: str
     study: Study | LineStudy
     design: Design
-    fidelity: str = "quick"  #: Level of fidelity of every run.
-    keep_results: bool = False  #: Whether each run's result file is kept.
+    fidelity: str = "quick"
+    keep_results: bool = False
 
     def __len__(self) -> int:
         """The number of runs."""

@@ -34,10 +34,12 @@ PERCENTILES = (2.5, 50.0, 97.5)
 
 @dataclass(frozen=True, eq=False)
 class Surrogate:
-    """Polynomial of first or second degree in d inputs. error: its rms leave-one-out error, in its value's unit."""
+    """Polynomial of first or second degree in d inputs with m terms: exponents (m, d) and coefficients (m,). error: its
+    rms leave-one-out error, in its value's unit.
+    """
 
-    terms: IntArray  #: Exponents (m, d).
-    coefficients: Array  #: (m,).
+    terms: IntArray
+    coefficients: Array
     error: float
 
     def at(self, points: Array) -> Array:

@@ -99,7 +99,9 @@ class MountedBody(SurfaceKeys, GripKeys, MaterialKeys):
 @dataclass(frozen=True)
 class Body(ABC):
     """A body of a contact at a point, as it is meshed. axis_angle_deg: angle of its axis to the motion, about the
-    normal that points upwards. grip_stiffness_N_per_mm3: of its holder per area.
+    normal that points upwards. grip_stiffness_N_per_mm3: of its holder per area. surface: as measured before the test,
+    None for the unworn shape. layers: coatings, the outermost first. yield_stress_MPa: None for a body that stays
+    elastic.
     """
 
     name: str
@@ -107,11 +109,10 @@ class Body(ABC):
     poissons_ratio: float
     grip_stiffness_N_per_mm3: float | Literal["rigid"]
     axis_angle_deg: float
-    #: Its surface as measured before the test; None for the unworn shape.
     surface: StatedSurface | None = field(default=None, kw_only=True)
-    layers: tuple[LayerTable, ...] = field(default=(), kw_only=True)  #: Coatings on it, the outermost first.
-    bulk: BulkTable | None = field(default=None, kw_only=True)  #: Bulk stress that it carries.
-    yield_stress_MPa: float | None = field(default=None, kw_only=True)  #: None for a body that stays elastic.
+    layers: tuple[LayerTable, ...] = field(default=(), kw_only=True)
+    bulk: BulkTable | None = field(default=None, kw_only=True)
+    yield_stress_MPa: float | None = field(default=None, kw_only=True)
     hardening_modulus_MPa: float | None = field(default=None, kw_only=True)
 
     @property
@@ -170,15 +171,16 @@ def yield_of(body: Body | MaterialKeys) -> tuple[float, float] | None:
 @dataclass(frozen=True)
 class BodiesByOptions:
     """Bodies stated by options of a command. tables: those of a mapping file; remarks: sentences on what was assumed;
-    bodies: (driven, held), empty if their size is not stated.
+    bodies: (driven, held), empty if their size is not stated. length_mm: of a line contact, None at a point. with_axis:
+    names of the bodies that always have an axis. needs_loops: False if a record of them may lack loops.
     """
 
     tables: Mapping[str, Any]
     remarks: tuple[str, ...] = ()
     bodies: tuple[Body, ...] = ()
-    length_mm: float | None = None  #: Length of a line contact, which has worn profiles in place of scars.
-    with_axis: tuple[str, ...] = ()  #: Names of the bodies that always have an axis.
-    needs_loops: bool = True  #: Whether there is no record of them without loops.
+    length_mm: float | None = None
+    with_axis: tuple[str, ...] = ()
+    needs_loops: bool = True
 
 
 class StatedBodies(keys.Table):
@@ -200,8 +202,8 @@ class StatedBodies(keys.Table):
 
 @dataclass(frozen=True)
 class Wire(Body):
-    """A round bar, gripped about its back or at its ends: a wire or, with bore_mm above 0, a tube. grip_angle_deg:
-    gripped part of its circumference. length_mm: None is chosen; grip_length_mm: None is all of it.
+    """A round bar, gripped about its back or at its ends: a wire or, with bore_mm above 0, a tube. grip_angle_deg: part
+    of the circumference that is gripped. length_mm: None is chosen by the program; grip_length_mm: None is all of it.
     """
 
     diameter_mm: float
@@ -251,7 +253,8 @@ class Wire(Body):
 @dataclass(frozen=True)
 class BlockBody(Body):
     """A block with the face of a ball, a barrel, a cylinder, a flat or a pad, held at its back and sides. half_width_mm
-    (to each side) and height_mm: None is chosen from size_mm and the curvatures (along, across).
+    (to each side) and height_mm: None is chosen from size_mm and the curvatures (along, across). of_pad: a pad's face,
+    whose curvatures are 0.
     """
 
     curvatures: tuple[float, float]
@@ -259,7 +262,7 @@ class BlockBody(Body):
     height_mm: float | None
     #: Length by which its extents are chosen if they are not stated: a radius, its own or the other body's.
     size_mm: float
-    of_pad: Face | None = None  #: The face of a pad; its curvatures are then 0.
+    of_pad: Face | None = None
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:

@@ -20,9 +20,16 @@ def level_of(levels: Mapping[str, Level], name: str) -> Level:
 
 @dataclass(frozen=True)
 class WireLevel:
-    """Resolution in space and time of a contact at a point at one level of fidelity."""
+    """Resolution in space and time of a contact at a point at one level of fidelity.
 
-    per_contact_radius: float  #: Elements per radius of the fresh contact, in all directions.
+    Elements per radius of the fresh contact (per_contact_radius; per_sticking_radius where its middle sticks), per
+    half-width of the scar (along_motion, across_motion), and from the middle to the rim of a contact that sticks
+    (to_rim; to_rim_worn where its annulus wears). increments_per_cycle: of a loop; wear_increments: positions of a
+    cycle at which surfaces wear, as a share of these. most_unknowns: displacements of a patch beyond which elements are
+    made larger. loop_spacing: least ratio between a cycle that is measured as well and each one to be logged.
+    """
+
+    per_contact_radius: float
 
     #: Elements per radius where the middle sticks for good and the annulus around it wears until it carries nothing: an
     #: error of 1 % of the stick radius is one of 10 % of the worn volume (studies/atlas/partial_slip).
@@ -41,10 +48,10 @@ class WireLevel:
     #: so that the area of the nodes within a circle is nearest to the circle's (docs/partial_slip.md).
     rim_share: float
     increments_per_cycle: int
-    wear_increments: float  #: Positions at which surfaces wear in a cycle, as a share of a loop's increments.
+    wear_increments: float
     jump_tolerance: float
-    most_unknowns: int  #: Displacements of a wire's patch beyond which these numbers are lowered together.
-    loop_spacing: float  #: Loops are also measured between those to be logged where that leaves this ratio.
+    most_unknowns: int
+    loop_spacing: float
     #: Whether nodes are moved into the worn surface whenever a mesh for a larger scar begins.
     move_nodes_at_stages: bool = False
     #: Whether the middle of the contact sticks for good. Equal wires at right angles then get equal mesh lines: nodes
@@ -125,16 +132,17 @@ WIRE_LEVELS = {
 
 @dataclass(frozen=True)
 class LineLevel:
-    """Resolution of a line contact at one level of fidelity: elements per half-width of the fresh contact (per_contact)
-    and of the scar (per_scar), time steps, and the relative error allowed to a cycle jump.
+    """Resolution of a line contact at one level of fidelity: elements per half-width of the fresh contact (per_contact;
+    to_rim where its middle sticks, to_rim_worn where its annulus wears, too) and of the scar (per_scar), time steps,
+    and the relative error allowed to a cycle jump.
 
     That tolerance keeps pressures at the edges of a growing scar; depths alone would allow ten times as much.
     """
 
     per_contact: float
     per_scar: float
-    to_rim: float  #: In place of `per_contact` where the middle of the contact sticks.
-    to_rim_worn: float  #: The same where the annulus wears.
+    to_rim: float
+    to_rim_worn: float
     increments_per_cycle: int
     jump_tolerance: float
 

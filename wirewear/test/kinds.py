@@ -17,17 +17,23 @@ from wirewear.test.wires import Wires
 
 @dataclass(frozen=True)
 class Kind:
-    """What distinguishes a kind of test from others; code tells studies of different kinds apart by their class."""
+    """What distinguishes a kind of test from others; code tells studies of different kinds apart by their class.
 
-    name: str  #: Name of the kind in studies, records and results.
-    tables: type[CommonTables]  #: Tables of its studies.
-    bodies: type[StatedBodies]  #: Keys by which its files state the bodies.
-    body_names: tuple[str, ...]  #: Names of the bodies, in the order of records.
-    template: Template  #: Template of a new study.
-    options: frozenset[str]  #: Keys of its bodies that `wirewear new --mapping` takes as options.
-    rigid_N_per_mm: float = 1e7  #: Stiffness above which a rig counts as rigid.
-    scatters: bool = True  #: Whether studies state the scatter of their inputs.
-    simulated: bool = True  #: Whether it has bodies and can be simulated by finite elements.
+    tables: class of its studies' tables. bodies: keys by which files state its bodies, body_names in the order of
+    records. options: keys of bodies that `wirewear new --mapping` takes. rigid_N_per_mm: stiffness above which a rig
+    counts as rigid. scatters: True if studies state the scatter of inputs. simulated: True if there are bodies to be
+    simulated.
+    """
+
+    name: str
+    tables: type[CommonTables]
+    bodies: type[StatedBodies]
+    body_names: tuple[str, ...]
+    template: Template
+    options: frozenset[str]
+    rigid_N_per_mm: float = 1e7
+    scatters: bool = True
+    simulated: bool = True
 
 
 KINDS: dict[str, Kind] = {

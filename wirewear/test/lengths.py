@@ -57,16 +57,18 @@ Named = TypeVar("Named")  #: Values by name: a mapping, or the fields of a table
 
 @dataclass(frozen=True)
 class Extent:
-    """How much of a contact is computed, and units that follow from it; this class is for contacts at a point, computed
-    whole. length_mm: length of the line contact, None at a point.
+    """How much of a contact is computed, and names and units that follow; this class is for contacts at a point,
+    computed whole. length_mm: length of the line contact, None at a point. per: suffix of units of computed values;
+    suffix: of users' columns that grow with the length. worn: what worn surfaces are called. wear_unit: (factor on mm³,
+    unit) of computed wear.
     """
 
     length_mm: float | None = None
-    per: ClassVar[str] = ""  #: Suffix of units of computed values.
-    suffix: ClassVar[str] = ""  #: Suffix of users' columns that grow with the length.
-    worn: ClassVar[str] = "scars"  #: Name of its worn surfaces.
+    per: ClassVar[str] = ""
+    suffix: ClassVar[str] = ""
+    worn: ClassVar[str] = "scars"
     fewest_across: ClassVar[int] = 2  #: Least number of a worn surface's lines across the motion.
-    wear_unit: ClassVar[tuple[float, str]] = 1e3, "10⁻³ mm³"  #: Factor on mm³ and unit of computed wear.
+    wear_unit: ClassVar[tuple[float, str]] = 1e3, "10⁻³ mm³"
 
     @property
     def share(self) -> float:

@@ -52,8 +52,8 @@ class ManyContacts:
     nothing of its own; loads_at_mm: places along the held wire at which equal parts of the load act.
     """
 
-    study: Study  #: The test of a contact that states nothing of its own.
-    tables: Mapping[str, Any]  #: Of that study, as stated.
+    study: Study
+    tables: Mapping[str, Any]
     contacts: tuple[PlacedContact, ...]
     loads_at_mm: tuple[float, ...]
 

@@ -75,22 +75,24 @@ def placed(values: Mapping[str, Values], tables: Mapping[str, Any]) -> dict[str,
 
 @dataclass(frozen=True)
 class Stretch(Generic[AnyStudy]):
-    """The cycles after `start`, up to and with `end`, and the study of the conditions in them."""
+    """The cycles after `start`, up to and with `end`, the number of their block, and the study under which they run."""
 
     start: int
     end: int
-    block: int  #: Number of the block in the programme, from 1.
+    block: int
     study: AnyStudy
 
 
 @dataclass(frozen=True)
 class Schedule(Generic[AnyStudy]):
-    """A test as a sequence of stretches. blocks: of its programme, empty without one; cycles: length of the test."""
+    """A test as a sequence of stretches. blocks: of its programme, empty without one; cycles: length of the test;
+    alone: the study without its programme; under: gives that study with the values of a block.
+    """
 
     blocks: tuple[CycleBlock, ...]
     cycles: int
-    alone: AnyStudy  #: The study without its programme.
-    under: Callable[[Mapping[str, Values]], AnyStudy]  #: The study `alone` with the values of a block.
+    alone: AnyStudy
+    under: Callable[[Mapping[str, Values]], AnyStudy]
 
     @cached_property
     def stretches(self) -> tuple[Stretch[AnyStudy], ...]:
@@ -120,11 +122,11 @@ class Schedule(Generic[AnyStudy]):
 
 @dataclass(frozen=True)
 class Stage:
-    """The cycles after `start`, up to and with `end`, under the conditions of a block."""
+    """The cycles after `start`, up to and with `end`, and the index of their block, the same for equal conditions."""
 
     start: float
     end: float
-    block: int  #: Index of their conditions; blocks with equal conditions have the same.
+    block: int
 
     def __contains__(self, cycle: float) -> bool:
         """True if the cycle is one of the stage's."""
@@ -133,11 +135,13 @@ class Stage:
 
 @dataclass(frozen=True)
 class BlockCourse:
-    """What a test went through. done: its stages; ahead: those of one more turn; names: of the blocks, by index."""
+    """What a test went through. done: its stages; ahead: those of one turn after its end, of blocks that it has
+    reached; names: of the blocks, by index.
+    """
 
     done: tuple[Stage, ...]
-    ahead: tuple[Stage, ...]  #: Stages of one turn after the test's end, of blocks that the test has reached.
-    names: tuple[str, ...]  #: Names of the blocks by index.
+    ahead: tuple[Stage, ...]
+    names: tuple[str, ...]
 
     @classmethod
     def of(cls, schedule: Schedule[Any], end: float) -> Self:

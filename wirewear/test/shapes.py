@@ -47,18 +47,16 @@ _OF_SOME = {
 
 @dataclass(frozen=True)
 class Shape:
-    """A shape of a body, meshed as a block unless a subclass says otherwise. needs: keys that it must have; of keys
-    that are not for all shapes it takes these and `takes` alone.
+    """A shape of a body, meshed as a block unless a subclass says otherwise. straight: True where it is, (along,
+    across). needs: keys that it must have; takes: further ones of the keys that not all shapes have; idle: keys without
+    effect on it, each with the reason. note: added to its name in messages.
     """
 
     name: str
     needs: tuple[str, ...] = ("diameter_mm",)
-    straight: tuple[bool, bool] = (False, False)  #: Whether it is straight along its axis, and across.
-    note: str = ""  #: Addition to its name in messages.
-
-    #: Keys that it may have in addition to those it needs.
+    straight: tuple[bool, bool] = (False, False)
+    note: str = ""
     takes: ClassVar[tuple[str, ...]] = ()
-    #: Keys that are accepted for all shapes but have no effect on this one, with the reason.
     idle: ClassVar[dict[str, str]] = {"grip_angle_deg": "is of wires and tubes, but a {} is held at its back and sides"}
 
     def curvatures_per_mm(self, stated: ShapedBody) -> tuple[float, float]:

@@ -35,15 +35,16 @@ COMMON = ("conditions", "contact", "wear", "holder", "log")  #: Tables that ever
 
 @dataclass(frozen=True)
 class Template:
-    """What a new study of a kind holds: the tables `shown`, the values of `example`, and the comment `above`."""
+    """What a new study of a kind holds: the tables `shown`, the nested values of `example`, and the comment `above`.
+    tables: class of the whole study. left_out: keys with dots that are not written.
+    """
 
-    kind: str  #: Value of the study's key `kind`.
-    #: The study's tables; those named in `shown` are written with all their keys.
+    kind: str
     tables: type[Table]
     shown: tuple[str, ...]
-    example: Mapping[str, Any] = field(repr=False)  #: Values of keys, nested.
-    above: str  #: First lines of the file.
-    left_out: tuple[str, ...] = ()  #: Keys with dots that are left out.
+    example: Mapping[str, Any] = field(repr=False)
+    above: str
+    left_out: tuple[str, ...] = ()
 
 
 #: The template of a study of crossed wires.

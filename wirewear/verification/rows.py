@@ -46,34 +46,37 @@ _LEVELS: dict[str, tuple[Any, Any]] = {
 
 @dataclass(frozen=True)
 class Level:
-    """Meshes and relative tolerances of a level of verification, QUICK or FULL."""
+    """Meshes and relative tolerances of a level of verification, QUICK or FULL.
+
+    A resolution is a number of elements per radius (or half-width) of the contact, in near_zone a number of grid
+    points; hertz_resolutions are those of three meshes from coarse to fine, of which the last serves partial slip as
+    well, under loads that enlarge the contact by `enlarged`.
+    """
 
     name: str
     fidelity: str  #: Level of fidelity of bodies that are meshed as in runs.
-    #: Elements per contact radius of the three meshes, from coarse to fine; the last is used for the ellipse and
-    #: partial slip as well, under loads that enlarge the contact by `enlarged`.
     hertz_resolutions: tuple[float, float, float]
     enlarged: float
-    loop_resolution: float  #: Elements per contact radius where the contact slides.
-    line_resolution: float  #: Elements per half-width of the line contact, which is planar and cheap.
+    loop_resolution: float
+    line_resolution: float
     slip_increments: int  #: Increments of a loading branch in partial slip.
-    partial_slip_wear_resolution: float  #: Elements per contact radius where partial slip wears a contact out.
+    partial_slip_wear_resolution: float
     partial_slip_wear_tolerance: float  #: Tolerance of the worn volume.
-    partial_slip_run_resolution: float  #: Elements per contact radius of a whole run that wears.
+    partial_slip_run_resolution: float
     partial_slip_run_tolerance: float
     worn_line_cycles: int  #: Cycles of the worn line contact.
     hertz_tolerances: tuple[float, float, float]
     ellipse_tolerance: float
     slip_energy_tolerance: float
     stress_tolerance: float  #: Tolerance of the largest stress beneath a contact.
-    surface_resolution: float  #: Elements per contact radius for stresses at a contact's edge.
+    surface_resolution: float
     surface_tolerance: float
-    line_surface_resolution: float  #: Elements per half-width for stresses at a line contact's edge.
+    line_surface_resolution: float
     line_surface_tolerance: float
     yielding_fidelity: str  #: Level of fidelity of bodies that yield.
     yielding_radius_tolerance: float
     yielding_print_tolerance: float
-    near_zone_resolution: int  #: Points of the grid to the radius of a contact whose metal flows.
+    near_zone_resolution: int
     near_zone_tolerance: float
 
 
@@ -128,17 +131,18 @@ def write_json(path: Path, level: str, rows: "Sequence[Row]") -> None:
 
 @dataclass(frozen=True)
 class Row:
-    """A computed quantity, its closed form, and the relative error that is allowed."""
+    """A computed quantity and its closed form. error: (computed - exact) / scale, the scale being |exact| unless the
+    problem names another; raw_error: without a correction for bulk compliance, None if nothing is corrected; tolerance:
+    allowed |error|. order: observed order of convergence from the next coarser mesh, None without one.
+    """
 
     problem: str
     quantity: str
     computed: float
     exact: float
-    error: float  #: (computed - exact) / scale, the scale being |exact| unless the problem names another.
+    error: float
     tolerance: float
-    #: Error without the correction for bulk compliance; None if nothing is corrected.
     raw_error: float | None = None
-    #: Observed order of convergence from the next coarser mesh, None on the coarsest and where there is but one.
     order: float | None = None
 
     @property
