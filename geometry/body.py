@@ -208,7 +208,6 @@ class BodyGeometry(ABC):
         return asdict(self)  # type: ignore[call-overload,no-any-return]
 
     def with_layering(self, layering: Layering) -> Self:
-        """A copy with other layers of elements under the contact patch."""
         return replace(self, layering=layering)  # type: ignore[type-var]
 
 

@@ -193,7 +193,7 @@ class OwnGrid(BodyGeometry):
         raise GeometryError("a file's elements are not swept from a section; please report this study")
 
     def gripped(self, centres_mm: Array) -> BoolArray:
-        """False (n,) for all facets: the grip is the file's set, which `built` names."""
+        """(n,) False for all facets: the grip is the file's set, which `built` names."""
         return np.zeros(len(centres_mm), dtype=bool)
 
     def built(self) -> BodyMesh:

@@ -18,7 +18,8 @@ class GradedAxis:
 
     Elements measure `fine_mm` for |x| up to `fine_half_extent_mm`, then grow by the factor `growth` from one to the
     next, never beyond `outer_mm`, up to the patch's edge at |x| = `half_extent_mm`. All sizes are scaled by a common
-    factor, a change of the whole by less than one element, so that the last element ends on the edge.
+    factor, a change of the whole by less than one element, so that the last element ends on the edge. Raises
+    GeometryError if the patch holds no element.
     """
 
     fine_mm: float
@@ -182,12 +183,14 @@ class GivenAxis:
 
 @dataclass(frozen=True)
 class Layering:
-    """Layers of elements under a contact patch, from the surface down to the first transition row."""
+    """Layers of elements under a contact patch, from the surface down to the first row in which columns of elements are
+    joined.
+    """
 
-    #: Plain layers above each row that joins columns. Refined together with the patch, they reach to the same depth;
-    #: were their number fixed, refining would make the body coarse ever closer under the contact.
+    #: Number of layers above each row that joins columns. Refined together with the patch, they reach to the same
+    #: depth; were their number fixed, refining would make the body coarse ever closer under the contact.
     count: int = 5
-    growth: float = 1.3  #: Ratio of the thicknesses of a layer and the one above it.
+    growth: float = 1.3  #: Thickness of a layer over that of the layer above it.
     first: float = 0.6  #: Thickness of the uppermost layer over the patch's finest spacing.
 
     @classmethod
@@ -203,7 +206,7 @@ class Layering:
         return replace(layers, count=round(count))
 
     def refined(self, factor: float) -> "Layering":
-        """Layers thinner by `factor` that reach to about the same depth."""
+        """Layers thinner by `factor`, and more of them, that reach to about the same depth."""
         return Layering(max(2, round(self.count * factor)), float(self.growth ** (1.0 / factor)), self.first)
 
     def deeper(self, factor: float) -> "Layering":

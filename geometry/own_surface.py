@@ -43,9 +43,11 @@ class MeshSource:
     mm_per_unit: float
     contact: str  #: Name of the set of the contact surface.
     held: str  #: Name of the set of the held surface.
-    outward: Vector | None = None  #: Contact's outward normal in the file; None: the mean normal of its set.
-    along: Vector | None = None  #: Body's axis in the file; None: the direction in which its face is straighter.
-    at_mm: Vector | None = None  #: Point of first contact in the file; None: the outermost point.
+    #: Contact's outward normal, of any length, in the file's axes; None: the mean normal of its set.
+    outward: Vector | None = None
+    #: Body's axis, of any length, in the file's axes; None: the direction in which its face is straighter.
+    along: Vector | None = None
+    at_mm: Vector | None = None  #: Point of first contact in the file's axes; None: the outermost point.
     #: Sets of cells of other materials, each (name, Young's modulus in MPa, Poisson's ratio).
     parts: tuple[tuple[str, float, float], ...] = ()
 

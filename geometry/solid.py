@@ -39,7 +39,7 @@ class Places:
 
 @dataclass(frozen=True, eq=False)
 class SolidMesh:
-    """A mesh of solid elements of any kinds; lengths in mm."""
+    """A mesh of n nodes and solid elements of any kinds, with named sets; lengths in mm."""
 
     points: Array  #: (n, 3).
     cells: Mapping[int, IntArray]  #: For each number of nodes k, the key in `ELEMENT_KINDS`, nodes (m, k) of its cells.

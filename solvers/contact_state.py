@@ -90,7 +90,9 @@ class ContactState:
 
 @dataclass(frozen=True)
 class IncrementReport:
-    """Results and residuals of one increment; all but the drive are 0 where the bodies do not touch."""
+    """Results and residuals of one increment; all but the drive are 0 where the bodies do not touch. Residuals are
+    shares, 0 if exact.
+    """
 
     drive: float  #: At its end, mm.
     tangential_force: float = 0.0  #: Force on the upper body along x, N.
@@ -103,8 +105,8 @@ class IncrementReport:
     contact_area: float = 0.0  #: Area of contact in the plane, mm².
     max_pressure: float = 0.0  #: At any node, MPa.
     inner_pressure: float = 0.0  #: The largest away from the contact's rim, MPa, see `largest_within`.
-    half_width_x: float = 0.0  #: Half extent of the contact along x and along y, mm.
-    half_width_y: float = 0.0
+    half_width_x: float = 0.0  #: Half of the contact's extent along x, mm.
+    half_width_y: float = 0.0  #: Half of its extent along y, mm.
     force_error: float = 0.0  #: |unbalanced force| / normal force.
     penetration: float = 0.0  #: Largest overlap over the largest elastic displacement.
     complementarity: float = 0.0  #: Largest |gap| of nodes under pressure over the largest elastic displacement.
@@ -239,7 +241,9 @@ class Holder:
         return self if load_share == 1.0 else replace(self, normal_load_N=load_share * self.normal_load_N)
 
     def load_N(self, height_mm: float, pressed_height_mm: float) -> float:
-        """Load at a height of the holder, given its height when the bodies had just been pressed together."""
+        """Load at a height of the holder (mm), given its height when the bodies had just been pressed together: the
+        loading spring adds its stiffness times the difference.
+        """
         return self.normal_load_N + self.normal_stiffness_N_per_mm * (height_mm - pressed_height_mm)
 
 

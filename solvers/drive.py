@@ -36,8 +36,8 @@ _FINER = 4  # Increments of a cycle whose load changes, over those of one whose 
 
 @dataclass(frozen=True)
 class BulkStress:
-    """Axial, bending and torsion stress in MPa at the contact: mean + amplitude cos(2π t − phase), with t the share of
-    the cycle passed since the drive was at +amplitude.
+    """Bulk stress of a body at the contact: mean + amplitude cos(2π t − phase), each as (axial, bending, torsion) in
+    MPa, with t the share of the cycle passed since the drive was at +amplitude.
     """
 
     material: Elastic
@@ -206,12 +206,11 @@ def trapezoidal(dwell: float) -> Waveform:
 
 @dataclass(frozen=True)
 class LoadCycle:
-    """Normal load over the test's load during a cycle: 1 + amplitude cos(2 pi ratio t - lag), or straight lines between
-    points.
+    """Normal load over the test's load during a cycle: 1 + amplitude cos(2 pi ratio t - lag), with t the share of the
+    cycle passed, or straight lines between points.
 
-    points: (share of the cycle passed, share of the load). Negative values count as 0.
-
-    Raises SolverError for a ratio below 1, points that do not form a cycle, or a load that is never positive.
+    points: (share of the cycle passed, share of the load); empty for the cosine. Negative values count as 0. Raises
+    SolverError for a ratio below 1, points that do not form a cycle, or a load that is never positive.
     """
 
     amplitude: float = 0.0
@@ -394,9 +393,8 @@ class Drive:
 
     @cached_property
     def symmetric(self) -> bool:
-        """True if both strokes, load included, are mirror images of each other and bulk stresses are constant.
-
-        A bulk stress that varies stretches a surface at one end of the stroke and shortens it at the other.
+        """True if both strokes, load included, are mirror images of each other, and bulk stresses are constant: one
+        that varies stretches a surface at one end of the stroke and shortens it at the other.
         """
         there, back = (path.load for path in self._sampled)
         return (

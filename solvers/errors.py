@@ -12,4 +12,4 @@ class PatchLeftError(SolverError):
 
 
 class NotConvergedError(SolverError):
-    """An increment did not converge, even when cut as short as allowed."""
+    """A solution was not found within the allowed iterations, in an increment even when cut as short as allowed."""

@@ -209,11 +209,12 @@ def sticks_throughout(start: ContactState, end: ContactState) -> bool:
 def restarted(
     problem: ContactProblem, state: ContactState, drive: Drive, increments: int, watch: Watch | None = None
 ) -> ContactState:
-    """The worn bodies pressed together at mid-stroke and moved to the end of the stroke where the state is.
+    """The state of the worn bodies pressed together at mid-stroke and moved, without wear, to the end of the stroke
+    where `state` is. Its core, the nodes that have stuck ever since the first pressing, is kept.
 
-    The core, which has stuck ever since, has not moved, however much has worn around it; tractions carried over from
-    the surfaces before a jump would let it move by what they have lost. Slopes of the worn surface beside it must not
-    turn its normals during pressing either: radial tractions would be left at its edge, which would slip sooner.
+    The core has not moved, however much has worn around it; tractions carried over from the surfaces before a jump
+    would let it move by what they have lost. Slopes of the worn surface beside it must not turn its normals during
+    pressing either: radial tractions would be left at its edge, which would slip sooner.
     """
     blank = unloaded_state(problem)
     blank = replace(blank, wear=state.wear, core=state.core, bulk=drive.mean_bulk, holder_z=state.holder_z)

@@ -124,7 +124,9 @@ def spread_once(field: Array, patch: ContactPatch) -> Array:
 
 
 def hat_products(first: Array, second: Array) -> Array:
-    """Integrals of products of two grids' hat functions over their common interval, (n_first, n_second)."""
+    """Integrals (m, n) of products of the hat functions of two grids, of increasing lines (m,) and (n,), over their
+    common interval.
+    """
     low, high = max(first[0], second[0]), min(first[-1], second[-1])
     lines = np.unique(np.concatenate([first, second]).clip(low, high))
     # Between neighbouring lines the product is a quadratic, for which two Gauss points are exact.

@@ -359,7 +359,8 @@ def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[
 def opened(
     problem: ContactProblem, state: ContactState, drive: float, cycles: float
 ) -> tuple[ContactState, IncrementReport]:
-    """The state at `drive` of bodies whose load has been removed, and the report of the increment.
+    """The state at `drive` (mm) of bodies whose load has been removed in an increment, and its report; cycles: number
+    of times that its wear counts.
 
     The bodies are left just touching. As the load goes, they slide by the strain and the rig's motion that are
     released, with half of the work that the pressures before would do along it, as in any increment.

@@ -121,11 +121,10 @@ class SpreadPressure:
         return min(max(of_elements / of_nodes, 1.0 / _LARGEST), _LARGEST)
 
     def law_error(self, friction: Friction) -> float:
-        """Relative error of a friction law's integral that follows from the uncertainty of the contact's area,
-        `edge_error`.
+        """Relative error of the integral of a friction law's limit by the uncertainty of the contact's area,
+        `edge_error`; 0 for a law proportional to pressure.
 
-        At the same load a larger area has pressures lower in proportion, to which only a law not proportional to them
-        responds.
+        At the same load a larger area has pressures lower in proportion, to which only another law responds.
         """
         if friction.law.proportional or not len(self.pressure_MPa):
             return 0.0
@@ -136,7 +135,8 @@ class SpreadPressure:
 
     @cached_property
     def edge_error(self) -> float:
-        """Half the relative error of the contact's area: the share swept if the edge moves by 0.06 elements.
+        """Half the relative error of the contact's area: half the share of it that is swept if its edge moves by 0.06
+        elements.
 
         Each line of samples crosses the edge twice: for convex contacts the crossings along both axes add up to 4/π of
         the perimeter (Cauchy-Crofton). For an ellipse along the grid the result is 0.06 over its half-width in
@@ -161,7 +161,7 @@ class WithinElements:
         return tuple(SpreadPressure.of(self.patch, pressure, self.fresh > 0.5) for pressure in self.pressures_MPa)
 
     def among(self, chosen: slice | IntArray) -> "WithinElements":
-        """The description of pressure at chosen nodes: `chosen` is an index or slice into the nodes of this object."""
+        """The same description for the nodes of these indices into the k."""
         return WithinElements(self.patch, self.pressures_MPa, self.position[chosen], self.fresh)
 
     def share(self, friction: Friction) -> Array:

@@ -264,7 +264,7 @@ def levers(problem: ContactProblem, drive: float, holder_x: float) -> Array:
 
 
 def paired_before(problem: ContactProblem, state: ContactState) -> Pairing:
-    """The pairing of the nodes that carry load in a state, at its position."""
+    """The pairing, at the state's own drive and holder position, of the nodes that carry load in it."""
     loaded = np.flatnonzero(state.traction[:, 2] > 0.0)
     return faced(problem, state, loaded, state.drive, state.holder_x, state.holder_tilt)
 

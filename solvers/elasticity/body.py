@@ -72,7 +72,7 @@ class ContactBody(Protocol):
         ...
 
     def update(self, print_mm: Array, force_N: Array, /) -> Array:
-        """Depth (n_a, n_t) in mm of the print after forces (n, 3) in N on the nodes; `print_mm` is the depth before
-        them.
+        """Depth (n_a, n_t) in mm of the print after forces (n, 3) in N on the nodes, in the body's axes; print_mm: its
+        depth before.
         """
         ...

@@ -37,7 +37,7 @@ class CondensedBody:
 
     @classmethod
     def whole(cls, patch: ContactPatch, compliance: Array) -> "CondensedBody":
-        """A body of known compliance matrix (3 n, 3 n), stored without use of symmetry."""
+        """The body of a patch with n nodes and of a known compliance matrix (3 n, 3 n), in mm/N."""
         return cls(patch, PatchCompliance(patch.shape, (), compliance[None]))
 
     @property

@@ -165,7 +165,9 @@ class GaussLines:
 
 
 def gauss_lines(lines: Array, points: int) -> GaussLines:
-    """Gauss points, `points` in each cell between grid lines (c + 1,)."""
+    """Gauss points of one axis, `points` in each cell between grid lines (c + 1,) in mm; a single line is a planar
+    body's.
+    """
     if len(lines) == 1:
         return GaussLines(lines[:, None], np.ones((1, 1)), np.ones(1))
     abscissae, weights = np.polynomial.legendre.leggauss(points)

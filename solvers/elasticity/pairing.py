@@ -25,11 +25,13 @@ from solvers.jit_cache import compiled
 
 @dataclass(frozen=True)
 class PrimarySurface:
-    """Quadrature on the primary body's patch, independent of where the secondary body is."""
+    """The surface of the primary body's patch, with what of its quadrature does not depend on where the secondary body
+    is.
+    """
 
     body: PlacedBody
-    along: GaussLines  #: Gauss points along and across the patch.
-    across: GaussLines
+    along: GaussLines  #: Gauss points along the patch.
+    across: GaussLines  #: Gauss points across it.
     areas: Array  #: (n,) plane area of each node.
     fresh_slope: Array  #: (n, 2) mean slope of the unworn surface about each node, in the patch's axes.
     averaging: NodalTransfer  #: From a nodal field of this patch to its integrals over the nodes' supports.

@@ -52,7 +52,7 @@ class PlacedBody:
 
     patch: ContactPatch
     facing: int  #: +1 for the lower body (its patch faces +z), -1 for the upper one.
-    axis_angle_rad: float  #: Angle of the body's axis against the motion.
+    axis_angle_rad: float  #: Angle of the body's axis from the motion, counter-clockwise from above.
     folded: Compliance  #: Compliance of the patch in mm/N, in world axes.
     world_to_patch: Array  #: (2, 2) turns plane vectors into the patch's axes.
     incline: float = 0.0  #: Rise of the whole surface along x, mm per mm.

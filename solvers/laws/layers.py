@@ -98,8 +98,8 @@ class ThirdBody:
 
 @dataclass(frozen=True)
 class LayersAtNodes:
-    """All layers between the surfaces, in series, at k paired nodes during an increment, and the yielding of the
-    surfaces.
+    """All layers between the surfaces, in series, at k paired nodes during an increment; yielding: pressure limits of
+    the surfaces, None for elastic ones.
     """
 
     layers: tuple[ContactLayer, ...]

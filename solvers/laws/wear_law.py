@@ -26,11 +26,13 @@ ENTRY_POINT_GROUP = "wirewear.wear_laws"
 
 
 class WornCycle(Protocol):
-    """The cycle that wears, as far as wear laws may depend on it, at N places in the elements at all its positions."""
+    """The traced cycle that wears, as far as wear laws may depend on it. N counts places: samples within the pressed
+    elements at all its positions, and as the last one what comes into contact only as it wears.
+    """
 
     @property
     def edge_distance_mm(self) -> Array:
-        """Distance (N,) of each place from the edge of the contact at that position of the cycle."""
+        """Distance (N,) of each place from the edge of the contact at its position of the cycle; 0 for the last one."""
 
     @property
     def pressure_MPa(self) -> float:
@@ -42,7 +44,9 @@ class WornCycle(Protocol):
 
     @property
     def slip_amplitude_mm(self) -> float:
-        """Half of the slip in one stroke, averaged over the contact with the pressure as weight."""
+        """Half of the slip in one stroke, averaged over the contact with the pressure as weight and over the
+        strokes.
+        """
 
     @property
     def frequency_Hz(self) -> float: ...

@@ -79,12 +79,14 @@ class ContactConditions:
         self._laws = linear_laws(system, np.zeros(len(loaded)))
 
     def laws(self, about: Array) -> LinearLaws:
-        """Friction and layers, linearised at pressures `about` (k,) in MPa."""
+        """Friction and layers, linearised at pressures `about` (k,) in MPa; laws that are linear anyway are linearised
+        once.
+        """
         straight = self.system.layers is None and self.system.friction.law.proportional
         return self._laws if straight else linear_laws(self.system, about)
 
     def world(self, normal: Array, tangential: Array) -> Array:
-        """Tractions (k, 3) in world axes from normal (k,) and tangential (k, 2) ones in local frames."""
+        """Tractions (k, 3) in world axes from normal (k,) and tangential (k, 2) ones in the nodes' local frames."""
         frames = self.nodes.frames
         sideways = tangential[:, :1] * frames[:, 1] + tangential[:, 1:] * frames[:, 2]
         return np.asarray(normal[:, None] * frames[:, 0] + sideways)

@@ -35,7 +35,9 @@ _ALIKE = 1e-12  #: States whose forces differ by no more than this share of the 
 
 @dataclass(frozen=True)
 class Factor:
-    """A matrix (n, n) factorised on its unknowns that are free; all others are held at zero."""
+    """A symmetric matrix (n, n), n its `size`, factorised on its unknowns that are free; all others are held at zero.
+    fronts: its parts, in the order of elimination.
+    """
 
     size: int
     fronts: tuple[elimination.Front, ...]

@@ -35,14 +35,16 @@ _POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 
 @dataclass(frozen=True, eq=False)
 class SubgridTraction:
-    """Tractions on a grid of equal elements: √square × ratio, bicubic and bilinear between nodes."""
+    """Tractions on a grid of equal elements: √square × ratio where the square is positive, else none; nodal values,
+    bicubic (square) and bilinear (ratio) between the nodes.
+    """
 
-    square: Array  #: (n_a, n_t) in MPa², negative outside.
-    ratio: Array  #: (n_a, n_t, 3) of the traction to the pressure.
+    square: Array  #: (n_a, n_t) squared pressure in MPa², negative outside the contact.
+    ratio: Array  #: (n_a, n_t, 3) traction over pressure.
 
     @classmethod
     def of_nodes(cls, traction: Array) -> "SubgridTraction":
-        """The field with tractions (n_a, n_t, 3) in MPa at the nodes, along x, y and the outward z."""
+        """The field that carries what nodal tractions (n_a, n_t, 3) in MPa carry, along x, y and the outward z."""
         pressure = np.maximum(-traction[..., 2], 0.0)
         loaded = pressure > _LOADED * pressure.max(initial=0.0)
         if not loaded.any():
@@ -52,14 +54,17 @@ class SubgridTraction:
         return cls(square * _scale(square, pressure) ** 2, ratio)
 
     def edge(self) -> Array:
-        """Points (k, 2) where lines of the grid leave the contact, in elements from the first node, just inside."""
+        """Points (k, 2), in elements from the first node, where lines of the grid cross the contact's edge, just
+        inside.
+        """
         return np.asarray(_edge(self.square))
 
 
 def fitted_square(pressure: Array, trust_at_edge: float = 0.2) -> Array:
-    """Square (n_a, n_t) of pressures at nodes, some of them positive, as it is fitted: negative outside the contact.
+    """Squared pressure (n_a, n_t) fitted to nodal pressures (n_a, n_t), some of them positive; it is continued beyond
+    the contact, where it is negative.
 
-    trust_at_edge: weight of nodes that share elements with unloaded ones.
+    trust_at_edge: weight in the fit of loaded nodes that share elements with unloaded ones; others have 1.
     """
     largest = float(pressure.max()) ** 2
     return largest * _fitted(pressure**2 / largest, pressure > _LOADED * pressure.max(), trust_at_edge)

@@ -221,7 +221,7 @@ class Opening(NamedTuple):
     worked: csr_matrix
 
     def by(self, work: Array) -> Array:
-        """Gap (N,) in mm that opens by wear work per area (N,), mJ/mm²."""
+        """Gap (N,) in mm that opens along z at the unknowns by wear work per area (N,), in mJ/mm², at them."""
         return np.asarray(self.faced @ (self.worked.T @ work))
 
 

@@ -67,7 +67,7 @@ def kept_file(name: str) -> Path | None:
 
 
 def allowed_bytes() -> float:
-    """Size limit of the cache in bytes, from WIREWEAR_CACHE_GB; the default if that is not a number of at least 0."""
+    """Size limit of the cache in bytes, from WIREWEAR_CACHE_GB; 10 GB unless that is a number of at least 0."""
     with suppress(ValueError):
         chosen = float(os.environ.get("WIREWEAR_CACHE_GB", DEFAULT_GB))
         if chosen >= 0.0:
@@ -76,7 +76,7 @@ def allowed_bytes() -> float:
 
 
 def mark_used(path: Path) -> None:
-    """Set the time of a cached file's last use to now."""
+    """Set the time of a cached file's last use to now, if possible."""
     with suppress(OSError):
         os.utime(path)
 
@@ -145,7 +145,6 @@ class Identity:
 
     @property
     def name(self) -> str:
-        """Name for a file that holds the result."""
         return digest({"asked": self.asked, "made": self.made})[:24]
 
     @classmethod

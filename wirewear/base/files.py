@@ -33,7 +33,9 @@ _TOML = ("study file", "sweep file", "TOML file")  #: What is called so is a TOM
 
 
 def read_toml(path: Path, kind: type[WirewearError], what: str = "TOML file") -> dict[str, object]:
-    """Tables of a TOML file. Raises an error of class `kind` if it cannot be read or is not valid TOML."""
+    """Tables of a TOML file; `what` names its kind in messages. Raises an error of class `kind` if it cannot be read or
+    is not valid TOML.
+    """
     return parsed_toml(read_text(path, kind, what), str(path), kind)
 
 
@@ -133,7 +135,9 @@ def _meant(path: Path, what: str) -> str:
 
 
 def read_text(path: Path, kind: type[WirewearError], what: str = "file") -> str:
-    """Text of a file in UTF-8. Raises an error of class `kind` if it cannot be read or is not text."""
+    """Text of a file in UTF-8; `what` names its kind in messages. Raises an error of class `kind` if it cannot be read
+    or is not text.
+    """
     return utf8(read_bytes(path, kind, what), path, kind)
 
 

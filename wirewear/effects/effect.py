@@ -347,7 +347,7 @@ class Effect(ABC, Generic[T]):
         return cls(**{name: getattr(item.beside(stated), size) for name, item in cls.parameters().items()})
 
     def table(self) -> dict[str, object]:
-        """The `[[effects]]` table of a study that gives this effect."""
+        """The `[[effects]]` table of a study that gives this effect: its name and the values of its fields."""
         numbers = {name: plain(value) for name, value in self.values.items()}
         words = {name: getattr(self, name) for name, known in self.choices().items() if getattr(self, name) != known[0]}
         return {"name": self.name, **numbers, **words}

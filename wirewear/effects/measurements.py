@@ -18,7 +18,9 @@ class Measurement:
     without_gap: str = ""  #: What it shows if the nominal model is right; empty if that distinguishes nothing.
 
     def shows(self, text: str) -> "Answer":
-        """The answer of this measurement under an effect; effects with equal texts are not distinguished by it."""
+        """The answer of this measurement under an effect, in words; it does not distinguish effects with equal
+        words.
+        """
         return Answer(self, text)
 
 

@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 
 class Seam(StrEnum):
-    """The places in the model where effects enter; each comment names the description that they change there."""
+    """The seams, each with the class of its description in a comment."""
 
     HOLDER = "holder"  #: solvers.Holder
     CONTACT = "contact"  #: ContactLaw

@@ -54,7 +54,7 @@ class BranchFits:
 
 
 def branch_fits_of(loop: CleanLoop) -> BranchFits:
-    """Split a loop into its two branches, take free play out of them, and fit the micro-slip of each."""
+    """Both branches of a loop, each with its fitted micro-slip, once free play has been taken out of them."""
     forward, backward = split_branches(loop)
     length = forward.length_um
     shelves = shelves_of(loop, forward, backward)

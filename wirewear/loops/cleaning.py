@@ -84,7 +84,7 @@ class CleanLoop:
 
     @property
     def without_drift(self) -> "CleanLoop":
-        """Copy of the loop with its possible drift removed from the displacement."""
+        """Copy of the loop with its possible drift, `may_drift_by`, removed from the displacement."""
         moved = self.may_drift_by * (self.time - float(self.time.mean()))
         return replace(self, displacement_um=self.displacement_um - moved, may_drift_by=0.0)
 

@@ -44,7 +44,9 @@ class Measured:
         return (self.interval95[1] - self.interval95[0]) / 3.92
 
     def reaching(self, other: float) -> "Measured":
-        """Copy of the value with its interval widened so that it covers another estimate with the same uncertainty."""
+        """Copy of the value with its interval widened, both ways, by the distance to `other`: another estimate of it,
+        which the interval then covers with the same uncertainty.
+        """
         return Measured.from_deviation(self.value, self.deviation + abs(other - self.value) / 1.96)
 
     def over(self, *divisors: "Measured", times: float = 1.0) -> "Measured":
@@ -65,7 +67,7 @@ def mean_of(one: Measured, other: Measured) -> Measured:
 
 @dataclass(frozen=True)
 class MicroSlipBranch:
-    """One branch just after a reversal, with the line fitted over half of its micro-slip region."""
+    """A branch just after a reversal, with the line fitted over the first half of its micro-slip."""
 
     direction: Literal[1, -1]  #: +1 when the displacement grows along the branch, −1 when it falls.
     stiffness_N_per_um: Measured  #: Slope of the fitted line.
@@ -88,9 +90,8 @@ class StickSlip:
 
 @dataclass(frozen=True, eq=False)
 class Sticking:
-    """Candidate contacts (n,) in partial slip, each with the χ² by which its loop differs from the measured one.
-
-    `chi_squared` is counted from the best candidate.
+    """Candidate contacts (n,) in partial slip that would leave the measured loop; chi_squared: χ² of the difference
+    between each one's loop and the measured one, less that of the best candidate.
     """
 
     chi_squared: Array
@@ -103,7 +104,9 @@ class Sticking:
     load_N: Measured | None  #: Constant normal load; None if unknown.
 
     def given(self, contact_um_per_N: float, doubt: float) -> "Sticking":
-        """Candidates that remain if the sticking contact's compliance is known, with the relative deviation `doubt`."""
+        """Candidates that remain if the sticking contact's compliance is known, with the relative standard deviation
+        `doubt`.
+        """
         known = np.log(np.maximum(self.contact_um_per_N, 1e-300) / contact_um_per_N) / doubt
         return self.kept(self.chi_squared + known**2)
 

@@ -90,7 +90,7 @@ def advancing(branch: Branch) -> Branch:
 
 
 def force_ratio(branch: Branch) -> Array:
-    """Ratio |Q|/P (n,) of a branch's samples, or |Q| if the normal force is unknown."""
+    """Ratio |Q|/P (n,) of a branch's samples, or |Q| in N if the normal force is unknown."""
     return branch.force_N if branch.normal_force_N is None else branch.force_N / branch.normal_force_N
 
 

@@ -12,7 +12,7 @@ CHOICE = 1.2  # widens standard deviations: weights and degree were chosen with 
 
 
 def median_deviation(values: Array) -> float:
-    """Robust standard deviation: 1.4826 × median absolute value (about zero)."""
+    """Robust standard deviation of values (n,) about zero: 1.4826 × the median of their sizes; 0 if there are none."""
     middle = len(values) // 2
     # np.median's generality costs more than all the rest of a small fit
     return float(1.4826 * np.partition(np.abs(values), middle)[middle]) if len(values) else 0.0
@@ -69,8 +69,8 @@ def fit_linear(design: Array, values: Array, iterations: int = 4) -> LinearFit:
 
 
 def best_fit(designs: Sequence[Array], values: Array) -> int:
-    """Index of the design that minimises Schwarz's criterion n ln s² + p ln n, with s the robust scale of its
-    residuals.
+    """Index of the design (n, p) by which values (n,) are fitted best: with the least n ln s² + p ln n (Schwarz's
+    criterion), where s is the robust scale of the residuals.
     """
     count = len(values)
     floor = 1e-12 * float(np.max(np.abs(values), initial=1e-300))

@@ -50,6 +50,7 @@ class LoopSignals:
 
     @property
     def displacement_amplitude_um(self) -> float:
+        """Half of the displacement's range."""
         return 0.5 * float(np.ptp(self.displacement_um))
 
     @property

@@ -111,7 +111,9 @@ def slip_of(
 
 
 def notes_on(regime: Regime, sticking: Sticking | None) -> list[str]:
-    """Sentences on the friction that a loop without a plateau shows, and on its limits."""
+    """Sentences on the friction that a loop without a plateau shows, and on its limits; none for a sliding loop with a
+    plateau.
+    """
     if regime != "partial slip":
         return [] if sticking is None else [SHORT]
     if sticking is None:

@@ -61,7 +61,9 @@ class Corner:
 
 
 def corner_of(forward: tuple[Branch, MicroSlip], backward: tuple[Branch, MicroSlip]) -> Corner | None:
-    """Mean corner of both branches; None where fewer than four samples lie near the corner of one of them."""
+    """Roundness of the corner, mean of both branches (each with its fit); None where fewer than four samples lie near
+    the corner of one of them.
+    """
     found = [_corner(*course) for course in (forward, backward)]
     known = [corner for corner in found if corner is not None]
     if len(known) < len(found):

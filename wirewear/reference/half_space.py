@@ -261,12 +261,12 @@ def line_stick_shift(contact: LineContact, friction: float, bulk_stress_MPa: flo
 def half_plane_line_stiffness(
     first: Elastic, second: Elastic, half_width_mm: float, contact_length_mm: float, depth_mm: float = 5.0
 ) -> float:
-    """Initial tangential stiffness in N/mm between two points on the contact's axis, at `depth_mm` in each body.
+    """Initial tangential stiffness in N/mm of a line contact of `contact_length_mm`, between two points on its axis at
+    `depth_mm` in each body.
 
     Full stick, q = Q/(π√(a² − x²)), in plane strain: from the Flamant solution for a tangential line load (Johnson,
     Contact Mechanics, 1985, section 2.3), u(0) = 2(1 − ν²)/(πE)·ln(2/a) at the surface and, averaged over the load,
     u(d) = −[(1 − ν²)/(πE)·ln r² + (1 + ν)/(πE)·d²/r²], r² = d² + x². Bodies narrower than a half-plane are softer.
-
     Raises ValueError unless all lengths are positive.
     """
     require_positive(half_width_mm=half_width_mm, contact_length_mm=contact_length_mm, depth_mm=depth_mm)
@@ -329,12 +329,13 @@ def line_partial_slip_stress(
     poissons_ratio: float,
     stick_centre_mm: float = 0.0,
 ) -> Array:
-    """Stresses (..., 6) in MPa in partial slip of a line contact on first loading.
+    """Stresses (..., 6) in MPa in a half-plane in partial slip of a line contact on first loading; stick_centre_mm:
+    where a bulk stress shifts the centre of the stick zone to, see `line_stick_shift`.
 
-    They are those of sliding, less those of a shear on the stick zone, whose centre a bulk stress shifts (see
-    `line_stick_shift`); the bulk stress itself is not included. On the surface, friction adds −2 µ p0 √(x² − c²)/a
-    where it slips and nothing where it sticks (Hills & Nowell, Mechanics of Fretting Fatigue, 1994, section 4.2).
-    Raises ValueError for widths that are not positive or a stick zone wider than the contact.
+    They are those of sliding, less those of a shear on the stick zone; the bulk stress itself is not included. On the
+    surface, friction adds −2 µ p0 √(x² − c²)/a where it slips and nothing where it sticks (Hills & Nowell, Mechanics of
+    Fretting Fatigue, 1994, section 4.2). Raises ValueError for widths that are not positive or a stick zone wider than
+    the contact.
     """
     require_positive(half_width_mm=half_width_mm, stick_half_width_mm=stick_half_width_mm)
     if stick_half_width_mm > half_width_mm:

@@ -233,7 +233,8 @@ def hertz_bodies(
     first: Elastic,
     second: Elastic,
 ) -> PointContact:
-    """Hertz contact of any two bodies that touch at a point; arguments as in `gap_curvatures`.
+    """Hertz contact of any two bodies that touch at a point; first, second: their materials, other arguments as in
+    `gap_curvatures`.
 
     Raises ValueError where they touch along a line. Source: `gap_curvatures`, `hertz_elliptic`.
     """
