@@ -60,7 +60,7 @@ class Contacts(ABC):
 
     @abstractmethod
     def drawings(self, results: Sequence[RunResult]) -> Drawings:
-        """The pictures of results, by file name."""
+        """Functions that draw the pictures of results, by file name."""
 
     @abstractmethod
     def overview(self, results: Sequence[RunResult]) -> Callable[[], Figure]:

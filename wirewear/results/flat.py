@@ -228,7 +228,7 @@ def whole(columns: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def evolution_table(result: RunResult) -> pl.DataFrame:
-    """A table with one row per measured cycle, a line contact's per mm of its length."""
+    """A polars table with one row per measured cycle, a line contact's per mm of its length."""
     import polars as pl
 
     return pl.DataFrame({name: np.array(column) for name, column in named_for_users(result, result.evolution).items()})

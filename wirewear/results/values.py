@@ -226,7 +226,7 @@ class RunResult:
         return body_named(body, self.label, self.bodies) == self.bodies[1]
 
     def times(self, length_mm: float | None) -> float:
-        """Ratio of a line contact's length `length_mm` to this result's; 1 for a contact at a point."""
+        """Ratio of the length `length_mm` (None: 1 mm) to that of this line contact; 1 for a contact at a point."""
         return self.extent.share / extent_of(length_mm).share
 
     def of_length(self, length_mm: float) -> Self:

@@ -250,7 +250,9 @@ def _with_equal_travel(*bodies: PatchAxes) -> tuple[PatchAxes, ...]:
 
 
 def needed_reach_mm(axis: PatchAxis, contact: Ellipse, scar: Ellipse | None) -> float:
-    """Half-extent in mm along an axis that a patch needs besides the contact's travel. scar: None without wear."""
+    """Half-extent in mm along an axis that a patch needs for the fresh contact and the scar (None without wear),
+    besides the contact's travel.
+    """
     reach = contact.reach(axis.angle_rad)
     fresh = 2.4 * reach
     return fresh if scar is None else max(fresh, SCAR_MARGIN * (scar.reach(axis.angle_rad) + 0.5 * reach))

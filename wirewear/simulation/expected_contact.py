@@ -149,7 +149,9 @@ class WearFactors:
 
 
 def wear_factors(effects: Sequence[AnyEffect], friction: float, load_N: float, cycles: float) -> WearFactors:
-    """Factors of effects on the wear per cycle over nominal friction and load; 1 without effects or friction."""
+    """Factors of effects on the wear per cycle, over `cycles` cycles, relative to the nominal friction coefficient and
+    load; 1 without effects or friction.
+    """
     if not effects or friction * load_N == 0.0:
         return WearFactors(1.0, 1.0)
     nominal = ContactLaw(friction), Loading(load_N)

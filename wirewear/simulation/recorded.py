@@ -347,7 +347,7 @@ class Recorded(ABC):
         )
 
     def logs(self, _cycle: int, _done: float) -> bool:
-        """True if loop, scars and forces of a measured cycle are kept."""
+        """True if loop, scars and forces of a measured cycle are kept; by default of all."""
         return True
 
     def further_columns(self, _loop: Loop, _scars: tuple[Scar, Scar]) -> dict[str, float]:

@@ -63,7 +63,7 @@ class ContactEstimate:
 
     @property
     def severity(self) -> tuple[float, float]:
-        """Sorting key, the smallest being the worst: (life in cycles, negative friction energy per area in mJ/mm²)."""
+        """Sorting key, the least is the worst: (life in cycles, or infinite; minus friction energy per area, or 0)."""
         life = self.life_cycles
         area = pi * self.minor_mm * self.major_mm if self.major_mm < inf else 2.0 * self.minor_mm
         energy = self.energy_mJ / area

@@ -57,7 +57,7 @@ def smith_watson_topper(history: Array, material: Elastic) -> CriticalPlanes:
 def critical_planes(history: Array, on_planes: OnPlanes) -> CriticalPlanes:
     """The planes where a parameter of a history (s, n, 6) is largest, searched in 240 directions spread evenly over a
     hemisphere, and refined about the best one to 0.6°.
-    on_planes: gives the parameter on planes, see `OnPlanes`.
+    on_planes: from tensors (s, n, 3, 3) and planes (n, k, 3) to the parameter (n, k).
     """
     parts = [_critical(history[:, k : k + _AT_ONCE], on_planes) for k in range(0, max(history.shape[1], 1), _AT_ONCE)]
     return CriticalPlanes(np.concatenate([p for p, _ in parts]), np.concatenate([n for _, n in parts]))

@@ -232,7 +232,7 @@ class HolderTable(keys.Table):
 
 
 class Log(keys.Table):
-    """Keys of what is recorded: cycles whose loops and scars are kept, and the length for mean pressures."""
+    """Keys of what is recorded: cycles whose loops and scars are kept, contact forces, and lengths of means."""
 
     loop_cycles: keys.CycleList = Field(
         (),

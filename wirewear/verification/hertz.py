@@ -1,14 +1,15 @@
 """Hertz contact of wires crossed at right angles and at 60° (Johnson 1985, section 4.2), and bodies of other checks.
 
-The closed forms are for half-spaces; a wire of radius R gripped at its back is one only near the contact. Displacement
-at a distance r from a point force is that on a half-space (Boussinesq, Cerruti) plus the body's own: bending and shear
-of the gripped wire, less what the half-space does beyond it. That part varies on the scale of R, so over a contact of
-radius a it is a constant kappa, the bulk compliance, times the force, up to relative terms of (a/R)². kappa is read
-from the condensed compliance alone, as the mean of u(r) - u_half-space(r) over a ring just outside the contact; neither
-a contact solution nor a contact formula enters it. Approach and tangential displacement are compared after subtracting
-kappa times the force for both bodies; in series with a rig's spring it is a second spring. Table rows also give the
-error without this correction. With a/R = 0.03-0.05 the remaining error is below half a per cent. Pressures, radii and
-the energy at a given force need no correction, as rigid motion does not change them.
+Rows compare a computed quantity with a closed form, on the meshes and with the tolerance of a level. The closed forms
+are for half-spaces; a wire of radius R gripped at its back is one only near the contact. Displacement at a distance r
+from a point force is that on a half-space (Boussinesq, Cerruti) plus the body's own: bending and shear of the gripped
+wire, less what the half-space does beyond it. That part varies on the scale of R, so over a contact of radius a it is a
+constant kappa, the bulk compliance, times the force, up to relative terms of (a/R)². kappa is read from the condensed
+compliance alone, as the mean of u(r) - u_half-space(r) over a ring just outside the contact; neither a contact solution
+nor a contact formula enters it. Approach and tangential displacement are compared after subtracting kappa times the
+force for both bodies; in series with a rig's spring it is a second spring. Table rows also give the error without this
+correction. With a/R = 0.03-0.05 the remaining error is below half a per cent. Pressures, radii and the energy at a
+given force need no correction, as rigid motion does not change them.
 """
 
 from dataclasses import dataclass, replace
@@ -61,7 +62,7 @@ def condensed(geometry: BodyGeometry) -> CondensedBody:
 
 
 def scaled_patch(wire: ContactPatch, radius_mm: float, factor: float) -> ContactPatch:
-    """Patch of a wire of this radius, with all lengths multiplied by `factor`."""
+    """A copy of the patch of a wire of this radius, with all lengths multiplied by `factor`."""
     axial, transverse, profile = factor * wire.axial_mm, factor * wire.transverse_mm, Cylinder(factor * radius_mm)
     return replace(wire, axial_mm=axial, transverse_mm=transverse, profile=profile)
 
@@ -78,7 +79,7 @@ def crossed(
 ) -> ContactProblem:
     """Contact problem of two bodies: the lower one's axis along the motion, the upper one's at `angle_deg` to it.
 
-    wear: None for none. primary_is_upper: whose nodes carry the tractions.
+    wear: None for none. primary_is_upper: True if the upper body's nodes carry the tractions, False if the lower's do.
     """
     above = place(upper, upper=True, axis_angle_rad=float(np.radians(angle_deg)))
     below = place(lower, upper=False, axis_angle_rad=0.0)
@@ -123,7 +124,7 @@ def bulk_compliance(
 
 
 def crossed_bulk_compliance(body: CondensedBody, *, normal: bool, contact_radius_mm: float) -> float:
-    """Bulk compliance in mm/N of two such wires crossed at right angles, along the normal or along the motion."""
+    """Bulk compliance in mm/N of two wires like `body`, crossed at right angles, along the normal or the motion."""
     axes = (2, 2) if normal else (0, 1)
     return sum(bulk_compliance(body, axis, contact_radius_mm) for axis in axes)
 

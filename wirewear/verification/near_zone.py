@@ -1,9 +1,10 @@
 """Metal that flows beneath pressed spheres and rolling lines, by plasticity in a half-space, beside other results.
 
-The pairs of `wirewear.verification.yielding` as a body that yields under a rigid one: its E/(1 - nu²) is that of the
-pair, and its print (permanent depth) that of both. Three of them harden: tamaas 2.9 (volume integrals) has their
-largest pressures. A rolling line shakes down or flows on (Melan's limits), and leaves residual stress (Merwin &
-Johnson, Proc. Inst. Mech. Eng. 177 (1963) 676).
+Rows compare a computed quantity with that of a reference, on the meshes and with the tolerance of a level. The pairs of
+`wirewear.verification.yielding` as a body that yields under a rigid one: its E/(1 - nu²) is that of the pair, and its
+print (permanent depth) that of both. Three of them harden: tamaas 2.9 (volume integrals) has their largest pressures. A
+rolling line shakes down or flows on (Melan's limits), and leaves residual stress (Merwin & Johnson, Proc. Inst. Mech.
+Eng. 177 (1963) 676).
 """
 
 from collections.abc import Iterator
@@ -69,7 +70,7 @@ def near_zone_rows(level: Level) -> tuple[Row, ...]:
 
 
 def rows_of(case: Pressed, resolution: int, tolerance: float) -> tuple[Row, ...]:
-    """Rows on largest pressure, contact radius and print of a pair of bodies. tolerance: of the first two."""
+    """Rows on largest pressure, contact radius (both to a relative tolerance) and print of one pair of bodies."""
     last, name = pressed_by(case, resolution), f"{case.name}, metal that flows"
     return (
         compared(name, "largest pressure [MPa]", last.largest_MPa, case.pressure_MPa, tolerance),
@@ -80,7 +81,7 @@ def rows_of(case: Pressed, resolution: int, tolerance: float) -> tuple[Row, ...]
 
 
 def pressed_by(case: Pressed, resolution: int, hardening: float = 0.0) -> Indentation:
-    """The bodies of a case under their load; the yield stress rises by `hardening` × modulus per plastic strain."""
+    """The indentation of a case's bodies under their load; yield stress rises by `hardening` × modulus per strain."""
     bodies = study_of(case).bodies
     contact, nu = hertz_of(case.load_N, *bodies), bodies[1].material.poissons_ratio
     size, radius = contact.contact_radius_mm, contact.contact_radius_mm**2 / contact.approach_mm

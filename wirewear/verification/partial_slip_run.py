@@ -1,9 +1,10 @@
 """Whole runs in partial slip: wires that wear, compared with their final shape, and contacts of other bodies at a
 point.
 
-They use the meshes, cycle jumps and loops of `wirewear run`. The core is the part of the contact that sticks for good.
-Other bodies are a ball and barrels on flats and crossed cylinders; their bulk compliance (see `hertz`) is read from
-their condensed compliance, as for wires.
+Rows compare a computed quantity with a closed form, on the meshes and with the tolerance of a level. They use the
+meshes, cycle jumps and loops of `wirewear run`. The core is the part of the contact that sticks for good. Other bodies
+are a ball and barrels on flats and crossed cylinders; their bulk compliance (see `hertz`) is read from their condensed
+compliance, as for wires.
 """
 
 from collections.abc import Mapping
@@ -196,7 +197,7 @@ def _meshed(study: Study, level: Level) -> tuple[CondensedBody, CondensedBody]:
 
 
 def block_rows(level: Level) -> tuple[Row, ...]:
-    """Rows on peak pressure, approach and semi-axes of all pairs, and on partial slip of the ball on a flat."""
+    """Rows on peak pressure, approach and semi-axes of five pairs of blocks, and partial slip of a ball on a flat."""
     rows: list[Row] = []
     for name, lower, upper in _PAIRS:
         study = study_of(lower, upper)

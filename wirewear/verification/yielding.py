@@ -1,8 +1,9 @@
 """Bodies that yield, pressed as in runs, compared with results of other finite-element programs.
 
-Those are axisymmetric, for a perfectly plastic metal with von Mises' criterion and small strain, and within 1 % of
-Hertz in the elastic range. Two wires crossed at right angles that both yield are taken as two such halves. A print is
-the permanent depth that pressing leaves.
+Rows compare a computed quantity with that of a reference, on the meshes and with the tolerance of a level. Those are
+axisymmetric, for a perfectly plastic metal with von Mises' criterion and small strain, and within 1 % of Hertz in the
+elastic range. Two wires crossed at right angles that both yield are taken as two such halves. A print is the permanent
+depth that pressing leaves.
 """
 
 from collections.abc import Mapping
@@ -47,7 +48,7 @@ CASES = (
 
 
 def yielding_rows(level: Level) -> tuple[Row, ...]:
-    """Rows on all pressed bodies."""
+    """Rows on all pressed bodies of CASES."""
     return tuple(row for case in CASES for row in rows_of(case, level))
 
 
@@ -67,7 +68,7 @@ def rows_of(case: Pressed, level: Level) -> tuple[Row, ...]:
 
 
 def study_of(case: Pressed) -> Study:
-    """Study of the bodies pressed, unworn and all but unmoved."""
+    """Study of the bodies of a case, pressed, unworn and all but unmoved."""
     # A run must move; this is next to nothing.
     conditions = {"normal_load_N": case.load_N, "displacement_amplitude_um": 0.1, "frequency_Hz": 1.0, "cycles": 1}
     tables = {
