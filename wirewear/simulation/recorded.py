@@ -330,7 +330,7 @@ class Recorded(ABC):
         return of_loop * now["dissipated_energy_mJ"] / max(of_block) if max(of_block) > 0.0 else of_loop
 
     def holder_of(self, _problem: ContactProblem, _trace: CycleTrace) -> dict[str, float | str]:
-        """Settings with the holder's elements as a measured loop shows them, by key; empty by default."""
+        """Settings with the holder's stiffnesses and play as a measured loop shows them, by key; empty by default."""
         return {}
 
     def follows(self, problem: ContactProblem, state: ContactState, _done: float, _work_mJ: float) -> bool:

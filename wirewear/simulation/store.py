@@ -87,7 +87,7 @@ class Meshes(ABC):
     def moved_nodes(
         self, history: MeshHistory, problem: ContactProblem, _state: ContactState, _cycle: float, _report: Report, /
     ) -> tuple[MeshHistory, ContactProblem]:
-        """(history, problem), with the nodes moved into the worn surface if that is due after `_cycle` cycles."""
+        """(history, problem) with nodes moved into the worn surface, if due after `_cycle` cycles; else as given."""
         return history, problem
 
 

@@ -113,7 +113,8 @@ class _OnPlanes:
 
 @dataclass(frozen=True)
 class SmithWatsonTopper(_OnPlanes):
-    """σ_n,max Δε_n / 2 in MPa (Smith, Watson & Topper, J. Materials 5 (1970) 767) on the plane where it is largest.
+    """Criterion σ_n,max Δε_n / 2 in MPa on the plane where it is largest (Smith, Watson & Topper, J. Materials 5 (1970)
+    767).
 
     By Neuber's rule an elastic product of stress and strain stands for that of a yielding point.
     """
@@ -129,8 +130,8 @@ class SmithWatsonTopper(_OnPlanes):
 
 @dataclass(frozen=True)
 class StressLife(SmithWatsonTopper):
-    """Amplitude of the normal stress in MPa, corrected for its mean as by Morrow, σ_a / (1 − σ_m / σ_f'), on the plane
-    where it is largest; 0 on planes that are never pulled.
+    """Criterion of the normal stress's amplitude in MPa, corrected for its mean as by Morrow, σ_a / (1 − σ_m / σ_f'),
+    on the plane where it is largest; 0 on planes that are never pulled.
 
     Morrow in Fatigue Design Handbook, SAE (1968). strength_coefficient_MPa: σ_f'.
     """
@@ -148,8 +149,8 @@ class StressLife(SmithWatsonTopper):
 
 @dataclass(frozen=True)
 class FatemiSocie(_OnPlanes):
-    """Δγ / 2 · (1 + k σ_n,max / σ_y) (Fatemi & Socie, Fatigue Fract. Eng. Mater. Struct. 11 (1988) 149) on the plane
-    where it is largest; σ_n,max counts as 0 where a plane is never pulled. weight_per_MPa: k / σ_y.
+    """Criterion Δγ / 2 · (1 + k σ_n,max / σ_y) (Fatemi & Socie, Fatigue Fract. Eng. Mater. Struct. 11 (1988) 149) on
+    the plane where it is largest; σ_n,max counts as 0 where a plane is never pulled. weight_per_MPa: k / σ_y.
     """
 
     weight_per_MPa: float
@@ -169,7 +170,7 @@ class FatemiSocie(_OnPlanes):
 
 @dataclass(frozen=True)
 class CrosslandLife:
-    """√J2,a + slope · σ_H,max in MPa of the whole cycle (Crossland, Proc. Int. Conf. Fatigue of Metals, 1956)."""
+    """Criterion √J2,a + slope · σ_H,max in MPa of a cycle (Crossland, Proc. Int. Conf. Fatigue of Metals, 1956)."""
 
     slope: float
     curve: LifeCurve

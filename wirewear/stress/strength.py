@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class MaterialPoints:
-    """Points (k, 3) of a body, their stresses over a cycle (s, k, 6), and the nodes (k,) at which each is shown."""
+    """Points (k, 3) of a body in mm, stresses over a cycle (s, k, 6) in MPa, and nodes (k,) that show them."""
 
     points_mm: Array
     history: Array
@@ -150,9 +150,9 @@ def strength_of(
 ) -> Strength:
     """The strength of a body over the cycle recorded nearest to `cycle`, from all its recorded positions.
 
-    Averages are over balls, of a line contact over discs. inside: INSIDE_POINTS or INSIDE_LINES, by the kind of
-    contact. Raises ResultError if no contact forces of the body are recorded, or it is smaller than the averaging
-    length; GeometryError if wear distorts the mesh too much.
+    Stresses are averaged as `asked` over balls, of a line contact over discs. inside: INSIDE_POINTS or INSIDE_LINES, by
+    the kind of contact. Raises ResultError if no contact forces of the body are recorded, or it is smaller than the
+    averaging length; GeometryError if wear distorts the mesh too much.
     """
     states = inside.states(result, body, assessable(result, body, cycle, asked, inside))
     first = states[0]

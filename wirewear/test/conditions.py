@@ -111,7 +111,7 @@ class Conditions(DrivenConditions):
 
 
 class FrictionTable(keys.Table):
-    """Keys of the friction law."""
+    """Keys of friction, and of what bodies do that state a yield stress."""
 
     friction: keys.Friction = Field(description="coefficient of friction", examples=[0.62])
     friction_law: keys.FrictionLawKey = Field(

@@ -72,7 +72,7 @@ class Extent:
 
     @property
     def share(self) -> float:
-        """Computed share of the contact, 0 to 1: 1 at a point, 1/length_mm of a line contact."""
+        """Length that is computed over the contact's own: 1 at a point, 1/length_mm of a line contact."""
         return 1.0
 
     @property

@@ -168,7 +168,7 @@ class BlockCourse:
         return tuple(name for block, name in enumerate(self.names) if all(one.block != block for one in self.done))
 
     def among(self, cycles: Iterable[int], block: int) -> list[int]:
-        """Those of `cycles` that the test ran under the conditions of the block with this index."""
+        """Cycles among `cycles` that the test ran under the conditions of the block with this index."""
         return [cycle for cycle in cycles if any(cycle in one for one in self.done if one.block == block)]
 
     def latest(self, block: int) -> Stage:

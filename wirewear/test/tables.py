@@ -212,7 +212,7 @@ class ContactTables(CommonTables):
         )
 
     def too_far(self) -> keys.Inconsistency | None:
-        """The contradiction of an amplitude above the smallest diameter of the bodies; None if it is not."""
+        """The contradiction of an amplitude above the smallest diameter of the bodies; None if it is smaller."""
         amplitude_um = self.conditions.displacement_amplitude_um
         thinnest_mm = min(min(body.diameters_mm) for body in self.bodies_of_test())
         if amplitude_um > 1e3 * thinnest_mm:

@@ -93,7 +93,7 @@ def sliding_wires(
     wear: solvers.WearRates | None = None,
     primary_is_upper: bool = True,
 ) -> solvers.ContactProblem:
-    """Contact problem of equal wires crossed at right angles behind the rig's spring. wear: None for none."""
+    """Contact problem of equal wires crossed at right angles behind the rig's spring; as in `hertz.crossed`."""
     body = hertz.condensed(hertz.wire_geometry(resolution, long_patch=True))
     holder = solvers.Holder(hertz.LOAD_N, rig_compliance_mm_per_N)
     return hertz.crossed(body, body, holder, friction=friction, wear=wear, primary_is_upper=primary_is_upper)
@@ -140,7 +140,9 @@ _SI = _UnitSystem(1e-3, 1e6)
 
 
 def limit_rows(level: Level) -> tuple[Row, ...]:
-    """Rows on exchanged roles, mirrored motion, rigid and frictionless limits, and SI units against mm, N, MPa."""
+    """Rows on how loops differ with exchanged roles of the bodies, mirrored motion, a stiff rig and in SI units, and on
+    wear without friction.
+    """
     resolution = level.loop_resolution
     plain = whole_loop(sliding_wires(resolution)).tangential_force
     swapped = whole_loop(sliding_wires(resolution, primary_is_upper=False)).tangential_force

@@ -1,9 +1,9 @@
 """Bodies that yield, pressed as in runs, compared with results of other finite-element programs.
 
-Rows compare a computed quantity with that of a reference, on the meshes and with the tolerance of a level. Those are
-axisymmetric, for a perfectly plastic metal with von Mises' criterion and small strain, and within 1 % of Hertz in the
-elastic range. Two wires crossed at right angles that both yield are taken as two such halves. A print is the permanent
-depth that pressing leaves.
+Rows compare a computed quantity with that of a reference, on the meshes and with the tolerance of a level. The
+references are axisymmetric, for a perfectly plastic metal with von Mises' criterion and small strain, and within 1 % of
+Hertz in the elastic range. Two wires crossed at right angles that both yield are taken as two such halves. A print is
+the permanent depth that pressing leaves.
 """
 
 from collections.abc import Mapping
