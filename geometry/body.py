@@ -219,7 +219,7 @@ class BodyMesh:
     the two end faces that are not held) and 'side' (the rest).
     """
 
-    geometry: BodyGeometry
+    geometry: BodyGeometry  #: From which the mesh was built.
     mesh: HexMesh
     patch: ContactPatch
     smallest_scaled_jacobian: float  #: Of all elements: 1 for a right-angled brick, 0 or less if inside out.

@@ -41,7 +41,7 @@ class ElementKind:
     """
 
     name: str
-    corners: int
+    corners: int  #: Number of corners: the first nodes.
     nodes: Array  #: (n, d) in the reference element.
     exponents: IntArray  #: (n, d) exponents of the monomials that make up the shape functions.
     faces: tuple[tuple[int, ...], ...]  #: Corners of each face, ordered so that it faces outwards.
@@ -55,7 +55,7 @@ class ElementKind:
 
     @cached_property
     def face_nodes(self) -> tuple[IntArray, ...]:
-        """For each face, indices of all its nodes, corners first."""
+        """For each face, the indices (m,) of all its m nodes, corners first."""
         found = []
         for face in self.faces:
             a, b, c = self.nodes[list(face[:3])]

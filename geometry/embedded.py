@@ -34,7 +34,9 @@ _POINTS = 3  #: Points each way of a face of the block at which it hangs on the 
 
 @dataclass(frozen=True)
 class EmbeddedGeometry(BlockGeometry):
-    """A block of hexahedra with the face of a file's body, embedded in that body; fields as in `BlockGeometry`."""
+    """A block of hexahedra with the face of the body in a mesh file, `source`, embedded in that body; other fields as
+    in `BlockGeometry`.
+    """
 
     source: MeshSource = field(kw_only=True)
 
@@ -162,7 +164,9 @@ def block_fits(own: OwnSurface, half_widths_mm: tuple[float, float], height_mm: 
 
 @dataclass(frozen=True)
 class OwnGrid(BodyGeometry):
-    """A file's hexahedra used unchanged, since their contact surface is a grid; fields as in `BodyGeometry`."""
+    """The hexahedra of the mesh file `source` used unchanged, since their contact surface is a grid; other fields as in
+    `BodyGeometry`.
+    """
 
     source: MeshSource
     axial: GivenAxis
@@ -189,7 +193,7 @@ class OwnGrid(BodyGeometry):
         return self
 
     def section(self) -> tuple[Array, IntArray]:
-        """Raise GeometryError: a file's elements are not swept from a section."""
+        """Raise GeometryError, always: a file's elements are not swept from a section."""
         raise GeometryError("a file's elements are not swept from a section; please report this study")
 
     def gripped(self, centres_mm: Array) -> BoolArray:

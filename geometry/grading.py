@@ -62,7 +62,8 @@ class EdgeGradedAxis:
     """Mesh lines of a contact patch, symmetric about zero, that are fine near its ends and coarser in the middle.
 
     Elements measure at most `fine_mm` from |x| = `fine_from_mm` to the patch's edge at `half_extent_mm`, and grow by
-    the factor `growth` from one to the next towards the middle, never beyond `coarse_mm`.
+    the factor `growth` from one to the next towards the middle, never beyond `coarse_mm`. Raises GeometryError if
+    either zone holds no element.
     """
 
     fine_mm: float
@@ -92,7 +93,8 @@ class RimGradedAxis:
 
     From the middle to the rim at |x| = `rim_mm` there are `elements` elements; line i is at rim_mm sin(i q / elements)
     / sin(q) with q = `share` π / 2. Beyond the rim the sizes grow again in the reverse order, then by the factor
-    `growth` from one to the next, up to the patch's edge at `half_extent_mm`.
+    `growth` from one to the next, up to the patch's edge at `half_extent_mm`. Raises GeometryError for fewer than two
+    elements, or a rim that is not inside the patch.
     """
 
     rim_mm: float

@@ -24,7 +24,7 @@ class BlockSeam:
 class Host:
     """The elements of a file around a block, in the body's axes; n nodes and `size` cells."""
 
-    solid: SolidMesh
+    solid: SolidMesh  #: All of the file's elements, those inside the block included.
     kept: Array  #: (size,) share of each cell, 0 to 1, that lies outside the block and counts.
     seam: BlockSeam
     held: IntArray  #: Indices of the host's nodes that the holder grips.

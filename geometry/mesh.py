@@ -178,7 +178,7 @@ class HexMesh(ElementMesh):
     def write(self, path: Path, point_data: Mapping[str, Array] | None = None) -> None:
         """Write the mesh as .vtu, .msh or .inp, as the ending of `path` says.
 
-        point_data: name -> (n,) or (n, c) values at the nodes. The named surfaces are written as groups of
+        point_data: name -> (n,) or (n, c) values at the nodes; None: none. The named surfaces are written as groups of
         quadrilaterals, physical groups in .msh and element sets in .inp, but not in .vtu, which has no groups.
         """
         import meshio

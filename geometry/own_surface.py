@@ -40,7 +40,7 @@ class MeshSource:
 
     file: str
     digest: str  #: SHA-256 of its contents.
-    mm_per_unit: float
+    mm_per_unit: float  #: Length in mm of the file's unit.
     contact: str  #: Name of the set of the contact surface.
     held: str  #: Name of the set of the held surface.
     #: Contact's outward normal, of any length, in the file's axes; None: the mean normal of its set.
@@ -104,7 +104,7 @@ class FittedFace:
 class OwnSurface:
     """The mesh of a file in the body's own axes, with the smooth face of its contact surface."""
 
-    solid: SolidMesh
+    solid: SolidMesh  #: In the body's own axes.
     face: FittedFace
     origin_mm: Array  #: (3,) in the file's axes.
     axes: Array  #: (3, 3) rows are x, y and z in the file's axes.

@@ -145,7 +145,7 @@ class Flat:
 @dataclass(frozen=True)
 class RoundedFlat:
     """A flat face that reaches half_width_mm to each side along the body's axis and then falls along arcs of
-    `edge_radius_mm`.
+    `edge_radius_mm`. Raises GeometryError for a `cut` face wider than 0.95 of a cylinder of that radius.
     """
 
     half_width_mm: float

@@ -77,8 +77,8 @@ class SolidMesh:
         return tuple(outer)
 
     def nodes_between(self, corners: IntArray) -> IntArray:
-        """Sorted nodes of those boundary faces whose corners are all among `corners`, nodes within edges and faces
-        included.
+        """Sorted nodes (k,) of those boundary faces whose corners are all among the nodes `corners`, nodes within edges
+        and faces included.
         """
         known = np.zeros(len(self.points), dtype=bool)
         known[corners] = True

@@ -84,7 +84,7 @@ class OwnStiffness(OwnGrid):
         return float(np.ptp(self.read.nodes_mm, axis=0).min())
 
     def built(self) -> BodyMesh:
-        """Raise GeometryError: it has no elements."""
+        """Raise GeometryError, always: it has no elements."""
         raise GeometryError(
             f"of {Path(self.source.file).name} the stiffness is known and no elements: it can be run, but it has no "
             "mesh and no stresses inside"

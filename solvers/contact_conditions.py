@@ -37,12 +37,12 @@ class Linearisation:
     #: Mean displacement of the upper against the lower body at the nodes by tractions on them.
     compliance: PairedCompliance
     old_displacement: Array  #: (k, 3) displacement by the tractions before the increment.
-    friction: Friction
+    friction: Friction  #: The friction law at the nodes.
     paired_holder_x: float  #: Holder's position along x for which the pairing was made.
-    old_holder_x: float  #: Holder's position before the increment, its height and its tilt (rad) likewise.
-    old_height: float
+    old_holder_x: float  #: Holder's position along x before the increment.
+    old_height: float  #: Its height then.
     drive_step: float  #: Motion of the lower body along x in the increment.
-    old_tilt: float
+    old_tilt: float  #: Its tilt then, rad.
     lever: Array  #: (k,) distance of the nodes ahead of the holder's pivot along x.
     holder: Holder  #: Load and springs of the upper body.
     pressed_height: float  #: Holder's height at which it had the normal load.

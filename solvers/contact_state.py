@@ -30,7 +30,7 @@ class WearState:
     #: Depth (n_a, n_t) in mm by which forces have flattened a body that yields; None if it is elastic. It is not wear:
     #: depths, energies and volumes above are without it.
     primary_print: Array | None = None
-    secondary_print: Array | None = None
+    secondary_print: Array | None = None  #: Depth likewise of the secondary.
     plastic_mJ: float = 0.0  #: Work that bodies with a pressure limit have taken up in their prints.
 
     @property
@@ -60,19 +60,19 @@ class ContactState:
 
     wear: WearState
     drive: float  #: Displacement of the lower body along x, mm.
-    holder_x: float  #: Position of the upper body's holder along x, mm; 0 when bodies first touch, as for the next.
-    holder_z: float  #: Its height, mm, negative once it has been lowered.
+    holder_x: float  #: Position of the upper body's holder along x, mm; 0 when the bodies first touch.
+    holder_z: float  #: Its height, mm, 0 when the bodies first touch; negative once it has been lowered.
     holder_tilt: float  #: Rotation of the holder about its pivot, rad, positive if it moves the contact towards +x.
     #: Motion of the holder over that of the drive in the increment: near 1 if the contact sticks, near 0 if it slides.
     holder_rate: float
     overlap_area: float  #: Plane area on which the undeformed bodies overlap, mm².
     pressed_z: float  #: Holder's height in mm when the bodies had just been pressed together; NaN before.
     traction: Array  #: (n, 3) on the upper body at the primary's nodes, MPa of plane area, world axes.
-    #: (n, 3) the tractions as nodal forces in N on each patch, both with the sign of the force on the upper body.
+    #: (n, 3) the tractions as nodal forces in N on the primary's patch, with the sign of the force on the upper body.
     primary_force: Array
-    secondary_force: Array
-    primary_slid: Array  #: (n,) distance in mm that each node of a patch has slid under pressure so far.
-    secondary_slid: Array
+    secondary_force: Array  #: (n, 3) likewise of the secondary.
+    primary_slid: Array  #: (n,) distance in mm that each of the primary's nodes has slid under pressure so far.
+    secondary_slid: Array  #: (n,) likewise of the secondary's nodes.
     #: (n,) nodes of the primary under pressure that have stuck ever since the bodies were pressed together.
     core: BoolArray
     pressed_ahead: float  #: drive less holder_x when the bodies were pressed together, mm.
@@ -133,8 +133,8 @@ class Guide:
     """
 
     phase: Array  #: (m,) increasing share of the cycle passed since its +amplitude, in (0, 1].
-    drive: Array  #: (m,) in mm, as is `holder_x`.
-    holder_x: Array
+    drive: Array  #: (m,) displacement of the lower body, mm.
+    holder_x: Array  #: (m,) position of the upper body's holder, mm.
     overlap_area: Array  #: (m,), mm².
     traction: Array  #: (m, n, 3), MPa.
 

@@ -235,7 +235,7 @@ class LoadCycle:
         return np.maximum(1.0 + self.amplitude * np.cos(2.0 * np.pi * self.ratio * times - self.lag_rad), 0.0)
 
     def bends(self, start: float, end: float) -> Array:
-        """Shares of the cycle between `start` and `end` at which the load has a kink or becomes 0, increasing."""
+        """Shares (k,) of the cycle between `start` and `end` at which the load has a kink or becomes 0, increasing."""
         if self.points:
             (times, loads), within = np.array(self.points).T, list[float]()
             for (t0, p0), (t1, p1) in pairwise(zip(times, loads, strict=True)):

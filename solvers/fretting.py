@@ -39,7 +39,7 @@ class CycleTrace:
     tangential_force: Array  #: Force on the upper body along x, N.
     normal_force: Array  #: Force on the upper body along z, N.
     work: Array  #: Friction work of the increment, for one cycle, in mJ.
-    reports: tuple[IncrementReport, ...]
+    reports: tuple[IncrementReport, ...]  #: Of all increments made, more than n where some were cut.
     guide: Guide  #: First guesses for a similar cycle.
     #: Distance in mm that each node of (primary, secondary) slid under pressure, (n,) nodes each.
     slid: tuple[Array, Array]

@@ -128,8 +128,8 @@ def private_folder(chosen: Path) -> Path:
 
 
 def is_own(folder: Path, owner: int | None = None) -> bool:
-    """True if a path is a folder (not a link) of this user or of the user number `owner`, and nobody else can write to
-    it. Raises OSError if nothing is there.
+    """True if a path is a folder (not a link) of this user or, unless it is None, of the user number `owner`, and
+    nobody else can write to it. Raises OSError if nothing is there.
     """
     status = folder.lstat()
     belongs = status.st_uid in (os.geteuid(), owner)

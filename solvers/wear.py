@@ -95,8 +95,8 @@ class WearRates:
     lower_layers: tuple[SurfaceLayer, ...] = ()  #: Coatings of the lower body, the outermost first.
 
     def factor(self, cycle: WornCycle) -> float | Array:
-        """Factor on the wear work of a traced cycle by the law and by oxygen: one for all, or one for each of the
-        places at which `cycle` has values.
+        """Factor on the wear work of a traced cycle by the law and by oxygen: one for all, or (N,) for the N places of
+        the cycle, see `WornCycle`.
         """
         factor = self.law.factor(cycle)
         if self.oxygen is None:
@@ -115,7 +115,7 @@ class WearRates:
 
     def recession(self, wear: WearState, work: tuple[Array, Array], primary_is_upper: bool) -> Recession:
         """Wear rates of (primary, secondary) from a state of wear, for wear work (n_a, n_t) in mJ/mm² done on each from
-        there.
+        there. primary_is_upper: which of both is the upper body.
         """
         pair = (self.upper_mm3_per_mJ, self.lower_mm3_per_mJ)
         both, layers = pair if primary_is_upper else pair[::-1], (self.upper_layers, self.lower_layers)

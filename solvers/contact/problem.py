@@ -44,7 +44,7 @@ class ContactProblem:
     lower: PlacedBody
     holder: Holder
     friction: float  #: Coefficient of friction.
-    wear: WearRates
+    wear: WearRates  #: The wear law, with both bodies' coefficients.
     primary_is_upper: bool = True
     #: "augmented-lagrangian" holds gaps and stick exactly; "penalty" puts an elastic layer between the bodies,
     #: `layer_mm_per_MPa` soft in all directions, whose compliance is a small share of a node's own.
@@ -56,8 +56,8 @@ class ContactProblem:
     fields: Mapping[str, LocalField] = field(default_factory=dict)  #: Further local fields, see `LocalState`.
     algorithm: ContactAlgorithm = field(default_factory=SemismoothNewton)  #: Solves the conditions of an increment.
     cycle: float = 0.0  #: Number of cycles done, for laws that depend on it.
-    surface: PrimarySurface = field(init=False, repr=False)
-    layer_mm_per_MPa: float = field(init=False)
+    surface: PrimarySurface = field(init=False, repr=False)  #: The primary's, for pairing.
+    layer_mm_per_MPa: float = field(init=False)  #: Compliance of the penalty's layer; 0 without one.
 
     def __post_init__(self) -> None:
         if self.friction < 0.0:
@@ -124,7 +124,7 @@ class ContactProblem:
 
     def offset(self, drive: float, holder_x: float) -> Array:
         """Plane position (2,) in mm of the secondary body's origin relative to the primary's, for a drive and a
-        holder's position in mm.
+        holder's position, both in mm.
         """
         ahead = drive - holder_x
         return np.array([ahead if self.primary_is_upper else -ahead, 0.0])
@@ -205,7 +205,8 @@ def with_prints(problem: ContactProblem, state: ContactState, forces: tuple[Arra
 
 def vertical_gaps(problem: ContactProblem, state: ContactState, drive: float, holder_x: float) -> Array:
     """Gaps (n,) in mm along z of the undeformed surfaces at the primary's nodes with the holder at height 0, negative
-    where they overlap; infinite where no secondary patch faces a node.
+    where they overlap; infinite where no secondary patch faces a node. drive, holder_x: displacement of the lower body
+    and position of the upper one's holder, mm.
     """
     offset = facing_offset(problem, state, drive, holder_x)
     upright = vertical_gap(problem.surface, problem.secondary, offset, *open_depths(problem, state))
@@ -213,7 +214,8 @@ def vertical_gaps(problem: ContactProblem, state: ContactState, drive: float, ho
 
 
 def facing_offset(problem: ContactProblem, state: ContactState, drive: float, holder_x: float) -> Array:
-    """Plane position (2,) in mm of the secondary body's origin relative to the primary's at which surfaces are paired.
+    """Plane position (2,) in mm of the secondary body's origin relative to the primary's at which surfaces are paired,
+    for a drive and a holder's position in mm.
 
     While there is a core, its strain makes up for the bodies' motion: the surfaces stay paired as they were pressed
     together, so that depth worn beside the core is not moved over it.
@@ -258,7 +260,9 @@ def _no_deeper(depth: Array, core: Array) -> Array:
 
 
 def levers(problem: ContactProblem, drive: float, holder_x: float) -> Array:
-    """Distance (n,) in mm along x of all the primary's nodes ahead of the holder's pivot."""
+    """Distance (n,) in mm along x of all the primary's nodes ahead of the holder's pivot, for a drive and a holder's
+    position in mm.
+    """
     along = problem.primary.node_positions[:, 0]
     return along if problem.primary_is_upper else along - problem.offset(drive, holder_x)[0]
 

@@ -32,8 +32,8 @@ class Compliance(Protocol):
     def between(self, moved: IntArray, loaded: IntArray, out: Array | None = None, add: Array | None = None) -> Array:
         """Displacements of the nodes `moved` (k,) by unit forces on the nodes `loaded` (l,): (3 k, 3 l).
 
-        out: array to write them to, which is returned. add: (3,) factors on the components of force; with it the
-        displacements are multiplied by these and added to `out`.
+        out: array to write them to, which is returned; None: a new one. add: (3,) factors on the components of force,
+        with which the displacements are multiplied and then added to `out`; None: they replace what is in it.
         """
         ...
 

@@ -160,7 +160,7 @@ def _separator(graph: csr_matrix, second: BoolArray) -> BoolArray:
 
 
 def elimination_order(tree: Substructure) -> IntArray:
-    """The nodes of a substructure and its parts, in the order of their elimination."""
+    """The nodes (m,) of a substructure and its parts, in the order of their elimination."""
     return np.concatenate([*(elimination_order(part) for part in tree.parts), tree.eliminated])
 
 

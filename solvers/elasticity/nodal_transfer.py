@@ -41,8 +41,8 @@ class NodalTransfer(NamedTuple):
         return cls(matrix.indptr, matrix.indices, matrix.data, int(matrix.shape[1]))
 
     def averaged(self, field: Array, rows: IntArray | None = None) -> Array:
-        """Weighted sums, (k,) or (k, c), of a nodal field (n,) or (n, c) of the patch at the contact nodes, or at those
-        of index `rows` alone.
+        """Weighted sums, (k,) or (k, c), of a nodal field (n,) or (n, c) of the patch at the contact nodes; rows:
+        indices of those that are wanted alone, None: all.
         """
         chosen = np.arange(len(self.first) - 1) if rows is None else rows
         values = np.ascontiguousarray(field).reshape(self.size, prod(field.shape[1:]))

@@ -73,9 +73,7 @@ class WearLaw(ABC):
         return friction
 
     def factor(self, cycle: WornCycle, /) -> float | Array:  # noqa: ARG002 - most laws ask for nothing
-        """Factor on the wear work of a cycle, one for all or one for each of the N places of
-        `cycle.edge_distance_mm`.
-        """
+        """Factor on the wear work of a cycle: one for all, or (N,) for the N places of `cycle.edge_distance_mm`."""
         return 1.0
 
     def counted(self, energy: Array, work: Array, /) -> Array:  # noqa: ARG002 - most laws ask for nothing

@@ -256,7 +256,8 @@ class Interior:
 
 @dataclass
 class EmbeddedInterior(Interior):
-    """A block of own elements within a host, a body from a file that is held; see `solvers.elasticity.embedding`.
+    """A block of own elements within a host, a body from a file that is held; `joined` is the stiffness of both, see
+    `solvers.elasticity.embedding`.
 
     `mesh` is the block's, and displacements are given for its nodes only.
     """

@@ -248,8 +248,8 @@ class LoadedSurface:
 
 
 def corrected_nodes(size: Array, spacing_mm: tuple[float, ...]) -> BoolArray:
-    """True for the nodes of an evenly spaced grid at which stresses are corrected: within five elements of tractions,
-    and farther than four from where the grid cuts them off.
+    """Marks, of the grid's shape, of the nodes of an evenly spaced grid at which stresses are corrected: within five
+    elements of tractions, and farther than four from where the grid cuts them off.
 
     size: size of the traction at each node, of any dimension. spacing_mm: of the grid, one for each dimension.
     """
@@ -308,9 +308,9 @@ def alike(lines: Array) -> slice:
 
 
 def even_lines(lines: Array, place_mm: float = np.inf) -> Array:
-    """Evenly spaced lines about a grid's middle: its own, see `alike`; or, where its elements shrink away from the
-    middle, towards the rim of a contact that sticks, new ones over all of it, as near to each other as the grid's at
-    `place_mm` from the middle, or as its nearest.
+    """Evenly spaced lines (k,) in mm about a grid's middle: its own, see `alike`; or, where its elements shrink away
+    from the middle, towards the rim of a contact that sticks, new ones over all of it, as near to each other as the
+    grid's at `place_mm` from the middle, or as its nearest.
     """
     spacing = np.diff(lines)
     finest = float(spacing.min())

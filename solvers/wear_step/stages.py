@@ -47,7 +47,9 @@ _MARGIN = 5.0
 
 @dataclass(frozen=True)
 class Stages:
-    """Solutions of both stages of a jump: `problem` after all its cycles, and the `wear` that both leave together."""
+    """Solutions of the first and the last stage of a jump; `problem` after all its cycles, and the `wear` that both
+    stages leave together.
+    """
 
     problem: ContactProblem
     first: StageSolution

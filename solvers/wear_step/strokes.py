@@ -77,8 +77,8 @@ def _closes(problem: ContactProblem, drive: Drive, trace: CycleTrace, end: Conta
 
 
 def ends_of_strokes(positions: Sequence[Position], half_cycle: Mirror | None) -> list[int]:
-    """Increasing indices of the positions at which strokes end: of half a cycle the last one alone, of a whole one also
-    that whose drive differs most from the last one's.
+    """Increasing indices of the positions at which strokes end: of half a cycle the last one alone, of a whole one
+    (half_cycle None) also that whose drive differs most from the last one's.
     """
     last = len(positions) - 1
     if half_cycle is not None:

@@ -83,7 +83,7 @@ class Cycle:
     """
 
     positions: tuple[Position, ...]
-    orbits: Orbits
+    orbits: Orbits  #: The N unknowns.
     influences: Influences  #: Displacements of a position's unknowns by unit tractions on one of them.
     wear: WearState  #: As the cycle was traced; depths and gaps below count from it.
     #: The mirror that maps these positions onto the other half of the cycle; None if they cover all of it.

@@ -132,7 +132,8 @@ def with_images(guide: Guide, mirror: Mirror | None) -> Guide:
     """A guide for the whole cycle, from one of a single stroke: the other stroke follows as its mirror image half a
     cycle later.
 
-    mirror: one that reverses the motion. A guide of both strokes, or any without a mirror, is returned as it is.
+    mirror: one that reverses the motion, or None. A guide of both strokes, or any without a mirror, is returned as it
+    is.
     """
     falling = guide.phase <= 0.5
     if mirror is None or (falling.any() and not falling.all()):

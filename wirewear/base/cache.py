@@ -101,7 +101,8 @@ def remove_abandoned(directory: Path, pattern: str) -> None:
 
 
 def keep_within(directory: Path, allowed: float, newest: Path | None = None) -> None:
-    """Delete cached files, least recently used first and never `newest`, until the rest takes at most `allowed` bytes.
+    """Delete cached files, least recently used first and never `newest` (None: any), until the rest takes at most
+    `allowed` bytes.
 
     Files that vanish or cannot be deleted meanwhile are skipped.
     """

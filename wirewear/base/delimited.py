@@ -146,8 +146,8 @@ class DelimitedText:
 
         as_logged: True if rows may differ in length, words such as "No Data" stand for missing values, and the columns
         named "cycle" and "repeat" may hold their numbers in words such as "Cycle 5000". clock: name of a column that
-        may hold times of day, which become seconds, going on past midnight. Raises RecordError, naming line and column,
-        if a field is missing or not a number.
+        may hold times of day, which become seconds, going on past midnight; None: none does. Raises RecordError, naming
+        line and column, if a field is missing or not a number.
         """
         found = self._fast(places) or self._slow(places, as_logged, clock)
         for values in found.columns.values() if as_logged else ():

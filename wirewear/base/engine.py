@@ -65,9 +65,7 @@ class Engine(ABC):
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Within this context, keep the connection to the workers open, if there is one; else it is opened for each
-        `done`.
-        """
+        """Keep the connection to the workers open within this context; without it each `done` opens its own."""
         yield
 
     @abstractmethod

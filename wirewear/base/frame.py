@@ -35,8 +35,8 @@ CITATION = (
 
 
 def rendered(template: Path, values: Mapping[str, object], filters: Mapping[str, Filter] | None = None) -> str:
-    """HTML page from a Jinja template that extends frame.html, filled with these values; filters: further ones, by
-    name.
+    """HTML page from a Jinja template that extends frame.html, filled with these values. filters: by name, what
+    templates may call besides; None: nothing.
     """
     own = _version()
     return environment(template.parent, filters).get_template(template.name).render(
@@ -49,7 +49,7 @@ def rendered(template: Path, values: Mapping[str, object], filters: Mapping[str,
 
 def environment(folder: Path, filters: Mapping[str, Filter] | None = None) -> "jinja2.Environment":
     """Jinja environment for templates in `folder` and beside this file; values are escaped unless marked as safe.
-    filters: further ones, by name.
+    filters: by name, what templates may call besides; None: nothing.
     """
     import jinja2
 

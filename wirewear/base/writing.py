@@ -35,7 +35,9 @@ _AT_WORKING_FOLDER, _SWAP = -100, 2  #: Of renameat2, in Linux's fcntl.h and fs.
 
 
 def json_text(value: object, indent: int | None = 2) -> str:
-    """Value as JSON text, with null in place of numbers that are not finite."""
+    """Value as JSON text, with null in place of numbers that are not finite; indent: spaces for each level, None for
+    one line.
+    """
     return json.dumps(finite(value), indent=indent, ensure_ascii=False, allow_nan=False)
 
 

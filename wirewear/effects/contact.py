@@ -82,7 +82,7 @@ class FrictionEvolution(Effect[ContactLaw]):
     final: float = _friction("coefficient of friction in the end", easy=1.0, hard=1.0, least=0.75, most=1.3)
     cycles: float = cycles_of_change("cycles after which 63 % of the change has happened", 3000.0)
 
-    steepness: float = form(exponent(0.55))
+    steepness: float = form(exponent(0.55))  #: Form of the law, see `Course`, as the next.
     order: float = form(order(0.7))
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
@@ -127,7 +127,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
     )
     cycles: float = cycles_of_change("cycles over which the asperities wear to 37 % of their height", 3000.0)
 
-    steepness: float = form(exponent(0.55))
+    steepness: float = form(exponent(0.55))  #: Form of the law, see `Course`, as the next two.
     order: float = form(order(0.7))
     lasting: float = form(share(0.005, 0.6))
     spreading: float = form(part("of its height that spreads the pressure", -0.5, 1.5), contacts=kinds.AT_A_POINT)
@@ -141,8 +141,8 @@ class RoughnessCompliance(Effect[ContactLaw]):
         return replace(described, layers=(*described.layers, RoughLayer(1e-3 * height_um)))
 
     def predicted(self, chain: Chain) -> Chain:
-        """The chain with a compliance of 1.21 s/P added, at the load P: asperities that close by s ln p give way by s/P
-        per N. Their height also spreads the pressure.
+        """The chain with a compliance of 1.21 s/P added: asperities that close by s ln p under the pressure p, with
+        their present height s, give way by s/P per N at the load P. They also spread the pressure.
         """
         height_um = self._height_um.at(chain.cycles)
         # Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
@@ -205,7 +205,7 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     # A line contact's bed is computed along its profile, and stays a share of the depth: it has neither of these. Even
     # beds and gathered ones shear by V^0.2 more as they wear (contacts smaller than the scar), ejected ones less.
     growth: float = form(added("power of the worn volume in the bed's shear", -0.2, 0.4), contacts=kinds.AT_A_POINT)
-    full_um: float = form(limit_um(0.5, 200.0), contacts=kinds.AT_A_POINT)
+    full_um: float = form(limit_um(0.5, 200.0), contacts=kinds.AT_A_POINT)  #: Largest thickness of the bed.
     spreading: float = form(part("of its give that spreads the pressure", -0.5, 1.5), contacts=kinds.AT_A_POINT)
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:

@@ -136,7 +136,9 @@ def parameter(
     share_of: str = "",
     held_by: tuple[str, float] | None = None,
 ) -> float:
-    """A dataclass field of an effect that is a parameter; see `Parameter` for the arguments."""
+    """A dataclass field of an effect that is a parameter; its arguments, None among them, are the fields of
+    `Parameter`.
+    """
     described = Parameter(meaning, quantity, neutral, easy, hard, interest, logarithmic, share_of, held_by)
     made: float = field(metadata={"parameter": described})
     return made

@@ -75,7 +75,7 @@ class WearRateEvolution(Effect[WearRates]):
     final_factor: float = _factor("in the end", easy=1.0, hard=1.0, least=0.4, most=2.5)
     cycles: float = cycles_of_change("cycles after which 63 % of the change has happened", 1e4)
 
-    steepness: float = form(exponent(0.55))
+    steepness: float = form(exponent(0.55))  #: Form of the law, see `Course`, as the next.
     order: float = form(order(0.7))
 
     def changed(self, described: WearRates, age: Age) -> WearRates:

@@ -117,8 +117,8 @@ def clean_loop(
     *,
     time_s: ArrayLike | None = None,
 ) -> CleanLoop:
-    """Check one cycle of samples and return it cleaned. Arguments and errors are those of
-    `wirewear.loops.analyse_loop`.
+    """Check one cycle of samples and return it cleaned. Arguments, None for what is not known, and errors are those of
+    `wirewear.loops.analyse_loop`. Raises LoopError.
     """
     displacement = _channel(displacement_um, "displacement_um")
     count = len(displacement)

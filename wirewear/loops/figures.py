@@ -240,7 +240,9 @@ class LoopFigures:
 
     @property
     def used_share(self) -> Measured | None:
-        """Share Q*/µP of the friction limit in a loop without a plateau; NaN if friction is bounded from below only."""
+        """Share Q*/µP of the friction limit in a loop without a plateau; NaN if friction is bounded from below only,
+        None where the loop slides.
+        """
         return None if self.sticking is None else self.sticking.used
 
 

@@ -212,8 +212,8 @@ def noise_along(values: Array) -> float:
 
 
 def outliers(values: Array, time: Array) -> BoolArray:
-    """(n,) True for samples of a closed loop, at times (n,), that lie farther off than noise and the steps of their
-    neighbours allow.
+    """(n,) True for samples of a closed loop, at times (n,), that lie outside the range between the medians of their
+    three neighbours on either side by more than 5 noises and 2.5 steps.
 
     The second smallest of the four steps between neighbours counts, as an outlier among them spoils two; below 100
     samples it is the mean of the two middle ones, because a hook at a reversal is then as steep as an outlier.

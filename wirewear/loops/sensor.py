@@ -254,8 +254,9 @@ class Sensor:
                 raise SensorError(f"the sensor's {name} is {lag}, but must not be negative unless it is a delay")
 
     def read(self, truth: LoopSignals, random: np.random.Generator | None = None) -> LoopSignals:
-        """Readings of a loop with these true signals; noise is added only if a random generator is given. Raises
-        SensorError for crosstalk without a normal force, or a lag of samples without a period.
+        """Readings of a loop with these true signals; random: adds noise, None: none is added.
+
+        Raises SensorError for crosstalk without a normal force, or a lag of samples without a period.
         """
         displacement = self.displacement_gain * truth.displacement_um
         if load_coupling := self._load_coupling(truth.tangential_force_N):
@@ -276,8 +277,10 @@ class Sensor:
 
     def corrected(self, readings: LoopSignals) -> LoopSignals:
         """True signals behind readings, which keep their noise; exact to round-off for noise-free, evenly spread
-        readings. Raises SensorError for crosstalk without a normal force, a lag of samples without a period, or too
-        slow a filter.
+        readings.
+
+        Raises SensorError for crosstalk without a normal force, a lag of samples without a period, or too slow a
+        filter.
         """
         displacement = readings.displacement_um
         if self.lag_s != 0.0:

@@ -112,7 +112,7 @@ def slip_of(
 
 def notes_on(regime: Regime, sticking: Sticking | None) -> list[str]:
     """Sentences on the friction that a loop without a plateau shows, and on its limits; none for a sliding loop with a
-    plateau.
+    plateau. sticking: None if no contact in partial slip is known.
     """
     if regime != "partial slip":
         return [] if sticking is None else [SHORT]

@@ -205,8 +205,8 @@ class LimitingShape:
 
 @dataclass(frozen=True)
 class WearingContact:
-    """A sphere on a half-space, moved by ±drive_mm at a distance, beyond the compliance of the bodies' bulk, that wears
-    where it slips.
+    """A sphere on a half-space that wears where it slips; points of the bodies at a distance are moved by ±drive_mm
+    against each other, of which the bodies' bulk takes its share.
     """
 
     sphere_radius_mm: float
