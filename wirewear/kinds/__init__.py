@@ -21,7 +21,7 @@ _CONTACTS: dict[str, Contacts] = dict.fromkeys(kinds.AT_A_POINT, AtAPoint()) | {
 
 
 def contacts_of(one: OfAKind) -> Contacts:
-    """What draws, meshes and computes fields for a study or a result of this kind of contact.
+    """Drawings, meshes and fields for the kind of contact of a study or a result.
 
     Raises StudyError for a kind that is not simulated.
     """

@@ -233,7 +233,7 @@ HELD_FIGURES: Mapping[str, HeldMeasure] = {
 
 
 def held_of(study: AnyStudy) -> HeldFigure | None:
-    """What a study's drive holds in place of its amplitude; None if it holds the amplitude."""
+    """The figure that a study's drive holds in place of its amplitude; None if it holds the amplitude."""
     stated, largest_um = held_by(study.conditions), study.conditions.displacement_amplitude_um
     if stated is None:
         return None

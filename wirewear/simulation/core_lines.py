@@ -50,7 +50,7 @@ class _Cells(NamedTuple):
 
     @property
     def stiffness(self) -> float:
-        """What `punch_stiffness` is of a punch of finite elements that have these nodes."""
+        """`punch_stiffness` of a punch of finite elements with these nodes."""
         return punch_stiffness(*self[:4]) * (1.0 + _LARGER * sqrt(pi / len(self.x)))
 
 

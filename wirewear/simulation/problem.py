@@ -210,7 +210,7 @@ def held_is_primary(study: Study) -> bool:
 
 
 def _precedence(body: Body, worn_share: float) -> tuple[float, ...]:
-    """What puts a body before the other as the primary, whichever of them is driven.
+    """Key by which the body with the larger one is the primary, whichever of them is driven.
 
     Wear of the primary is not spread over elements on its way: the body that wears more comes first, then one that the
     contact stays with, then one that lies across the motion; softer ones come before stiffer ones.

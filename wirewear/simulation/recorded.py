@@ -273,7 +273,9 @@ class Recorded(ABC):
         self._rows = [{name: float(column[i]) for name, column in evolution.items()} for i in range(count)]
 
     def pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
-        """Record the fresh contact under the normal load alone: largest pressure, values of laws and of yielding."""
+        """Record the fresh contact under the normal load alone: largest pressure, errors of laws, values of
+        yielding.
+        """
         self.tally.fresh = {"fresh_max_pressure_MPa": report.max_pressure}
         if problem.limit is not None:
             self.tally.fresh |= limit_settings(problem, report)

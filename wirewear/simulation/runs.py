@@ -60,7 +60,7 @@ class RemoteObserver(Observer):
 def run_side_by_side(
     tasks: Sequence[Callable[[Observer], Made]], observers: Sequence[Observer], engine: Engine
 ) -> list[Made]:
-    """What each task returns, in their order, done side by side on `engine`; each is called with an observer that
+    """The tasks' results, in their order, done side by side on `engine`; each task is called with an observer that
     reports to its own one of `observers`.
 
     Workers of a cluster report nothing. If a task fails, the others are still finished; then the first error is raised.

@@ -31,7 +31,7 @@ Energies = tuple[float, float, float]
 
 @dataclass
 class Counters:
-    """What a run counts, and the worst value so far of each quality; NaN where it is not defined."""
+    """Counts of a run, and the worst value so far of each quality; NaN where it is not defined."""
 
     increments: float = 0.0
     iterations: float = 0.0

@@ -195,7 +195,7 @@ class RunStore:
 
 @dataclass(frozen=True)
 class Found:
-    """What is left of a run to be resumed: its result, None if not complete, and a sentence for the user."""
+    """The remains of a run to be resumed: its result, None if not complete, and a sentence for the user."""
 
     complete: RunResult | None = None
     note: str = ""
@@ -213,7 +213,7 @@ class RunFolder(RunStore):
         return GrowingImage()
 
     def found(self, *, unfinished: bool) -> Found:
-        """What is left of the run. unfinished: True if the last command that wrote to the folder asked for this run and
+        """The remains of the run. unfinished: True if the last command that wrote to the folder asked for this run and
         did not end.
         Raises ResultError if the result is damaged, and RunError if the folder holds another run.
         """

@@ -70,7 +70,7 @@ def spread_by_yield(limit: PressureLimit | None, load: float, pressure_MPa: floa
 
 
 def limit_settings(problem: ContactProblem, pressed: IncrementReport) -> dict[str, float]:
-    """What a result records of the pressure limit and the fresh contact under it, by key; empty without one."""
+    """Values that a result records of the pressure limit and the fresh contact, by key; empty without a limit."""
     limit = problem.limit
     if limit is None:
         return {}

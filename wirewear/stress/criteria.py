@@ -70,7 +70,9 @@ class CycleDamage:
 
 
 class LifeCriterion(Protocol):
-    """A criterion of life with the data of its material."""
+    """A criterion by which a cycle of stresses takes a share of a point's life, with the data of the material. curve:
+    lives by the criterion's parameter.
+    """
 
     @property
     def name(self) -> str:

@@ -1,4 +1,4 @@
-"""What a cycle does to a body's material: the largest von Mises stress, yield, and fatigue indicators, with places.
+"""Strength of a body's material over a cycle: the largest von Mises stress, yield, and fatigue indicators, with places.
 
 `states` are those of one body over a recorded cycle, see `InnerState`; stresses are rows of xx, yy, zz, xy, yz, xz.
 """
@@ -102,8 +102,8 @@ class Where:
 
 @dataclass(frozen=True)
 class StrengthAsked:
-    """What stresses are compared with: yield strength (None: not compared), slope of Crossland's criterion, and the
-    length that they are averaged over (0: not averaged).
+    """Limits that stresses are compared with: yield strength (None: not compared) and slope of Crossland's criterion;
+    and the length over which stresses are averaged (0: not averaged).
     """
 
     yield_strength_MPa: float | None = None

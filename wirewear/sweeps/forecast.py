@@ -23,7 +23,7 @@ ROW_BYTES, RESULT_BYTES = 1_500, 60.0
 
 @dataclass(frozen=True)
 class Forecast:
-    """What a sweep takes on `workers` workers: CPU time of all runs, peak memory of one worker, and disk space."""
+    """Cost of a sweep on `workers` workers: CPU time of all runs, peak memory of one worker, and disk space."""
 
     runs: int
     workers: int
@@ -66,7 +66,7 @@ def pilots(sizes: np.ndarray) -> list[int]:
 
 
 def forecast(sweep: Sweep, sizes: np.ndarray, rows: Sequence[SweepRow], workers: int) -> Forecast:
-    """What a sweep takes, from `sizes` of all runs and the rows of those that ended, one of which has CPU time."""
+    """Cost of a sweep, from `sizes` of all runs and the rows of those that ended, one of which has CPU time."""
     done = [row for row in rows if row.cpu_s > 0.0]
     at, cpu = np.array([sizes[row.number - 1] for row in done]), np.array([row.cpu_s for row in done])
     power = _power(at, cpu)

@@ -401,8 +401,8 @@ def unworn_stiffness_N_per_um(normal_load_N: float, driven: Body, held: Body) ->
 
 
 def on_pad(found: Callable[[], Found]) -> Found:
-    """What the function `found` returns: a pad's contact or scar. Raises StudyError where it raises ValueError, because
-    the pad's face does not reach far enough.
+    """A pad's contact or scar, as the function `found` returns it. Raises StudyError where that raises ValueError,
+    because the pad's face does not reach far enough.
     """
     try:
         return found()

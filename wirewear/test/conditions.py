@@ -1,4 +1,4 @@
-"""What a test of any contact states besides its bodies, table by table: every key with its type, default and meaning.
+"""Tables of a study of any contact for all but its bodies: every key with its type, default and meaning.
 
 A drive holds its displacement amplitude, unless the study states another quantity that it holds (a key held_...).
 """
@@ -54,8 +54,8 @@ def held_keys(conditions: object) -> list[str]:
 
 @dataclass(frozen=True)
 class HeldTarget:
-    """What a drive holds in place of its amplitude. key: the key held_... that states it; value in the key's unit (µm,
-    N or mJ).
+    """The quantity that a drive holds in place of its amplitude. key: the key held_... that states it; value in the
+    key's unit (µm, N or mJ).
     """
 
     key: str
@@ -85,7 +85,7 @@ class HeldTarget:
 
 
 def held_by(conditions: object) -> HeldTarget | None:
-    """What the drive holds in place of its displacement amplitude; None if it holds that."""
+    """The quantity that the drive holds in place of its displacement amplitude; None if it holds that."""
     key = next(iter(held_keys(conditions)), None)
     return None if key is None else HeldTarget(key, float(getattr(conditions, key)))
 

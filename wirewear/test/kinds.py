@@ -17,7 +17,7 @@ from wirewear.test.wires import Wires
 
 @dataclass(frozen=True)
 class Kind:
-    """What distinguishes a kind of test from others; code tells studies of different kinds apart by their class.
+    """The data by which a kind of test differs from others; code tells studies of different kinds apart by their class.
 
     tables: class of its studies' tables. bodies: keys by which files state its bodies, body_names in the order of
     records. options: keys of bodies that `wirewear new --mapping` takes. rigid_N_per_mm: stiffness above which a rig

@@ -135,8 +135,8 @@ class Stage:
 
 @dataclass(frozen=True)
 class BlockCourse:
-    """What a test went through. done: its stages; ahead: those of one turn after its end, of blocks that it has
-    reached; names: of the blocks, by index.
+    """Course of a test. done: its stages; ahead: those of one turn after its end, of blocks that it has reached; names:
+    of the blocks, by index.
     """
 
     done: tuple[Stage, ...]

@@ -64,7 +64,7 @@ class Study(AnyStudy[ContactTables]):
         return self.bodies[1].axis_angle_deg - self.bodies[0].axis_angle_deg
 
     def fidelity(self, name: str) -> FidelitySettings:
-        """What the study states for the level "quick", "standard" or "fine"; StudyError for another level."""
+        """The settings that the study states for the level "quick", "standard" or "fine"; StudyError for another."""
         settings: FidelitySettings = level_of({own: getattr(self.tables.fidelity, own) for own in FIDELITIES}, name)
         return settings
 

@@ -141,7 +141,7 @@ class CommonTables(StatesItsKind, ABC):
     @property
     @abstractmethod
     def wear_rates(self) -> WearRates:
-        """Wear law, coefficients in mm³/mJ and layers of the upper (held) and lower (driven) body; no variation."""
+        """Wear law, nominal coefficients in mm³/mJ and layers of the upper (held) and the lower (driven) body."""
 
     @abstractmethod
     def contradiction(self) -> keys.Inconsistency | None:

@@ -35,8 +35,8 @@ COMMON = ("conditions", "contact", "wear", "holder", "log")  #: Tables that ever
 
 @dataclass(frozen=True)
 class Template:
-    """What a new study of a kind holds: the tables `shown`, the nested values of `example`, and the comment `above`.
-    tables: class of the whole study. left_out: keys with dots that are not written.
+    """A new study of a kind, to be written: the tables `shown`, the nested values of `example`, and the comment
+    `above`. tables: class of the whole study. left_out: keys with dots that are not written.
     """
 
     kind: str
