@@ -113,7 +113,7 @@ def opened_hdf5(
 def require_self_contained(file: h5py.File, path: Path, kind: type[WirewearError], size: int) -> None:
     """Check that an open file of `size` bytes contains all that it refers to.
 
-    Raises an error of class `kind` if it refers to other files, or states arrays too large for its size.
+    Raises an error of class `kind` if it refers to other files, or states arrays larger than a hundred times its size.
     """
     total, ahead, seen = 0, [file["/"]], {hash(file["/"].id)}
     while ahead:

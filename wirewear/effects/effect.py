@@ -283,7 +283,7 @@ class Effect(ABC, Generic[T]):
 
     @classmethod
     def choices(cls) -> dict[str, tuple[str, ...]]:
-        """Fields that take one of a few words: for each its words, the first of which is the default."""
+        """Fields that take one of several words, by name: for each its words, the first of which is the default."""
         return {field.name: field.metadata["choice"] for field in fields(cls) if "choice" in field.metadata}
 
     @classmethod

@@ -16,7 +16,10 @@ T = TypeVar("T")
 
 
 class Seam(StrEnum):
-    """The seams, each with the class of its description in a comment."""
+    """The seams, each with the class that describes the model there: holder (solvers.Holder), contact (ContactLaw),
+    wear (solvers.WearRates), specimens (Specimens), drive (Control), loading (Loading), sensor
+    (wirewear.loops.sensor.Sensor).
+    """
 
     HOLDER = "holder"  #: solvers.Holder
     CONTACT = "contact"  #: ContactLaw
@@ -41,7 +44,7 @@ class Age:
 
 
 class Ageing(StrEnum):
-    """The quantities on which an effect's strength may depend during a test."""
+    """On what an effect's strength may depend during a test: nothing, the cycles alone, or cycles, energy and wear."""
 
     NEVER = "nothing: it is the same throughout"
     BY_CYCLES = "the cycles alone"

@@ -56,7 +56,9 @@ class Shelf:
 
 
 def shelves_of(loop: CleanLoop, forward: Branch, backward: Branch) -> tuple[Shelf, Shelf] | None:
-    """Shelves of the forward and the backward branch; None unless both have one, of similar width and force."""
+    """Shelves of the forward and the backward branch; None unless both have one, at the same force within 12 % of the
+    rise and of the same width within 40 % (and three standard deviations).
+    """
     up, down = shelf_of(loop, forward), shelf_of(loop, backward)
     if up is None or down is None:
         return None

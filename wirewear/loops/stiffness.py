@@ -165,9 +165,9 @@ def bent(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> bool:
     """True if the first half of a branch's micro-slip is too bent, flat or scattered for a line: its stiffness has no
     meaning.
 
-    That is so if its halves differ in slope by more than any contact's, if it rises by less than 0.7 of the whole
-    micro-slip's mean slope, or if samples lie off the line by more than 0.1 of its rise, as where the force oscillates
-    or free play is hidden.
+    That is so if its halves differ in slope by 0.45 of the larger slope (any contact's do by less), if it rises by less
+    than 0.7 of the whole micro-slip's mean slope, or if samples lie off the line by more than 0.1 of its rise, as where
+    the force oscillates or free play is hidden.
     """
     reach = 0.5 * min(slip.travel_um, branch.length_um)
     line, inside = _line(loop, branch, reach)
