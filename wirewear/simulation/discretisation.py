@@ -187,8 +187,9 @@ class ElementSizes:
 
     fresh: True while the contact is about as small as fresh, and is resolved along its whole path. widening: factor on
     the extent that a patch needs. contact_mm, outer_mm: stated sizes of the elements, across the contact's narrowest
-    axis and the largest; None for none. sticks: True if the middle sticks; the patch then reaches stuck_margin times to
-    the rim. core: share of the contact's axes that sticks and whose area the nodes in it are to have; None for any.
+    axis and the largest; None for none. sticks: True if the middle sticks; the patch then extends stuck_margin times as
+    far as the rim. core: share of the contact's axes that sticks and whose area the nodes in it are to have; None for
+    any.
     """
 
     contact: Ellipse

@@ -86,7 +86,9 @@ def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float, *,
 
 
 def sticking_stage(study: Study, fidelity: str, plan: Discretisation) -> MeshStage | None:
-    """Meshes for a fresh contact that sticks in its middle; None if the plan has them already, or none fit."""
+    """Meshes for a fresh contact that sticks in its middle; None if the plan has them already, if none fit, or if the
+    study states sizes of its own or asks for one mesh.
+    """
     if plan.expected.sticks or not follows(study, fidelity):
         return None
     sticking = discretise(study, fidelity, sticks=True)
@@ -98,7 +100,7 @@ def sticking_stage(study: Study, fidelity: str, plan: Discretisation) -> MeshSta
 
 def core_stages(study: Study, fidelity: str, plan: Discretisation) -> Callable[[float], MeshStage] | None:
     """A function that makes meshes for a core, by its share (0 to 1) of the fresh contact's axes; None without wear, on
-    a pad, or if meshes may not change.
+    a pad, or if the study states sizes of its own or asks for one mesh.
     """
     if study.wear is None or plan.expected.face is not None or not follows(study, fidelity):
         return None

@@ -245,7 +245,9 @@ def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[S
 
 
 class Recorded(ABC):
-    """The record of one run; result and checkpoint hold everything that a resumed run needs of it."""
+    """The record of one run: loops, scars, evolution, contact forces, qualities. Result and checkpoint hold everything
+    that a resumed run needs of it.
+    """
 
     contact_kind: str
     bodies: tuple[str, str]
@@ -273,9 +275,7 @@ class Recorded(ABC):
         self._rows = [{name: float(column[i]) for name, column in evolution.items()} for i in range(count)]
 
     def pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
-        """Record the fresh contact under the normal load alone: largest pressure, errors of laws, values of
-        yielding.
-        """
+        """Record the fresh contact under the normal load alone: largest pressure, and figures of laws and yielding."""
         self.tally.fresh = {"fresh_max_pressure_MPa": report.max_pressure}
         if problem.limit is not None:
             self.tally.fresh |= limit_settings(problem, report)

@@ -209,7 +209,7 @@ class Inside(Generic[S]):
     """Functions that give stress states and grids of the bodies of contacts at a point, or of line contacts.
 
     state: class of states. body: from a result, contact forces and whether nodes stand in the worn surface, to the
-    body. least_extent_mm: its thickness. grid: of a state, in µm.
+    body. least_extent_mm: its least extent, from a result and forces. grid: of a state, in µm.
     """
 
     state: type[S]

@@ -67,8 +67,8 @@ class Signature:
         return tuple((_figures(nominal), _figures(changed)) for nominal, changed in self.loops)
 
     def changes(self) -> Mapping[str, list[float]]:
-        """Relative change of slip amplitude, dissipated energy and largest friction, by name, for each pair of loops;
-        NaN where not measured.
+        """Change of slip amplitude, dissipated energy and largest friction over the nominal value, by name, for each
+        pair of loops; NaN where not measured.
         """
         names = ("slip_amplitude_um", "dissipated_energy_mJ", "friction_max")
         return {

@@ -79,7 +79,9 @@ class VariedInput:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """The n runs over d varied keys: values `points` (n, d), and their `shares` (n, d) between the keys' ends."""
+    """The n runs over d varied keys. kind: "grid", "latin-hypercube" or "sobol"; factors: the keys; points (n, d):
+    their values; shares (n, d): positions of these between the keys' ends.
+    """
 
     kind: str
     factors: tuple[VariedInput, ...]
