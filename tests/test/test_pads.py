@@ -193,6 +193,11 @@ def test_a_turned_face_that_cannot_be_is_stated_in_one_sentence(contact: dict[st
         study(contact)
 
 
+def test_a_pad_whose_metal_would_flow_is_refused_as_the_study_is_read() -> None:
+    with pytest.raises(StudyError, match=r'is "near zone", .* but "upper" is a pad: "limited pressure" takes it\.$'):
+        study(pad(radius_mm=3.0) | {"contact": {"friction": 0.6, "plasticity": "near zone"}})
+
+
 def test_a_pad_stands_on_a_flat_and_no_other_body_has_its_keys() -> None:
     two = pad(radius_mm=3.0)
     two["bodies"]["lower"] = two["bodies"]["upper"]

@@ -68,8 +68,6 @@ def _pressed(tables: str, axis_angle_deg: float, upper: bool) -> Residual | None
         return None
     bodies = study.bodies
     softer = next(body for body in bodies if body.yield_stress_MPa == limit.yield_stress_MPa)
-    if any(body.face is not None for body in bodies):
-        raise ResultError("residual stress is computed of round bodies alone, not under pads")
     hertz, nu = hertz_of(load, *bodies), softer.poissons_ratio
     modulus = reference.contact_modulus(*(body.material for body in bodies)) * (1.0 - nu**2)
     # Strains of a half-space that is both bodies are larger than those of one.

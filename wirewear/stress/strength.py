@@ -120,7 +120,8 @@ class Strength:
     critical_plane_normal, crossland_MPa, crossland_amplitude_MPa, largest_hydrostatic_MPa; all zero farther away.
     surface: (t, 4) facets of its contact patch, none of a line contact. von_mises, critical_plane, crossland: where
     each is largest. Stresses are averaged over a stated length; where it is 0, those at the surface are corrected
-    between the nodes, and a node shows the worst point nearest to it.
+    between the nodes, and a node shows the worst point nearest to it. flowed: they are with the residual stress of
+    metal that has flowed.
     """
 
     cycle: int
@@ -132,6 +133,7 @@ class Strength:
     von_mises: Where
     critical_plane: Where
     crossland: Where
+    flowed: bool = False
 
     @property
     def body(self) -> str:
@@ -167,6 +169,7 @@ def strength_of(
         surface=first.body.outer_faces,
         grid=lambda position: inside.grid(states[position]),
         depth_mm=lambda point: float(patch.height(point[None, :2])[0] - point[2]),
+        flowed=first.residual is not None,
     )
     return assessed(shown, material, chosen, asked)
 
@@ -188,6 +191,7 @@ def assessable(
 class Shown:
     """A body to be assessed. to_world (3, 3): from its axes to the test's. surface: (t, 4) facets that may touch. grid:
     gives the grid of its state at a position. depth_mm: gives the depth of a point (3,) below its surface.
+    flowed: as in `Strength`.
     """
 
     cycle: int
@@ -197,6 +201,7 @@ class Shown:
     surface: IntArray
     grid: Callable[[int], pyvista.UnstructuredGrid]
     depth_mm: Callable[[Array], float]
+    flowed: bool = False
 
 
 def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: StrengthAsked) -> Strength:
@@ -237,6 +242,7 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Streng
         von_mises=where(equivalent.max(axis=0), worst),
         critical_plane=where(planes.parameter),
         crossland=where(combined),
+        flowed=body.flowed,
     )
 
 
@@ -265,7 +271,7 @@ def yield_sentence(course: Sequence[Strength]) -> str:
     return (
         f"{body}: yields at {limit} from cycle {counted(begin.cycle)} ({begin.von_mises.value_MPa:.0f} MPa, "
         f"{begin.von_mises.depth_um:.1f} µm deep at x = {begin.von_mises.x_um:.0f} µm) to cycle {counted(last.cycle)}"
-        f"{until}. Stresses beyond yield are elastic ones."
+        f"{until}. {'Residual stress is part of them' if first.flowed else 'Stresses beyond yield are elastic ones'}."
     )
 
 

@@ -124,6 +124,17 @@ def _bulk(tables: ContactTables) -> Inconsistency | None:
     return None
 
 
+def _near_zone(tables: ContactTables) -> Inconsistency | None:
+    for body in tables.bodies_of_test():
+        if tables.contact.plasticity == "near zone" and (body.face is not None or body.surface is not None):
+            return Inconsistency(
+                ("contact", "plasticity"),
+                f'is "near zone", which presses round, unworn bodies, but "{body.name}" '
+                f'{"has a measured surface" if body.face is None else "is a pad"}: "limited pressure" takes it',
+            )
+    return None
+
+
 def _holder(tables: ContactTables) -> Inconsistency | None:
     holder = tables.holder
     if holder.rotational_stiffness_N_mm_per_rad != "rigid" and holder.pivot_height_mm is None:
@@ -196,7 +207,7 @@ def _fidelities(tables: ContactTables) -> Inconsistency | None:
 
 Check = Callable[[Any], Inconsistency | None]
 _OF_ALL: tuple[Check, ...] = (_layers, _programme, _held)
-_OF_A_POINT: tuple[Check, ...] = (_wear, _bulk, _holder, _effects, _explicit, _fidelities)
+_OF_A_POINT: tuple[Check, ...] = (_wear, _bulk, _near_zone, _holder, _effects, _explicit, _fidelities)
 
 
 #: Yields keys that tables state but that have no effect, because others take their place.
