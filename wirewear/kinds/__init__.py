@@ -45,9 +45,7 @@ def load_any_study(path: str | Path, *, varied: bool = False) -> Any:
 
 def any_study(tables: Mapping[str, object], where: str, *, varied: bool = False) -> Any:
     """A study of the kind that its nested tables state, with measured surfaces levelled; `where` names their origin in
-    messages.
-
-    varied: as in `load_any_study`, which says what is raised.
+    messages. varied: as in `load_any_study`, which says what is raised.
     """
     from wirewear.test import study_from_tables
     from wirewear.test.consistency import require_no_idle_key

@@ -160,9 +160,7 @@ def loops_by_run(results: Sequence[RunResult], unit: str = "N") -> Figure:
 
 def draw_loops(axes: Axes, result: RunResult, cycles: Sequence[int] | None = None) -> None:
     """Draw loops of one run at these cycles, by default at a choice of the logged ones; cycles without a loop are left
-    out.
-
-    Earlier loops are drawn with wider lines below later ones, so that coinciding loops all remain visible.
+    out. Earlier loops are drawn with wider lines below later ones, so that coinciding loops all remain visible.
     """
     chosen = _shown_cycles([result]) if cycles is None else cycles
     logged = {loop.cycle: loop for loop in result.loops}

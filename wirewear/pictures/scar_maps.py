@@ -143,9 +143,7 @@ def _mean(scar: Scar) -> float:
 
 def touched_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
     """Largest |x| and |y| in µm, along and across the motion, where the bodies touch at mid-stroke or slide, in any of
-    the scars.
-
-    At least one grid spacing, where they touch at a single point.
+    the scars. At least one grid spacing, where they touch at a single point.
     """
     half_x = half_y = 0.0
     for scar in scars:

@@ -99,9 +99,7 @@ def scars_in_3d(results: Sequence[RunResult]) -> Figure:
 
 def worn_surface(scar: Scar, half_length_um: float, half_strip_um: float) -> "pyvista.StructuredGrid":
     """A pyvista mesh in µm of the worn surface near a body's crown, in the sliding frame, with the point data
-    `depth_um`.
-
-    It covers |axial| ≤ half_length_um and |transverse| ≤ half_strip_um, or less where the body ends before.
+    `depth_um`. It covers |axial| ≤ half_length_um and |transverse| ≤ half_strip_um, or less where the body ends before.
     """
     import pyvista
 

@@ -57,10 +57,8 @@ def smooth_loop(loop: Loop, points: int = POINTS) -> tuple[Array, Array]:
 
 def smooth_curve(displacement_um: Array, force: Array, points: int = POINTS) -> tuple[Array, Array]:
     """(displacement, force) along a closed smooth loop through all samples (n,), at `points` places or more, the last
-    one the first.
-
-    Monotone cubics over the length along the loop, never beyond neighbouring samples; a loop of fewer than CLOSED_FROM
-    samples is only closed.
+    one the first. Monotone cubics over the length along the loop, never beyond neighbouring samples; a loop of fewer
+    than CLOSED_FROM samples is only closed.
     """
     x, q = (np.append(values, values[0]) for values in (displacement_um, force))
     # Slopes of forces that next to no friction leaves would not be finite.
@@ -130,9 +128,7 @@ def _rows(points: list[NDArray[np.int_]], weights: list[Array], size: int) -> sp
 
 def smooth_scar(scar: Scar) -> Scar:
     """A scar with its worn depth on a finer grid that contains its own; other fields are zero there, and prints are
-    left out.
-
-    The scar ends where the depth, extrapolated from inside, becomes zero.
+    left out. The scar ends where the depth, extrapolated from inside, becomes zero.
     """
     inside, near, _ = _carried_on(scar, scar.depth_um, 0.0)
     beyond = extended(scar.axial_um, scar.transverse_um, scar.depth_um, inside)

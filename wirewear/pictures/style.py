@@ -104,9 +104,7 @@ def new_figure(height_in: float, width_in: float = WIDTH_in, *, arranged: bool =
 
 def save(draw: Callable[[], Figure], path: Path) -> Path:
     """Draw a figure in the common style, write it in the format of the path's ending (PNG without one), and return the
-    path.
-
-    Raises ResultError if the file cannot be written, or matplotlib does not know the ending.
+    path. Raises ResultError if the file cannot be written, or matplotlib does not know the ending.
     """
     require_picture_name(path)
     with styled():

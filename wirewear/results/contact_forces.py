@@ -54,10 +54,8 @@ def largest_mean_pressure_MPa(
 
 def largest_means(pressure: Array, axial: Array, transverse: Array, length: float) -> Array:
     """Largest mean (k,) about any node in each of k states of nodal pressures (k, n_a, n_t), in their unit; 0 without
-    contact.
-
-    axial, transverse: (n_a,) and (n_t,) increasing grid lines; a single one across for a line contact. length: diameter
-    of the discs, or length of the segments, in the unit of the lines.
+    contact. axial, transverse: (n_a,) and (n_t,) increasing grid lines; a single one across for a line contact. length:
+    diameter of the discs, or length of the segments, in the unit of the lines.
     """
     touched: BoolArray = np.asarray(pressure.any(axis=0))
     if not touched.any():

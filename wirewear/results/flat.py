@@ -109,10 +109,8 @@ def _write_surface(path: Path, scar: Scar, *, upper: bool) -> None:
 
 def labelled(result: RunResult) -> xarray.DataTree:
     """A run as a tree of xarray data sets: `evolution`, `loops` (if any) and `scars/<body>_<cycle>`; each array states
-    its unit.
-
-    Loops are rows (cycle, sample), padded with NaN to the length of the longest. Raises ResultError if xarray is not
-    installed.
+    its unit. Loops are rows (cycle, sample), padded with NaN to the length of the longest. Raises ResultError if xarray
+    is not installed.
     """
     made = _xarray()
     nodes: dict[str, Any] = {"/": made.Dataset(attrs=_described(result))}
@@ -126,10 +124,8 @@ def labelled(result: RunResult) -> xarray.DataTree:
 
 
 def write_netcdf(result: RunResult, path: Path, *, overwrite: bool = True) -> Path:
-    """Write the tree from `labelled` as one netCDF 4 file; return its path.
-
-    Raises ResultError if xarray or h5netcdf is not installed, or the file cannot be written, or exists and `overwrite`
-    is False.
+    """Write the tree from `labelled` as one netCDF 4 file; return its path. Raises ResultError if xarray or h5netcdf is
+    not installed, or the file cannot be written, or exists and `overwrite` is False.
     """
     require_absent(() if overwrite else [path], ResultError)
     tree = labelled(result)

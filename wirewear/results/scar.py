@@ -90,10 +90,8 @@ def crossings(line: Array, section: Array, level: float) -> tuple[float, float]:
 
 
 def worn_volume_mm3(x_um: Array, y_um: Array, depth_um: Array) -> float:
-    """Worn volume in mm³ of depths (n_x, n_y) in µm at the crossings of lines x (n_x,) and y (n_y,).
-
-    The integral of the bilinear depth over the whole map (trapezoidal rule): noise averages to 0 and piled-up material
-    is subtracted.
+    """Worn volume in mm³ of depths (n_x, n_y) in µm at the crossings of lines x (n_x,) and y (n_y,). The integral of
+    the bilinear depth over the whole map (trapezoidal rule): noise averages to 0 and piled-up material is subtracted.
     """
     sections_um2 = np.trapezoid(depth_um, y_um, axis=1)
     return 1e-9 * float(np.trapezoid(sections_um2, x_um))

@@ -56,10 +56,8 @@ def nodal_pressures(problem: ContactProblem, states: Sequence[ContactState]) -> 
 
 def at_mid_stroke(drive: ArrayLike, pressure: ArrayLike) -> float:
     """Median of a pressure (k,) over the way near mid-stroke, from its values at the displacements `drive` (k,) of a
-    closed loop.
-
-    Mid-stroke is where |displacement| is below MID_STROKE times the amplitude. Pressures are interpolated linearly
-    between increments; the median of the k values would be that of a single increment.
+    closed loop. Mid-stroke is where |displacement| is below MID_STROKE times the amplitude. Pressures are interpolated
+    linearly between increments; the median of the k values would be that of a single increment.
     """
     ends, values = np.asarray(drive, dtype=float), np.asarray(pressure, dtype=float)
     share = (np.arange(_PARTS) + 0.5)[:, None] / _PARTS
@@ -113,10 +111,8 @@ def forces_on(
 
 
 def positions(trace: CycleTrace, count: int) -> IntArray:
-    """Indices of about `count` increments of a closed loop, in the order in time from its end at +x.
-
-    They include both ends, mid-strokes and the increments just after reversals; the others are spread evenly over the
-    strokes.
+    """Indices of about `count` increments of a closed loop, in the order in time from its end at +x. They include both
+    ends, mid-strokes and the increments just after reversals; the others are spread evenly over the strokes.
     """
     order = np.argsort(trace.phase)
     phase, drive = trace.phase[order], trace.drive[order]

@@ -143,9 +143,7 @@ class AmplitudeSearch:
 
     def _wanted(self, amplitude_mm: float, found: float, before: tuple[float, float] | None, growth: float) -> float:
         """The amplitude in mm at which the figure would be met if it grew as since the amplitude before, or by `growth`
-        per mm.
-
-        before: amplitude and figure of the previous try.
+        per mm. before: amplitude and figure of the previous try.
         """
         lacking = self.held.target - found
         if before is not None and (found - before[1]) * (amplitude_mm - before[0]) > 0.0:

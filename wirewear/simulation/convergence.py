@@ -198,10 +198,8 @@ class RefinedSubject:
 
 def finer_point(study: Study, fidelity: str) -> Mapping[Resolution, Callable[[float], Changes]]:
     """For each resolution of a contact at a point: a function that gives the changed keys, nested, for a refinement by
-    a factor.
-
-    The mesh always; with wear also the positions of a cycle and, unless the study states the size of jumps, their
-    tolerance.
+    a factor. The mesh always; with wear also the positions of a cycle and, unless the study states the size of jumps,
+    their tolerance.
     """
     plan, chosen = discretise(study, fidelity), study.fidelity(fidelity)
 
@@ -221,9 +219,7 @@ def finer_point(study: Study, fidelity: str) -> Mapping[Resolution, Callable[[fl
 
 def finer_line(study: LineStudy, fidelity: str) -> Mapping[Resolution, Callable[[float], Changes]]:
     """For each resolution of a line contact: a function that gives the changed keys, nested, for a refinement by a
-    factor.
-
-    Mesh and increments always; with wear also the jumps' tolerance.
+    factor. Mesh and increments always; with wear also the jumps' tolerance.
     """
     tolerance, mesh = line_plan(study, fidelity).jump_tolerance, study.mesh
     finer: dict[Resolution, Callable[[float], Changes]] = {
@@ -262,10 +258,8 @@ def converge(
     engine: Engine | None = None,
 ) -> list[Converged]:
     """Run the study and its refinements, each in a folder of `output`, and extrapolate each figure; complete runs there
-    are read.
-
-    subject: POINTS or LINES. The other arguments are as in `run_study`. Raises StudyError if the study has variants of
-    its own, and what `run_study` raises.
+    are read. subject: POINTS or LINES. The other arguments are as in `run_study`. Raises StudyError if the study has
+    variants of its own, and what `run_study` raises.
     """
     results = run_study(
         subject.refined(study, fidelity),

@@ -133,10 +133,8 @@ class Cycler:
     def _turned(
         self, current: solvers.ContactProblem, state: solvers.ContactState, drive: solvers.Drive, watch: Reported
     ) -> solvers.ContactState:
-        """The state moved to the same end of another drive's stroke.
-
-        A contact that slid keeps, on a soft rig, the force that it slid with: if what the drive holds needs a shorter
-        stroke, the bodies are pressed again instead.
+        """The state moved to the same end of another drive's stroke. A contact that slid keeps, on a soft rig, the
+        force that it slid with: if what the drive holds needs a shorter stroke, the bodies are pressed again instead.
         """
         if self.motion.held is not None and drive.amplitude_mm < abs(state.drive):
             return solvers.restarted(current, state, drive, self.motion.wear_increments, watch)

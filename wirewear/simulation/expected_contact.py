@@ -54,9 +54,7 @@ class Ellipse:
 
     def chord(self, axis_rad: float) -> float:
         """Half of the chord in mm through the centre at angle `axis_rad`: the length over which pressure varies along
-        it.
-
-        A bilinear interpolant of spacing h along each axis errs by h² times the second derivative along that axis,
+        it. A bilinear interpolant of spacing h along each axis errs by h² times the second derivative along that axis,
         which for pressure and gap is proportional to 1 / chord²; the mixed derivative costs nothing.
         """
         c, s = cos(axis_rad - self.angle_rad), sin(axis_rad - self.angle_rad)
@@ -90,10 +88,8 @@ def fresh_ellipse(hertz: reference.PointContact) -> Ellipse:
 
 def scar_ellipse(volume_mm3: float, gap: GapCurvatures) -> Ellipse:
     """Outline of the scar of a worn volume (both bodies together): the gap Ax² + By² cut off by a plane. gap: (A, B,
-    angle).
-
-    The cap of depth d has the semi-axes sqrt(d/A), sqrt(d/B) and the volume pi d² / (2 sqrt(AB)); for wires of equal
-    radius R crossed at right angles the scar's radius is (4 R V / pi)^(1/4).
+    angle). The cap of depth d has the semi-axes sqrt(d/A), sqrt(d/B) and the volume pi d² / (2 sqrt(AB)); for wires of
+    equal radius R crossed at right angles the scar's radius is (4 R V / pi)^(1/4).
     """
     small, large, angle = gap
     depth = (2.0 * volume_mm3 * (small * large) ** 0.5 / pi) ** 0.5

@@ -131,11 +131,9 @@ class LinePlan:
 
 
 def line_plan(study: LineStudy, fidelity: str) -> LinePlan:
-    """Meshes and steps of a line contact, for all blocks of its programme.
-
-    The patch holds the scar that gross slip on a rigid rig would wear, and the contact of a pad that tilts as far as
-    the stroke can tilt it, with a margin; on the specimen the stroke as well. Raises StudyError if the patch does not
-    fit on a body.
+    """Meshes and steps of a line contact, for all blocks of its programme. The patch holds the scar that gross slip on
+    a rigid rig would wear, and the contact of a pad that tilts as far as the stroke can tilt it, with a margin; on the
+    specimen the stroke as well. Raises StudyError if the patch does not fit on a body.
     """
     driven = study.of_length(1.0).driven
     return _planned(driven.envelope, fidelity, [_sticks(own.study) for own in driven.schedule.stretches])

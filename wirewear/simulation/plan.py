@@ -249,11 +249,9 @@ class PlannedRun:
         tolerance: float,
         explicit_jump_cycles: float | None = None,
     ) -> FrettingTest:
-        """The test as `cycle_through` simulates it.
-
-        motion: from a block's study to those fields of its `Motion` that do not follow from the study alone.
-        milestones: cycles whose loop is measured. tolerance: relative error allowed to a jump. explicit_jump_cycles:
-        size of jumps without error control, None for jumps with it.
+        """The test as `cycle_through` simulates it. motion: from a block's study to those fields of its `Motion` that
+        do not follow from the study alone. milestones: cycles whose loop is measured. tolerance: relative error allowed
+        to a jump. explicit_jump_cycles: size of jumps without error control, None for jumps with it.
         """
 
         def moved(own: Any) -> Motion:

@@ -151,9 +151,7 @@ class BothMeshes(Protocol):
 
 def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], None]) -> solvers.ContactProblem:
     """The contact problem of a study without effects that depend on the age of the test: both bodies meshed and
-    condensed (or loaded), placed, the upper one on its rig.
-
-    stage: called with the name of each part of the work.
+    condensed (or loaded), placed, the upper one on its rig. stage: called with the name of each part of the work.
     """
     lower, upper = _placed(study, *condense_bodies(study, meshes, stage))
     stage("pressing the bodies together")

@@ -61,10 +61,8 @@ def run_side_by_side(
     tasks: Sequence[Callable[[Observer], Made]], observers: Sequence[Observer], engine: Engine
 ) -> list[Made]:
     """The tasks' results, in their order, done side by side on `engine`; each task is called with an observer that
-    reports to its own one of `observers`.
-
-    Workers of a cluster report nothing. If a task fails, the others are still finished; then the first error is raised.
-    Raises RunError if a process was ended from outside.
+    reports to its own one of `observers`. Workers of a cluster report nothing. If a task fails, the others are still
+    finished; then the first error is raised. Raises RunError if a process was ended from outside.
     """
     if not isinstance(engine, LocalProcesses):
         return results_of(engine, [partial(task, Observer()) for task in tasks])

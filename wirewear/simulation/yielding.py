@@ -25,10 +25,8 @@ def pressure_limit(
     study: AnyStudy, load: float, pressure_MPa: float, semi_axes_mm: tuple[float, float], *, power: float
 ) -> PressureLimit | None:
     """The pressure limit of a contact, from its elastic contact under `load` in N (line contacts N/mm); None for
-    elastic bodies.
-
-    pressure_MPa, semi_axes_mm: largest pressure and (minor, major) semi-axes of that contact. power: exponent with
-    which its load grows with its largest pressure, 3 at a point, 2 on a line.
+    elastic bodies. pressure_MPa, semi_axes_mm: largest pressure and (minor, major) semi-axes of that contact. power:
+    exponent with which its load grows with its largest pressure, 3 at a point, 2 on a line.
     """
     stated = {name: own for name, own in study.tables.yields.items() if own is not None}
     if not stated or study.contact.plasticity == "none":

@@ -36,10 +36,8 @@ class Helix:
 
     def free_slip_mm(self, curvature_per_mm: float) -> float:
         """Slip r² cos²α κ/sin α along the helix at the neutral axis, when the strand is bent to the curvature κ without
-        friction.
-
-        It varies as the sine of the angle from the extrados, where it is zero (Feyrer, Wire Ropes, 2007; Papailiou,
-        IEEE Trans. Power Delivery 12 (1997) 1576: strains of plane sections summed up along the helix).
+        friction. It varies as the sine of the angle from the extrados, where it is zero (Feyrer, Wire Ropes, 2007;
+        Papailiou, IEEE Trans. Power Delivery 12 (1997) 1576: strains of plane sections summed up along the helix).
         """
         return self.radius_mm**2 * cos(self.angle_rad) ** 2 * curvature_per_mm / sin(self.angle_rad)
 
@@ -71,10 +69,8 @@ def radial_share(helix: Helix, count: int) -> float:
 
 def valley_radius_mm(inner: Helix, inner_mm: float, outer_mm: float, count: int) -> float:
     """Radius of the helix of a layer that lies in the valleys of the layer `inner`, with as many wires and the same lay
-    (Seale).
-
-    inner_mm, outer_mm: diameters of the wires. The inner layer's radius if the valleys are so wide that the outer wires
-    fall between the inner ones.
+    (Seale). inner_mm, outer_mm: diameters of the wires. The inner layer's radius if the valleys are so wide that the
+    outer wires fall between the inner ones.
     """
     from scipy.optimize import brentq
 

@@ -75,10 +75,8 @@ def averaging(
     to: tuple[Array, ...], of: tuple[Array, ...], kernel: Callable[[float], tuple[Array, Array]]
 ) -> csr_matrix:
     """The matrix of averages about points, from values at other points, both at all crossings of lines along, across
-    and in depth in mm, flattened in this order.
-
-    to, of: the lines of the points that averages are about, and of those with values, between which is interpolated
-    linearly.
+    and in depth in mm, flattened in this order. to, of: the lines of the points that averages are about, and of those
+    with values, between which is interpolated linearly.
     """
     (axial, transverse, depths), count = to, [len(lines) for lines in of]
     columns_before = np.arange(len(axial))[:, None] * len(transverse) + np.arange(len(transverse))

@@ -34,9 +34,7 @@ class WornBody(SolvedBody[BodyMesh]):
     @classmethod
     def of(cls, meshed: BodyMesh, material: Elastic) -> Self:
         """The body with its stiffness ready to be solved; of a body from a file, block and surrounding elements
-        together.
-
-        Raises GeometryError if the block holds elements of other materials.
+        together. Raises GeometryError if the block holds elements of other materials.
         """
         if meshed.host is None:
             return super().of(meshed, material)

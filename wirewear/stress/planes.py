@@ -47,9 +47,7 @@ class Crossland:
 
 def smith_watson_topper(history: Array, material: Elastic) -> CriticalPlanes:
     """σ_n,max · Δε_n / 2 (n,) in MPa on the plane where it is largest (Smith, Watson & Topper, J. Materials 5 (1970)
-    767).
-
-    On planes as by Socie, J. Eng. Mater. Technol. 109 (1987) 293; a plane that is never pulled has 0.
+    767). On planes as by Socie, J. Eng. Mater. Technol. 109 (1987) 293; a plane that is never pulled has 0.
     """
     return critical_planes(history, lambda stress, normals: swt_on_planes(stress, normals, material))
 

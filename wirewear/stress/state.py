@@ -245,10 +245,8 @@ def _beneath(points: Array) -> Array:
 
 def averaging(points_mm: Array, volumes_mm3: Array, chosen: IntArray, diameter_mm: float) -> csr_matrix:
     """The matrix (k, n) of means over balls (discs) of `diameter_mm` about the k points with indices `chosen`, weighted
-    by the volumes (n,) of all points.
-
-    What gradients beneath a contact ask for: a material's crack needs stress over a length, not at a point (Taylor,
-    Int. J. Fatigue 21 (1999) 413). A diameter of 0 or less leaves values as they are.
+    by the volumes (n,) of all points. What gradients beneath a contact ask for: a material's crack needs stress over a
+    length, not at a point (Taylor, Int. J. Fatigue 21 (1999) 413). A diameter of 0 or less leaves values as they are.
     """
     size = len(points_mm)
     if diameter_mm <= 0.0:

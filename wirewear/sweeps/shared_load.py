@@ -62,10 +62,8 @@ class SharedLoad:
 
 
 def shared_load(test: ManyContacts, simulate: Simulate) -> SharedLoad:
-    """The shares of the load with which runs of the contacts agree with the beam.
-
-    simulate: runs a study under a label. Raises StudyError if a contact lifts off, or if loads do not settle in six
-    rounds.
+    """The shares of the load with which runs of the contacts agree with the beam. simulate: runs a study under a label.
+    Raises StudyError if a contact lifts off, or if loads do not settle in six rounds.
     """
     ends, count = _ends(test.study), len(test.contacts)
     lengths = np.diff(np.array(ends, dtype=np.float64), prepend=0.0)

@@ -50,10 +50,8 @@ class Surrogate:
 
 def fitted(points: Array, values: Array) -> Surrogate:
     """Least-squares polynomial of first or second degree, whichever predicts left-out points better, for values (n,) at
-    points (n, d).
-
-    Leave-one-out residuals follow from the hat matrix (Allen's PRESS, Technometrics 16 (1974) 125). Raises ValueError
-    if there are too few points for a first-degree polynomial.
+    points (n, d). Leave-one-out residuals follow from the hat matrix (Allen's PRESS, Technometrics 16 (1974) 125).
+    Raises ValueError if there are too few points for a first-degree polynomial.
     """
     count, factors = points.shape
     degrees = [degree for degree in (1, 2) if len(_terms(factors, degree)) < 0.8 * count]
@@ -184,10 +182,8 @@ def sweep_of(study: Study, fidelity: str, runs: int = RUNS) -> tuple[Sweep, Arra
 
 
 def run_uncertain(study: Study, output: Path, engine: Engine, observer: SweepObserver | None = None) -> Uncertainty:
-    """Compute the runs that OUTPUT does not hold yet, and the intervals in which 95 % of tests lie.
-
-    Raises StudyError if the study states no scatter, the nominal run failed, or too few runs are complete, and what
-    `run_sweep` raises.
+    """Compute the runs that OUTPUT does not hold yet, and the intervals in which 95 % of tests lie. Raises StudyError
+    if the study states no scatter, the nominal run failed, or too few runs are complete, and what `run_sweep` raises.
     """
     sweep, deviations = sweep_of(study, "quick")
     rows = run_sweep(sweep, output, engine, observer).rows

@@ -298,9 +298,7 @@ class BlockBody(Body):
 
     def _half_width(self, curvature: float, reach_mm: float) -> float:
         """Half of the block's extent in mm in the direction of a curvature, for a patch that reaches `reach_mm` to each
-        side.
-
-        Raises StudyError if it would be too narrow for the patch, or too wide for its radius.
+        side. Raises StudyError if it would be too narrow for the patch, or too wide for its radius.
         """
         # Half-width of a straight block over the other body's radius, or its patch.
         straight = 4.0 * max(self.size_mm, reach_mm)

@@ -193,9 +193,7 @@ class Wear(keys.Table):
 
     def volume_per_sliding_mm3_per_N_m(self, friction: float) -> float:
         """Worn volume of both bodies per load and sliding distance in gross slip, without variation; 0 without a
-        coefficient.
-
-        friction: coefficient of friction, by which the energy law dissipates.
+        coefficient. friction: coefficient of friction, by which the energy law dissipates.
         """
         if self.archard_wear_coefficient_mm3_per_N_m is not None:
             return self.archard_wear_coefficient_mm3_per_N_m

@@ -57,9 +57,7 @@ def _wires_of_bodies(table: Any) -> Any:
 
 def _angles(both: Mapping[str, Any], moving: dict[str, Any], fixed: dict[str, Any]) -> dict[str, float]:
     """Crossing and motion angle in degrees from the wires' own axis angles, which are removed from their tables; or
-    empty.
-
-    Raises ValueError if one is not an angle, or the crossing or motion angle is stated as well.
+    empty. Raises ValueError if one is not an angle, or the crossing or motion angle is stated as well.
     """
     given = [own.pop("axis_angle_deg", None) for own in (moving, fixed)]
     if given == [None, None]:

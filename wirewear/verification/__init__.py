@@ -51,10 +51,8 @@ def _unwatched(title: str, done: int, of: int) -> None:
 def verify(
     level: Level, started: Callable[[str, int, int], None] = _unwatched, families: tuple[Family, ...] | None = None
 ) -> tuple[Row, ...]:
-    """The rows of the given families at a level; None for all families.
-
-    started: called before each family with its title, the number of families done and their total number. Raises
-    SolverError if a problem cannot be solved.
+    """The rows of the given families at a level; None for all families. started: called before each family with its
+    title, the number of families done and their total number. Raises SolverError if a problem cannot be solved.
     """
     chosen = FAMILIES if families is None else families
     rows: list[Row] = []

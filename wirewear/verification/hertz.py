@@ -152,10 +152,8 @@ def pressed_rows(
     name: str, lower: CondensedBody, upper: CondensedBody, exact: PointContact, angle_deg: float, level: Level
 ) -> tuple[Row, ...]:
     """Rows that compare two pressed bodies with Hertz's contact `exact`. name: of the problem; angle_deg: between the
-    bodies' axes.
-
-    Semi-axes are those of the Hertz pressure with the same second moments, a² = 5 <x²>. The direction is left out for a
-    round contact.
+    bodies' axes. Semi-axes are those of the Hertz pressure with the same second moments, a² = 5 <x²>. The direction is
+    left out for a round contact.
     """
     load_N = exact.normal_load_N
     problem = crossed(lower, upper, Holder(load_N), angle_deg=angle_deg)

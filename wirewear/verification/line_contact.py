@@ -114,9 +114,7 @@ def to_force(
     problem: solvers.ContactProblem, state: solvers.ContactState, force_N_per_mm: float
 ) -> solvers.ContactState:
     """The state after displacing the flat until the tangential force equals `force_N_per_mm`, the last step being
-    shortened.
-
-    Raises ValueError if the force is not reached, as beyond µP.
+    shortened. Raises ValueError if the force is not reached, as beyond µP.
     """
     start = tangential_force(state)
     step = float(np.copysign(2e-4, force_N_per_mm - start))

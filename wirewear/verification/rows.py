@@ -113,10 +113,8 @@ def _error(value: float) -> str:
 
 
 def write_json(path: Path, level: str, rows: "Sequence[Row]") -> None:
-    """Write version, level and all rows as JSON in one step; numbers that are not finite become null.
-
-    The folder is created if missing. Raises ResultError if the file cannot be written, and RunError if the folder
-    cannot be created.
+    """Write version, level and all rows as JSON in one step; numbers that are not finite become null. The folder is
+    created if missing. Raises ResultError if the file cannot be written, and RunError if the folder cannot be created.
     """
     document = {
         "wirewear": version("wirewear"),
