@@ -56,7 +56,9 @@ class Contacts(ABC):
 
     @abstractmethod
     def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
-        """Worn surfaces by file name, as a profilometer with noise of this standard deviation in µm measures them."""
+        """Worn surfaces by file name, as a profilometer measures them. noise_um: standard deviation of its noise; seed:
+        of that.
+        """
 
     @abstractmethod
     def drawings(self, results: Sequence[RunResult]) -> Drawings:

@@ -46,8 +46,8 @@ def draw_map(
 ) -> QuadMesh:
     """Draw a field (n_x, n_y) at its grid points as colours, and return what is drawn, for a colour bar.
 
-    at_um: coordinates along and across the motion, as grid lines (n_x,) and (n_y,) or at each point (n_x, n_y).
-    half_um: |x| and |y| up to which is shown, None for all.
+    at_um: coordinates along and across the motion, as grid lines (n_x,) and (n_y,) or at each point (n_x, n_y). norm:
+    scale of the values. half_um: |x| and |y| up to which is shown, None for all. shading: as matplotlib names it.
     """
     places = np.meshgrid(*at_um, indexing="ij") if at_um[0].ndim == 1 else at_um
     drawn = axes.pcolormesh(*places, values, norm=norm, cmap=colours, shading=shading, rasterized=True)

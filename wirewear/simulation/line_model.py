@@ -60,7 +60,8 @@ def fresh_contact(
 
 def edge_reach(face: Face, load_N_per_mm: float, modulus_MPa: float, contact: reference.LineContact) -> float:
     """Width in mm at the contact's edge over which pressure changes quickly: `contact`'s half-width or, for a flat, how
-    far it would reach beyond the flat, and inside it, if one rounded edge carried the whole load.
+    far it would reach beyond the flat, and inside it, if one rounded edge carried the whole load. modulus_MPa: contact
+    modulus E*.
     """
     if isinstance(face, RoundedFlat):
         return sqrt(4.0 * load_N_per_mm * face.edge_radius_mm / (pi * modulus_MPa))
@@ -203,7 +204,7 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
 def placed_body(
     geometry: PlanarGeometry, material: Elastic, *, upper: bool, surface: StatedSurface | None = None
 ) -> PlacedBody:
-    """A body meshed, condensed and placed. surface: as measured before the test, None for the unworn shape."""
+    """A body meshed, condensed and placed. upper: True for the pad. surface: measured before the test, or None."""
     meshed = build_planar(geometry)
     body = condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding)
     return place(measured(body, surface, 0.0, upper=upper), upper=upper, axis_angle_rad=0.0)
@@ -250,7 +251,7 @@ def _onset(study: LineStudy, friction_N: float) -> SlidingOnset:
 
 
 def limit_of_lines(study: LineStudy, hertz: reference.LineContact) -> PressureLimit | None:
-    """Pressure limit of bodies that yield, from a study of 1 mm and its elastic contact; None for elastic bodies."""
+    """Pressure limit of bodies that yield, from a study of 1 mm and its elastic contact `hertz`; None if none does."""
     conditions = study.envelope.conditions
     load = conditions.drive.load.largest * conditions.normal_load_N
     return pressure_limit(study, load, hertz.peak_pressure_MPa, (hertz.half_width_mm, inf), power=2.0)

@@ -241,8 +241,7 @@ def measured(
     condensed: solvers.CondensedBody, surface: StatedSurface | None, axis_angle_deg: float, *, upper: bool
 ) -> solvers.CondensedBody:
     """A condensed body with the surface that was measured of it before the test; unchanged for None. Its mesh keeps the
-    unworn shape.
-    axis_angle_deg: angle of the body's axis to the motion.
+    unworn shape. axis_angle_deg: angle of the body's axis to the motion. upper: True for the held body.
     """
     if surface is None:
         return condensed

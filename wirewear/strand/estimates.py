@@ -73,7 +73,9 @@ class ContactEstimate:
 def estimated(
     contact: WireContact, friction: float, wear_mm3_per_J: float, cycles: int, life: LifeTable | None
 ) -> ContactEstimate:
-    """Estimates of a contact after `cycles` cycles. life: criterion and data beside the wires'; None for no lives."""
+    """Estimates of a contact; worn depths are after `cycles` cycles. life: criterion and data beside those of the
+    wires' materials; None for no lives.
+    """
     first, second = contact.elastic
     modulus = contact_modulus(first, second)
     small, large = contact.gap_per_mm

@@ -127,7 +127,7 @@ class BodyLife:
 
     @property
     def begun(self) -> Initiation | None:
-        """Former name of `initiation`, as in version 1.0.0; warns with DeprecationWarning."""
+        """Former name of `initiation`, None if no crack begins; warns with DeprecationWarning."""
         renamed("BodyLife.begun", "BodyLife.initiation")
         return self.initiation
 

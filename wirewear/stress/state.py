@@ -115,7 +115,9 @@ class InnerState(Generic[B]):
         is_upper: bool,
         residual: Residual | None = None,
     ) -> tuple[Self, ...]:
-        """States of a body at chosen positions of a recorded cycle, given as indices into `forces`, in their order."""
+        """States of a body at chosen positions of a recorded cycle, given as indices into `forces`, in their order.
+        is_upper, residual: as in the class.
+        """
         positions = list(positions)
         nodes = body.patch.nodes.ravel()[forces.nodes]
         displacements = body.interior.displacements(nodes, forces.force_N[positions])

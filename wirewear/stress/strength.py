@@ -177,8 +177,9 @@ def strength_of(
 def assessable(
     result: RunResult, body: str, cycle: float, asked: StrengthAsked, inside: Inside[Any] = INSIDE_POINTS
 ) -> int:
-    """The number of the cycle recorded nearest to `cycle`, if `strength_of` can assess it; checked without computation.
-    Raises ResultError if no contact forces of the body are recorded, or it is smaller than the averaging length.
+    """The number of the cycle recorded nearest to `cycle`, if `strength_of` can assess it as asked; checked without
+    computation. Raises ResultError if no contact forces of the body are recorded, or it is smaller than the averaging
+    length.
     """
     forces, over_um = result.forces(cycle, body), asked.averaging_length_um
     if over_um > 1e3 * inside.least_extent_mm(result, forces):

@@ -66,7 +66,7 @@ def pilots(sizes: np.ndarray) -> list[int]:
 
 
 def forecast(sweep: Sweep, sizes: np.ndarray, rows: Sequence[SweepRow], workers: int) -> Forecast:
-    """Cost of a sweep, from `sizes` of all runs and the rows of those that ended, one of which has CPU time."""
+    """Cost of a sweep on `workers` workers, from all runs' sizes and rows that ended, one of which has CPU time."""
     done = [row for row in rows if row.cpu_s > 0.0]
     at, cpu = np.array([sizes[row.number - 1] for row in done]), np.array([row.cpu_s for row in done])
     power = _power(at, cpu)

@@ -124,7 +124,9 @@ def bulk_compliance(
 
 
 def crossed_bulk_compliance(body: CondensedBody, *, normal: bool, contact_radius_mm: float) -> float:
-    """Bulk compliance in mm/N of two wires like `body`, crossed at right angles, along the normal or the motion."""
+    """Bulk compliance in mm/N of two wires like `body`, crossed at right angles, along the normal or the motion, as
+    from `bulk_compliance`.
+    """
     axes = (2, 2) if normal else (0, 1)
     return sum(bulk_compliance(body, axis, contact_radius_mm) for axis in axes)
 

@@ -81,7 +81,9 @@ def rows_of(case: Pressed, resolution: int, tolerance: float) -> tuple[Row, ...]
 
 
 def pressed_by(case: Pressed, resolution: int, hardening: float = 0.0) -> Indentation:
-    """The indentation of a case's bodies under their load; yield stress rises by `hardening` × modulus per strain."""
+    """The indentation of a case's bodies under their load, on a grid of `resolution` points per contact radius; the
+    yield stress rises by `hardening` × modulus per plastic strain.
+    """
     bodies = study_of(case).bodies
     contact, nu = hertz_of(case.load_N, *bodies), bodies[1].material.poissons_ratio
     size, radius = contact.contact_radius_mm, contact.contact_radius_mm**2 / contact.approach_mm
@@ -111,8 +113,9 @@ def rolling_rows() -> tuple[Row, ...]:
 def rolled(
     pressure: float, friction: float, passes: int = _PASSES, resolution: int = 5
 ) -> Iterator[tuple[float, float]]:
-    """Yields after each pass of a Hertz line of half-width 1 mm over perfectly plastic metal: (lowest residual stress
-    along the path over k, the yield stress in shear; largest plastic strain that the pass has gone through).
+    """Yields after each of `passes` passes of a Hertz line of half-width 1 mm over perfectly plastic metal: (lowest
+    residual stress along the path over k, the yield stress in shear; largest plastic strain that the pass has gone
+    through).
 
     pressure: the largest one, over k. friction: traction along the motion over pressure. resolution: points per mm.
     """

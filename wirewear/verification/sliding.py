@@ -112,7 +112,7 @@ def whole_loop(problem: solvers.ContactProblem, amplitude_mm: float = AMPLITUDE_
 
 
 def jumped(problem: solvers.ContactProblem, start: solvers.ContactState, cycles: float) -> solvers.ContactState:
-    """The state after one jump over `cycles` cycles from the end of the stroke."""
+    """The state after one jump over `cycles` cycles from the state `start` at the end of the stroke."""
     symmetry = solvers.symmetry_of(problem)
     begin, trace = solvers.closed_trace(problem, start, solvers.Drive(AMPLITUDE_mm), INCREMENTS, symmetry)
     return solvers.jump_cycles(lambda *_: problem, begin, trace, symmetry, 1.0, cycles).state
