@@ -46,7 +46,7 @@ class Contacts(ABC):
 
     @abstractmethod
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
-        """Write the further files that belong into the folder of a study's runs besides the result files."""
+        """Write further files, such as tables, pictures or VTK series, to the folders of a study's runs."""
 
     @abstractmethod
     def write_fields(self, result: RunResult, folder: Path, **asked: Any) -> list[Path]:
@@ -56,8 +56,8 @@ class Contacts(ABC):
 
     @abstractmethod
     def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
-        """Worn surfaces by file name, as a profilometer measures them. noise_um: standard deviation of its noise; seed:
-        of that.
+        """Worn surfaces by file name, as a profilometer with this noise (standard deviation) measures them. seed: of
+        the noise.
         """
 
     @abstractmethod

@@ -251,7 +251,7 @@ def _onset(study: LineStudy, friction_N: float) -> SlidingOnset:
 
 
 def limit_of_lines(study: LineStudy, hertz: reference.LineContact) -> PressureLimit | None:
-    """Pressure limit of bodies that yield, from a study of 1 mm and its elastic contact `hertz`; None if none does."""
+    """Pressure limit, from a study of 1 mm and the elastic contact `hertz`; None if no body yields."""
     conditions = study.envelope.conditions
     load = conditions.drive.load.largest * conditions.normal_load_N
     return pressure_limit(study, load, hertz.peak_pressure_MPa, (hertz.half_width_mm, inf), power=2.0)

@@ -21,7 +21,7 @@ class Helix:
 
     @property
     def angle_rad(self) -> float:
-        """Lay angle α to the axis: tan α = 2πr/L."""
+        """Lay angle α to the axis: tan α = 2πr/L, with radius r and lay length L."""
         return atan(2.0 * pi * self.radius_mm / self.lay_length_mm)
 
     @property
@@ -31,7 +31,7 @@ class Helix:
 
     @property
     def curvature_per_mm(self) -> float:
-        """Curvature sin²α/r of the helix."""
+        """Curvature sin²α/r of the helix, with lay angle α and radius r."""
         return sin(self.angle_rad) ** 2 / self.radius_mm
 
     def free_slip_mm(self, curvature_per_mm: float) -> float:

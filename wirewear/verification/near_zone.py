@@ -1,10 +1,10 @@
 """Metal that flows beneath pressed spheres and rolling lines, by plasticity in a half-space, beside other results.
 
 Rows compare a computed quantity with that of a reference, on the meshes and with the tolerance of a level. The pairs of
-`wirewear.verification.yielding` as a body that yields under a rigid one: its E/(1 - nu²) is that of the pair, and its
-print (permanent depth) that of both. Three of them harden: tamaas 2.9 (volume integrals) has their largest pressures. A
-rolling line shakes down or flows on (Melan's limits), and leaves residual stress (Merwin & Johnson, Proc. Inst. Mech.
-Eng. 177 (1963) 676).
+bodies of `wirewear.verification.yielding` are taken as a body that yields under a rigid one: its E/(1 - nu²) is that of
+the pair, and its print (permanent depth) that of both. Three of them harden: tamaas 2.9 (volume integrals) has their
+largest pressures. A rolling line shakes down or flows on (Melan's limits), and leaves residual stress (Merwin &
+Johnson, Proc. Inst. Mech. Eng. 177 (1963) 676).
 """
 
 from collections.abc import Iterator
