@@ -346,3 +346,8 @@ class Elastic:
     def shear_modulus_MPa(self) -> float:
         """Shear modulus G = E / (2 (1 + ν))."""
         return self.youngs_modulus_MPa / (2.0 * (1.0 + self.poissons_ratio))
+
+    @property
+    def lame_MPa(self) -> float:
+        """Lamé's first parameter λ = 2 G ν / (1 - 2 ν)."""
+        return 2.0 * self.shear_modulus_MPa * self.poissons_ratio / (1.0 - 2.0 * self.poissons_ratio)

@@ -19,7 +19,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags
 
-from geometry.arrays import Array, IntArray
+from geometry.arrays import Array, BoolArray, IntArray
 from geometry.errors import GeometryError
 
 # meshio's names of the formats that a mesh can be written in.
@@ -59,8 +59,9 @@ class ElementMesh(ABC):
     def boundary_facets(self) -> IntArray:
         """Nodes (k, s) of the sides that belong to one cell only, ordered so that the sides face outwards."""
         sides = self.cells[:, self.SIDES].reshape(-1, self.SIDES.shape[1])
-        _, first, counts = np.unique(np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
-        return np.asarray(sides[first[counts == 1]])
+        order, first = _sorted_rows(np.sort(sides, axis=1))
+        alone = np.append(first[1:], True) & first
+        return np.asarray(sides[order[alone]])
 
     @cached_property
     def boundary_nodes(self) -> IntArray:
@@ -115,14 +116,13 @@ class HexMesh(ElementMesh):
         return self._spread(facets, np.linalg.norm(vectors, axis=1))
 
     def scaled_jacobians(self) -> Array:
-        corners = self.points[self.cells]
+        corners = np.ascontiguousarray(self.points.T)[:, self.cells.T]
         smallest = np.full(len(self.cells), np.inf)
         for node, *ends in _CORNER_EDGES:
-            edges = corners[:, ends] - corners[:, [node]]
-            lengths = np.linalg.norm(edges, axis=2)
+            edges = [corners[:, end] - corners[:, node] for end in ends]
+            lengths = np.prod([np.sqrt((edge * edge).sum(axis=0)) for edge in edges], axis=0)
             # An edge without length has no direction; the corner's determinant is zero either way.
-            directions = edges / np.where(lengths > 0.0, lengths, 1.0)[:, :, None]
-            smallest = np.minimum(smallest, np.linalg.det(directions))
+            smallest = np.minimum(smallest, _triple_product(*edges) / np.where(lengths > 0.0, lengths, 1.0))
         return smallest
 
     @cached_property
@@ -130,7 +130,9 @@ class HexMesh(ElementMesh):
         """Stiffness matrix (n, n), one unknown per node, of springs along the elements' edges: the graph Laplacian
         weighted by (mean length / length)².
         """
-        edges = np.unique(np.sort(self.cells[:, _EDGES].reshape(-1, 2), axis=1), axis=0)
+        edges = np.sort(self.cells[:, _EDGES].reshape(-1, 2), axis=1)
+        order, first = _sorted_rows(edges)
+        edges = edges[order[first]]
         lengths = np.linalg.norm(self.points[edges[:, 0]] - self.points[edges[:, 1]], axis=1)
         # Stiffness of an edge's spring over 1 / length².
         stiffness = (lengths.mean() / lengths) ** 2.0
@@ -238,6 +240,24 @@ class QuadMesh(ElementMesh):
         meshio.Mesh(points, [("quad", self.cells)]).write(path, file_format="vtu")
 
 
+def _sorted_rows(rows: IntArray) -> tuple[IntArray, BoolArray]:
+    """Places (k,) of rows (k, 2 or 4) of node numbers in ascending order, and marks of those unlike the one before."""
+    size = int(rows.max(initial=0)) + 1
+    pairs = rows[:, ::2] * size + rows[:, 1::2]
+    order = np.lexsort(pairs.T[::-1])
+    ascending = pairs[order]
+    first = np.ones(len(rows), dtype=bool)
+    first[1:] = (ascending[1:] != ascending[:-1]).any(axis=1)
+    return order, first
+
+
+def _triple_product(a: Array, b: Array, c: Array) -> Array:
+    """Determinants (m,) of the matrices with rows a, b and c, each (3, m)."""
+    return np.asarray(
+        a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+    )
+
+
 def mirror_images(mesh: HexMesh | QuadMesh, axis: int) -> IntArray | None:
     """(n,) index of each node's mirror image about the plane where the coordinate `axis` is zero; None unless points
     and cells are their own mirror image to the last bit and no cell crosses the plane.
@@ -270,24 +290,24 @@ def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
     held = np.union1d(mesh.boundary_nodes, nodes)
     inner = np.setdiff1d(np.arange(len(mesh.points)), held)
     if inner.size:
+        _, alike = np.unique(_orbits(mesh, drop)[inner], return_inverse=True)
+        together = csr_matrix((np.ones(len(inner)), (np.arange(len(inner)), alike)))
         springs = mesh.springs[inner]
-        surface = drop.copy()
-        drop[inner] = _solved(springs[:, inner].tocsr(), -(springs[:, held] @ drop[held]))
-        drop = _as_symmetric(mesh, surface, drop)
+        force = together.T @ -(springs[:, held] @ drop[held])
+        drop[inner] = _solved((together.T @ springs[:, inner] @ together).tocsr(), force)[alike]
     points = mesh.points.copy()
     points[:, 2] -= drop
     return HexMesh(points, mesh.cells, mesh.surfaces)
 
 
-def _as_symmetric(mesh: HexMesh, surface: Array, drop: Array) -> Array:
-    """The drop (n,) of all nodes made symmetric to the last bit, where the mesh and the drop `surface` of its surface
-    are.
-    """
+def _orbits(mesh: HexMesh, drop: Array) -> IntArray:
+    """For each node the first (n,) of those that the mirror planes of both mesh and drop (n,) take into each other."""
+    first = np.arange(len(mesh.points))
     for axis in (0, 1):
         image = mirror_images(mesh, axis)
-        if image is not None and np.array_equal(surface, surface[image]):
-            drop = 0.5 * (drop + drop[image])
-    return drop
+        if image is not None and np.array_equal(drop, drop[image]):
+            first = np.minimum(first, first[image])
+    return first
 
 
 def _solved(matrix: csr_matrix, force: Array) -> Array:

@@ -11,21 +11,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import bmat, coo_matrix, csr_matrix, diags
+from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix, diags
 
 from geometry import Elastic, HexMesh, QuadMesh
 from geometry.arrays import Array, IntArray
 from geometry.elements import BRICK, QUADRILATERAL, ElementKind
 from solvers.errors import SolverError
-
-if TYPE_CHECKING:
-    from skfem import Basis
-
-
-_SKFEM_CORNERS = [0, 4, 3, 1, 7, 5, 2, 6]  # scikit-fem numbers the corners of a hexahedron differently from VTK.
+from solvers.jit_cache import compiled, inlined
 
 _TRIED, _NEWTON = 3, 6  #: Cells tried for a place, and steps to its local coordinates.
 _BESIDE = 2.0  #: Local coordinates are kept within this.
@@ -35,41 +29,39 @@ TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and co
 def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
     """Stiffness matrix (3 n, 3 n) in N/mm (of a planar body per mm of thickness) of a mesh with n nodes.
 
-    The displacement of node i in direction k is unknown 3 i + k. Poisson's ratio must be below 0.5. It is assembled
-    from the scalar forms G_ab = integral of (d phi_i / d x_a)(d phi_j / d x_b), several times faster than from the
-    vector form: the block of directions a, b is lambda G_ab + mu G_ba + delta_ab mu trace(G).
+    The displacement of node i in direction k is unknown 3 i + k. Poisson's ratio must be below 0.5.
     """
-    from skfem import BilinearForm
-    from skfem.models.elasticity import lame_parameters
-
-    basis, axes = _basis(mesh)
-    lame_lambda, shear = lame_parameters(material.youngs_modulus_MPa, material.poissons_ratio)
-    n = len(mesh.points)
-    gradients = {(a, b): csr_matrix((n, n)) for a in range(3) for b in range(3)}
-    for i, a in enumerate(axes):
-        for j, b in list(enumerate(axes))[i:]:
-            form = BilinearForm(lambda u, v, _, i=i, j=j: v.grad[i] * u.grad[j]).assemble(basis)
-            gradients[a, b] = form
-            gradients[b, a] = form if a == b else form.T
-    laplacian = gradients[0, 0] + gradients[1, 1] + gradients[2, 2]
-    blocks = [[lame_lambda * gradients[a, b] + shear * gradients[b, a] for b in range(3)] for a in range(3)]
-    for a in range(3):
-        blocks[a][a] = blocks[a][a] + shear * laplacian
-    # Unknowns by direction, then interleaved node by node.
-    order = np.arange(3 * n).reshape(3, n).T.ravel()
-    return bmat(blocks, format="csr")[order][:, order]
+    points, cells, n = integration_points(mesh), mesh.cells, len(mesh.points)
+    # Each pair of nodes that share cells has one block.
+    pairs, place = np.unique(cells[:, :, None] * n + cells[:, None, :], return_inverse=True)
+    blocks = np.zeros((len(pairs), 3, 3))
+    place = place.reshape(*cells.shape, -1)
+    _add_stiffness(blocks, place, points.gradients, points.volumes, material.lame_MPa, material.shear_modulus_MPa)
+    starts = np.searchsorted(pairs, n * np.arange(n + 1))
+    return bsr_matrix((blocks, pairs % n, starts), shape=(3 * n, 3 * n)).tocsr()
 
 
-def _basis(mesh: HexMesh | QuadMesh) -> tuple[Basis, tuple[int, ...]]:
-    """scikit-fem's shape functions with quadrature, and the world directions in which the mesh's fields vary."""
-    from skfem import Basis, ElementHex1, ElementQuad1, MeshHex, MeshQuad
-
-    points = np.ascontiguousarray(mesh.points.T)
-    if isinstance(mesh, QuadMesh):
-        quads = MeshQuad(points, np.ascontiguousarray(mesh.cells.T), sort_t=False, validate=False)
-        return Basis(quads, ElementQuad1(), intorder=3), (0, 2)
-    bricks = MeshHex(points, np.ascontiguousarray(mesh.cells.T[_SKFEM_CORNERS]), sort_t=False, validate=False)
-    return Basis(bricks, ElementHex1(), intorder=3), (0, 1, 2)
+@compiled
+def _add_stiffness(
+    blocks: Array, place: IntArray, gradients: Array, volumes: Array, lame_MPa: float, shear_MPa: float
+) -> None:
+    """Add the cells' stiffness to blocks (p, 3, 3) of pairs of nodes; place: (m, c, c) of each cell's pairs."""
+    both = np.zeros((3, 3))
+    for m in range(len(place)):
+        for c in range(place.shape[1]):
+            for d in range(c + 1):
+                both[:] = 0.0
+                for q in range(volumes.shape[1]):
+                    for a in range(3):
+                        for b in range(3):
+                            both[a, b] += volumes[m, q] * gradients[m, q, c, a] * gradients[m, q, d, b]
+                trace = both[0, 0] + both[1, 1] + both[2, 2]
+                for a in range(3):
+                    for b in range(3):
+                        value = lame_MPa * both[a, b] + shear_MPa * (both[b, a] + (trace if a == b else 0.0))
+                        blocks[place[m, c, d], a, b] += value
+                        if c != d:
+                            blocks[place[m, d, c], b, a] += value
 
 
 def von_mises(stress: Array) -> Array:
@@ -118,9 +110,7 @@ class IntegrationPoints:
         along = np.moveaxis(self.gradients, 2, 1).reshape(len(cells), cells.shape[1], -1)
         change = (np.swapaxes(cells, 1, 2) @ along).reshape(len(cells), 3, count[1], 3).transpose(0, 2, 1, 3)
         shear = material.shear_modulus_MPa
-        nu = material.poissons_ratio
-        lame = 2.0 * shear * nu / (1.0 - 2.0 * nu)
-        trace = lame * np.trace(change, axis1=2, axis2=3)
+        trace = material.lame_MPa * np.trace(change, axis1=2, axis2=3)
         stress = np.empty((*count, 6))
         for k, (i, j) in enumerate(TENSOR_PLACES):
             stress[..., k] = shear * (change[..., i, j] + change[..., j, i])
@@ -188,15 +178,44 @@ class IntegrationPoints:
 
 def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:
     kind = _kind(mesh)
-    count, d = kind.nodes.shape
     at = kind.nodes / np.sqrt(3.0)
-    slopes = kind.slopes(at)
-    jacobian = np.einsum("mci,qck->mqik", mesh.points[mesh.cells], slopes, optimize=True)
-    volumes = np.linalg.det(jacobian)
-    local = slopes @ np.linalg.inv(jacobian)
-    gradients = np.zeros((*volumes.shape, count, 3))
-    gradients[..., [0, 1, 2] if d == 3 else [0, 2]] = local
-    return IntegrationPoints(mesh, gradients, np.abs(volumes), kind.shapes(at))
+    axes = [0, 1, 2] if at.shape[1] == 3 else [0, 2]
+    points, slopes = np.zeros((len(mesh.points), 3)), np.zeros((*at.shape[:1], *at.shape[:1], 3))
+    points[:, axes], slopes[..., axes] = mesh.points, kind.slopes(at)
+    gradients, determinants = _gradients(points, mesh.cells, slopes, len(axes) == 2)
+    return IntegrationPoints(mesh, gradients, np.abs(determinants), kind.shapes(at))
+
+
+@compiled
+def _gradients(points: Array, cells: IntArray, slopes: Array, is_planar: bool) -> tuple[Array, Array]:
+    """Gradients (m, q, c, 3) of shape functions at points of cells (m, c), and Jacobian determinants (m, q).
+
+    slopes: (q, c, 3) in local coordinates. A planar cell is one of unit thickness along y.
+    """
+    count, corners = slopes.shape[:2]
+    gradients, determinants = np.zeros((len(cells), count, corners, 3)), np.zeros((len(cells), count))
+    jacobian, cofactor = np.zeros((3, 3)), np.zeros((3, 3))
+    for m in range(len(cells)):
+        for q in range(count):
+            jacobian[:] = 0.0
+            jacobian[1, 1] = 1.0 if is_planar else 0.0
+            for c in range(corners):
+                for k in range(9):
+                    jacobian[k // 3, k % 3] += points[cells[m, c], k // 3] * slopes[q, c, k % 3]
+            determinants[m, q] = _cofactors(jacobian, cofactor)
+            for c in range(corners):
+                for k in range(9):
+                    gradients[m, q, c, k // 3] += slopes[q, c, k % 3] * cofactor[k // 3, k % 3] / determinants[m, q]
+    return gradients, determinants
+
+
+@inlined
+def _cofactors(matrix: Array, cofactor: Array) -> float:
+    """Write the cofactors (3, 3) of a matrix (3, 3), and return its determinant."""
+    for k in range(9):
+        i, j = k // 3 - 2, k % 3 - 2
+        cofactor[i + 2, j + 2] = matrix[i, j] * matrix[i + 1, j + 1] - matrix[i, j + 1] * matrix[i + 1, j]
+    return float(matrix[0, 0] * cofactor[0, 0] + matrix[0, 1] * cofactor[0, 1] + matrix[0, 2] * cofactor[0, 2])
 
 
 def interpolation(mesh: HexMesh | QuadMesh, places: Array) -> csr_matrix:

@@ -43,8 +43,7 @@ class HalfSpace:
     @property
     def elastic(self) -> tuple[float, float]:
         """Lamé's constants (λ, μ) in MPa."""
-        shear, nu = self.material.shear_modulus_MPa, self.material.poissons_ratio
-        return 2.0 * shear * nu / (1.0 - 2.0 * nu), shear
+        return self.material.lame_MPa, self.material.shear_modulus_MPa
 
     def axes_mm(self) -> tuple[Array, Array]:
         """Coordinates x (n_x,) and y (n_y,) of the grid's points, zero in its middle."""
