@@ -203,7 +203,7 @@ class BodyGeometry(ABC):
         """Thickness of the uppermost elements under the patch in mm, and the factor by which it grows downwards."""
         return self.layering.first * self.finest_mm, self.layering.growth
 
-    def as_table(self) -> dict[str, Any]:
+    def as_table(self) -> dict[str, object]:
         """All dimensions by name as nested plain values, for JSON."""
         return asdict(self)  # type: ignore[call-overload,no-any-return]
 

@@ -14,6 +14,8 @@ from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
+from tools.house import anys
+
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("geometry", "solvers", "wirewear")
 SHORT = 7  #: Lines of a helper that its one caller may as well say itself.
@@ -46,14 +48,7 @@ def _names(tree: ast.AST) -> Iterator[str]:
 
 
 def _anys(file: Path) -> Iterator[Fault]:
-    for node in ast.walk(_tree(file)):
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and not node.name.startswith("_"):
-            arguments = (*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs)
-            signature = [own.annotation for own in arguments if own.annotation is not None]
-            signature += [node.returns] if node.returns is not None else []
-            for one in signature:
-                if any(isinstance(inner, ast.Name) and inner.id == "Any" for inner in ast.walk(one)):
-                    yield "Any", file, one.lineno, f"{node.name}: {ast.unparse(one)}"
+    yield from (("Any", file, one.lineno, f"{name}: {ast.unparse(one)}") for name, one in anys(file))
 
 
 def _topics(file: Path) -> Iterator[Fault]:

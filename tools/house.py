@@ -171,6 +171,35 @@ def _is_word_of_a_kind(node: ast.AST) -> bool:
     return False
 
 
+def anys(file: Path) -> Iterator[tuple[str, ast.expr]]:
+    """Each annotation with `Any`, of an argument or a result of a function whose name has no underscore first.
+
+    The shape of an array, NDArray[Any], is none; a name that stands for such an annotation in the same file is one.
+    """
+    named = {
+        target.id
+        for node in nodes_of(file)
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None and _says_any(node.value, set())
+        for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
+        if isinstance(target, ast.Name) and not isinstance(node.value, ast.Call)
+    }
+    for node in nodes_of(file):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and not node.name.startswith("_"):
+            arguments = (*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs)
+            for one in (*(own.annotation for own in arguments), node.returns):
+                if one is not None and _says_any(one, named):
+                    yield node.name, one
+
+
+def _says_any(annotation: ast.expr, named: set[str]) -> bool:
+    match annotation:
+        case ast.Subscript(value=ast.Name(id="NDArray")):
+            return False
+        case ast.Name(id=name):
+            return name == "Any" or name in named
+    return any(_says_any(inner, named) for inner in ast.iter_child_nodes(annotation) if isinstance(inner, ast.expr))
+
+
 def weights(root: Path) -> dict[str, float]:
     """What has a budget: lines, files, rooms, arrows, questions for the kind of contact, share of lines that import."""
     code = {name: sorted((root / name).rglob("*.py")) for name in (*CODE, "tests")}
@@ -194,6 +223,7 @@ def weights(root: Path) -> dict[str, float]:
         "questions for the kind of contact": branches_on_kinds(
             file for file in code["wirewear"] if not _MAY_ASK & {*file.parts}
         ),
+        "Any in public signatures": sum(len([*anys(file)]) for file in packages),
         "lines of wirewear that import, per cent": round(100.0 * importing / lines["wirewear"], 1),
     }
 

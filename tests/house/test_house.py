@@ -16,7 +16,7 @@ from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
 from tests.house.project import ODD, PROJECT, ROOT, imported_modules
-from tools.house import branches_on_kinds, circles, imports_among, modules_of, nodes_of, rooms_among, weights
+from tools.house import anys, branches_on_kinds, circles, imports_among, modules_of, nodes_of, rooms_among, weights
 from wirewear.base.cache import CONDENSATION_CODE, RUN_CODE
 
 pytestmark = pytest.mark.seconds
@@ -277,6 +277,7 @@ BUDGETS = {
     "rooms of wirewear": 20,
     "arrows between rooms": 110,
     "questions for the kind of contact": 0,
+    "Any in public signatures": 79,  # one in 1 000 lines
     "lines of wirewear that import, per cent": 7.1,
 }
 
@@ -313,6 +314,20 @@ def test_questions_for_the_kind_of_contact_are_counted(tmp_path: Path) -> None:
 def test_a_question_for_the_kind_in_other_words_is_counted(tmp_path: Path, line: str) -> None:
     (asking := tmp_path / "asking.py").write_text(line, encoding="utf-8")
     assert branches_on_kinds([asking]) > 0
+
+
+@pytest.mark.parametrize(
+    ("signature", "count"),
+    [
+        ("def f(a: Any, *, b: dict[str, Any]) -> Any: ...", 3),
+        ("Values = dict[str, Any]\nclass A:\n    def f(self) -> Values: ...", 1),
+        ("def f(a: NDArray[Any]) -> object: ...", 0),
+        ("def _f(a: Any) -> Any: ...", 0),
+    ],
+)
+def test_any_in_public_signatures_is_counted_by_whatever_name(tmp_path: Path, signature: str, count: int) -> None:
+    (file := tmp_path / "signature.py").write_text(signature, encoding="utf-8")
+    assert len([*anys(file)]) == count
 
 
 def test_docstrings_are_in_plain_english() -> None:

@@ -26,14 +26,15 @@ Map = tuple[Array, Array, Array]
 _LEVEL = kept(np.arange(2.0), np.arange(2.0), np.zeros((2, 2)))
 
 
-def with_levelled(tables: Mapping[str, Any], where: str) -> Mapping[str, Any]:
+def with_levelled(tables: Mapping[str, object], where: str) -> Mapping[str, object]:
     """A copy of a study's nested tables with depths, levelled against the unworn bodies, in place of files of heights.
 
     where: name of the study for messages. Raises StudyError if a file cannot be read, or its surface does not fit the
     body.
     """
-    unworn, whole = deepcopy(dict(tables)), deepcopy(dict(tables))
-    files = {place: Path(table["file"]) for place, table in surfaces_in(tables) if isinstance(table.get("file"), str)}
+    unworn: dict[str, Any] = deepcopy(dict(tables))
+    whole: dict[str, Any] = deepcopy(dict(tables))
+    files = {place: Path(file) for place, table in surfaces_in(tables) if isinstance(file := table.get("file"), str)}
     heights = {place: file for place, file in files.items() if _has_heights(file)}
     for *place, key in heights:
         reduce(dict.__getitem__, place, unworn).pop(key)

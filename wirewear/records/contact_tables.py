@@ -9,6 +9,7 @@ from pydantic import Field, PlainValidator
 
 from wirewear.base import kinds
 from wirewear.base.errors import RecordError
+from wirewear.base.files import table_of
 from wirewear.records import tables
 from wirewear.records.surfaces import NO_SURFACES, PROFILES, SCARS
 from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, curved
@@ -54,7 +55,7 @@ class LineStated(tables.StatedRig, WearOfBodies, tables.StatedLaw, tables.Stated
         )
     )
 
-    def with_fitted(self, fitted: Mapping[str, Any]) -> Self:
+    def with_fitted(self, fitted: Mapping[str, object]) -> Self:
         """These tables with fitted values: a fitted energy coefficient replaces Archard's, a fitted stiffness is the
         rig's alone.
         """
@@ -118,21 +119,21 @@ class LineTest(OfRecord):
         return self.noise.depth_um or 0.0
 
     @classmethod
-    def length_of(cls, study: Mapping[str, Any], asked_mm: float | None, label: str) -> float:
+    def length_of(cls, study: Mapping[str, object], asked_mm: float | None, label: str) -> float:
         """Length that is asked for, or else that of the study. Raises RecordError if both are missing."""
         if not asked_mm and (own := stated_length_mm(study)) == 1.0:
             raise RecordError(f"the forces of {label} are per millimetre: give its --length for a record.")
         return asked_mm or own
 
     @classmethod
-    def known(cls, data: dict[str, Any], where: str) -> dict[str, Any]:
+    def known(cls, data: dict[str, object], where: str) -> dict[str, object]:
         return whole_test(data, where, RecordError)
 
     @classmethod
-    def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
+    def bodies_of(cls, study: Mapping[str, object], label: str) -> dict[str, object]:
         del label
-        round_pad, length_mm = study["pad"].get("radius_mm") is not None, study["contact"]["length_mm"]
-        pad, specimen = ({key: own for key, own in study[body].items() if own != []} for body in BODIES)
+        pad, specimen = ({key: own for key, own in table_of(study, body).items() if own != []} for body in BODIES)
+        round_pad, length_mm = pad.get("radius_mm") is not None, table_of(study, "contact")["length_mm"]
         return {
             "contact": {"kind": kinds.CYLINDER_ON_FLAT if round_pad else kinds.LINE_CONTACT, "length_mm": length_mm},
             "pad": tables.known_of(RecordPad, {**pad, "material": None}),
@@ -140,7 +141,7 @@ class LineTest(OfRecord):
         }
 
     @classmethod
-    def stated_by(cls, study: Mapping[str, Any]) -> dict[str, Any]:
+    def stated_by(cls, study: Mapping[str, object]) -> dict[str, object]:
         """Values that a study states; a body without a wear coefficient does not wear."""
         return {key: value for key, value in super().stated_by(study).items() if value or key not in LineStated.WEAR}
 
@@ -152,21 +153,21 @@ class LineTest(OfRecord):
             **{key: getattr(self.pad, key) for key in FACE_KEYS},
         }
 
-    def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
+    def with_bodies(self, data: dict[str, object]) -> dict[str, object]:
         """Study tables with pad and specimen added; unstated heights are assumed.
 
         Raises RecordError if the bodies alone are no stiffer than the stated stiffness that includes them.
         """
-        data["contact"] = data["contact"] | {"length_mm": self.length_mm}
+        data["contact"] = {**table_of(data, "contact"), "length_mm": self.length_mm}
         heights = self.assumed_heights_mm
         for body in BODIES:
             own = getattr(self, body).model_dump(mode="json", exclude_none=True, exclude={"material"})
             data[body] = own | ({"height_mm": heights[body]} if body in heights else {})
-        holder = data["holder"]
+        holder = table_of(data, "holder")
         key = "tangential_stiffness_N_per_mm"
         if self.stated.stiffness_includes == "bodies" and holder.get(key, "rigid") != "rigid":
             without_rig = {name: table for name, table in data.items() if name not in ("holder", "wear", "effects")}
-            data["holder"] = holder | {key: self._without_bodies(without_rig)}
+            data["holder"] = {**holder, key: self._without_bodies(without_rig)}
         return data
 
     @property
@@ -268,16 +269,17 @@ class BodiesRecord(PointRecordTables, BodiesTest[Bodies], Generic[Bodies]):
     """All tables of the experiment.toml of two bodies."""
 
     @classmethod
-    def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
+    def bodies_of(cls, study: Mapping[str, object], label: str) -> dict[str, object]:
         del label
-        stated = {name: {key: own for key, own in body.items() if own != []} for name, body in study["bodies"].items()}
+        bodies = table_of(study, "bodies")
+        stated = {name: {key: own for key, own in table_of(bodies, name).items() if own != []} for name in bodies}
         return {"contact": {"kind": cls.contact_kind}, "bodies": stated}
 
     @property
     def of_study(self) -> dict[str, float | None]:
         return {**super().of_study, **curved(self.model_dump(exclude_none=True)["bodies"])}
 
-    def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
+    def with_bodies(self, data: dict[str, object]) -> dict[str, object]:
         return data | {"bodies": self.model_dump(mode="json", exclude_none=True)["bodies"]}
 
 
@@ -324,7 +326,7 @@ class JointTest(OfRecord):
     metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
 
     @classmethod
-    def known(cls, data: dict[str, Any], where: str) -> dict[str, Any]:
+    def known(cls, data: dict[str, object], where: str) -> dict[str, object]:
         """Tables with a stated friction force converted to a coefficient, force over load; an unknown load is set to
         that force.
         """
@@ -353,19 +355,19 @@ class JointTest(OfRecord):
         return {}
 
     @classmethod
-    def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
+    def bodies_of(cls, study: Mapping[str, object], label: str) -> dict[str, object]:
         del label
-        return {"contact": {"kind": kinds.JOINT, **tables.known_of(JointStiffness, study["contact"])}}
+        return {"contact": {"kind": kinds.JOINT, **tables.known_of(JointStiffness, table_of(study, "contact"))}}
 
     @property
     def of_study(self) -> dict[str, float | None]:
         asked = self.conditions
         return {"normal_load_N": asked.normal_load_N, "displacement_amplitude_um": asked.displacement_amplitude_um}
 
-    def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
+    def with_bodies(self, data: dict[str, object]) -> dict[str, object]:
         """Study tables with the stiffness of the joint added."""
         own = self.contact.model_dump(include={*JointStiffness.model_fields})
-        return data | {"contact": data["contact"] | own}
+        return data | {"contact": {**table_of(data, "contact"), **own}}
 
     @property
     def contact_stiffness_N_per_um(self) -> float:

@@ -2,12 +2,13 @@
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator
 
 from wirewear.base import kinds
 from wirewear.base.errors import RecordError
+from wirewear.base.files import table_of
 from wirewear.base.units import Quantity
 from wirewear.base.words import shown
 from wirewear.records.scars import MeasuredScar
@@ -91,7 +92,7 @@ class StatedRig(HolderTable, StatedFriction):
         """Coefficient of friction after running-in; None if unstated."""
         return self.friction if self.friction_evolution is None else self.friction_evolution.final
 
-    def with_fitted(self, fitted: Mapping[str, Any]) -> Self:
+    def with_fitted(self, fitted: Mapping[str, object]) -> Self:
         """Copy with fitted values in place of stated ones; friction runs in only if that was fitted."""
         return self.model_copy(update={"friction_evolution": None, **fitted})
 
@@ -173,7 +174,7 @@ class Files(keys.Table):
     frames: Frames = Field(Frames(), description="what x of the scars runs along")
 
 
-def known_of(table: type[keys.Table], values: Mapping[str, Any]) -> dict[str, Any]:
+def known_of(table: type[keys.Table], values: Mapping[str, object]) -> dict[str, object]:
     """Values whose keys this table has, except None."""
     return {key: values[key] for key in table.model_fields if values.get(key) is not None}
 
@@ -182,15 +183,20 @@ def known_of(table: type[keys.Table], values: Mapping[str, Any]) -> dict[str, An
 ALL_BODIES = frozenset(key.removeprefix(f"{SCARS.name}_") for key in Frames.model_fields)
 
 
-def curved(bodies: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
+def curved(bodies: Mapping[str, Mapping[str, object]]) -> dict[str, float]:
     """Diameters and angles of bodies by keys that include the body's name."""
     keys = ("diameter_mm", "diameter_along_mm", "axis_angle_deg")
-    return {f"{key} of the {called(name)}": own[key] for name, own in bodies.items() for key in keys if key in own}
+    return {
+        f"{key} of the {called(name)}": value
+        for name, own in bodies.items()
+        for key in keys
+        if isinstance(value := own.get(key), int | float)
+    }
 
 
-def each_wire(wires: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def each_wire(wires: Mapping[str, object]) -> dict[str, dict[str, object]]:
     """Complete table of each wire by its name; common keys are taken from the table of both."""
-    return {name: {**wires, **(wires.get(name) or {})} for name in WIRES}
+    return {name: {**wires, **table_of(wires, name)} for name in WIRES}
 
 
 class PointTest(OfTest):
@@ -316,10 +322,10 @@ class RecordTables(PointRecordTables, WiresTest):
     """All tables of the experiment.toml of crossed wires."""
 
     @classmethod
-    def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
+    def bodies_of(cls, study: Mapping[str, object], label: str) -> dict[str, object]:
         del label
-        angle = (study.get("conditions") or {}).get("motion_angle_deg") or 0.0
-        own = {"motion_angle_deg": angle, **(study.get("wires") or {})}
+        angle = table_of(study, "conditions").get("motion_angle_deg") or 0.0
+        own = {"motion_angle_deg": angle, **table_of(study, "wires")}
         left = {key: Wires.model_fields[key].default for key in GRIPS} | {wire: {} for wire in WIRES}
         return {"wires": {key: value for key, value in own.items() if key not in left or value != left[key]}}
 
@@ -329,11 +335,14 @@ class RecordTables(PointRecordTables, WiresTest):
         angles = {"crossing_angle_deg": own.crossing_angle_deg, "motion_angle_deg": own.motion_angle_deg or 0.0}
         return {**super().of_study, **curved(each_wire(wires)), **angles}
 
-    def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
+    def with_bodies(self, data: dict[str, object]) -> dict[str, object]:
         """Study tables with both wires, and the angle of the motion to the moving wire."""
         wires = self.wires.model_dump(mode="json", exclude_none=True)
         angle = {"motion_angle_deg": wires.pop("motion_angle_deg", 0.0)}
-        return data | {"wires": wires, "conditions": data["conditions"] | (angle if any(angle.values()) else {})}
+        return data | {
+            "wires": wires,
+            "conditions": {**table_of(data, "conditions"), **(angle if any(angle.values()) else {})},
+        }
 
     @property
     def assumed(self) -> str:

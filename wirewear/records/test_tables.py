@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
 from pydantic import Field, PlainValidator
 
 from wirewear.base.errors import RecordError
+from wirewear.base.files import table_of
 from wirewear.base.units import Quantity
 from wirewear.base.words import shown
 from wirewear.records.surfaces import WornSurfaces
@@ -38,7 +39,7 @@ class OfTest(Table):
     )
 
     @classmethod
-    def known(cls, data: dict[str, Any], where: str) -> dict[str, Any]:
+    def known(cls, data: dict[str, object], where: str) -> dict[str, object]:
         """A file's tables with other spellings replaced by these keys. Raises RecordError if something is
         stated twice.
         """
@@ -67,7 +68,7 @@ class OfTest(Table):
         return 0.0
 
     @classmethod
-    def length_of(cls, study: Mapping[str, Any], asked_mm: float | None, label: str) -> float | None:
+    def length_of(cls, study: Mapping[str, object], asked_mm: float | None, label: str) -> float | None:
         """Length in mm of the contact for a record of a study's result; None for a contact at a point.
 
         Raises RecordError if a length is given for a contact at a point, or is missing for a line contact.
@@ -126,17 +127,17 @@ class OfRecord(OfTest, ABC):
 
     @classmethod
     @abstractmethod
-    def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
+    def bodies_of(cls, study: Mapping[str, object], label: str) -> dict[str, object]:
         """Tables of bodies and contact from a resolved study; `label` names it in messages.
 
         Raises RecordError if a record cannot describe them.
         """
 
     @classmethod
-    def stated_by(cls, study: Mapping[str, Any]) -> dict[str, Any]:
+    def stated_by(cls, study: Mapping[str, object]) -> dict[str, object]:
         """Values of a study's conditions, friction, wear and rig by key."""
         parts = ("conditions", "contact", "wear", "holder")
-        return {key: value for part in parts for key, value in (study.get(part) or {}).items()}
+        return {key: value for part in parts for key, value in table_of(study, part).items()}
 
     @property
     @abstractmethod
@@ -144,7 +145,7 @@ class OfRecord(OfTest, ABC):
         """The record's stated values by the study keys that identify a test; None where a value is not stated."""
 
     @abstractmethod
-    def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
+    def with_bodies(self, data: dict[str, object]) -> dict[str, object]:
         """Tables of a study with those of the bodies added.
 
         Raises RecordError if the statements on bodies and rig are not consistent.

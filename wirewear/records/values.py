@@ -13,6 +13,7 @@ from typing_extensions import TypeVar
 
 from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import RecordError
+from wirewear.base.files import table_of
 from wirewear.loops import LoopFigures, LoopSignals, analyse_loop
 from wirewear.records.contact_tables import AnyTables, LineRecordTables
 from wirewear.records.profiles import MeasuredProfile
@@ -37,7 +38,7 @@ _AT_REST, _ENDS_APART, _FEWEST_SAMPLES = 0.15, 0.3, 16
 _IN_TABLE = {"conditions": "conditions", "contact": "stated", "wear": "stated"}
 
 
-def stated_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
+def stated_study(tables: AnyTables, more: Mapping[str, object] | None = None) -> Any:
     """Study of the record's test as its owner states it.
 
     more: further tables of the study, such as log and mesh.
@@ -54,7 +55,7 @@ def stated_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
     return study_from_tables(data, f"the nominal model of the record {tables.name!r}")
 
 
-def stated_friction(tables: Any) -> float | None:
+def stated_friction(tables: AnyTables) -> float | None:
     """Coefficient of friction after running-in; None if unstated.
 
     Raises RecordError if it is stated twice and differently.
@@ -69,7 +70,7 @@ def stated_friction(tables: Any) -> float | None:
     return stated.final_friction
 
 
-def stated_tables(tables: Any, friction: float) -> dict[str, Any]:
+def stated_tables(tables: AnyTables, friction: float) -> dict[str, object]:
     """Tables of a study of the record's test with this friction; bodies with unstated wear do not wear."""
     stated = tables.stated.model_dump(mode="json", exclude_unset=True, exclude_none=True)
     rig = {key: stated[key] for key in StatedRig.model_fields if key in stated and key not in _OF_THE_CONTACT}
@@ -185,10 +186,10 @@ Surface = TypeVar("Surface", bound="MeasuredScar | MeasuredProfile", default=Mea
 def _schedule(tables: Any) -> Schedule[Any]:
     """Blocks of a record's programme in turn, each with the tables of a test under that block's conditions only."""
 
-    def under(values: Mapping[str, Any]) -> Any:
+    def under(values: Mapping[str, object]) -> Any:
         own: dict[str, Any] = {}
         for name in [one for one in _IN_TABLE if one in values]:
-            more, table = values[name], _IN_TABLE[name]
+            more, table = table_of(values, name), _IN_TABLE[name]
             before = own.get(table, getattr(tables, table))
             data = {**before.model_dump(exclude_unset=True), **more}
             own[table] = validated(type(before), data, f"a block of the programme of {tables.name!r}", RecordError)

@@ -3,12 +3,12 @@
 A trace is a simulated cycle that closes. The primary body's nodes carry the contact tractions.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geometry import BodyGeometry, Elastic
 from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, CycleTrace
 from solvers.stress.interior import forces_on_bodies
@@ -75,7 +75,7 @@ def forces_on(
     cycle: int,
     count: int,
     bodies: tuple[str, str],
-    made_of: Sequence[Mapping[str, Any]] = ({}, {}),
+    made_of: Sequence[tuple[BodyGeometry, Elastic] | tuple[None, None]] = ((None, None), (None, None)),
 ) -> tuple[ContactForces, ...]:
     """(driven, held): contact forces at about `count` positions of a traced cycle; empty for a count of 0.
     cycle: its number. bodies: their names. made_of: arguments `geometry` and `material` of each body's `ContactForces`,
@@ -89,7 +89,7 @@ def forces_on(
     found = []
     bulk = [None if own.none else own.nominal(trace.time[chosen]) for own in problem.timing.drive.bulk]
     placed = zip(bodies, (problem.lower, problem.upper), (lower, upper), made_of, bulk or (None, None), strict=True)
-    for name, body, force, further, stress in placed:
+    for name, body, force, (geometry, material), stress in placed:
         nodes = np.flatnonzero((force != 0.0).any(axis=(0, 2)))
         found.append(
             ContactForces(
@@ -104,7 +104,8 @@ def forces_on(
                 nodes=nodes,
                 force_N=force[:, nodes],
                 bulk_stress_MPa=stress,
-                **further,
+                geometry=geometry,
+                material=material,
             )
         )
     return tuple(found)

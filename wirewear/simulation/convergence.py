@@ -19,12 +19,13 @@ from scipy.optimize import brentq
 from wirewear.base.engine import Engine
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_csv, writing
+from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.line_model import line_plan
 from wirewear.simulation.runs import ObserverOf, run_study
 from wirewear.test import AnyStudy, LineStudy, Study
-from wirewear.test.any_study import alone
+from wirewear.test.any_study import Of, alone
 
 # Orders outside these are accidental. Nothing in the solver is of a higher order than the second.
 _LEAST_ORDER, _LARGEST_ORDER = 0.5, 2.0
@@ -112,10 +113,10 @@ class Figure:
 
     name: str
     unit: str
-    of: Callable[[Any], float]
+    of: Callable[[RunResult], float]
 
 
-def last_of(column: str, factor: float = 1.0) -> Callable[[Any], float]:
+def last_of(column: str, factor: float = 1.0) -> Callable[[RunResult], float]:
     """A function that gives the last value in a column of a result's evolution times `factor`."""
     return lambda result: factor * float(result.evolution[column][-1])
 
@@ -129,7 +130,7 @@ PRESSURES = (
 )
 
 
-def depth_of(body: int) -> Callable[[Any], float]:
+def depth_of(body: int) -> Callable[[RunResult], float]:
     """A function that gives the largest depth in µm, at the end, of a result's driven body (0) or held body (1)."""
     return lambda result: float(result.evolution[f"max_depth_{result.bodies[body]}_um"][-1])
 
@@ -183,7 +184,7 @@ class RefinedSubject:
     figures: Callable[[tuple[str, ...]], Sequence[Figure]]
     finer: Callable[[Any, str], Mapping[Resolution, Callable[[float], Changes]]]
 
-    def refined(self, study: AnyStudy, fidelity: str) -> Any:
+    def refined(self, study: Of, fidelity: str) -> Of:
         """A study whose variants are the given one, named BASE, and its refinements, named as `Resolution.runs`.
         Raises StudyError if the given study has variants of its own.
         """

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from math import ceil, inf, log, pi, sqrt
-from typing import Any
 
 import numpy as np
 
@@ -115,7 +114,7 @@ class LinePlan:
     pressure_length_mm: float
     hertz: reference.LineContact
 
-    def settings(self) -> dict[str, Any]:
+    def settings(self) -> dict[str, object]:
         """The values that a result records of the plan, by key: sizes in µm, increments, the fresh contact."""
         return {
             "contact_mesh_um": 1e3 * self.pad.along.fine_mm,

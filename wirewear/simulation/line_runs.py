@@ -6,7 +6,7 @@ Bodies come as (specimen, pad): driven and below, held and above.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from wirewear.base.cache import Identity
 from wirewear.effects import problem_with
 from wirewear.results import ContactForces, Loop, RunResult, Scar
 from wirewear.simulation.contact_forces import forces_on
-from wirewear.simulation.cycler import FrettingTest
+from wirewear.simulation.control import held_of
+from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.line_model import (
     LinePlan,
     bodies,
@@ -27,6 +28,7 @@ from wirewear.simulation.line_model import (
     require_affordable_lines,
 )
 from wirewear.simulation.plan import PlannedRun
+from wirewear.simulation.problem import laws_of
 from wirewear.simulation.recorded import Recorded, worn_bodies
 from wirewear.simulation.store import MeshHistory, OneMesh
 from wirewear.test import LineStudy
@@ -85,11 +87,11 @@ class LineRunRecord(Recorded):
     def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
         return forces_on(problem, trace, cycle, self.study.log.contact_states, self.bodies)
 
-    def tables(self) -> dict[str, Any]:
+    def tables(self) -> dict[str, object]:
         """The resolved study, of its stated length, as a result keeps it."""
         return self.study.resolved()
 
-    def settings(self, _history: MeshHistory) -> dict[str, Any]:
+    def settings(self, _history: MeshHistory) -> dict[str, object]:
         return self._asked | self.tally.fresh | {"simulated_cycles": self.tally.counters.simulated_cycles}
 
 
@@ -127,19 +129,22 @@ class LineRun(PlannedRun):
         study, increments = self.study, self.planned.increments_per_cycle
         driven = self.computed.driven
 
-        def motion(own: LineStudy) -> dict[str, Any]:
-            return {
-                "increments": increments,
-                "wear_increments": increments,
-                "follows_force": own.mesh.increments_per_cycle is None,
-                "fresh": unloaded_state,
-                "aged": lambda problem, age: problem_with(problem, own.effects, age),
-            }
+        def motion(own: LineStudy) -> Motion:
+            return Motion(
+                drive=own.drive,
+                increments=increments,
+                wear_increments=increments,
+                follows_force=own.mesh.increments_per_cycle is None,
+                fresh=unloaded_state,
+                aged=lambda problem, age: problem_with(problem, own.effects, age),
+                under=lambda problem: replace(problem, **laws_of(own)),
+                held=held_of(own),
+            )
 
         milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, study.conditions.cycles}))
         limit = limit_of_lines(driven, self.planned.hertz)
         mesh = OneMesh(lambda: replace(line_problem(driven, *bodies(driven, self.planned)), limit=limit))
-        return self.tested(motion, mesh, milestones, self.planned.jump_tolerance)
+        return self.tested(self.computed, motion, mesh, milestones, self.planned.jump_tolerance)
 
     def require_affordable(self) -> None:
         """Raise StudyError if the compliances of both bodies take more memory than is free."""

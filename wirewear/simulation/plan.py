@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
 from math import ceil, log
-from typing import Any
 
 import numpy as np
 
@@ -18,13 +17,13 @@ from geometry import BodyGeometry
 from solvers import ContactProblem, ContactState, stuck_share
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import StudyError
-from wirewear.simulation.control import held_of
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, follows
 from wirewear.simulation.expected_contact import ExpectedContact
-from wirewear.simulation.problem import contact_problem, laws_of, with_nodes_moved, worn_depths
+from wirewear.simulation.problem import contact_problem, with_nodes_moved, worn_depths
 from wirewear.simulation.store import Meshes, MeshHistory, Report
-from wirewear.test import Study
+from wirewear.test import AnyStudy, Study
+from wirewear.test.any_study import Of
 
 #: Growth of the scar's half-width that one mesh is to serve.
 _GROWTH_PER_STAGE = 1.8
@@ -220,11 +219,11 @@ class PointMeshes(Meshes):
 class PlannedRun:
     """A study without variants at a fidelity, with what it takes to run it."""
 
-    study: Any
+    study: AnyStudy
     fidelity: str
 
     @property
-    def computed(self) -> Any:
+    def computed(self) -> AnyStudy:
         """The study as it is computed: for a line contact, 1 mm of it."""
         return self.study
 
@@ -233,7 +232,7 @@ class PlannedRun:
         """Name of the run among others of its study: the variant's, or the study's."""
         return str(self.study.variant_name or self.study.name)
 
-    def identified(self, plan: Mapping[str, Any]) -> Identity:
+    def identified(self, plan: Mapping[str, object]) -> Identity:
         """The identity of this run, equal for runs that give the same result; only an equal run can be resumed.
         plan: all that the result depends on besides study, fidelity and code.
         """
@@ -243,24 +242,18 @@ class PlannedRun:
 
     def tested(
         self,
-        motion: Callable[[Any], Mapping[str, Any]],
+        study: Of,
+        motion: Callable[[Of], Motion],
         meshes: Meshes,
         milestones: tuple[float, ...],
         tolerance: float,
         explicit_jump_cycles: float | None = None,
     ) -> FrettingTest:
-        """The test as `cycle_through` simulates it. motion: from a block's study to those fields of its `Motion` that
-        do not follow from the study alone. milestones: cycles whose loop is measured. tolerance: relative error allowed
-        to a jump. explicit_jump_cycles: size of jumps without error control, None for jumps with it.
+        """The test of `study`, as computed, as `cycle_through` simulates it. motion: from a block's study to
+        how its cycles run. milestones: cycles whose loop is measured. tolerance: relative error allowed to a jump.
+        explicit_jump_cycles: size of jumps without error control, None for jumps with it.
         """
-
-        def moved(own: Any) -> Motion:
-            def under(problem: ContactProblem) -> ContactProblem:
-                return replace(problem, **laws_of(own))
-
-            return Motion(drive=own.drive, under=under, held=held_of(own), **motion(own))
-
-        stretches = self.computed.driven.schedule.stretches
-        motions = {own.block: moved(own.study) for own in stretches}
+        stretches = study.driven.schedule.stretches
+        motions = {own.block: motion(own.study) for own in stretches}
         ends = tuple((float(own.end), motions[own.block]) for own in stretches)
-        return FrettingTest(ends, meshes, milestones, tolerance, explicit_jump_cycles, self.computed.tables.stop)
+        return FrettingTest(ends, meshes, milestones, tolerance, explicit_jump_cycles, study.tables.stop)

@@ -5,9 +5,9 @@ recorded, too.
 """
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -20,10 +20,11 @@ from wirewear.base.words import counted
 from wirewear.results import PRESSURE_LENGTH, ContactForces, RunResult, Scar
 from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.contact_forces import forces_on
-from wirewear.simulation.cycler import FrettingTest
+from wirewear.simulation.control import held_of
+from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, discretise, unknowns
 from wirewear.simulation.plan import PlannedRun, PointMeshes, core_stages, mesh_stages, spare_stages, sticking_stage
-from wirewear.simulation.problem import condense_bodies, fresh_state, problem_at, too_much
+from wirewear.simulation.problem import condense_bodies, fresh_state, laws_of, problem_at, too_much
 from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings, scars_of
 from wirewear.simulation.sliding_onset import point_sticks
 from wirewear.simulation.statistics import bends
@@ -78,17 +79,20 @@ class PointRun(PlannedRun):
         """The test as `cycle_through` simulates it."""
         sizes, wear = self.discretisation, self.study.wear
 
-        def motion(own: Study) -> dict[str, Any]:
-            return {
-                "increments": sizes.increments_per_cycle,
-                "wear_increments": sizes.increments_per_wear_cycle,
-                "follows_force": own.fidelity(self.fidelity).increments_per_cycle is None,
-                "fresh": lambda problem: fresh_state(problem, own),
-                "aged": lambda problem, age: problem_at(problem, own, age),
-            }
+        def motion(own: Study) -> Motion:
+            return Motion(
+                drive=own.drive,
+                increments=sizes.increments_per_cycle,
+                wear_increments=sizes.increments_per_wear_cycle,
+                follows_force=own.fidelity(self.fidelity).increments_per_cycle is None,
+                fresh=lambda problem: fresh_state(problem, own),
+                aged=lambda problem, age: problem_at(problem, own, age),
+                under=lambda problem: replace(problem, **laws_of(own)),
+                held=held_of(own),
+            )
 
         jump = wear.explicit_jump_cycles if wear else None
-        return self.tested(motion, self.meshes, self.milestones, sizes.jump_tolerance, jump)
+        return self.tested(self.study, motion, self.meshes, self.milestones, sizes.jump_tolerance, jump)
 
     @property
     def logged_cycles(self) -> tuple[int, ...]:
@@ -203,10 +207,10 @@ class PointRunRecord(Recorded):
     def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
         return forces_of(problem, trace, cycle, self.plan)
 
-    def tables(self) -> dict[str, Any]:
+    def tables(self) -> dict[str, object]:
         return self.plan.study.resolved()
 
-    def settings(self, history: MeshHistory) -> dict[str, Any]:
+    def settings(self, history: MeshHistory) -> dict[str, object]:
         plan, counters = self.plan, self.tally.counters
         return {
             **plan.discretisation.settings(),
@@ -232,10 +236,7 @@ def forces_of(problem: ContactProblem, trace: CycleTrace, cycle: int, plan: Poin
         for stage in (*plan.meshes.every, *plan.meshes.fits.values())
         if _is_of(stage.moving, problem.lower) and _is_of(stage.fixed, problem.upper)
     )
-    made_of: tuple[dict[str, Any], dict[str, Any]] = (
-        {"geometry": stage.moving, "material": study.bodies[0].material},
-        {"geometry": stage.fixed, "material": study.bodies[1].material},
-    )
+    made_of = (stage.moving, study.bodies[0].material), (stage.fixed, study.bodies[1].material)
     return forces_on(problem, trace, cycle, study.log.contact_states, plan.discretisation.bodies, made_of)
 
 

@@ -10,7 +10,7 @@ from dataclasses import asdict, replace
 from functools import lru_cache
 from math import inf, radians, sin
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol, TypedDict
 
 import numpy as np
 
@@ -269,15 +269,25 @@ def standing_out(problem: solvers.ContactProblem) -> list[str]:
     return said
 
 
-def laws_of(study: AnyStudy) -> dict[str, Any]:
+class Laws(TypedDict):
+    """Arguments of `ContactProblem` that follow from a study."""
+
+    holder: solvers.Holder
+    friction: float
+    friction_law: solvers.FrictionLaw
+    timing: solvers.DriveTiming
+    wear: solvers.WearRates
+
+
+def laws_of(study: AnyStudy) -> Laws:
     """Rig, friction, drive and wear of a study, without effects, as keyword arguments of `ContactProblem`."""
-    return {
-        "holder": study.tables.rig,
-        "friction": study.contact.friction,
-        "friction_law": study.contact.friction_law,
-        "timing": solvers.DriveTiming(study.drive, study.conditions.frequency_Hz),
-        "wear": study.tables.wear_rates,
-    }
+    return Laws(
+        holder=study.tables.rig,
+        friction=study.contact.friction,
+        friction_law=study.contact.friction_law,
+        timing=solvers.DriveTiming(study.drive, study.conditions.frequency_Hz),
+        wear=study.tables.wear_rates,
+    )
 
 
 def problem_at(problem: solvers.ContactProblem, study: Study, age: Age) -> solvers.ContactProblem:

@@ -204,7 +204,7 @@ def yielded(
     }
 
 
-def layer_settings(layers: Mapping[str, Sequence[LayerTable]]) -> dict[str, Any]:
+def layer_settings(layers: Mapping[str, Sequence[LayerTable]]) -> dict[str, object]:
     """The setting of a result with coatings: [thickness in µm, wear factor] of each, by body; empty without any."""
     stated = {body: [[one.thickness_um, one.wear_factor] for one in own] for body, own in layers.items() if own}
     return {LAYERS_OF_BODIES: stated} if stated else {}
@@ -365,22 +365,23 @@ class Recorded(ABC):
         """(driven, held): contact forces in a traced cycle; empty if the study asks for none."""
 
     @abstractmethod
-    def tables(self) -> dict[str, Any]:
+    def tables(self) -> dict[str, object]:
         """The resolved study, as a result keeps it."""
 
     @abstractmethod
-    def settings(self, history: MeshHistory) -> dict[str, Any]:
+    def settings(self, history: MeshHistory) -> dict[str, object]:
         """Mesh sizes, steps and other values that followed from the study, by key."""
 
     def result(self, status: str, message: str, history: MeshHistory) -> RunResult:
         """The result so far. status, message: of the run; history: the meshes that it went through."""
         tally = self.tally
         cycling_s, evolution = tally.cycling_s, Evolution.from_rows(self._rows)
-        settings = self.settings(history) | layer_settings(self._study.layers) | borne_settings(self._study)
+        borne = borne_settings(self._study)
+        settings = self.settings(history) | layer_settings(self._study.layers) | borne
         # Under bodies that yield Hertz' pressure never is.
         fresh = tally.fresh["fresh_max_pressure_MPa"] if STRAIN in tally.fresh else settings["hertz_pressure_MPa"]
         largest = float(np.fmax.reduce([fresh, *evolution["max_mean_pressure_MPa"]]))
-        known = {"pressure_against_strength": largest / settings[BORNE]}
+        known = {"pressure_against_strength": largest / float(borne[BORNE])}
         known |= {"indentation_strain": tally.fresh[STRAIN]} if STRAIN in tally.fresh else {}
         known |= {"law_between_nodes": tally.fresh[_LAW_ERROR]} if _LAW_ERROR in tally.fresh else {}
         return RunResult(

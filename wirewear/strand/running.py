@@ -65,9 +65,9 @@ def run_contacts(
     return {contact: rows[number] for number, contact in enumerate(studies, 1) if number in rows}
 
 
-def with_runs(table: list[dict[str, Any]], runs: Mapping[str, SweepRow]) -> list[dict[str, Any]]:
+def with_runs(table: list[dict[str, object]], runs: Mapping[str, SweepRow]) -> list[dict[str, object]]:
     """Rows of the table of contacts with the figures of each one's run, None where missing; as given without runs."""
-    return [row | _of_run(runs.get(row["contact"])) for row in table] if runs else table
+    return [row | _of_run(runs.get(str(row["contact"]))) for row in table] if runs else table
 
 
 def _of_run(row: SweepRow | None) -> dict[str, Any]:

@@ -42,7 +42,7 @@ def _amplitude_um(found: ContactEstimate) -> float:
     return 1e3 * (found.contact.slip_amplitude_mm + found.elastic_mm)
 
 
-def study_tables(found: ContactEstimate, rope: RopeTables) -> dict[str, Any] | None:
+def study_tables(found: ContactEstimate, rope: RopeTables) -> dict[str, object] | None:
     """Nested tables of a contact's study, as a file states them; None if it has none."""
     contact = found.contact
     lower, upper, amplitude_um = contact.lower, contact.upper, _amplitude_um(found)

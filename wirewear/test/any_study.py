@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, Generic, Self
+from typing import Any, Generic, Self, cast
 
 from typing_extensions import TypeVar
 
@@ -30,9 +30,10 @@ from wirewear.test.tables import CommonTables
 LOGGED = "log.loop_cycles"  #: The key that is adapted to the length of the test unless a study states it.
 
 AnyTable = TypeVar("AnyTable", bound=Table)
+Same = TypeVar("Same", bound=CommonTables)
 
 
-def with_values(tables: CommonTables, values: Mapping[str, Any], where: str) -> Any:
+def with_values(tables: Same, values: Mapping[str, object], where: str) -> Same:
     """A checked copy of the tables with these values by their keys with dots; None sets a key to its default.
     If the length of the test changes, recorded cycles beyond its end are dropped and its last is added. where: name of
     the tables for messages. Raises StudyError, in one sentence, if a key does not exist or its value is not allowed.
@@ -43,7 +44,7 @@ def with_values(tables: CommonTables, values: Mapping[str, Any], where: str) -> 
         _put(data, key, value, where)
     if "conditions.cycles" in values and LOGGED not in values:
         data["log"]["loop_cycles"] = _as_far(tables, values["conditions.cycles"])
-    return checked_tables(data, where)
+    return cast("Same", checked_tables(data, where))
 
 
 def value_at(tables: CommonTables, key: str) -> Any:
@@ -156,7 +157,7 @@ class AnyStudy(Generic[Tables_co]):
         return largest.changed({"conditions": {"cycles": cycles}})
 
     @property
-    def runs(self) -> tuple[Any, ...]:
+    def runs(self) -> tuple[Tables_co, ...]:
         """The tables of every block of every variant (of the study itself, if it has none), each once."""
         own = [self.variant(name) for name in self.variant_names] or [self]
         every = (stretch.study for each in own for stretch in each.schedule.stretches)
@@ -178,11 +179,11 @@ class AnyStudy(Generic[Tables_co]):
         """Yields (table, key, value) of what the file states for the whole study but every variant overrides."""
         return values_in_no_variant(self.tables, [tables for _, tables in self.variants])
 
-    def changed(self, changes: Mapping[str, Any]) -> Self:
+    def changed(self, changes: Mapping[str, object]) -> Self:
         """A copy without variants, with the values of `changes`, nested by table; they are not checked."""
         return type(self)(_changed(self.tables, changes), variant_name=self.variant_name)
 
-    def with_values(self, values: Mapping[str, Any]) -> Self:
+    def with_values(self, values: Mapping[str, object]) -> Self:
         """A checked copy with values by their keys with dots, as {"conditions.normal_load_N": 4}, in its variants as
         well; None sets a key to its default. Raises StudyError if a key does not exist, its value is not allowed, or
         variants state the key differently.
@@ -271,7 +272,9 @@ def alone(study: Of, how: str = "choose one with --variant") -> Of:
     return study
 
 
-def life_data(study: AnyStudy, bodies: Iterable[str], values: Mapping[str, Any] | None = None) -> dict[str, LifeTable]:
+def life_data(
+    study: AnyStudy, bodies: Iterable[str], values: Mapping[str, object] | None = None
+) -> dict[str, LifeTable]:
     """The table [life] for each of these bodies, by name: as the study states it, with `values` of its keys in place,
     and completed by the fatigue data of the body's material.
     Raises StudyError if a value is not allowed, or data that the criterion needs are missing.

@@ -6,9 +6,9 @@ and across are relative to it. The size of a body is the length from which exten
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from math import cos, inf, radians, sin, sqrt
-from typing import Any, Literal, Self, TypeVar
+from typing import Any, Literal, Self, TypedDict, TypeVar, cast
 
 import numpy as np
 from pydantic import Field
@@ -87,13 +87,28 @@ class GripKeys(keys.Table):
     )
 
 
+class KeysOfBody(TypedDict):
+    """Arguments of `Body` that have keys of the same names."""
+
+    youngs_modulus_MPa: float
+    poissons_ratio: float
+    grip_stiffness_N_per_mm3: float | Literal["rigid"]
+    axis_angle_deg: float
+    surface: StatedSurface | None
+    layers: tuple[LayerTable, ...]
+    bulk: BulkTable | None
+    yield_stress_MPa: float | None
+    hardening_modulus_MPa: float | None
+
+
 class MountedBody(SurfaceKeys, GripKeys, MaterialKeys):
     """Keys of a body of one material, held by its holder, in a study of any kind."""
 
     @property
-    def as_stated(self) -> dict[str, Any]:
-        """The values of its keys that are also arguments of `Body`, by name."""
-        return {own.name: getattr(self, own.name) for own in fields(Body) if own.name in type(self).model_fields}
+    def as_stated(self) -> KeysOfBody:
+        """Arguments of `Body` as these keys state them; bodies without an axis are at 0°."""
+        own = {key: getattr(self, key) for key in KeysOfBody.__annotations__ if key in type(self).model_fields}
+        return cast("KeysOfBody", {"axis_angle_deg": 0.0, **own})
 
 
 @dataclass(frozen=True)

@@ -80,7 +80,10 @@ def _checked_material(value: object) -> str:
     return material_named(value).name
 
 
-def with_constants_of_material(table: Any) -> Any:
+Stated = TypeVar("Stated")
+
+
+def with_constants_of_material(table: Stated) -> Stated | dict[str, object]:
     """The table with the elastic constants of the material that it names and, unless stated, its yield stress and
     hardening; unchanged if it is no mapping, or names no material or an unknown one. Raises ValueError if it states
     elastic constants other than the material's.
@@ -226,7 +229,7 @@ class Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
-def merged(base: Mapping[str, object], overrides: Mapping[str, object]) -> dict[str, Any]:
+def merged(base: Mapping[str, object], overrides: Mapping[str, object]) -> dict[str, object]:
     """A new nested table: `base`, with the values of `overrides` in place of its own at every level."""
     whole = dict(base)
     for key, value in overrides.items():
@@ -250,10 +253,12 @@ class OfMaterial(Table):
 
     @model_validator(mode="before")
     @classmethod
-    def _with_constants(cls, table: Any) -> Any:
+    def _with_constants(cls, table: object) -> object:
         found = with_constants_of_material(table)
+        if found is table or not isinstance(found, Mapping):
+            return table
         known = set(cls.model_fields) | set(table if isinstance(table, Mapping) else ())
-        return found if found is table else {key: own for key, own in found.items() if key in known}
+        return {key: own for key, own in found.items() if key in known}
 
 
 class NamedTable(Table):

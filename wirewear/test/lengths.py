@@ -131,7 +131,7 @@ def extent_of(length_mm: float | None) -> Extent:
 
 def whole_test(
     data: Mapping[str, object], where: str, error: type[WirewearError], length_mm: float | None = None
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """The nested tables of a line contact's study and of its blocks, with values per millimetre converted to the whole
     contact. length_mm: length of the contact; None takes that in [contact] of `data`, or 1. where: name of the file for
     messages. Raises `error`, in one sentence, if a value is stated both ways.
@@ -159,7 +159,7 @@ def _of_whole(data: Mapping[str, Any], length_mm: float) -> dict[str, Any]:
     return found
 
 
-def key_of_whole(key: str, value: Any, length_mm: float) -> tuple[str, Any]:
+def key_of_whole(key: str, value: object, length_mm: float) -> tuple[str, object]:
     """A key with dots and its value for the whole contact of `length_mm`; as given if it is not per length."""
     table, _, name = key.rpartition(".")
     ((own, number),) = _renamed(table.rpartition(".")[2], {name: value}, length_mm).items()

@@ -4,7 +4,7 @@ across the motion. Numbers are those of the whole length.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator
 
@@ -149,10 +149,10 @@ class PadAndSpecimen(StatedBodies):
 
     @classmethod
     def by_options(
-        cls, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]
+        cls, known: Mapping[str, object], elastic: Mapping[str, object], of_other: Mapping[str, object]
     ) -> BodiesByOptions:
         length = known.get("length_mm")
-        if length is None:
+        if not isinstance(length, int | float):
             raise RecordError("no file states the length of the line contact: give it by --length, in millimetres.")
         face = {key: known[key] for key in FACE_KEYS if known.get(key) is not None}
         if PadFace.model_validate(face).missing_face() is not None:
@@ -186,12 +186,12 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
     @classmethod
     def known(
         cls, data: Mapping[str, object], where: str, variant: Mapping[str, object] | None = None
-    ) -> dict[str, Any]:
+    ) -> dict[str, object]:
         length_mm = given_length_mm(variant or {}) or given_length_mm(data)
         base, own = (whole_test(tables, where, StudyError, length_mm) for tables in (data, variant or {}))
         return keys.merged(base, own)
 
-    def known_as(self, key: str, value: object) -> tuple[str, Any]:
+    def known_as(self, key: str, value: object) -> tuple[str, object]:
         return key_of_whole(key, value, self.contact.length_mm)
 
     @property

@@ -33,7 +33,7 @@ MOST_BLOCKS = 10_000  #: Most blocks of a test, repeated ones counted; each take
 
 
 def _values_of(table: str) -> PlainValidator:
-    def check(value: object) -> dict[str, Any]:
+    def check(value: object) -> dict[str, object]:
         if not isinstance(value, Mapping):
             raise ValueError(f"is {shown(value)}, but must be a table such as {{ normal_load_N = 2.0 }}")
         fixed = next((key for key in _OF_THE_TEST[table] if key in value), None)
@@ -63,7 +63,7 @@ class CycleBlock(keys.Table):
         return {name: getattr(self, name) for name in _OF_THE_TEST if getattr(self, name)}
 
 
-def placed(values: Mapping[str, Values], tables: Mapping[str, Any]) -> dict[str, Any]:
+def placed(values: Mapping[str, Values], tables: Mapping[str, object]) -> dict[str, object]:
     """A block's values nested as in a study's `tables`: its bulk stresses, by body, move into each body's table."""
     found: dict[str, Any] = {name: own for name, own in values.items() if name != "bulk"}
     if "bulk" in values:

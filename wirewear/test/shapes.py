@@ -105,7 +105,8 @@ class _RoundBar(Shape):
     def body(self, stated: ShapedBody, name: str, size_mm: float) -> Wire:
         del size_mm
         return Wire(
-            **{**stated.as_stated, "name": name},
+            name,
+            **stated.as_stated,
             diameter_mm=stated.diameter_mm or 0.0,
             length_mm=None if stated.half_width_mm is None else 2.0 * stated.half_width_mm,
             grip_angle_deg=stated.grip_angle_deg,
@@ -158,7 +159,7 @@ class _FromFile(Shape):
 
     def body(self, stated: ShapedBody, name: str, size_mm: float) -> Body:
         del size_mm
-        return OwnBody(**{**stated.as_stated, "name": name}, source=source_of(stated))
+        return OwnBody(name, **stated.as_stated, source=source_of(stated))
 
 
 @dataclass(frozen=True)
@@ -180,7 +181,7 @@ class _OfStiffness(_FromFile):
 
     def body(self, stated: ShapedBody, name: str, size_mm: float) -> Body:
         del size_mm
-        return StiffBody(**{**stated.as_stated, "name": name}, source=source_of(stated))
+        return StiffBody(name, **stated.as_stated, source=source_of(stated))
 
 
 PAD = _Pad("pad", note="with a face that is turned about the normal")
@@ -220,7 +221,8 @@ class GrippedBody(MountedBody):
         face of a pad, None for other shapes.
         """
         return BlockBody(
-            **{"axis_angle_deg": 0.0, **self.as_stated, "name": name},
+            name,
+            **self.as_stated,
             curvatures=curvatures,
             half_width_mm=self.half_width_mm,
             height_mm=self.height_mm,

@@ -137,7 +137,7 @@ def read_study(path: str | Path) -> dict[str, Any]:
     return found_from(Path(path).parent, read_toml(Path(path), StudyError, "study file"))
 
 
-def found_from(folder: Path, table: dict[str, Any]) -> dict[str, Any]:
+def found_from(folder: Path, table: dict[str, object]) -> dict[str, object]:
     """A copy of a nested table in which names of files, relative to `folder`, become paths from here."""
     return {
         key: found_from(folder, value)
@@ -173,7 +173,7 @@ def study_from_tables(data: Mapping[str, object], where: str) -> Any:
     return next(own for own in (Study, LineStudy, JointStudy) if isinstance(tables, own.of))(tables, variants)
 
 
-def variants_in(data: Mapping[str, object], where: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+def variants_in(data: Mapping[str, object], where: str) -> Iterator[tuple[str, Mapping[str, object]]]:
     """Yields (name, nested values that replace the study's own) for each variant in a study's tables.
     Raises StudyError if variants are not tables, or have names that are not allowed.
     """

@@ -169,7 +169,7 @@ def _map(x: tuple[float, ...], y: tuple[float, ...], depths: str) -> tuple[Array
     return np.array(x), np.array(y), flat.reshape(len(x), len(y))
 
 
-def kept(x: Array, y: Array, depth: Array) -> dict[str, Any]:
+def kept(x: Array, y: Array, depth: Array) -> dict[str, object]:
     """The keys KEPT of a map, lines x (n_x,) and y (n_y,) and depths (n_x, n_y) in µm, as a study holds it.
     Neighbouring lines beyond MOST_LINES are averaged; gaps (not finite) get the nearest depth. Raises RecordError if
     the map has no depth.
@@ -188,7 +188,7 @@ def kept(x: Array, y: Array, depth: Array) -> dict[str, Any]:
     return dict(zip(KEPT, (*lines, text), strict=True))
 
 
-def surfaces_in(table: Mapping[str, object], *place: str) -> Iterator[tuple[tuple[str, ...], Mapping[str, Any]]]:
+def surfaces_in(table: Mapping[str, object], *place: str) -> Iterator[tuple[tuple[str, ...], Mapping[str, object]]]:
     """Yields (path of keys, table) for every table "surface" nested in `table`, whose own path is `place`."""
     for key, value in table.items():
         if key == "surface" and isinstance(value, Mapping):

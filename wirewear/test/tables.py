@@ -74,7 +74,9 @@ class CommonTables(StatesItsKind, ABC):
         return self.kind
 
     @classmethod
-    def known(cls, data: Mapping[str, Any], where: str, variant: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    def known(
+        cls, data: Mapping[str, object], where: str, variant: Mapping[str, object] | None = None
+    ) -> dict[str, object]:
         """The nested tables of a file, a variant's values merged into them, with keys that the class knows: line
         contacts convert those per millimetre. where: name of the file for messages. Raises StudyError if a value is
         stated in two ways.
@@ -82,7 +84,7 @@ class CommonTables(StatesItsKind, ABC):
         del where
         return keys.merged(data, variant or {})
 
-    def known_as(self, key: str, value: Any) -> tuple[str, Any]:
+    def known_as(self, key: str, value: object) -> tuple[str, object]:
         """The key and value that these tables hold for a key with dots: line contacts convert those per millimetre."""
         return key, value
 

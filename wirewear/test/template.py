@@ -59,7 +59,7 @@ CROSSED_WIRES = Template(
 
 
 def study_text(
-    name: str, data: Mapping[str, Any] | None = None, above: str | None = None, template: Template = CROSSED_WIRES
+    name: str, data: Mapping[str, object] | None = None, above: str | None = None, template: Template = CROSSED_WIRES
 ) -> str:
     """A study as commented TOML text. name: its title, unless `data` gives one; data: nested values, None for the
     template's example; above: comment at its top, None for the template's.
@@ -75,9 +75,10 @@ def study_text(
         # A study without the table of wear does not wear.
         if inner is None or (own is None and table == "wear"):
             continue
-        lines += _section(table, described, inner, own or {}, template.left_out)
+        lines += _section(table, described, inner, own if isinstance(own, Mapping) else {}, template.left_out)
     for several in ("effects", "programme"):
-        lines += _several(several, data.get(several, ()))
+        listed = data.get(several)
+        lines += _several(several, listed if isinstance(listed, list | tuple) else ())
     return "\n".join(lines) + "\n"
 
 

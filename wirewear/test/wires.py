@@ -73,11 +73,13 @@ def _angles(both: Mapping[str, Any], moving: dict[str, Any], fixed: dict[str, An
     return {"crossing_angle_deg": (second - first) % 180.0, "motion_angle_deg": (90.0 - first) % 180.0 - 90.0}
 
 
-def with_motion_of_wires(tables: Any) -> Any:
+def with_motion_of_wires(tables: object) -> object:
     """A study's unchecked nested tables with the direction of motion moved from the wires into [conditions].
     Unchanged if both state it, or the wires cannot be read.
     """
-    key = next((own for own in _BOTH.choices if isinstance(tables, Mapping) and own in tables), "")
+    if not isinstance(tables, Mapping):
+        return tables
+    key = next((own for own in _BOTH.choices if own in tables), "")
     wires, conditions = (tables[key], tables.get("conditions")) if key else (None, None)
     if not isinstance(wires, Mapping) or not isinstance(conditions, Mapping):
         return tables

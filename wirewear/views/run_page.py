@@ -3,7 +3,7 @@
 import base64
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import SupportsFloat
 
 import numpy as np
 
@@ -265,7 +265,7 @@ def beyond_strength(result: RunResult) -> str:
     )
 
 
-def taken_by_rig(label: str, amplitude_um: float, settings: Mapping[str, Any]) -> str:
+def taken_by_rig(label: str, amplitude_um: float, settings: Mapping[str, SupportsFloat]) -> str:
     """Sentence saying that rig and play take up the whole stroke before friction is overcome; "" if they do not.
 
     settings: of a result; those of older versions do not contain the needed values.

@@ -77,7 +77,7 @@ def _cycles(life: float) -> str:
     return "∞" if life == inf else counted(float(f"{life:.2g}")) if life < 1e9 else f"{life:.1e}"
 
 
-def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> list[dict[str, Any]]:
+def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:
     """Rows of the table and page: the given rows with stress amplitude and life of each contact added."""
     made = []
     for one, row in zip(found.contacts, rows, strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,7 +27,7 @@ from wirewear.records.exporting import true_loop
 from wirewear.records.values import stated_friction, stated_tables
 from wirewear.results import RunResult, read_loops
 from wirewear.simulation import Observer, run_study
-from wirewear.test import study_from_tables
+from wirewear.test import AnyStudy, study_from_tables
 from wirewear.test.kinds import kind_of
 
 #: Keys of `[stated]` that say how bodies wear.
@@ -209,24 +210,26 @@ def completed(record: AnyRecord) -> tuple[AnyRecord, dict[str, float]]:
     return (replace(record, tables=whole) if unknown else record), unknown
 
 
-def fitted_study(record: AnyRecord, parameters: dict[str, FittedParameter], cycles: tuple[int, ...]) -> Any:
+def fitted_study(record: AnyRecord, parameters: dict[str, FittedParameter], cycles: tuple[int, ...]) -> AnyStudy:
     """Study of the record's test with fitted parameters, and stated values for all others; it logs the loops of
     `cycles`.
     """
     kind = kind_of(record)
     stated = stated_by(parameters, kind.rigid_N_per_mm)
     course, play = stated.pop("friction_evolution", None), parameters.get("free_play_um")
-    effects: list[dict[str, Any]] = [{"name": "friction_evolution", **course}] if course is not None else []
+    effects: list[dict[str, object]] = []
+    effects += [{"name": "friction_evolution", **course}] if isinstance(course, Mapping) else []
     effects += [{"name": "free_play", "gap_um": float(f"{play.value:.4g}")}] if play is not None else []
     last = record.tables.conditions.cycles
     data = fitted_tables(record, stated, effects, [cycle for cycle in cycles if 1 <= cycle <= last])
-    return study_from_tables(data, f"the fit of {record.name!r}")
+    study: AnyStudy = study_from_tables(data, f"the fit of {record.name!r}")
+    return study
 
 
-def stated_by(parameters: dict[str, FittedParameter], rigid_N_per_mm: float) -> dict[str, Any]:
+def stated_by(parameters: dict[str, FittedParameter], rigid_N_per_mm: float) -> dict[str, object]:
     """Keys of the table `[stated]` that fitted parameters give, rounded to four digits; a stiff rig becomes "rigid"."""
     parameters = {name: replace(found, value=float(f"{found.value:.4g}")) for name, found in parameters.items()}
-    stated: dict[str, Any] = {}
+    stated: dict[str, object] = {}
     if "friction_initial" in parameters:
         initial, final, cycles = (parameters[f"friction_{key}"].value for key in ("initial", "final", "cycles"))
         stated["friction"] = final

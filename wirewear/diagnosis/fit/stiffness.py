@@ -6,13 +6,13 @@ stiffness follows from the fall of the measured normal force as the bodies wear.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 from scipy.special import stdtrit
 
 from geometry.arrays import Array
+from wirewear.base.files import table_of
 from wirewear.diagnosis.fit.fast_fit import EVIDENCE, FITTED, LoopsOfTests, figures_of_model
 from wirewear.diagnosis.fit.values import FittedParameter
 from wirewear.diagnosis.surrogate.forward import simulate
@@ -109,7 +109,7 @@ def contact_stiffness(record: AnyRecord, friction: float, some_wear: Mapping[str
     rigid_rig = dict.fromkeys(("tangential_stiffness_N_per_mm", "rotational_stiffness_N_mm_per_rad"), "rigid")
     data = fitted_tables(record, {"friction": friction, **rigid_rig, **some_wear}, [], [1])
     # Cycles of the run on a rigid rig that shows the stiffness of the contact and its bodies.
-    data["conditions"]["cycles"] = 10
+    data["conditions"] = {**table_of(data, "conditions"), "cycles": 10}
     model = nominal_model(study_from_tables(data, f"the contact of {record.name!r}"))
     states, _ = model.states(tables, None)
     found = figures_of_model(states, model.inputs(tables), np.array([np.log(friction), 0.0]), np.ones(1))
@@ -120,14 +120,15 @@ def contact_stiffness(record: AnyRecord, friction: float, some_wear: Mapping[str
 
 
 def fitted_tables(
-    record: AnyRecord, fitted: Mapping[str, Any], effects: list[dict[str, Any]], cycles: list[int]
-) -> dict[str, Any]:
+    record: AnyRecord, fitted: Mapping[str, object], effects: list[dict[str, object]], cycles: list[int]
+) -> dict[str, object]:
     """Tables of the record's study with fitted keys replacing those of `[stated]`, further effects, and logged
     cycles.
     """
     stated = record.tables.stated.with_fitted(fitted)
-    data = stated_tables(record.tables.model_copy(update={"stated": stated}), float(fitted["friction"]))
-    all_effects = [*data.pop("effects", ()), *effects]
+    data = stated_tables(record.tables.model_copy(update={"stated": stated}), stated.friction)
+    known = data.pop("effects", None)
+    all_effects = [*(known if isinstance(known, list) else ()), *effects]
     return data | {"log": {"loop_cycles": cycles}} | ({"effects": all_effects} if all_effects else {})
 
 

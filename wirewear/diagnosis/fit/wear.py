@@ -5,13 +5,13 @@ A kind of contact has one coefficient for each body, or a common one with the sh
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.fit.values import FittedParameter
 from wirewear.records import AnyRecord
+from wirewear.records.contact_tables import AnyTables
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results.scar import called
 
@@ -47,7 +47,7 @@ def fitted_wear(record: AnyRecord) -> tuple[dict[str, FittedParameter], dict[str
     return fitted, found, notes
 
 
-def _worn(tables: Any, volumes: Mapping[str, Mapping[int, float]], energies_J: Mapping[int, float]) -> Worn:
+def _worn(tables: AnyTables, volumes: Mapping[str, Mapping[int, float]], energies_J: Mapping[int, float]) -> Worn:
     fitted: dict[str, FittedParameter] = {}
     notes, name = [], tables.worn.name
     for key, bodies in tables.wear.items():
@@ -76,7 +76,7 @@ def _worn(tables: Any, volumes: Mapping[str, Mapping[int, float]], energies_J: M
     return fitted, notes
 
 
-def parted(tables: Any, total: FittedParameter) -> Worn:
+def parted(tables: AnyTables, total: FittedParameter) -> Worn:
     """Parameters of each body, and a note, from the wear coefficient of both together, in the stated proportion."""
     shares = {key: sum(tables.shares[body] for body in bodies) for key, bodies in tables.wear.items()}
     low, high = total.interval95
@@ -90,13 +90,13 @@ def parted(tables: Any, total: FittedParameter) -> Worn:
     return parts, [f"it is parted between {' and '.join(tables.body_names)} as {proportion}"]
 
 
-def total_of(tables: Any, parameters: Mapping[str, FittedParameter]) -> float | None:
+def total_of(tables: AnyTables, parameters: Mapping[str, FittedParameter]) -> float | None:
     """Wear coefficient of both bodies together, from fitted parameters; None if none was fitted."""
     known = [parameters[key].value for key in tables.wear if key in parameters]
     return sum(known) if known else None
 
 
-def stated_wear(tables: Any) -> str | None:
+def stated_wear(tables: AnyTables) -> str | None:
     """Wear that the record states, as a sentence part; None if it states none."""
     words = []
     for key in type(tables.stated).WEAR:
@@ -107,14 +107,14 @@ def stated_wear(tables: Any) -> str | None:
     return " and ".join(words) or None
 
 
-def where_volumes(tables: Any) -> str:
+def where_volumes(tables: AnyTables) -> str:
     """Advice on how worn volumes get into the record, as a sentence part."""
     names = f"{tables.worn.name}s"
     return f"measure both {names} ({' and '.join(f'[{names}.{body}]' for body in tables.body_names)} of the mapping)"
 
 
 def wear_given(
-    given: GivenWear, tables: object, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
+    given: GivenWear, tables: AnyTables, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
 ) -> Worn:
     """Wear parameters as the user gives them, and notes; scars then only determine the bodies' shares.
 

@@ -111,14 +111,14 @@ class LineStates(WearStates):
         radius, scars = 1e3 * _radius_mm(face), np.zeros((len(result.loops), 2, 4))
         full, slip = np.ones(1), 1.0
         if sticks(result):
-            states = sticking_states(result, friction, has_maps=False)
+            states: loop_states.StatesOfLoops = sticking_states(result, friction, has_maps=False)
         else:
             cycles, full, *columns = loop_states.sliding(
                 result, lambda loop: _row(loop, friction, loop_states.load_shares(result, loop))
             )
             volume = length_um * np.interp(cycles, result.evolution["cycle"], areas)
             similarity, slip = volume / length_um * radius / columns[0] ** 3, float(columns[0][-1])
-            states = loop_states.states_of(result, load, volume, similarity, *columns) | {"scars": scars}
+            states = loop_states.states_of(result, load, volume, similarity, scars, *columns)
         hertz = 1e-3 * float(result.settings["hertz_half_width_um"])
         contact = WornLineContact(
             face=face,

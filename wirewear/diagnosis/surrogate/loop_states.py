@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -119,23 +119,41 @@ def sliding(result: RunResult, row_of: Callable[[Loop], tuple[object, ...] | Non
     return [np.array(column) for column in zip(*rows, strict=True)]
 
 
-def states_of(result: RunResult, load_N: float, volume: Array, similarity: Array, *columns: Array) -> dict[str, Any]:
-    """Fields of `WearStates` that all contacts have, smoothed over the worn volume.
+class StatesOfLoops(TypedDict):
+    """Fields of `WearStates` that all contacts have, a row for each logged loop."""
+
+    volume_um3: Array
+    similarity: Array
+    slip_um: Array
+    slope: Array
+    angle: Array
+    stiffness_N_per_um: Array
+    load_drop_N: Array
+    lift_N: Array
+    scars: Array
+    stroke_um: float
+
+
+def states_of(
+    result: RunResult, load_N: float, volume: Array, similarity: Array, scars: Array, *columns: Array
+) -> StatesOfLoops:
+    """States of a sliding contact, smoothed over the worn volume.
 
     columns: those of `state_of` for each logged loop, from slip to lift.
     """
     slip, slope, angle, stiffness, normal, lift = columns
-    return {
-        "volume_um3": volume,
-        "similarity": np.maximum.accumulate(similarity * (1.0 + 1e-9 * np.arange(volume.size))),
-        "slip_um": slip,
-        "slope": smoothed(volume, slope),
-        "angle": smoothed(volume, angle),
-        "stiffness_N_per_um": smoothed(volume, stiffness[:, None])[:, 0],
-        "load_drop_N": np.maximum(load_N - normal, 0.0),
-        "lift_N": smoothed(volume, lift),
-        "stroke_um": max(0.5 * float(np.ptp(loop.displacement_um)) for loop in result.loops),
-    }
+    return StatesOfLoops(
+        volume_um3=volume,
+        similarity=np.maximum.accumulate(similarity * (1.0 + 1e-9 * np.arange(volume.size))),
+        slip_um=slip,
+        slope=smoothed(volume, slope),
+        angle=smoothed(volume, angle),
+        stiffness_N_per_um=smoothed(volume, stiffness[:, None])[:, 0],
+        load_drop_N=np.maximum(load_N - normal, 0.0),
+        lift_N=smoothed(volume, lift),
+        scars=scars,
+        stroke_um=max(0.5 * float(np.ptp(loop.displacement_um)) for loop in result.loops),
+    )
 
 
 def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:

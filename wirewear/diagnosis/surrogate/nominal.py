@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 from solvers import Archard, EnergyLaw, SolverError
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import RecordError, ResultError, RunError, StudyError
+from wirewear.base.files import table_of
 from wirewear.base.words import counted
 from wirewear.base.writing import temporary_folder, write_bytes
 from wirewear.diagnosis.calibration import constants
@@ -257,6 +258,6 @@ def _identity(nominal: NominalRun) -> Identity:
     # Loops without inertia or damping are the same at any frequency, unless a law follows the speed.
     timing = {} if any(law.timed for law in study.laws) else {"frequency_Hz": 1.0}
     how = {"margins": nominal.margins, "changes": nominal.changes}
-    asked = {**stated, "conditions": stated["conditions"] | timing, **how}
+    asked = {**stated, "conditions": {**table_of(stated, "conditions"), **timing}, **how}
     plan = {name: constant.value for name, constant in _KNOWN.known.items()} | {"added": added_code(study.laws)}
     return identity_of(asked, (*RUN_CODE, "wirewear/diagnosis/surrogate/nominal.py"), plan)

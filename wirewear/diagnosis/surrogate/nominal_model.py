@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, TypeVar, cast
+from typing import ClassVar, TypeVar, cast
 
 from wirewear.base.errors import RecordError, RunError
 from wirewear.diagnosis.surrogate import nominal
@@ -19,6 +19,7 @@ from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_the_same, w
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import AnyEffect
 from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
+from wirewear.records.contact_tables import AnyTables
 from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.test import AnyStudy, LineStudy, Study
@@ -57,7 +58,7 @@ class PointModel:
         result = nominal.nominal_run(self.study, observer_of)
         return _of_run(WearStates.of_run(result), result, self.study), nominal.limits_of(result, self.study)
 
-    def inputs(self, tables: Any) -> SurrogateInputs:
+    def inputs(self, tables: AnyTables) -> SurrogateInputs:
         """The circumstances that the study states, with the surrogate's numerical freedoms as expected."""
         return nominal_inputs(self.study, tables.conditions.drive)
 
@@ -100,16 +101,17 @@ class LineModel:
         require_the_same(record, study, pairs)
         return study
 
-    def states(self, tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
+    def states(self, tables: AnyTables, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
         """Wear states of the whole contact, from the nominal run of the test in a record's tables, and sentences on
         their limits.
         """
         result = nominal.nominal_run(self.study, observer_of, nominal.line_run)
-        states = LineStates.of_line(result, self.study.pad.profile, tables.length_mm)
-        states = _of_run(states, result.of_length(tables.length_mm), self.study)
+        length_mm = tables.length_mm or 1.0
+        states = LineStates.of_line(result, self.study.pad.profile, length_mm)
+        states = _of_run(states, result.of_length(length_mm), self.study)
         return states, nominal.limits_of(result, self.study)
 
-    def inputs(self, tables: Any) -> SurrogateInputs:
+    def inputs(self, tables: AnyTables) -> SurrogateInputs:
         """The circumstances of a test, from a record's tables, as inputs of the fast model."""
         return nominal_line_setup(self.study, tables.conditions.drive)
 
@@ -136,7 +138,7 @@ class JointModel:
         """States of the joint as it is stated. Raises RunError if the drive holds a force that slides it."""
         return _driven(JointStates.of_study(self.study), self.study), ()
 
-    def inputs(self, tables: Any) -> SurrogateInputs:
+    def inputs(self, tables: AnyTables) -> SurrogateInputs:
         """The circumstances of a test, from a record's tables, as inputs of the fast model."""
         setup = SurrogateInputs.of(self.study, tables.conditions.drive, 0.0)
         return replace(setup, effects=self.study.effects)

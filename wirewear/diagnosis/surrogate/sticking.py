@@ -7,7 +7,7 @@ function of the travel's share of that of full slip. K and n of a loop are those
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from wirewear.diagnosis.surrogate.loop_states import (
     EVEN_POWERS,
     LIFT_POWERS,
     ODD_POWERS,
+    StatesOfLoops,
     load_shares,
     scar_figures_of,
     smoothed,
@@ -46,7 +47,13 @@ def sticks(result: RunResult) -> bool:
     return all(_share(loop, friction, of_load) < _SHARES[1] for loop, of_load in of_loops)
 
 
-def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -> dict[str, Any]:
+class StickingStates(StatesOfLoops):
+    """Fields of `WearStates` of contacts that stick in their middle."""
+
+    orders: Array
+
+
+def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -> StickingStates:
     """Columns of wear states, a row for each loop, over the worn volume of both bodies in µm³.
 
     has_maps: whether worn surfaces are maps, not profiles.
@@ -62,21 +69,21 @@ def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -
     volume = 1e9 * np.interp(cycles, result.evolution["cycle"], result.worn_volume_mm3)
     volume = np.maximum.accumulate(volume + 1e-9 * np.arange(volume.size) * max(float(volume[-1]), 1.0))
     count = volume.size
-    return {
-        "volume_um3": volume,
-        "similarity": volume,
-        "slip_um": np.ones(count),
-        "slope": np.zeros((count, len(ODD_POWERS))),
-        "angle": np.zeros((count, len(EVEN_POWERS))),
-        "stiffness_N_per_um": smoothed(volume, stiffness[:, None])[:, 0],
-        "load_drop_N": np.zeros(count),
-        "lift_N": np.zeros((count, len(LIFT_POWERS))),
-        "stroke_um": max(0.5 * float(np.ptp(loop.displacement_um)) for loop in result.loops),
-        "scars": np.array([[_figures(result, cycle, body) for body in result.bodies] for cycle in cycles])
+    return StickingStates(
+        volume_um3=volume,
+        similarity=volume,
+        slip_um=np.ones(count),
+        slope=np.zeros((count, len(ODD_POWERS))),
+        angle=np.zeros((count, len(EVEN_POWERS))),
+        stiffness_N_per_um=smoothed(volume, stiffness[:, None])[:, 0],
+        load_drop_N=np.zeros(count),
+        lift_N=np.zeros((count, len(LIFT_POWERS))),
+        stroke_um=max(0.5 * float(np.ptp(loop.displacement_um)) for loop in result.loops),
+        scars=np.array([[_figures(result, cycle, body) for body in result.bodies] for cycle in cycles])
         if has_maps
         else np.zeros((count, 2, 4)),
-        "orders": np.clip(smoothed(volume, order[:, None])[:, 0], *_ORDERS),
-    }
+        orders=np.clip(smoothed(volume, order[:, None])[:, 0], *_ORDERS),
+    )
 
 
 def _figures(result: RunResult, cycle: float, body: str) -> list[float]:

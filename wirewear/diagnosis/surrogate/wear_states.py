@@ -110,10 +110,9 @@ class WearStates:
             friction=friction,
             normal_load_N=load,
             fresh_area_um2=1e6 * float(np.pi) * hertz_of(load, *bodies).contact_radius_mm ** 2,
-            scars=scars,
             extra_skew=np.nan_to_num(skews + gap.shear),
             along=gap.along,
-            **states_of(result, load, volume, volume * radius / columns[0] ** 4, *columns),
+            **states_of(result, load, volume, volume * radius / columns[0] ** 4, scars, *columns),
         )
 
     @property

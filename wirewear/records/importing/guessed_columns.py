@@ -71,7 +71,7 @@ class GuessedFile:
         """Unit of the column of this index, from its title or as the file states it; "" if unstated."""
         return stem_and_unit(self.titles[place], units_of(channel))[1] or self.units[place]
 
-    def read(self, columns: dict[str, dict[str, Any]], length_mm: float | None = None) -> dict[str, Array]:
+    def read(self, columns: dict[str, dict[str, object]], length_mm: float | None = None) -> dict[str, Array]:
         """Columns by key, read as a mapping with these columns would; open values are ignored."""
         wanted = {key: ColumnMapping(**shut(own)) for key, own in columns.items()}
         return read_source(self.path, Source(files=(self.path.name,), **self.spelling), wanted, length_mm)
@@ -98,7 +98,7 @@ class GuessedFile:
         return ", ".join(ranges)
 
 
-def shut(column: dict[str, Any]) -> dict[str, Any]:
+def shut(column: dict[str, object]) -> dict[str, object]:
     """Known entries of a mapping's column, without open ones, and without the unit of volts that lack a factor."""
     unscaled = column.get("factor") == OPEN
     return {word: one for word, one in column.items() if one != OPEN and not (unscaled and word == "unit")}

@@ -13,6 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
+from wirewear.base.files import table_of
 from wirewear.loops import LoopError
 from wirewear.loops.clock import Clock, read_clock
 from wirewear.loops.cycles import split_cycles
@@ -54,11 +55,11 @@ _SCALE = {
 def conditions_of(
     text: GuessedFile,
     source: dict[str, Any],
-    known: dict[str, Any],
+    known: Mapping[str, object],
     length_mm: float | None = None,
     *,
     of_joint: bool = False,
-) -> tuple[dict[str, Any], dict[str, float], list[str]]:
+) -> tuple[dict[str, object], dict[str, float], list[str]]:
     """Conditions that the first file shows (others are open), signs of forces by key, and sentences on assumptions.
 
     source: table `[loops]` of the mapping, whose columns may be changed in place.
@@ -131,9 +132,7 @@ def _open(source: dict[str, Any], key: str) -> bool:
     return OPEN in source["columns"].get(key, {}).values()
 
 
-def _loops(
-    text: GuessedFile, source: dict[str, Any], frequency: float | str, length_mm: float | None
-) -> list[MeasuredLoop]:
+def _loops(text: GuessedFile, source: dict[str, Any], frequency: object, length_mm: float | None) -> list[MeasuredLoop]:
     """Loops as the import will read them; columns with an open unit keep the file's numbers."""
     whole = LoopSource(**source | {"columns": {key: shut(own) for key, own in source["columns"].items()}})
     # Without times, loops are split where the drive turns, whatever a cycle lasts.
@@ -210,7 +209,7 @@ def _rounded(period: float, digits: int) -> float | None:
     return float(f"{1.0 / period:.{digits}g}") if np.isfinite(period) and period > 0.0 else None
 
 
-def _load(source: dict[str, Any], normal: Array, known: dict[str, Any]) -> tuple[float | str, str]:
+def _load(source: dict[str, Any], normal: Array, known: Mapping[str, Any]) -> tuple[float | str, str]:
     if "normal_load_N" in known:
         return known["normal_load_N"], ""
     if _open(source, "normal_force_N") or not np.isfinite(normal).any():
@@ -224,7 +223,9 @@ def _friction_force_N(loops: Sequence[MeasuredLoop]) -> float:
     return float(f"{0.5 * np.median(ranges):.3g}")
 
 
-def _amplitude(source: dict[str, Any], loops: Sequence[MeasuredLoop], known: dict[str, Any]) -> tuple[float | str, str]:
+def _amplitude(
+    source: dict[str, Any], loops: Sequence[MeasuredLoop], known: Mapping[str, Any]
+) -> tuple[float | str, str]:
     if "displacement_amplitude_um" in known:
         return known["displacement_amplitude_um"], ""
     if _open(source, "displacement_um") or not loops:
@@ -263,7 +264,9 @@ class Touching:
     stated: BodiesByOptions
 
     @classmethod
-    def of(cls, kind: str, known: Mapping[str, Any], elastic: Mapping[str, Any], of_other: Mapping[str, Any]) -> Self:
+    def of(
+        cls, kind: str, known: Mapping[str, object], elastic: Mapping[str, object], of_other: Mapping[str, object]
+    ) -> Self:
         """Bodies of a kind of contact from options; `elastic` and `of_other` are elastic constants of both, and of pad
         or ball.
 
@@ -279,7 +282,7 @@ class Touching:
 
 def scars_of(
     points: Sequence[GuessedFile], maps: Sequence[Path], touching: Touching
-) -> tuple[dict[str, Any], list[str]]:
+) -> tuple[dict[str, object], list[str]]:
     """Tables `[scars.*]` of a mapping for these files of points and of maps, and sentences on assumptions."""
     scars: dict[str, Any] = {}
     remarks = [f"{text.path.name} was left out: there are no bodies" for text in points if not touching.names]
@@ -327,7 +330,7 @@ def _add_maps(scars: dict[str, Any], maps: Sequence[Path], touching: Touching, r
             scars[body] |= _noted(laid(path, body, touching, surface.scaled(path, MapScale())), remarks)
 
 
-def map_source(path: Path, remarks: list[str]) -> tuple[StatedMap, dict[str, Any]] | None:
+def map_source(path: Path, remarks: list[str]) -> tuple[StatedMap, dict[str, object]] | None:
     """Map of a file, and the mapping's keys to read it, with open ones if the file does not state its scale.
 
     None if it cannot be read. A sentence is appended to `remarks` in either case.
@@ -376,7 +379,7 @@ def _has_axis(name: str, touching: Touching) -> bool:
     return name in touching.stated.with_axis if body is None else body.has_axis
 
 
-def along_motion(path: Path, name: str, touching: Touching, *, depths: bool = False) -> tuple[dict[str, Any], str]:
+def along_motion(path: Path, name: str, touching: Touching, *, depths: bool = False) -> tuple[dict[str, object], str]:
     if _has_axis(name, touching):
         otherwise = f'it runs along the {called(name)}, write frame = "wire"'
     elif depths:
@@ -386,14 +389,16 @@ def along_motion(path: Path, name: str, touching: Touching, *, depths: bool = Fa
     return {"frame": "test"}, f"{path.name}: x is taken to run along the motion; where {otherwise}"
 
 
-def along_x(path: Path, name: str, touching: Touching, later: str) -> tuple[dict[str, Any], str]:
+def along_x(path: Path, name: str, touching: Touching, later: str) -> tuple[dict[str, object], str]:
     if not _has_axis(name, touching):
         return along_motion(path, name, touching)
     message = f"the {called(name)} is taken to run along the map's x; {later}"
     return {"frame": "wire", "axis": "x"}, f"{path.name}: {message}"
 
 
-def laid(path: Path, name: str, touching: Touching, surface: tuple[Array, Array, Array]) -> tuple[dict[str, Any], str]:
+def laid(
+    path: Path, name: str, touching: Touching, surface: tuple[Array, Array, Array]
+) -> tuple[dict[str, object], str]:
     """Keys of a mapping for how a body lies in a map of heights, the nearest of the possible ways, and a remark."""
     if (body := touching.bodies.get(name)) is None:
         return along_x(path, name, touching, "with --diameter its heights show it")
@@ -403,10 +408,10 @@ def laid(path: Path, name: str, touching: Touching, surface: tuple[Array, Array,
     ways = ((0.0, "x", "wire"), (90.0, "y", "wire"), (body.axis_angle_deg, "x", "test"))
     offs = [abs((found - way[0] + 90.0) % 180.0 - 90.0) for way in ways]
     off, (_, axis, frame) = min(zip(offs, ways, strict=True), key=lambda one: one[0])
-    keys = {"frame": frame} if frame == "test" else {"frame": frame, "axis": axis}
+    keys: dict[str, object] = {"frame": frame} if frame == "test" else {"frame": frame, "axis": axis}
     message = f"{path.name}: by its shape the {called(name)} lies at {found:.0f}° to the map's x"
     if off > ASKEW_deg:
-        crossing = touching.stated.tables["wires"]["crossing_angle_deg"]
+        crossing = table_of(touching.stated.tables, "wires")["crossing_angle_deg"]
         return (
             keys,
             f"{message}: neither along x or y nor at the crossing angle, {crossing:g}°: give crossing_angle_deg",

@@ -170,7 +170,7 @@ def _that_moves(files: Sequence[GuessedFile], tables: Sequence[DelimitedLayout])
     return replace(files[best], remarks=(*files[best].remarks, message))
 
 
-def spelling_of(layout: DelimitedLayout) -> dict[str, Any]:
+def spelling_of(layout: DelimitedLayout) -> dict[str, object]:
     """Keys of a mapping that describe a text's layout."""
     delimiter = next(name for name, sign in DELIMITERS.items() if sign == layout.delimiter)
     spelled: dict[str, Any] = {"encoding": layout.encoding, "delimiter": delimiter, "decimal": layout.decimal}
@@ -233,7 +233,7 @@ def _on_grid(x: Array, y: Array) -> bool:
     return min(columns, rows) > 3 and 0.5 * columns * rows <= x.size <= columns * rows
 
 
-def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict[str, Any], list[str]]:
+def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict[str, dict[str, object]], list[str]]:
     """Tables for the columns of a guessed file as a mapping states them, by key, and sentences on what the user must
     look at.
 

@@ -31,7 +31,7 @@ SURFACES = ("scars", "profiles")  #: Tables of a mapping that hold one of surfac
 _HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unknown": "unknown"}
 
 
-def asked_of(known: Mapping[str, Any]) -> dict[str, Any]:
+def asked_of(known: Mapping[str, object]) -> dict[str, object]:
     """Conditions of a test without loops, by key, from options `known`. Raises RecordError if an option is missing."""
     missing = [option for key, option in _OPTIONS.items() if known.get(key) is None]
     if missing:
@@ -41,7 +41,7 @@ def asked_of(known: Mapping[str, Any]) -> dict[str, Any]:
 
 def profiles_of(
     texts: Sequence[GuessedFile], maps: Sequence[Path], touching: Touching
-) -> tuple[dict[str, Any], list[str]]:
+) -> tuple[dict[str, object], list[str]]:
     """Tables `[profiles.*]` of a mapping for these files of profiles and maps, and sentences on assumptions."""
     found: dict[str, Any] = {}
     files: dict[str, list[str]] = {}
@@ -92,7 +92,7 @@ class GuessedMapping:
     remarks: tuple[str, ...]
 
 
-def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touching) -> GuessedMapping:
+def guessed_mapping(files: Sequence[Path], known: Mapping[str, object], touching: Touching) -> GuessedMapping:
     """Guess a mapping from files of one folder.
 
     files: of loops, and possibly of an evolution and scars.
@@ -177,8 +177,8 @@ def name_of_folder(files: Sequence[Path]) -> str:
 
 
 def loop_source(
-    loops: Sequence[GuessedFile], known: dict[str, Any], length_mm: float | None = None, *, of_joint: bool = False
-) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
+    loops: Sequence[GuessedFile], known: Mapping[str, object], length_mm: float | None = None, *, of_joint: bool = False
+) -> tuple[dict[str, object], dict[str, object], list[str]]:
     """Table `[loops]` of a mapping, the conditions that the loops show, and sentences on assumptions.
 
     length_mm: of a line contact, whose forces may be given per millimetre.  of_joint: see `conditions_of`.
@@ -187,7 +187,7 @@ def loop_source(
     first = loops[0]
     columns, remarks = mapped_columns(first, per_length=bool(extent_of(length_mm).units({"N": 1.0})))
     missing = [key for key in ("displacement_um", "tangential_force_N") if key not in columns]
-    columns = {key: {"column": OPEN, "unit": OPEN} for key in missing} | columns
+    columns = {**{key: {"column": OPEN, "unit": OPEN} for key in missing}, **columns}
     if missing or remarks != [*first.remarks]:
         remarks.append(f"{first.path.name} has the columns {first.listing}")
         encoding = first.spelling.get("encoding", "utf-8")
@@ -212,7 +212,7 @@ def loop_source(
     return source, conditions, [*remarks, *more]
 
 
-def evolution_source(tables: Sequence[GuessedFile], *, per_length: bool = False) -> tuple[dict[str, Any], list[str]]:
+def evolution_source(tables: Sequence[GuessedFile], *, per_length: bool = False) -> tuple[dict[str, object], list[str]]:
     """Table `[evolution]` of a mapping and sentences on assumptions; empty if no file holds an evolution."""
     if not tables:
         return {}, []

@@ -162,10 +162,10 @@ def _no_matlab_file(path: Path, problem: Exception) -> RecordError:
 
 
 def _matlab_73(path: Path, wanted: Collection[str] | None) -> dict[str, Any]:
-    def held(group: Any, above: str = "") -> dict[str, Any]:
+    def held(group: h5py.Group, above: str = "") -> dict[str, object]:
         return {name: read(item, above + name) for name, item in group.items() if not name.startswith("#")}
 
-    def read(item: Any, name: str) -> Any:
+    def read(item: h5py.Group | h5py.Dataset, name: str) -> object:
         if isinstance(item, h5py.Group):
             return held(item, f"{name}.")
         text = item.attrs.get("MATLAB_class", b"double") == b"char"

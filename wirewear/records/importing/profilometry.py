@@ -23,6 +23,7 @@ from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.scars import MeasuredScar, grid_of
 from wirewear.records.spikes import without_spikes
 from wirewear.records.surfaces import PROFILES, SCARS
+from wirewear.records.test_tables import OfTest
 from wirewear.records.unworn_bodies import FaceSurface, RoundSurface
 from wirewear.results.scar import called
 from wirewear.test.bodies import Body, Wire
@@ -173,7 +174,7 @@ def _levelled(
 
 
 def surfaces_of(
-    source: ScarSource | ProfileSource, body: str, home: Path, tables: Any
+    source: ScarSource | ProfileSource, body: str, home: Path, tables: OfTest
 ) -> Iterator[MeasuredScar | MeasuredProfile]:
     """Worn surfaces of a body in the files of a source: maps with x along the motion, or profiles.
 
