@@ -173,15 +173,11 @@ class BodyGeometry(ABC):
         """(n,) True for each boundary facet that the holder grips, by the facets' centres (n, 3) in mm."""
 
     def bent(self, points_mm: Array) -> Array:
-        """Positions (n, 3) in mm to which points (n, 3) of the straight swept quarter are moved; by default
-        unchanged.
-        """
+        """Positions (n, 3) in mm to which points (n, 3) of the straight swept quarter move; by default their own."""
         return points_mm
 
     def fitted(self, points_mm: Array) -> Array:
-        """Positions (n, 3) in mm to which points (n, 3) of the whole mesh are moved, after `bent`; by default
-        unchanged.
-        """
+        """Positions (n, 3) in mm to which points (n, 3) of the whole mesh move, after `bent`; by default their own."""
         return points_mm
 
     def built(self) -> "BodyMesh":

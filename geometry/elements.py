@@ -36,9 +36,7 @@ _IN_TETRAHEDRON = 0.25 - 0.05 * np.sqrt(5.0)  #: Coordinate of the four points t
 
 @dataclass(frozen=True, eq=False)
 class ElementKind:
-    """One kind of element with n nodes and q integration points in d reference coordinates: 3, or 2 for a
-    quadrilateral.
-    """
+    """A kind of element with n nodes and q integration points in d reference coordinates: 3, or 2 if quadrilateral."""
 
     name: str
     corners: int  #: Number of corners: the first nodes.
@@ -78,9 +76,7 @@ class ElementKind:
         return np.stack(found, axis=-1)
 
     def outside(self, at: Array) -> Array:
-        """Distance (...) of reference points (..., 3) outside the reference element, in reference coordinates; <= 0
-        inside.
-        """
+        """Distance (...) of reference points (..., 3) out of the element, in reference coordinates; <= 0 inside it."""
         if self.corners == 8:
             return np.asarray(np.abs(at).max(axis=-1) - 1.0)
         least = np.minimum(at[..., 0], at[..., 1])

@@ -68,9 +68,7 @@ class EmbeddedGeometry(BlockGeometry):
         return BodyMesh(self, meshed.mesh, meshed.patch, meshed.smallest_scaled_jacobian, self._host(meshed.mesh))
 
     def holds(self, places_mm: Array) -> BoolArray:
-        """(...) True for places (..., 3) in mm inside the block's sides and less than its height below or above z =
-        0.
-        """
+        """(...) True for places (..., 3) in mm within the block's sides, less than its height below or above z = 0."""
         x, y, z = np.moveaxis(places_mm, -1, 0)
         beside = (np.abs(x) >= self.half_width_along_mm) | (np.abs(y) >= self.half_width_across_mm)
         return np.asarray(~beside & (np.abs(z) < self.height_mm))

@@ -2,9 +2,7 @@
 
 
 class WirewearError(Exception):
-    """Base of every error that this program raises. Its message is one sentence: what is wrong, where, what would be
-    right.
-    """
+    """Base of every error that this program raises. Its message is a sentence: what is wrong, where, what would do."""
 
 
 class GeometryError(WirewearError):

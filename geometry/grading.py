@@ -185,9 +185,7 @@ class GivenAxis:
 
 @dataclass(frozen=True)
 class Layering:
-    """Layers of elements under a contact patch, from the surface down to the first row in which columns of elements are
-    joined.
-    """
+    """Layers of elements under a contact patch, from the surface to the first row in which columns are joined."""
 
     #: Number of layers above each row that joins columns. Refined together with the patch, they reach to the same
     #: depth; were their number fixed, refining would make the body coarse ever closer under the contact.

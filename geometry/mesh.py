@@ -203,9 +203,7 @@ class HexMesh(ElementMesh):
 
 
 class QuadMesh(ElementMesh):
-    """A mesh of four-node quadrilaterals in the plane (x, z), counter-clockwise with z upwards; its facets are edges
-    (k, 2).
-    """
+    """A mesh of four-node quadrilaterals in the plane (x, z), counter-clockwise, z upwards; facets are edges (k, 2)."""
 
     AXES = "xz"
     SIDES = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])

@@ -169,9 +169,7 @@ class _Abaqus:
         self.faces: dict[str, list[tuple[str, str]]] = {}
 
     def take(self, keyword: str, options: dict[str, str], lines: list[list[str]]) -> None:
-        """Store nodes, elements, sets or surfaces of a keyword with its options and data; other keywords are
-        ignored.
-        """
+        """Store nodes, elements, sets or surfaces of a keyword with its options and data; ignore other keywords."""
         if keyword == "NODE":
             for line in lines:
                 self.nodes[int(line[0])] = len(self.places)

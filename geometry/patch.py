@@ -100,9 +100,7 @@ class ContactPatch:
         return np.column_stack([along.ravel(), across.ravel()])
 
     def quadrature(self, points: int) -> tuple[Array, Array]:
-        """Gauss points of all cells, `points` in each direction: plane positions (g, 2) in mm, and area (g,) in mm² of
-        each.
-        """
+        """Gauss points of all cells, `points` in each direction: plane positions (g, 2) in mm, areas (g,) in mm²."""
         (a, wide), (t, deep) = (_gauss_on_lines(lines, points) for lines in self._axes)
         along, across = np.meshgrid(a, t, indexing="ij")
         return np.column_stack([along.ravel(), across.ravel()]), np.outer(wide, deep).ravel()

@@ -38,9 +38,7 @@ class Profile(Protocol):
         ...
 
     def require_within(self, along_mm: float, across_mm: float) -> None:
-        """Raise GeometryError when a patch that reaches `along_mm` and `across_mm` to each side does not fit on the
-        surface.
-        """
+        """Raise GeometryError if a patch reaching `along_mm` and `across_mm` to each side does not fit the surface."""
         ...
 
 
@@ -277,9 +275,7 @@ class TabledProfile:
 
 @dataclass(frozen=True)
 class Turned:
-    """A surface of revolution about the normal at its middle: along every radius it falls as `face` does along the
-    body's axis.
-    """
+    """A surface of revolution about the normal at its middle; on every radius it falls as `face` along its axis."""
 
     face: Cylinder | RoundedFlat | TabledProfile
 

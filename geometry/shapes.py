@@ -145,9 +145,7 @@ class BlockGeometry(BodyGeometry):
         )
 
     def bent(self, points_mm: Array) -> Array:
-        """Points (n, 3) in mm moved down so that the top follows the meshed face; the shift falls linearly to 0 at the
-        back.
-        """
+        """Points (n, 3) in mm moved down so that the top follows the meshed face; less so below, none at the back."""
         share = np.maximum(1.0 + points_mm[:, 2] / self.height_mm, 0.0)
         bent = points_mm.copy()
         bent[:, 2] += share * self.meshed_profile.height(points_mm[:, :2])
@@ -212,9 +210,7 @@ class PlanarMesh:
 
     @property
     def bedding(self) -> Array | None:
-        """(n,) stiffness in N/mm per mm of thickness by which an elastic grip holds each node; None where the grip is
-        rigid.
-        """
+        """(n,) stiffness in N/mm per mm of thickness by which an elastic grip holds each node; None if it is rigid."""
         stiffness = self.geometry.grip_stiffness_N_per_mm3
         return None if stiffness is None else stiffness * self.mesh.surface_lengths("grip")
 

@@ -60,9 +60,7 @@ class SolidMesh:
 
     @cached_property
     def boundary(self) -> tuple[IntArray, ...]:
-        """Corners of the faces that belong to one cell only, facing outwards: triangles (f, 3) and quadrilaterals (f,
-        4).
-        """
+        """Corners of faces that belong to one cell only, facing outwards: triangles (f, 3), quadrilaterals (f, 4)."""
         found: dict[int, list[IntArray]] = {3: [], 4: []}
         for kind, cells in self.groups:
             for face in kind.faces:

@@ -41,9 +41,7 @@ class FileStiffness:
 
     @property
     def of_free(self) -> tuple[Array, ContactPatch]:
-        """Stiffness (3 f, 3 f) in N/mm between the f nodes that are not held, the patch's first, in its order; and the
-        patch.
-        """
+        """Stiffness (3 f, 3 f) in N/mm between f nodes that are not held, the patch's first in order; and the patch."""
         patch = self.patch
         others = np.setdiff1d(np.arange(len(self.nodes_mm)), np.concatenate([self.contact, self.held]))
         free = (3 * np.concatenate([patch.nodes.ravel(), others])[:, None] + np.arange(3)).ravel()
@@ -92,9 +90,7 @@ class OwnStiffness(OwnGrid):
 
 
 def of_stiffness(source: MeshSource) -> OwnStiffness:
-    """The geometry of the body in a stiffness file. Raises GeometryError, in one sentence, if the file cannot be
-    used.
-    """
+    """The geometry of the body in a stiffness file. Raises GeometryError, with the reason, if it cannot be used."""
     read = read_stiffness(source)
     axial, transverse = (GivenAxis(tuple(each.tolist())) for each in (read.patch.axial_mm, read.patch.transverse_mm))
     finest = min(axial.finest_mm, transverse.finest_mm)

@@ -215,9 +215,7 @@ class Holder:
 
     @property
     def compliance_at_contact_mm_per_N(self) -> float:
-        """Motion of the contact point along x per tangential force: the spring's, plus rotation's by the pivot's height
-        squared.
-        """
+        """Motion of the contact point along x per tangential force: by the spring, and by rotation about the pivot."""
         return self.tangential_compliance_mm_per_N + self.rotational_compliance_rad_per_N_mm * self.pivot_height_mm**2
 
     def place_in_play_mm(self, holder_x_mm: float, tilt_rad: float, tangential_force_N: float) -> float:
@@ -229,9 +227,7 @@ class Holder:
 
     @property
     def tilt_per_motion_rad_per_mm(self) -> float:
-        """Rotation of the holder per motion of the contact point along x under a tangential force; 0 if it cannot
-        rotate.
-        """
+        """Rotation of the holder per motion of the contact point on x by a tangential force; 0 if it cannot rotate."""
         if self.rotational_compliance_rad_per_N_mm == 0.0 or self.pivot_height_mm == 0.0:
             return 0.0
         return self.rotational_compliance_rad_per_N_mm * self.pivot_height_mm / self.compliance_at_contact_mm_per_N
@@ -255,9 +251,7 @@ class DriveTiming:
     frequency_Hz: float = 1.0
 
     def speed_mm_per_s(self, drive_mm: float, *, falling: bool) -> float:
-        """Speed of the drive at the displacement `drive_mm`, never negative; falling: True on the stroke to
-        -amplitude.
-        """
+        """Speed of the drive at a displacement `drive_mm`, never negative; falling: on the stroke to -amplitude."""
         amplitude = self.drive.amplitude_mm
         if amplitude == 0.0:
             return 0.0

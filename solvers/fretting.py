@@ -171,9 +171,7 @@ def closed_cycle(
 
 
 def last_stroke(trace: CycleTrace) -> tuple[Array, Array]:
-    """Drive in mm and tangential force in N, (m,) each, at the ends of increments of a trace's last stroke, its start
-    included.
-    """
+    """Drive in mm and tangential force in N, (m,) each, at the start and all ends of increments of the last stroke."""
     every = (trace.start, *trace.states)
     drives = np.array([state.drive for state in every])
     first = len(every) - 1 - int(np.argmax(np.abs(drives - drives[-1])[::-1]))

@@ -171,9 +171,7 @@ class KeptCode(NullCache):
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep code in the first folder that can be written to; not if it holds addresses of this process. Failures are
-        silent.
-        """
+        """Keep code in the first writable folder, unless it holds addresses of this process. Failures are silent."""
         if data.library.has_dynamic_globals or any(not one.can_cache for one in data.lifted):
             return
         code = dumps(data._reduce())  # noqa: SLF001

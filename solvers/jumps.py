@@ -37,9 +37,7 @@ class JumpController:
         return change**2 <= 2.0 * self.tolerance or jump <= max(1.0, self.least_share * done)
 
     def following(self, change: float, jump: float, done: float) -> float:
-        """Size of the next step after one of size `jump` with this change; here `done` is the number of cycles at its
-        end.
-        """
+        """Size of the next step after one of size `jump` with this change; `done`: the number of cycles at its end."""
         wanted = _SAFETY * self.tolerance**0.5 / max(change, 1e-300)
         grown = float(jump * min(max(wanted, 0.2), self.largest_growth))
         return min(grown, max(self.largest_share * done, self.first_jump))

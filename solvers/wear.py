@@ -142,9 +142,7 @@ class WearRates:
 
 @dataclass(frozen=True)
 class Sliding:
-    """Sliding at k paired nodes, (k,) each: friction energy and wear work per plane area in mJ/mm², slip length in
-    mm.
-    """
+    """Sliding at k paired nodes, (k,) each: friction energy, wear work per plane area in mJ/mm², slip length in mm."""
 
     pairing: Pairing
     energy: Array

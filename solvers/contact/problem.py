@@ -194,9 +194,7 @@ def open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Ar
 
 
 def with_prints(problem: ContactProblem, state: ContactState, forces: tuple[Array, Array]) -> ContactState:
-    """The state with the prints that bodies which yield by themselves take from nodal forces (n, 3) in N on (primary,
-    secondary).
-    """
+    """The state with the prints of bodies that yield, by nodal forces (n, 3) in N on the (primary, secondary)."""
     wear = state.wear
     primary = problem.primary.printed(wear.primary_print, forces[0])
     secondary = problem.secondary.printed(wear.secondary_print, forces[1])
@@ -364,9 +362,7 @@ def within_elements(problem: ContactProblem, states: Sequence[ContactState], pos
 
 
 def sliding_force(problem: ContactProblem, state: ContactState) -> float:
-    """Tangential force in N at which the contact of a state would slide as a whole, if its surfaces had never slid
-    before.
-    """
+    """Tangential force in N at which the contact of a state would slide as a whole, had its surfaces never slid."""
     pressure = state.traction[:, 2]
     within = within_elements(problem, [state], np.zeros(len(pressure), dtype=np.int64))
     return float(problem.surface.areas @ replace(problem.law, within=within).limit(pressure))
@@ -385,9 +381,7 @@ def stuck_share(problem: ContactProblem, state: ContactState) -> float:
 
 
 def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairing, traction: Array) -> LayersAtNodes:
-    """The layers at k paired nodes, and what yields there, before an increment; traction: (k, 3) in MPa at its
-    start.
-    """
+    """The layers at k paired nodes, and what yields there, before an increment; traction: (k, 3) in MPa then."""
     own = state.wear.primary_depth.ravel()[pairing.nodes]
     other = pairing.opposite.averaged(state.wear.secondary_depth.ravel()) / pairing.areas
     yielding = yield_between(problem, state, pairing)

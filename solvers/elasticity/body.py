@@ -61,9 +61,7 @@ class ContactBody(Protocol):
 
     @property
     def bricks(self) -> Bricks | None:
-        """The elements under the patch, to correct their errors near a loaded node; None if nothing is to be
-        corrected.
-        """
+        """The elements under the patch, to correct their errors near a loaded node; None if none are corrected."""
         ...
 
     @property

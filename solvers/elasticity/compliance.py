@@ -117,9 +117,7 @@ class PairedCompliance:
         return all(np.array_equal(one, other) for one, other in pairs)
 
     def know(self, loaded: IntArray) -> None:
-        """Gather the displacements by unit tractions on those of the nodes of index `loaded` (l,) that are not yet
-        known.
-        """
+        """Gather the displacements by unit tractions on the nodes of index `loaded` (l,) that are not yet known."""
         missing, pairing = loaded[self.place[loaded] < 0], self._pairing
         if not len(missing):
             return

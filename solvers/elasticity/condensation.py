@@ -79,9 +79,7 @@ def condense(
 
 @dataclass(frozen=True)
 class Piece:
-    """The part of a body that has to be condensed: all of it, or its part on one side of each of its p mirror
-    planes.
-    """
+    """The part of a body that has to be condensed: all of it, or its part on one side of each of p mirror planes."""
 
     #: The axes (0 along the body, 1 across it) about whose zero the body is its own mirror image.
     planes: tuple[int, ...]
@@ -106,9 +104,7 @@ def bedded(
 
 
 def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: IntArray) -> Piece:
-    """The smallest piece of a body from which its compliance follows. gripped: nodes that are held rigidly, maybe
-    none.
-    """
+    """The smallest piece of a body from which its compliance follows. gripped: nodes held rigidly, maybe none."""
     across = () if isinstance(mesh, QuadMesh) else (1,)
     planes = tuple(axis for axis in (0, *across) if _is_symmetric(mesh, patch, gripped, axis))
     part, number = one_side(mesh, planes)
@@ -119,9 +115,7 @@ def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: In
 
 
 def compliance_of(piece: Piece, patch: ContactPatch, schurs: list[Array]) -> PatchCompliance:
-    """The patch's compliance from the piece's Schur complements, one for each row of `piece.held`; the list is
-    emptied.
-    """
+    """The patch's compliance from the piece's Schur complements, one for each row of `piece.held`; empties the list."""
     unknowns = (3 * piece.contact[:, None] + np.arange(3)).ravel()
     parts = np.empty((len(schurs), len(unknowns), len(unknowns)))
     for part, held in zip(parts, piece.held[:, unknowns], strict=True):

@@ -89,9 +89,7 @@ def cholesky_factor(matrix: Array) -> Array:
 
 
 def inverse(matrix: Array) -> Array:
-    """Inverse (n, n) of the symmetric stiffness in a matrix's lower triangle. Raises SolverError as
-    `cholesky_factor`.
-    """
+    """Inverse (n, n) of the symmetric stiffness in a lower triangle. Raises SolverError as `cholesky_factor`."""
     lower, _ = lapack.dpotri(cholesky_factor(matrix), lower=1, overwrite_c=1)
     return np.asarray(np.tril(lower) + np.tril(lower, -1).T)
 
@@ -251,9 +249,7 @@ def _eliminated(
 
 
 def hold(matrix: Array, held: BoolArray) -> None:
-    """Set rows and columns of held unknowns to zero and their diagonal to 1, in place. held: (m,) flags of the matrix's
-    first m.
-    """
+    """In place, set rows and columns of held unknowns to 0, their diagonal to 1. held: (m,) flags of the first m."""
     which = np.flatnonzero(held)
     matrix[which] = 0.0
     matrix[:, which] = 0.0

@@ -58,15 +58,11 @@ class NodalTransfer(NamedTuple):
         return result.reshape(self.size, *values.shape[1:])
 
     def faced_by(self, rows: IntArray) -> IntArray:
-        """The patch nodes (e,) of all entries of the contact nodes of index `rows` (m,), row after row, repeated where
-        they are.
-        """
+        """The patch nodes (e,) of all entries of contact nodes of index `rows` (m,), row after row, with repeats."""
         return _entries(self.first, self.columns, rows)
 
     def at_heaviest(self, chosen: IntArray) -> NodalTransfer:
-        """This transfer with, in the rows of index `chosen` (m,), the sum of weights on the patch node of the largest
-        one.
-        """
+        """This transfer with, in the rows of index `chosen` (m,), all weight on the patch node that has the largest."""
         return NodalTransfer(*_at_heaviest(self.first, self.columns, self.weights, chosen), self.size)
 
     @property
@@ -150,9 +146,7 @@ def _at_heaviest(
 
 @dataclass(frozen=True)
 class GaussLines:
-    """Gauss points along one axis of a patch, q in each of its c cells; across a planar body a single one of length 1
-    mm.
-    """
+    """Gauss points along one axis of a patch, q in each of c cells; across a planar body a single one, 1 mm long."""
 
     positions: Array  #: (c, q) mm.
     lengths: Array  #: (c, q) length of the axis that each point stands for, mm.
@@ -165,9 +159,7 @@ class GaussLines:
 
 
 def gauss_lines(lines: Array, points: int) -> GaussLines:
-    """Gauss points of one axis, `points` in each cell between grid lines (c + 1,) in mm; a single line is a planar
-    body's.
-    """
+    """Gauss points of one axis, `points` in each cell between lines (c + 1,) in mm; a single line: a planar body's."""
     if len(lines) == 1:
         return GaussLines(lines[:, None], np.ones((1, 1)), np.ones(1))
     abscissae, weights = np.polynomial.legendre.leggauss(points)

@@ -25,9 +25,7 @@ from solvers.jit_cache import compiled
 
 @dataclass(frozen=True)
 class PrimarySurface:
-    """The surface of the primary body's patch, with what of its quadrature does not depend on where the secondary body
-    is.
-    """
+    """The surface of the primary body's patch, with the part of its quadrature that no secondary body changes."""
 
     body: PlacedBody
     along: GaussLines  #: Gauss points along the patch.
@@ -37,8 +35,8 @@ class PrimarySurface:
     averaging: NodalTransfer  #: From a nodal field of this patch to its integrals over the nodes' supports.
 
     def mean_slope(self, nodes: IntArray, depth_mm: Array) -> Array:
-        """Slopes (k, 2) in world axes of the surface worn by `depth_mm` (n_a, n_t), averaged over the supports of
-        `nodes` (k,).
+        """Slopes (k, 2) in world axes of the surface worn by `depth_mm` (n_a, n_t), averaged around each of `nodes`
+        (k,).
         """
         worn = self.averaging.averaged(self.body.worn(depth_mm).gradient, nodes)
         local = self.fresh_slope[nodes] - worn / self.areas[nodes, None]
@@ -232,9 +230,7 @@ def _between(
 
 @compiled
 def frames_on(slope: Array) -> Array:
-    """Frames (k, 3, 3), whose rows are the normal and two tangents as in `Pairing`, for surface slopes (k, 2) in world
-    axes.
-    """
+    """Frames (k, 3, 3) for surface slopes (k, 2) in world axes; rows: the normal and two tangents as in `Pairing`."""
     frames = np.empty((len(slope), 3, 3))
     for k in range(len(slope)):
         size = np.sqrt(1.0 + slope[k, 0] ** 2 + slope[k, 1] ** 2)

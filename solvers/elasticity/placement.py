@@ -90,9 +90,7 @@ class PlacedBody:
 
     @cached_property
     def mirror_images(self) -> dict[tuple[float, float], IntArray | None]:
-        """Cache of `known_images`: for signs (sign_x, sign_y) the image (n,) of each node, or None without this
-        symmetry.
-        """
+        """Cache of `known_images`: for signs (sign_x, sign_y) each node's image (n,), or None without this symmetry."""
         return {}
 
     @cached_property
@@ -126,9 +124,7 @@ class PlacedBody:
         return []
 
     def sample(self, points_mm: Array, depth_mm: Array) -> SurfaceSample:
-        """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) in mm, world axes, relative to the body's
-        origin.
-        """
+        """The surface worn by `depth_mm` (n_a, n_t) at points (n, 2) in mm, in world axes, from the body's origin."""
         local = points_mm @ self.world_to_patch.T
         patch = self.patch
         nodes, weights, inside = patch.locate(local)
@@ -159,9 +155,7 @@ def place(body: ContactBody, *, upper: bool, axis_angle_rad: float) -> PlacedBod
 
 
 def rotation_to_world(*, upper: bool, axis_angle_rad: float) -> Array:
-    """Matrix (3, 3) that turns vectors from a body's axes into world axes; an upper body is first turned over about its
-    axis.
-    """
+    """Matrix (3, 3) from a body's axes to world axes; an upper body is first turned over about its own axis."""
     c, s = cos(axis_angle_rad), sin(axis_angle_rad)
     # Rounding of cos(pi/2) would break the exact symmetry of wires crossed at right angles.
     c, s = (0.0 if abs(c) < 1e-15 else c), (0.0 if abs(s) < 1e-15 else s)

@@ -88,9 +88,7 @@ def turned(stress: Array, rotation: Array) -> Array:
 
 @dataclass(frozen=True)
 class IntegrationPoints:
-    """The q integration points, two in each direction, of each of the m cells, of c nodes, of a mesh in d
-    dimensions.
-    """
+    """The q integration points, two in each direction, of each of m cells, of c nodes, of a mesh in d dimensions."""
 
     mesh: HexMesh | QuadMesh
     gradients: Array  #: (m, q, c, 3) gradients of the shape functions, 1/mm.

@@ -131,9 +131,7 @@ class Friction:
         return float(load @ np.abs(now - then)) / max(float(load @ (now + then)), 1e-300)
 
     def limit(self, pressure_MPa: Array) -> Array:
-        """Largest tangential traction (k,) in MPa at pressures (k,) in MPa; 0 under tension, which Newton's method may
-        try.
-        """
+        """Largest tangential traction (k,) in MPa at pressures (k,) in MPa; 0 under tension, which Newton may try."""
         return self.share * self.law.limit(self.coefficient, np.maximum(pressure_MPa, 0.0))
 
     def derivative(self, pressure_MPa: Array) -> Array:
@@ -206,9 +204,7 @@ def power_of_pressure(pressure_MPa: Array, reference_MPa: float, exponent: float
 
 
 def bend_of_power(pressure_MPa: Array, reference_MPa: float, exponent: float) -> Array:
-    """Logarithmic derivative p / w dw/dp of w = `power_of_pressure`, (k,): the exponent, except near p = 0, where it is
-    0.
-    """
+    """Logarithmic derivative p / w dw/dp of w = `power_of_pressure`, (k,): the exponent, but 0 close to p = 0."""
     ratio = pressure_MPa / reference_MPa
     return np.asarray(exponent * (ratio / np.hypot(ratio, _SMALLEST_PRESSURE)) ** 2)
 

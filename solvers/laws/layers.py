@@ -34,9 +34,7 @@ class ContactLayer(Protocol):
         ...
 
     def closure(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
-        """Closure (k,) in mm, positive as the surfaces approach, at pressures (k,), and its derivative by pressure in
-        mm/MPa.
-        """
+        """Closure (k,) in mm, positive as surfaces approach, at pressures (k,) in MPa, and its derivative by these."""
         ...
 
     def shear_compliance(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
@@ -108,9 +106,7 @@ class LayersAtNodes:
     yielding: YieldAtNodes | None = None
 
     def closure(self, pressure: Array) -> tuple[Array, Array]:
-        """Closure (k,) in mm of all layers, yielding included, under pressures (k,) in MPa, and its derivative by
-        pressure.
-        """
+        """Closure (k,) in mm of all layers and by yielding, at pressures (k,) in MPa, and its derivative by these."""
         parts = [layer.closure(pressure, self.worn) for layer in self.layers]
         return _sum(parts if self.yielding is None else [*parts, self.yielding.closure(pressure)])
 

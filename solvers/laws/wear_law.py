@@ -44,9 +44,7 @@ class WornCycle(Protocol):
 
     @property
     def slip_amplitude_mm(self) -> float:
-        """Half of the slip in one stroke, averaged over the contact with the pressure as weight and over the
-        strokes.
-        """
+        """Half of the slip in a stroke, averaged over the contact with the pressure as weight and over the strokes."""
 
     @property
     def frequency_Hz(self) -> float: ...

@@ -36,9 +36,7 @@ class YieldAtNodes:
         return YieldAtNodes(self.limit[nodes], self.rise_MPa_per_mm[nodes])
 
     def closure(self, pressure: Array) -> tuple[Array, Array]:
-        """Permanent closure (k,) in mm under pressures (k,) in MPa, 0 up to the limit, and its derivative by
-        pressure.
-        """
+        """Permanent closure (k,) in mm by pressures (k,) in MPa, 0 up to the limit, and its derivative by pressure."""
         beyond = pressure - self.limit
         softness = np.where(beyond > 0.0, 1.0 / self.rise_MPa_per_mm, 0.0)
         return beyond * softness, softness

@@ -79,9 +79,7 @@ class ContactConditions:
         self._laws = linear_laws(system, np.zeros(len(loaded)))
 
     def laws(self, about: Array) -> LinearLaws:
-        """Friction and layers, linearised at pressures `about` (k,) in MPa; laws that are linear anyway are linearised
-        once.
-        """
+        """Friction and layers, linearised at pressures `about` (k,) in MPa; laws that are linear only once."""
         straight = self.system.layers is None and self.system.friction.law.proportional
         return self._laws if straight else linear_laws(self.system, about)
 
@@ -353,9 +351,7 @@ def fill_holder_rows(
 
 
 def unbalanced_force(conditions: ContactConditions, state: Iterate, traction: Array) -> float:
-    """Largest unbalanced force on the holder, by its springs and load, under tractions (k, 3) in MPa, over the normal
-    force.
-    """
+    """Largest unbalanced force on the holder, by springs, load and tractions (k, 3) in MPa, over the normal force."""
     system, areas, holder = conditions.system, conditions.nodes.areas, conditions.system.holder
     force = areas @ traction
     expected = holder.load_N(state.height, system.pressed_height) if system.prescribed_height is None else force[2]

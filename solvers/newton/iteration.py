@@ -35,9 +35,7 @@ _MESH_TOO_COARSE = "most likely the mesh is too coarse for this contact: take a 
 def converged_outcome(
     conditions: ContactConditions, before: Iterate, state: Iterate, iterations: int
 ) -> ContactOutcome:
-    """The outcome of a converged `state`, with its residuals; `before`: the state before it, with the status that nodes
-    have.
-    """
+    """The outcome of a converged `state`, with its residuals; `before`: the state before it, with nodes' status."""
     system, layer = conditions.system, conditions.system.compliance.layer
     scale = max(state.elastic, 1e-300)
     # Without friction slip has no direction to differ from.
@@ -170,9 +168,7 @@ class _Change(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Distance from the solution: 1 + the number of nodes that change, or below 1, once none does, the largest
-        residual.
-        """
+        """Distance from the solution: 1 + the number of nodes that change or, once none does, the largest residual."""
         if self.settled:
             return max(self.gap_error, self.nodes.turned, self.bend)
         return 1.0 + float(self.nodes.changing)
@@ -213,9 +209,7 @@ class SemismoothNewton:
     """Newton's method for contact conditions that change with the status of nodes; see `solvers.contact_conditions`."""
 
     def solve_contact(self, system: Linearisation, guess: ContactGuess, /) -> ContactOutcome:
-        """Tractions and holder position of a pairing; the outcome says if it `converged`, within 60 steps, and why
-        not.
-        """
+        """Tractions and holder position of a pairing; the outcome says if they `converged`, in 60 steps, or why not."""
         height = guess.height if system.prescribed_height is None else system.prescribed_height
         conditions = ContactConditions(system, guess.active)
         before = state = conditions.first(guess.traction, height, guess.holder_x, guess.active)

@@ -14,9 +14,7 @@ from solvers.jit_cache import inlined
 
 
 class Carried(NamedTuple):
-    """Tractions of k nodes in world axes by their normal traction p: `per_normal` (k, 3) times p plus `constant` (k,
-    3).
-    """
+    """Tractions of k nodes in world axes by normal traction p: `per_normal` (k, 3) times p plus `constant` (k, 3)."""
 
     per_normal: Array
     constant: Array
@@ -25,9 +23,7 @@ class Carried(NamedTuple):
 
 @inlined
 def carried_by(nodes: "Nodes", state: "Iterate", laws: "LinearLaws") -> Carried:
-    """World tractions of k nodes per normal traction; where friction follows a known direction, with its linearised
-    law.
-    """
+    """World tractions of k nodes per normal traction; the linearised law acts where friction's direction is known."""
     frames, direction = nodes.frames, state.direction
     per_normal, constant = np.empty((len(frames), 3)), np.zeros((len(frames), 3))
     shifted = False

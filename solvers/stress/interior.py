@@ -154,9 +154,7 @@ class Interior:
         return tuple(self._images)
 
     def displacements(self, nodes: IntArray, forces: Array) -> Array:
-        """Displacements (s, n, 3) in mm of all nodes in s states, by forces (s, k, 3) in N on the nodes of index
-        (k,).
-        """
+        """Displacements (s, n, 3) in mm of all nodes in s states, by forces (s, k, 3) in N on nodes of index (k,)."""
         loaded = np.unique(nodes)
         for image in self._images.values():
             loaded = np.union1d(loaded, image[loaded])

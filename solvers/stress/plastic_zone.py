@@ -50,9 +50,7 @@ class PlasticZone:
         )  # fmt: skip
 
     def under(self, traction_MPa: Array, before: Flowed) -> Flowed:
-        """The half-space after a step from `before` to known tractions (n_x, n_y, 3). Raises NotConvergedError as
-        `loaded`.
-        """
+        """The half-space after a step from `before` to given tractions (n_x, n_y, 3). Raises NotConvergedError."""
         return self.loaded(lambda _: traction_MPa, before)
 
     def loaded(self, traction: Callable[[Array], Array], before: Flowed) -> Flowed:

@@ -90,9 +90,7 @@ class Indenter:
 
 @dataclass(frozen=True)
 class Indentation:
-    """A half-space under a profile: state of its metal, the load in N, the approach of the profile in mm, the area of
-    contact.
-    """
+    """A half-space under a profile: state of its metal, load in N, approach of the profile in mm, area of contact."""
 
     state: Flowed
     load_N: float

@@ -54,9 +54,7 @@ class SubgridTraction:
         return cls(square * _scale(square, pressure) ** 2, ratio)
 
     def edge(self) -> Array:
-        """Points (k, 2), in elements from the first node, where lines of the grid cross the contact's edge, just
-        inside.
-        """
+        """Points (k, 2), in elements from the first node, where grid lines cross the contact's edge, just inside."""
         return np.asarray(_edge(self.square))
 
 

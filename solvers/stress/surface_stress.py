@@ -120,9 +120,7 @@ class SurfaceStress:
         return bool(alike_lines and np.abs(normals - normals[:, ::-1] * [1.0, -1.0, 1.0]).max() < _MIRRORED)
 
     def under(self, force_N: Array) -> "LoadedSurface":
-        """The surface under forces (n, 3) in N in the body's axes at the patch's nodes, in the order of its flattened
-        grid.
-        """
+        """The surface under forces (n, 3) in N in the body's axes at the patch's nodes, in the order of the grid."""
         patch = self.patch
         plane = force_N.reshape(*patch.shape, 3)
         for axis, lines in enumerate((patch.axial_mm, patch.transverse_mm)):
@@ -153,9 +151,7 @@ class SurfaceStress:
 
 @dataclass(frozen=True, eq=False)
 class LoadedSurface:
-    """Tractions (m_a, m_t, 3) in MPa at the nodes of a surface's window, along its two tangents and its outward
-    normal.
-    """
+    """Tractions (m_a, m_t, 3) in MPa at the nodes of a surface's window, along two tangents and its outward normal."""
 
     surface: SurfaceStress
     traction: Array
@@ -323,9 +319,7 @@ def even_lines(lines: Array, place_mm: float = np.inf) -> Array:
 
 
 def between(known: Array, values: Array, wanted: Array) -> Array:
-    """Values (w, ...) at increasing lines `wanted` (w,), interpolated linearly from `values` (n, ...) at the lines
-    `known` (n,).
-    """
+    """Values (w, ...) at increasing lines `wanted` (w,), linear between `values` (n, ...) at the lines `known` (n,)."""
     if np.isin(wanted, known).all():
         return np.asarray(values[np.isin(known, wanted)])
     cell = np.clip(np.searchsorted(known, wanted, side="right") - 1, 0, len(known) - 2)

@@ -23,9 +23,7 @@ _LEAST_LOAD = 0.1
 
 
 class WearStop(NamedTuple):
-    """An increment of a traced cycle at whose end wear is computed; it may stand for the wear of increments beside
-    it.
-    """
+    """An increment of a traced cycle at whose end wear is computed; it may stand for wear of increments near it."""
 
     state: ContactState  #: At the end of the increment.
     begins: ContactState  #: From which the bodies slide to `state`: of the stop before, or where they last met.

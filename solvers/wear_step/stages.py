@@ -159,9 +159,7 @@ def _taken_over(problem: ContactProblem, cycle: Cycle, lasting: Array, first: Ar
 
 
 def state_at(stages: Stages, cycle: Cycle, index: int) -> ContactState:
-    """The state at the position of this index after the jump, in equilibrium on the worn surfaces where the bodies
-    slide.
-    """
+    """The state at this index's position after the jump, in equilibrium on the worn surfaces where bodies slide."""
     problem, orbits, position = stages.problem, cycle.orbits, cycle.positions[index]
     face, at, pairing, nodes = stages.last.facing, cycle.at(index), position.pairing, position.nodes
     rows, images = orbits.rows[index], orbits.images[index]

@@ -78,9 +78,7 @@ class CycleNodes(NamedTuple):
 
 @dataclass(frozen=True)
 class Cycle:
-    """The positions of a cycle traced in the state `wear`, their unknowns, and both bodies' displacements by unit
-    tractions.
-    """
+    """Positions of a cycle traced in the state `wear`, their unknowns, and both bodies' motion by unit tractions."""
 
     positions: tuple[Position, ...]
     orbits: Orbits  #: The N unknowns.
@@ -132,9 +130,7 @@ class Cycle:
 
     @cached_property
     def uncertain(self) -> bool:
-        """True if slip follows from the bodies' strain, or is a small difference of large motions; see
-        `slip_is_left_over`.
-        """
+        """True if slip follows from bodies' strain, or is a small difference of large motions (`slip_is_left_over`)."""
         return self.strained or slip_is_left_over(self.positions, self.half_cycle)
 
     def facing(self, problem: ContactProblem, depths: Depths) -> Facing:

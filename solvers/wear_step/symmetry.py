@@ -111,9 +111,7 @@ def kept_by(symmetry: Symmetry, state: ContactState) -> Symmetry:
 
 
 def mirrored(state: ContactState, mirror: Mirror) -> ContactState:
-    """The state half a cycle later, by a mirror that reverses the motion; worn depths and prints are left as they
-    are.
-    """
+    """The state half a cycle later, by a mirror that reverses the motion; worn depths and prints are unchanged."""
     return replace(
         state,
         drive=mirror.sign_x * state.drive + 0.0,

@@ -104,9 +104,7 @@ def is_row(line: str) -> bool:
 
 
 def is_comment(line: str) -> bool:
-    """True if a line among rows is a comment: it begins with a comment sign and is no row whose first value is
-    missing.
-    """
+    """True if a line among rows is a comment: it begins with a comment sign and does not just lack its first value."""
     if _COMMENT.match(line) or not _PERHAPS.match(line):
         return _COMMENT.match(line) is not None
     first, *others = re.split(r"[\t;,]\s*|\s+", line.strip())

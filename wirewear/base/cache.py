@@ -150,9 +150,7 @@ class Identity:
 
     @classmethod
     def of_text(cls, text: object) -> "Identity":
-        """Identity from its text in a file, see `__str__`; a text of an earlier format gives one that equals no
-        other.
-        """
+        """Identity from its text in a file, see `__str__`; a text in an earlier format gives one unlike all others."""
         asked, _, made = str(text).partition(".")
         return cls(asked, made)
 

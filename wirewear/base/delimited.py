@@ -55,9 +55,7 @@ def is_clock(field: str) -> bool:
 
 
 def ungrouped(field: str, decimal: str) -> str:
-    """Number without the signs between its thousands: ``1,234.5`` gives ``1234.5``; other fields are returned
-    unchanged.
-    """
+    """Number without the signs between its thousands: ``1,234.5`` gives ``1234.5``; other fields are unchanged."""
     found = _GROUPED.fullmatch(field)
     alike = found is None or found[1] == decimal or found[3] not in (None, decimal)
     return field if found is None or alike else field.replace(found[1], "")

@@ -52,9 +52,7 @@ class LostTaskError(EngineError):
 
 
 def show_warnings_plainly() -> None:
-    """Print this program's warnings as one sentence each; warnings of libraries appear only if Python was started with
-    -W.
-    """
+    """Print this program's warnings as one sentence each; libraries' warnings appear only if Python ran with -W."""
     otherwise = warnings.showwarning
 
     def shown(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:

@@ -71,9 +71,7 @@ def _hint(text: str, reason: str) -> str:
 
 
 def toml_text(tables: Mapping[str, object], prefix: str = "") -> str:
-    """TOML text of tables that hold texts, numbers, lists and tables; prefix: what begins the names of inner tables, as
-    "rig.".
-    """
+    """TOML text of tables of texts, numbers, lists and tables; prefix: what begins inner tables' names, as "rig."."""
     own = [f"{key} = {spelled(value)}" for key, value in tables.items() if not isinstance(value, Mapping)]
     inner = []
     for key, value in tables.items():
@@ -174,9 +172,7 @@ def require_unchanged(table: Mapping[str, object], where: str, kind: type[Wirewe
 
 
 def utf8(data: bytes, path: Path, kind: type[WirewearError]) -> str:
-    """Text of bytes in UTF-8, without a byte-order mark. Raises an error of class `kind`, naming the line, if it is
-    none.
-    """
+    """Text of bytes in UTF-8, without a byte-order mark. Raises a `kind` of error, naming the line, if it is none."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:

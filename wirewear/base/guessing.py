@@ -47,9 +47,7 @@ class NoTableError(RecordError):
 
 @dataclass(frozen=True)
 class GuessedLayout:
-    """Guessed layout of a text, with its columns' names (empty if no line names them) and stated units ("" if
-    unstated).
-    """
+    """Guessed layout of a text, with its columns' names (empty if no line names them) and units ("" if unstated)."""
 
     layout: delimited.DelimitedLayout
     names: tuple[str, ...]
@@ -350,9 +348,7 @@ def _rate(header: list[str], table: _Table) -> float | None:
 
 
 def known_columns(file: Path, names: Sequence[str]) -> dict[str, Array]:
-    """Columns (n,) of a text file by name, for those of `names` that it has. Raises RecordError if it cannot be
-    read.
-    """
+    """Columns (n,) of a text file by name, for those of `names` that it has. Raises RecordError if unreadable."""
     text = delimited.read_delimited(file, guessed_layout(file).layout)
     places: dict[str, int] = {name: text.names.index(name) for name in names if name in text.names}
     return text.numbers(places).columns if places else {}

@@ -30,9 +30,7 @@ _SEAL_LENGTH = len("\nwirewear sha256 \n") + 64
 
 
 def hdf5_image(fill: Callable[[h5py.File], None], *, track_order: bool = False) -> bytes:
-    """Bytes of a new HDF5 file, sealed, that `fill` writes to; track_order: True if groups keep the order of their
-    creation.
-    """
+    """Bytes of a new HDF5 file, sealed, that `fill` writes to; track_order: groups keep the order of creation."""
     with _in_memory(track_order=track_order) as file:
         return _filled(file, fill)
 

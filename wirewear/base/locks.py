@@ -50,9 +50,7 @@ def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, obj
 
 
 def last_noted(folder: Path) -> Mapping[str, object]:
-    """What the process that holds a folder, or held it and did not finish, noted in its lock file; empty if there is
-    none.
-    """
+    """What the process that holds a folder, or held it and did not finish, noted in its lock file; may be empty."""
     try:
         descriptor = os.open(folder / LOCK_FILE_NAME, os.O_RDONLY | os.O_NOFOLLOW)
     except OSError:

@@ -6,9 +6,7 @@ from html import escape
 
 
 def notebook_table(heading: str, rows: Mapping[str, str], *, note: str = "", pictures: Sequence[bytes] = ()) -> str:
-    """HTML with a heading, one line for each row (name and value), a note, and PNG pictures (bytes) below; texts are
-    escaped.
-    """
+    """HTML with a heading, a line for each row (name, value), a note, and PNG pictures (bytes) below; escapes texts."""
     lines = "".join(
         f"<tr><td style='text-align:left'>{escape(name)}</td><td style='text-align:left'>{escape(value)}</td></tr>"
         for name, value in rows.items()

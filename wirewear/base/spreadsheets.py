@@ -104,9 +104,7 @@ def left_out(path: Path, sheets: list[Sheet], names: str | None = None) -> tuple
 
 
 def refuse_other_sheets(data: bytes, path: Path) -> None:
-    """Raise RecordError, saying what to do, if the bytes are of another spreadsheet format (old Excel,
-    OpenDocument).
-    """
+    """Raise RecordError, with a remedy, if the bytes are of another spreadsheet format (old Excel, OpenDocument)."""
     if data.startswith(_OLD_EXCEL) or data[30:80].startswith(b"mimetypeapplication/vnd.oasis.opendocument.spreadsheet"):
         raise RecordError(f"{path} is a spreadsheet of a kind that is not read: save it as .xlsx or as CSV.")
 

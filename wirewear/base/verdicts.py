@@ -10,9 +10,7 @@ from rich.text import Text
 
 @dataclass(frozen=True)
 class Comparison:
-    """Simulated and expected figure, the relative tolerance (0.01: 1 %), and the source of the expected one in
-    words.
-    """
+    """Simulated and expected figure, relative tolerance (0.01: 1 %), and the source of the expected one in words."""
 
     name: str
     simulated: float

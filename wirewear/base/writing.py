@@ -35,9 +35,7 @@ _AT_WORKING_FOLDER, _SWAP = -100, 2  #: Of renameat2, in Linux's fcntl.h and fs.
 
 
 def json_text(value: object, indent: int | None = 2) -> str:
-    """Value as JSON text, with null in place of numbers that are not finite; indent: spaces for each level, None for
-    one line.
-    """
+    """Value as JSON text, null in place of numbers that are not finite; indent: spaces by level, None: one line."""
     return json.dumps(finite(value), indent=indent, ensure_ascii=False, allow_nan=False)
 
 
@@ -65,9 +63,7 @@ def finite(value: object) -> object: ...
 
 
 def finite(value: object) -> object:
-    """Copy of a value of mappings, sequences (which become lists) and plain values, with None for numbers that are not
-    finite.
-    """
+    """Copy of a value of mappings, sequences (made lists) and plain values, with None for numbers not finite."""
     if isinstance(value, float):
         return value if isfinite(value) else None
     if isinstance(value, Mapping):
@@ -289,16 +285,12 @@ def require_absent(paths: Iterable[Path], kind: type[WirewearError]) -> None:
 
 
 def is_special(path: Path) -> bool:
-    """True for a device, pipe or socket, and for a path such as /dev/stdout that leads to an open stream of this
-    process.
-    """
+    """True for a device, pipe or socket, and for a path, as /dev/stdout, that leads to this process's open stream."""
     return open_number(path) is not None or (path.exists() and not path.is_file() and not path.is_dir())
 
 
 def open_number(path: Path) -> int | None:
-    """Descriptor of this process's open stream that a path leads to, such as 1 for /dev/stdout; None for other
-    paths.
-    """
+    """Descriptor of this process's open stream that a path leads to, as 1 for /dev/stdout; None for other paths."""
     for _ in range(_MOST_LINKS):
         if path.name.isdecimal() and path.parent.resolve() == Path("/proc/self/fd").resolve():
             return int(path.name)

@@ -40,9 +40,7 @@ class UnforeseenError(StudyError):
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """A test of a contact at a point (crossed wires, a ball on a flat) at n moments, for fast models; arrays
-    are (n,).
-    """
+    """A test of a contact at a point (crossed wires, a ball on a flat) at n moments, for fast models; arrays (n,)."""
 
     radius_um: float  #: Radius of the sphere (or the cylinder, of a line contact) that has the bodies' gap to a flat.
     fresh_area_um2: float  #: Area of the contact before any wear.
@@ -239,9 +237,7 @@ class Effect(ABC, Generic[T]):
 
     @abstractmethod
     def changed(self, described: T, age: Age) -> T:
-        """The description of the effect's seam with this effect in it, at an age of the test. `described` is not
-        changed.
-        """
+        """A description of the effect's seam as `described`, but with this effect in it, at an age of the test."""
 
     def predicted(self, chain: Chain) -> Chain:
         """The chain with this effect in it, for fast models; by default by `changed` at every moment.

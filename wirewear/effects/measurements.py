@@ -8,9 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Measurement:
-    """A measurement that laboratories can make, why it distinguishes effects, and its cost in days of a laboratory's
-    work.
-    """
+    """A measurement that laboratories can make, why it distinguishes effects, its cost in days of work."""
 
     what: str
     why: str
@@ -18,9 +16,7 @@ class Measurement:
     without_gap: str = ""  #: What it shows if the nominal model is right; empty if that distinguishes nothing.
 
     def shows(self, text: str) -> "Answer":
-        """The answer of this measurement under an effect, in words; it does not distinguish effects with equal
-        words.
-        """
+        """The answer of this measurement under an effect, in words; effects with equal words look alike to it."""
         return Answer(self, text)
 
 

@@ -136,9 +136,7 @@ def parameter(
     share_of: str = "",
     held_by: tuple[str, float] | None = None,
 ) -> float:
-    """A dataclass field of an effect that is a parameter; its arguments, None among them, are the fields of
-    `Parameter`.
-    """
+    """A dataclass field of an effect that is a parameter; its arguments, also None, are the fields of `Parameter`."""
     described = Parameter(meaning, quantity, neutral, easy, hard, interest, logarithmic, share_of, held_by)
     made: float = field(metadata={"parameter": described})
     return made
@@ -177,32 +175,24 @@ def exponent(deviation: float) -> Parameter:
 
 
 def added(meaning: str, low: float, high: float) -> Parameter:
-    """A form: a number added to an exponent or an order of a law, from `low` to `high` for 95 % of laws. meaning: of
-    the number.
-    """
+    """A form: a number added to an exponent or order of a law, `low` to `high` for 95 % of laws; and its meaning."""
     return Parameter(meaning, _ORDER, neutral=0.0, easy=0.0, hard=0.0, interest=(low, high))
 
 
 def order(deviation: float) -> Parameter:
-    """A form: the order of a change's kinetics beyond the first (see `Course.order`); deviation: its standard
-    deviation.
-    """
+    """A form: the order of a change's kinetics beyond the first (see `Course.order`), of this standard deviation."""
     return added("order of its kinetics beyond the first", -_ENDS * deviation, _ENDS * deviation)
 
 
 def limit_um(low: float, high: float) -> Parameter:
-    """A form: the largest thickness in µm, without limit by the source's law; from `low` to `high` for 95 % of limited
-    laws.
-    """
+    """A form: the largest thickness in µm, without limit by the source's law; `low` to `high` for 95 % of others."""
     never = math.inf
     meaning = "thickness that is not exceeded"
     return Parameter(meaning, _THICKNESS, neutral=never, easy=never, hard=never, interest=(low, high), logarithmic=True)
 
 
 def share(low: float, high: float) -> Parameter:
-    """A form: the share of a change that does not happen, 0 by the source's law; from `low` to `high` for 95 % of
-    laws.
-    """
+    """A form: the share of a change that does not happen, 0 by the source's law; `low` to `high` for 95 % of laws."""
     meaning = "share of it that stays for good"
     return Parameter(meaning, _SHARE, neutral=0.0, easy=0.0, hard=0.0, interest=(low, high), logarithmic=True)
 

@@ -113,9 +113,7 @@ def _problem(sentence: str) -> StudyError:
 
 
 def all_measurements() -> tuple[Measurement, ...]:
-    """Every further measurement that can distinguish effects: the library's, then those that effects of packages
-    name.
-    """
+    """All further measurements that can distinguish effects: the library's, then those of effects of packages."""
     named = (answer.measurement for effect in all_effects().values() for answer in effect.answers)
     return tuple(dict.fromkeys((*measurements.LIBRARY, *named)))
 
@@ -202,9 +200,7 @@ def _multiple(item: Parameter) -> str:
 
 
 def effect_text(effect: EffectType) -> str:
-    """A text on one effect: physics, parameters, signature, effects it can be confused with, and what distinguishes
-    them.
-    """
+    """A text on an effect: physics, parameters, signature, effects it can be confused with, what distinguishes them."""
     found = distinguished_by(effect)
     splitting = "; ".join(f"{m.what} ({effect.answer_to(m)})" for m in found) or "no further measurement that is known"
     parts = [

@@ -51,9 +51,7 @@ BACKWARDS = (
 
 @dataclass(frozen=True)
 class CleanLoop:
-    """One cycle of n samples in order of time, without outliers, turning clockwise as a loop that dissipates energy
-    does.
-    """
+    """One cycle of n samples in order of time, without outliers, clockwise as a loop that dissipates energy."""
 
     displacement_um: Array  #: (n,) freed from noise where a smooth drive explains it, and from a certain drift.
     raw_displacement_um: Array  #: (n,) the same samples as read.

@@ -167,9 +167,7 @@ def period_by_phase(time: Array, displacement: Array, about: float) -> float:
 
 
 def even_period(time: Array) -> float:
-    """Period, in the unit of `time` (n,), of samples evenly spread over one cycle, the last of which does not repeat
-    the first.
-    """
+    """Period, in the unit of `time` (n,), of samples evenly spread over one cycle that does not repeat the first."""
     count = len(time)
     return float(time[-1] - time[0]) * count / (count - 1)
 

@@ -24,9 +24,7 @@ MOST_IN_PARTIAL_SLIP = 1.0 / 3.0
 
 
 def mean_force(loop: CleanLoop) -> Measured:
-    """Mean tangential force in N over the path, ∮Q|dδ| / ∮|dδ|, to which each sample contributes by the way around
-    it.
-    """
+    """Mean tangential force in N over the path, ∮Q|dδ| / ∮|dδ|; each sample counts by the way around it."""
     step = np.abs(np.roll(loop.displacement_um, -1) - loop.displacement_um)
     weight = 0.5 * (step + np.roll(step, 1))
     weight /= weight.sum()
@@ -131,9 +129,7 @@ def _passage(slip: MicroSlip, level: float, z: Array, force: Array) -> float:
 def slip_amplitude(
     loop: CleanLoop, forward: tuple[Branch, MicroSlip], backward: tuple[Branch, MicroSlip], level_N: float
 ) -> Measured:
-    """δ0 in µm: half the distance between the two branches at the force `level_N`. forward, backward: branches with
-    their fits.
-    """
+    """δ0 in µm: half the distance between two branches at the force `level_N`. forward, backward: each with its fit."""
     up, up_deviation = crossing_travel(*forward, level_N, loop.force_noise_N)
     down, down_deviation = crossing_travel(*backward, level_N, loop.force_noise_N)
     right = backward[0].origin_um - down

@@ -50,9 +50,7 @@ class Measured:
         return Measured.from_deviation(self.value, self.deviation + abs(other - self.value) / 1.96)
 
     def over(self, *divisors: "Measured", times: float = 1.0) -> "Measured":
-        """This value times `times` over the product of the divisors, none of them 0, whose errors count as
-        independent.
-        """
+        """This value times `times` over the product of the divisors, none 0, whose errors count as independent."""
         share = times / prod(one.value for one in divisors)
         parts = [share * self.deviation, *(share * self.value * one.deviation / one.value for one in divisors)]
         return Measured.from_deviation(share * self.value, float(np.linalg.norm(parts)))
@@ -104,9 +102,7 @@ class Sticking:
     load_N: Measured | None  #: Constant normal load; None if unknown.
 
     def given(self, contact_um_per_N: float, doubt: float) -> "Sticking":
-        """Candidates that remain if the sticking contact's compliance is known, with the relative standard deviation
-        `doubt`.
-        """
+        """Candidates that remain if the sticking contact's compliance is known, to a relative deviation `doubt`."""
         known = np.log(np.maximum(self.contact_um_per_N, 1e-300) / contact_um_per_N) / doubt
         return self.kept(self.chi_squared + known**2)
 
@@ -188,9 +184,7 @@ class Sticking:
 
 @dataclass(frozen=True)
 class LoopFigures:
-    """Figures of one force–displacement loop; None for a figure that this loop does not have, as a note then
-    explains.
-    """
+    """Figures of one force–displacement loop; None for each that this loop lacks, as a note then explains."""
 
     displacement_amplitude_um: Measured  #: δa, half the stroke.
     slip_amplitude_um: Measured  #: δ0, half the loop's width at its mid force.

@@ -105,9 +105,7 @@ def _passed(rise: Array, begin: int, level: float) -> float:
 
 
 def earlier(loop: CleanLoop, samples: float) -> CleanLoop:
-    """Copy of the loop with its force read earlier by this number of samples (interpolated), around the closed
-    cycle.
-    """
+    """Copy of the loop with its force read this number of samples earlier (interpolated), around the cycle."""
     places = np.arange(loop.force_N.size, dtype=float)
     force = np.interp(places + samples, places, loop.force_N, period=loop.force_N.size)
     return replace(loop, force_N=force)

@@ -166,9 +166,7 @@ def noise_of_neighbours(correlation: float) -> float:
 
 
 def through_neighbours(loops: Array) -> Array:
-    """(m, n) value, at each sample of closed loops (m, n) sampled at even times, of the cubic through its four
-    neighbours.
-    """
+    """(m, n) value, at each sample of closed loops (m, n) evenly sampled, of the cubic through its four neighbours."""
     parts = (weight * np.roll(loops, -shift, axis=1) for shift, weight in zip(NEIGHBOURS, WEIGHTS, strict=True))
     return np.asarray(sum(parts))
 

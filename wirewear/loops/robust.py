@@ -19,9 +19,7 @@ def median_deviation(values: Array) -> float:
 
 
 def biweight(residuals: Array, scale: float) -> Array:
-    """Tukey's biweights (n,), from 0 to 1, of residuals (n,): 0 beyond six scales; all 1 if the scale is not
-    positive.
-    """
+    """Tukey's biweights (n,), from 0 to 1, of residuals (n,): 0 beyond six scales; all 1 unless scale > 0."""
     if scale <= 0.0:
         return np.ones_like(residuals)
     inside = np.clip(1.0 - (residuals / (6.0 * scale)) ** 2, 0.0, None)

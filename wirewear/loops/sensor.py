@@ -79,9 +79,7 @@ class LoopSignals:
 
 
 def enclosed_area(x: Array, y: Array) -> float:
-    """Area of a closed loop (n,), its samples joined by straight lines; positive where it turns clockwise
-    (dissipates).
-    """
+    """Area of a closed loop (n,) of samples joined by straight lines; positive if it turns clockwise (dissipates)."""
     return float(enclosed_areas(x[None], y[None])[0])
 
 

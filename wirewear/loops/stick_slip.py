@@ -30,9 +30,7 @@ EARLY = 0.12  #: Where a static force is sought: from the onset on over this sha
 
 
 def stick_slip(loop: CleanLoop, courses: tuple[Course, Course]) -> StickSlip | None:
-    """Stick-slip on both plateaus of a sliding loop; None if fewer than four slips are found in all, or none on one
-    plateau.
-    """
+    """Stick-slip on both plateaus of a sliding loop; None if fewer than four slips are found, or none on one."""
     found = [_slips(loop, *course) for course in courses]
     slips = np.concatenate([drops for drops, _, _ in found])
     if slips.size < FEWEST_SLIPS or min(drops.size for drops, _, _ in found) == 0:

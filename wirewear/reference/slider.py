@@ -32,9 +32,7 @@ class SlidingBall:
 
 @dataclass(frozen=True)
 class SliderLoop:
-    """A closed loop that starts when the drive is at +amplitude, at the ends of n equal parts of the cycle; arrays
-    (n,).
-    """
+    """A closed loop from where the drive is at +amplitude, at the ends of n equal parts of the cycle; arrays (n,)."""
 
     displacement_mm: Array
     slid_mm: Array  #: Distance that the ball has slid, averaged over its load; without contact, that which it moves.

@@ -27,9 +27,7 @@ _LEAST = 1e-6
 
 @dataclass(frozen=True)
 class CrossedWireScar:
-    """Round scar of two equal wires crossed at 90°; its depth in the middle and its volume are those of both wires
-    together.
-    """
+    """Round scar of two equal wires crossed at 90°; its depth in the middle and its volume are those of both."""
 
     volume_mm3: float
     depth_mm: float
@@ -38,9 +36,7 @@ class CrossedWireScar:
 
 @dataclass(frozen=True)
 class LineScar:
-    """Scar of a cylinder on a flat, a circular segment; its largest depth and its area are those of both bodies
-    together.
-    """
+    """Scar of a cylinder on a flat, a circular segment; its largest depth and area are those of both bodies."""
 
     area_mm2: float
     depth_mm: float
@@ -129,9 +125,7 @@ class LimitingShape:
             raise ValueError("the stick radius must lie within the contact of the approach")
 
     def depth(self, radius_mm: ArrayLike) -> Array:
-        """Worn depth in mm at distances (mm) from the middle, of their shape; inside the stick zone that at its edge,
-        0.
-        """
+        """Worn depth in mm at distances (mm) from the middle, of their shape; in the stick zone that at its edge, 0."""
         r = np.maximum(np.asarray(radius_mm, float), self.stick_radius_mm)
         return np.maximum(self._opening(r), 0.0)
 
