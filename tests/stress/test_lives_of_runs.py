@@ -185,3 +185,13 @@ def shortest(criterion: str, stress: Array) -> float:
 def test_a_life_without_wear_is_that_of_the_closed_forms_of_the_contact(run: RunResult, criterion: str) -> None:
     found = lives(run, ["specimen"], values={"criterion": criterion, "averaging_length_um": 1e3 * LENGTH_mm})[0]
     assert found.cycles == pytest.approx(shortest(criterion, averaged(run.forces(1, "specimen"))), rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("criterion", CRITERIA)
+def test_a_life_at_the_surface_itself_is_that_of_the_closed_forms(run: RunResult, criterion: str) -> None:
+    found = lives(run, ["specimen"], values={"criterion": criterion})[0]
+    edge = -a_mm * np.linspace(0.98, 1.02, 81)
+    exact = shortest(criterion, history(run.forces(1, "specimen"), edge, np.zeros(81)))
+    assert found.cycles == pytest.approx(exact, rel=0.2)
+    assert abs(found.place_um[0]) == pytest.approx(1e3 * a_mm, rel=0.02)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, IntArray
 from solvers.elasticity.strain import interpolation
 from wirewear.base.errors import ResultError, renamed
 from wirewear.results import RunResult
@@ -22,7 +22,7 @@ from wirewear.stress.averaging import averaging, averaging_radius_mm, kernel_of,
 from wirewear.stress.criteria import LifeCriterion, criterion_of
 from wirewear.stress.damage import FLOOR, Ahead, Damage, Initiation, Rates, Span
 from wirewear.stress.state import InnerState, one_thread
-from wirewear.stress.strength import stresses_of
+from wirewear.stress.strength import material_points, stresses_of
 from wirewear.test.any_study import AnyStudy, life_data
 from wirewear.test.life import LifeTable
 from wirewear.test.programme import BlockCourse, Schedule
@@ -93,15 +93,30 @@ def wear_state(
     history = np.array([mean @ one[nodes] for one in stresses_of(states, nodes)])
     damage = criterion.damage(history)
     shape = (len(axial), len(transverse), len(depths_mm))
-    logarithm = np.log10(damage.share, out=np.full(len(damage.share), FLOOR), where=damage.share > 10.0**FLOOR)
+    share, normal = damage.share.reshape(shape), damage.normal.reshape(*shape, 3)
+    if not reach and not kernel(0.0)[0].any():
+        share[..., 0], normal[..., 0, :] = _at_surface(states, criterion, patch.nodes[np.ix_(rows, columns)])
     return LifeState(
         first.forces.cycle,
         axial,
         transverse,
-        logarithm.reshape(shape),
-        damage.normal.reshape(*shape, 3),
+        np.log10(share, out=np.full(shape, FLOOR), where=share > 10.0**FLOOR),
+        normal,
         worn_mm[np.ix_(rows, columns)],
     )
+
+
+def _at_surface(states: Sequence[InnerState[Any]], criterion: LifeCriterion, nodes: IntArray) -> tuple[Array, Array]:
+    """Share (a, t) of life per cycle and normals (a, t, 3) at nodes (a, t) of the patch, of stresses that are not
+    averaged: each of the worst of the points nearest to it, where the contact ends among them.
+    """
+    points = material_points(states, nodes.ravel())
+    damage = criterion.damage(points.history)
+    order = np.argsort(damage.share, kind="stable")
+    worst = np.empty(int(nodes.max()) + 1, dtype=np.int64)
+    worst[points.node[order]] = order
+    chosen = worst[nodes]
+    return damage.share[chosen], damage.normal[chosen]
 
 
 @dataclass(frozen=True, eq=False)
