@@ -43,7 +43,10 @@ _PIXELS = 1100
 
 
 def draw_section(states: Sequence[BodyState]) -> Figure:
-    """Picture of both bodies' von Mises stress in three sections: whole along the motion, near it along and across."""
+    """Picture of both bodies' von Mises stress in three sections.
+
+    The whole bodies along the motion, and the neighbourhood of the contact along and across the motion.
+    """
     grids = [body_grid(state) for state in states]
     centre, reach = _contact(states)
     largest = _largest(grids)

@@ -120,8 +120,8 @@ class Strength:
     critical_plane_normal, crossland_MPa, crossland_amplitude_MPa, largest_hydrostatic_MPa; all zero farther away.
     surface: (t, 4) facets of its contact patch, none of a line contact. von_mises, critical_plane, crossland: where
     each is largest. Stresses are averaged over a stated length; where it is 0, those at the surface are corrected
-    between the nodes, and a node shows the worst point nearest to it. flowed: they are with the residual stress of
-    metal that has flowed.
+    between the nodes, and a node shows the worst point nearest to it. flowed: whether
+    they include the residual stress of metal that has flowed.
     """
 
     cycle: int
