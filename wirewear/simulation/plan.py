@@ -249,9 +249,9 @@ class PlannedRun:
         tolerance: float,
         explicit_jump_cycles: float | None = None,
     ) -> FrettingTest:
-        """The test of `study`, as computed, as `cycle_through` simulates it. motion: from a block's study to
-        how its cycles run. milestones: cycles whose loop is measured. tolerance: relative error allowed to a jump.
-        explicit_jump_cycles: size of jumps without error control, None for jumps with it.
+        """The test of `study` (the `computed` one) as `cycle_through` simulates it. motion: gives the motion of a block
+        from the block's own study. milestones: cycles whose loop is measured. tolerance: relative error allowed to a
+        jump. explicit_jump_cycles: size of jumps without error control, None for jumps with it.
         """
         stretches = study.driven.schedule.stretches
         motions = {own.block: motion(own.study) for own in stretches}

@@ -62,7 +62,7 @@ class LifeState:
 def wear_state(
     states: Sequence[InnerState[Any]], criterion: LifeCriterion, table: LifeTable, depths_mm: Array, worn_mm: Array
 ) -> LifeState:
-    """The damage per cycle of a body from its states over one recorded cycle, whose mesh nodes stand in the worn
+    """The damage per cycle of a body from its states over one recorded cycle; the nodes of its mesh stand in the worn
     surface. depths_mm (d,): depths below the worn surface at which damage is found. worn_mm (n_a, n_t): depth worn off
     at the nodes of the patch.
     """

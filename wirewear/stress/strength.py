@@ -38,8 +38,7 @@ class MaterialPoints:
 
 
 def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> MaterialPoints:
-    """Stresses of a body over a cycle at nodes (k,) of its mesh, corrected on the surface, and at the edges of the
-    contact.
+    """Stresses of a body over a cycle at nodes (k,) of its mesh and where the contact ends, corrected on the surface.
 
     Added to the nodes are the points where the contact ends at any of the positions, each shown at the nearest node.
     """
@@ -120,8 +119,8 @@ class Strength:
     critical_plane_normal, crossland_MPa, crossland_amplitude_MPa, largest_hydrostatic_MPa; all zero farther away.
     surface: (t, 4) facets of its contact patch, none of a line contact. von_mises, critical_plane, crossland: where
     each is largest. Stresses are averaged over a stated length; where it is 0, those at the surface are corrected
-    between the nodes, and a node shows the worst point nearest to it. flowed: whether
-    they include the residual stress of metal that has flowed.
+    between the nodes, and a node shows the worst of the points nearest to it. flowed: whether they include the residual
+    stress of metal that has flowed.
     """
 
     cycle: int
