@@ -78,8 +78,8 @@ def forces_on(
     made_of: Sequence[tuple[BodyGeometry, Elastic] | tuple[None, None]] = ((None, None), (None, None)),
 ) -> tuple[ContactForces, ...]:
     """(driven, held): contact forces at about `count` positions of a traced cycle; empty for a count of 0.
-    cycle: its number. bodies: their names. made_of: each body's geometry and material as `ContactForces` keeps them, None
-    and None for line contacts.
+    cycle: its number. bodies: their names. made_of: each body's geometry and material as `ContactForces` keeps them,
+    both None for line contacts.
     """
     if count == 0:
         return ()
