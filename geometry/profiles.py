@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator, RegularGridInterpolator
 
 
+_ARC_REACH = 0.9999  # Where an arc is as good as upright.
 _REACH = 0.95  # Far beside a contact patch any finite height will do; a cylinder has none there.
 
 
@@ -73,6 +74,37 @@ class Cylinder:
     def _clipped(self, plane_mm: Array) -> Array:
         t = plane_mm[:, 0 if self.curved_along else 1]
         return np.minimum(np.maximum(t, -_REACH * self.radius_mm), _REACH * self.radius_mm)
+
+
+@dataclass(frozen=True)
+class Arc:
+    """An arc along the body's axis that may come close to half a circle: a pin's surface, or a bore's that holds it.
+
+    radius_mm: of a pin above 0, of a bore below. A contact reaches far around: unlike where bodies touch in a narrow
+    strip, the two heights nearly cancel, and both must be averaged over elements alike.
+    """
+
+    radius_mm: float
+
+    def height(self, plane_mm: Array) -> Array:
+        x, radius, root = self._circle(plane_mm)
+        return np.asarray(-np.copysign(x**2 / (radius + root), self.radius_mm))
+
+    def slope(self, plane_mm: Array) -> Array:
+        x, _, root = self._circle(plane_mm)
+        return np.column_stack([-np.copysign(1.0, self.radius_mm) * x / root, np.zeros_like(x)])
+
+    def require_within(self, along_mm: float, across_mm: float) -> None:  # noqa: ARG002 - straight across
+        """GeometryError when the patch reaches the arc's radius."""
+        if along_mm >= abs(self.radius_mm):
+            raise GeometryError(
+                f"a contact patch {along_mm} mm to the side does not fit on an arc of {abs(self.radius_mm)} mm"
+            )
+
+    def _circle(self, plane_mm: Array) -> tuple[Array, float, Array]:
+        radius = abs(self.radius_mm)
+        x = np.clip(plane_mm[:, 0], -_ARC_REACH * radius, _ARC_REACH * radius)
+        return x, radius, np.sqrt(radius**2 - x**2)
 
 
 @dataclass(frozen=True)

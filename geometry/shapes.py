@@ -16,6 +16,7 @@ from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, RimGradedAxis
 from geometry.mesh import QuadMesh
 from geometry.patch import ContactPatch
 from geometry.profiles import Barrel, Cylinder, Profile, Turned
+from geometry.ring import RingGeometry
 from geometry.sections import block_section, wire_section
 
 _LEAST_QUALITY = 0.2
@@ -195,6 +196,32 @@ class PlanarGeometry:
         """Thicknesses (n,) in mm of the rows of elements at x = 0, from the surface down."""
         return graded_layers(self.along.fine_mm, self.growth, self.far_mm, self.height_mm)
 
+    def above_back(self, points_mm: Array) -> Array:
+        """Share (n,) of the way from the back to the contact surface above at points (n, 2) of the body."""
+        face = self.profile.height(np.column_stack([points_mm[:, 0], np.zeros(len(points_mm))]))
+        return np.asarray((points_mm[:, 1] + self.height_mm) / (face + self.height_mm))
+
+    def meshed(self) -> tuple[QuadMesh, ContactPatch]:
+        """The mesh, with the surfaces 'contact', 'grip' and 'sides', and its patch."""
+        x = _lines_to_sides(self)
+        layers = self.layers()
+        depth = np.concatenate([np.cumsum(layers)[::-1], [0.0]]) / layers.sum()
+        face = self.profile.height(np.column_stack([x, np.zeros_like(x)]))
+        # The rows follow the face and flatten out towards the back.
+        z = face[:, None] * (1.0 - depth) - self.height_mm * depth
+        n = np.arange(z.size).reshape(z.shape)
+        points = np.column_stack([np.repeat(x, len(depth)), z.ravel()])
+        cells = np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], axis=-1).reshape(-1, 4)
+        inside = np.flatnonzero(np.abs(x) <= self.along.half_extent_mm * (1.0 + 1e-12))
+        top = n[inside, -1]
+        surfaces = {
+            "contact": np.column_stack([top[:-1], top[1:]]),
+            "grip": _held(np.column_stack([n[:-1, 0], n[1:, 0]]), points, self.grip_half_width_mm),
+            "sides": np.vstack([np.column_stack([side[:-1], side[1:]]) for side in (n[0], n[-1])]),
+        }
+        patch = ContactPatch(x[inside], np.zeros(1), top[:, None], self.profile)
+        return QuadMesh(points, cells, surfaces), patch
+
 
 @dataclass(frozen=True)
 class PlanarMesh:
@@ -203,7 +230,7 @@ class PlanarMesh:
     quality: smallest scaled Jacobian of its elements, 1 at best.
     """
 
-    geometry: PlanarGeometry
+    geometry: PlanarGeometry | RingGeometry
     mesh: QuadMesh
     patch: ContactPatch
     quality: float
@@ -222,39 +249,19 @@ class PlanarMesh:
         """
         patch, points = self.patch, self.mesh.points.copy()
         along = np.interp(points[:, 0], patch.axial_mm, depth_mm, 0.0, 0.0)
-        face = self.geometry.profile.height(np.column_stack([points[:, 0], np.zeros(len(points))]))
-        bottom = -self.geometry.height_mm
-        points[:, 1] -= along * (points[:, 1] - bottom) / (face - bottom)
+        points[:, 1] -= along * self.geometry.above_back(points)
         mesh = QuadMesh(points, self.mesh.cells, self.mesh.surfaces)
         moved = replace(patch, repositioned_depth_mm=depth_mm[:, None])
         return PlanarMesh(self.geometry, mesh, moved, mesh.require_quality(_LEAST_QUALITY))
 
 
-def build_planar(geometry: PlanarGeometry) -> PlanarMesh:
-    """Build the mesh of a planar body, with the named surfaces 'contact', 'grip' (the back or its held part) and
-    'sides'.
+def build_planar(geometry: PlanarGeometry | RingGeometry) -> PlanarMesh:
+    """Build the mesh of a planar body, with the named surfaces 'contact', 'grip' (what is held of its back) and, of a
+    block, 'sides'.
 
     Raises GeometryError when an element is too distorted.
     """
-    x = _lines_to_sides(geometry)
-    layers = geometry.layers()
-    depth = np.concatenate([np.cumsum(layers)[::-1], [0.0]]) / layers.sum()
-    across = np.zeros_like(x)
-    face = geometry.profile.height(np.column_stack([x, across]))
-    # The rows follow the face and flatten out towards the back.
-    z = face[:, None] * (1.0 - depth) - geometry.height_mm * depth
-    n = np.arange(z.size).reshape(z.shape)
-    points = np.column_stack([np.repeat(x, len(depth)), z.ravel()])
-    cells = np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], axis=-1).reshape(-1, 4)
-    inside = np.flatnonzero(np.abs(x) <= geometry.along.half_extent_mm * (1.0 + 1e-12))
-    top = n[inside, -1]
-    surfaces = {
-        "contact": np.column_stack([top[:-1], top[1:]]),
-        "grip": _held(np.column_stack([n[:-1, 0], n[1:, 0]]), points, geometry.grip_half_width_mm),
-        "sides": np.vstack([np.column_stack([side[:-1], side[1:]]) for side in (n[0], n[-1])]),
-    }
-    mesh = QuadMesh(points, cells, surfaces)
-    patch = ContactPatch(x[inside], np.zeros(1), top[:, None], geometry.profile)
+    mesh, patch = geometry.meshed()
     return PlanarMesh(geometry, mesh, patch, mesh.require_quality(_LEAST_QUALITY))
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from geometry.arrays import Array, BoolArray, IntArray
+from geometry.profiles import Arc
 from solvers.elasticity.nodal_transfer import GaussLines, NodalTransfer, gauss_lines, weighted_sums
 from solvers.elasticity.placement import PlacedBody
 from solvers.elasticity.quadrature import at_points, field_at, integrals, points_about
@@ -33,6 +34,7 @@ class PrimarySurface:
     areas: Array  #: (n,) plane area of each node.
     fresh_slope: Array  #: (n, 2) mean slope of the unworn surface about each node, in the patch's axes.
     averaging: NodalTransfer  #: From a nodal field of this patch to its integrals over the nodes' supports.
+    rise: Array  #: (n,) in mm along z, by which the unworn surface is taken higher than at each node.
 
     def mean_slope(self, nodes: IntArray, depth_mm: Array) -> Array:
         """Slopes (k, 2) in world axes of the surface worn by `depth_mm` (n_a, n_t), averaged around each of `nodes`
@@ -79,7 +81,10 @@ def primary_surface(body: PlacedBody) -> PrimarySurface:
     nodes = np.arange(patch.size)
     points = points_about(nodes, along, across, np.eye(2), np.zeros(2))
     own = integrals(nodes, points, along, across, patch, np.zeros(patch.shape), np.zeros((patch.size, 2)))
-    return PrimarySurface(body, along, across, own.area, own.slope / own.area[:, None], own.transfer)
+    rise = np.zeros(patch.size)
+    if isinstance(patch.profile, Arc):
+        rise = body.facing * (own.height / own.area - patch.profile.height(patch.grid()))
+    return PrimarySurface(body, along, across, own.area, own.slope / own.area[:, None], own.transfer, rise)
 
 
 def vertical_gap(
@@ -154,7 +159,7 @@ def pair(
     areas = surface.areas[nodes]
     own, averaging = body.worn(primary_depth), surface.averaging
     gap, gap_rate, frames = _between(
-        *(nodes, areas, own.heights, own.gradient, surface.fresh_slope),
+        *(nodes, areas, own.heights + surface.rise, own.gradient, surface.fresh_slope),
         *(averaging.first, averaging.columns),
         *(averaging.weights, faced.height, faced.slope, faced.moment),
         body.facing,

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from geometry import Flat, Profile
+from geometry import Arc, Flat, Profile
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.base.files import TABLE_FILE_NAME
@@ -68,8 +68,9 @@ def profile_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str,
     random = np.random.default_rng([seed, 1])
     last = max(scar.cycle for scar in result.scars)
     pad = PadFace(**{key: result.study["pad"].get(key) for key in FACE_KEYS}).profile
+    bore = result.study["specimen"].get("bore_radius_mm")
     found = {}
-    for body, face in zip(BODIES, (pad, Flat()), strict=True):
+    for body, face in zip(BODIES, (pad, Flat() if bore is None else Arc(-bore)), strict=True):
         own = result.scar(last, body)
         found[f"profile_{body}"] = surface_of_profile(own.axial_um, own.depth_um[:, 0], face, noise_um, random)
     return found
@@ -128,14 +129,16 @@ def record_of_result(
     simulation's increments are kept. Figures of the evolution are the true ones times the ratio of read to true figures
     of the logged loops, interpolated over log cycle. For a line contact, forces and their noise are for `length_mm`, by
     default the study's length.
-    Raises RecordError if the result began with a measured surface or has logged no loops, its study says too little or
-    has unequal wires, or the length of a line contact is missing, or is given for another contact.
+    Raises RecordError if the result began with a measured surface, is of a pin in a bore or has logged no loops, its
+    study says too little or has unequal wires, or the length of a line contact is missing or given for another contact.
     """
     length_mm = RECORDS[result.contact_kind].length_of(result.study, length_mm, result.label)
     if any(surfaces_in(result.study)):
         raise RecordError(
             f"the result {result.label!r} is of a test that began with a measured surface, which records do not state."
         )
+    if result.study.get("specimen", {}).get("bore_radius_mm") is not None:
+        raise RecordError(f"the result {result.label!r} is of a pin in a bore, which records do not state.")
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
     whole = result.of_extent(extent_of(length_mm))

@@ -3,10 +3,10 @@
 A face is the profile of the pad along the motion; a patch is the finely meshed part of a body that may touch.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
-from math import ceil, inf, log, pi, sqrt
+from math import asin, ceil, cos, inf, log, pi, sin, sqrt
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from geometry import (
     Flat,
     GradedAxis,
     PlanarGeometry,
+    RingGeometry,
     RoundedFlat,
     TabledProfile,
     build_planar,
@@ -40,6 +41,10 @@ from wirewear.test.surfaces import StatedSurface
 # Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 5.0
 
+_CORE_BELOW = 0.9  # Radii of a pin between its surface and its core, at most.
+_LEAST_PRESSED = 0.1  # Share of the pressing against the wall that bears the load: at least a tenth.
+_WIDEST_OF_PINS = 85.0 / 180.0 * pi  # In rad; a bore's patch reaches further.
+
 _MARGIN, _UNWORN_MARGIN, _STUCK_MARGIN = 1.3, 1.15, 1.6
 
 # Pressures of worn surfaces have a kink where neighbouring elements differ in size: 4 % of their mean at 1.2.
@@ -47,11 +52,15 @@ _GROWTH = 1.05
 
 
 def fresh_contact(
-    face: Face, load_N_per_mm: float, modulus_MPa: float, pad_half_width_mm: float
+    face: Face, load_N_per_mm: float, modulus_MPa: float, pad_half_width_mm: float, bore_radius_mm: float | None = None
 ) -> reference.LineContact:
-    """The contact between half-planes before any wear. Raises ValueError if the pad is too narrow to bear the load.
+    """The contact before any wear, between half-planes or, where a bore is given, of a pin in it, whose half-width is
+    measured around the pin. Raises ValueError if the pad is too narrow to bear the load.
     modulus_MPa: contact modulus E*; pad_half_width_mm: half of the pad's width.
     """
+    if isinstance(face, Cylinder) and bore_radius_mm is not None:
+        pin = reference.pin_in_bore(load_N_per_mm, face.radius_mm, bore_radius_mm, modulus_MPa)
+        return reference.LineContact(load_N_per_mm, face.radius_mm * pin.half_angle_rad, float(pin.pressure(0.0)))
     if isinstance(face, Cylinder):
         return reference.hertz_line(load_N_per_mm, face.radius_mm, modulus_MPa)
     return reference.even_line_contact(face, load_N_per_mm, modulus_MPa, pad_half_width_mm)
@@ -82,13 +91,18 @@ def farthest_contact(face: Face, reach_mm: float, tilt_rad: float, contact: refe
             return contact.half_width_mm + float(x[steep][0] if steep.any() else x[-1])
 
 
-def scar_half_width(face: Face, area_mm2: float, pad_half_width_mm: float) -> float:
+def scar_half_width(
+    face: Face, area_mm2: float, pad_half_width_mm: float, bore_radius_mm: float | None = None
+) -> float:
     """Half-width in mm of the scar in gross slip that has the section `area_mm2` in both bodies together; 0 for no
-    area.
+    area. Of a pin in a bore it is measured around the pin.
+
     Raises ValueError if the pad is too narrow to hold it.
     """
     if area_mm2 <= 0.0:
         return 0.0
+    if isinstance(face, Cylinder) and bore_radius_mm is not None:
+        return reference.pin_scar(area_mm2, face.radius_mm, bore_radius_mm).half_width_mm
     if isinstance(face, Cylinder):
         return reference.line_contact_scar(area_mm2, face.radius_mm).half_width_mm
     return reference.even_line_scar(face, area_mm2, pad_half_width_mm).half_width_mm
@@ -107,8 +121,8 @@ class LinePlan:
     pressures are averaged; hertz: the fresh contact.
     """
 
-    pad: PlanarGeometry
-    specimen: PlanarGeometry
+    pad: PlanarGeometry | RingGeometry
+    specimen: PlanarGeometry | RingGeometry
     increments_per_cycle: int
     jump_tolerance: float
     pressure_length_mm: float
@@ -148,9 +162,10 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
     load = conditions.drive.load.largest * conditions.normal_load_N
     stroke = 1e-3 * conditions.displacement_amplitude_um
     modulus = reference.contact_modulus(study.pad.elastic, study.specimen.elastic)
+    bore = study.specimen.bore_radius_mm
     pad_half = study.pad.half_width_mm or half_width_of(face)
     try:
-        fresh = fresh_contact(face, load, modulus, pad_half)
+        fresh = fresh_contact(face, load, modulus, pad_half, bore)
         reach = edge_reach(face, load, modulus, fresh)
         predicted = _predicted(study, face, fresh.half_width_mm, pad_half)
     except ValueError as problem:
@@ -173,7 +188,7 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
     finer = mesh.mesh_refinement
     fine = (1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else reach / per_contact) / finer
 
-    def along(moved: float) -> GradedAxis | EdgeGradedAxis:
+    def along(half: float, moved: float = 0.0) -> GradedAxis | EdgeGradedAxis:
         if isinstance(face, RoundedFlat):
             return EdgeGradedAxis(fine, _MIDDLE * fine, middle_of(face, reach, moved), half + moved)
         if not wears or sticks:
@@ -181,17 +196,25 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
         fine_to = min(1.5 * fresh.half_width_mm + moved, half + moved)
         return GradedAxis(fine, fine_to, max(fine, half / (finer * level.per_scar)), half + moved, _GROWTH)
 
-    specimen_half = study.specimen.half_width_mm or max(WIDEST_mm, 1.5 * (half + stroke))
-    for name, room, needed in (("pad", pad_half, half), ("specimen", specimen_half, half + stroke)):
-        remedy = f"lower cycles, stroke or wear, or give a wider {name}"
-        _require_room(name, "half_width_mm", needed, room, remedy)
+    pad: PlanarGeometry | RingGeometry
+    specimen: PlanarGeometry | RingGeometry
+    if isinstance(face, Cylinder) and bore is not None:
+        pad, specimen = _rings(study, face.radius_mm, bore, half, along)
+    else:
+        specimen_half = study.specimen.half_width_mm or max(WIDEST_mm, 1.5 * (half + stroke))
+        for name, room, needed in (("pad", pad_half, half), ("specimen", specimen_half, half + stroke)):
+            remedy = f"lower cycles, stroke or wear, or give a wider {name}"
+            _require_room(name, "half_width_mm", needed, room, remedy)
+        far = mesh.far_mesh_mm / finer
+        pad = study.pad.held(PlanarGeometry(stated, pad_half, study.pad.height_mm, along(half), far))
+        specimen = study.specimen.held(
+            PlanarGeometry(Flat(), specimen_half, study.specimen.height_mm, along(half, stroke), far)
+        )
+    increments = mesh.increments_per_cycle or level.increments_per_cycle
     length = study.log.pressure_length_um
-    far, increments = mesh.far_mesh_mm / finer, mesh.increments_per_cycle or level.increments_per_cycle
     return LinePlan(
-        pad=study.pad.held(PlanarGeometry(stated, pad_half, study.pad.height_mm, along(0.0), far)),
-        specimen=study.specimen.held(
-            PlanarGeometry(Flat(), specimen_half, study.specimen.height_mm, along(stroke), far)
-        ),
+        pad=pad,
+        specimen=specimen,
         increments_per_cycle=4 * ceil(mesh.increments_refinement * increments / 4),
         jump_tolerance=mesh.jump_tolerance or level.jump_tolerance,
         # What elements are sized by, eight at quick: half the contact's width, or the reach of a rounded flat's edge.
@@ -200,8 +223,33 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
     )
 
 
+def _rings(
+    study: LineStudy, pin_mm: float, bore_mm: float, half_mm: float, along: Callable[..., GradedAxis | EdgeGradedAxis]
+) -> tuple[RingGeometry, RingGeometry]:
+    """Pin and plate with a bore for a contact that reaches `half_mm` around the pin at mid-stroke.
+
+    A pin that moves by s in a clearance c bears at ψ = asin(s/c) beside the middle, and as it climbs is pressed there
+    by P/(cos ψ − µ sin ψ). The bore's patch reaches further by the stroke. Raises StudyError if the pin would wedge
+    itself, or bear further around than can be meshed.
+    """
+    stroke = 1e-3 * study.conditions.displacement_amplitude_um
+    moved = asin(min(stroke / (bore_mm - pin_mm), 1.0))
+    pressed = cos(moved) - study.contact.friction * sin(moved)
+    if moved > _WIDEST_OF_PINS or pressed <= _LEAST_PRESSED:
+        raise StudyError(
+            f"a pin that moves by {1e3 * stroke:g} um in a clearance of {1e3 * (bore_mm - pin_mm):g} um wedges itself "
+            "against the wall of the bore: lower the stroke or friction, or give a wider bore"
+        )
+    angle = min(half_mm / pin_mm / sqrt(pressed) + moved, _WIDEST_OF_PINS)
+    further = bore_mm * asin((pin_mm * sin(angle) + stroke) / bore_mm) - pin_mm * angle
+    pin = RingGeometry(pin_mm, min(study.pad.height_mm, _CORE_BELOW * pin_mm), along(pin_mm * angle))
+    return study.pad.held(pin), study.specimen.held(
+        RingGeometry(-bore_mm, study.specimen.height_mm, along(pin_mm * angle, further))
+    )
+
+
 def placed_body(
-    geometry: PlanarGeometry, material: Elastic, *, upper: bool, surface: StatedSurface | None = None
+    geometry: PlanarGeometry | RingGeometry, material: Elastic, *, upper: bool, surface: StatedSurface | None = None
 ) -> PlacedBody:
     """A body meshed, condensed and placed. upper: True for the pad. surface: measured before the test, or None."""
     meshed = build_planar(geometry)
@@ -281,7 +329,7 @@ def _predicted(study: LineStudy, face: Face, contact_mm: float, pad_half_mm: flo
     )
     factors = wear_factors(study.effects, study.contact.friction, conditions.normal_load_N, float(conditions.cycles))
     area = 1e-3 * sum(study.energy_coefficients()) * energy_mJ * factors.beyond_margin + _lacking(study)
-    scar = scar_half_width(face, area, pad_half_mm)
+    scar = scar_half_width(face, area, pad_half_mm, study.specimen.bore_radius_mm)
     # A flat that loses more than the pad is worn beyond the pad's scar by the stroke.
     stroke = 1e-3 * conditions.displacement_amplitude_um if area > 0.0 else 0.0
     if isinstance(face, RoundedFlat):
@@ -325,7 +373,7 @@ def _nodes(meshes: LinePlan) -> int:
     return max(_fine_nodes(meshes.pad), _fine_nodes(meshes.specimen))
 
 
-def _fine_nodes(body: PlanarGeometry) -> int:
+def _fine_nodes(body: PlanarGeometry | RingGeometry) -> int:
     """Number of nodes in the fine zone of a body's contact; those outside are fewer."""
     along = body.along
     if isinstance(along, EdgeGradedAxis):

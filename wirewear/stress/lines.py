@@ -13,7 +13,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from geometry import PlanarGeometry, PlanarMesh, build_planar
+from geometry import PlanarGeometry, PlanarMesh, RingGeometry, build_planar
 from geometry.arrays import IntArray
 from solvers.stress.line_surface_stress import LineSurfaceStress
 from wirewear.base.errors import ResultError
@@ -73,7 +73,7 @@ def _study(tables: str) -> LineStudy:
     return study
 
 
-def _geometry(study: LineStudy, fidelity: str, body: str) -> PlanarGeometry:
+def _geometry(study: LineStudy, fidelity: str, body: str) -> PlanarGeometry | RingGeometry:
     meshes = line_plan(study, fidelity)
     return meshes.pad if body == "pad" else meshes.specimen
 
@@ -155,6 +155,7 @@ def _section(grids: Sequence[pyvista.UnstructuredGrid], half_um: float, title: s
             title=name,
         )
         axes.grid(visible=False)
+        axes.locator_params(nbins=5)
     panels[0].set_ylabel("z [µm]")
     panel_letters(list(panels))
     colours = ScalarMappable(Normalize(0.0, largest), STRESS_COLOURS)

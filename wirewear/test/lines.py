@@ -4,11 +4,11 @@ across the motion. Numbers are those of the whole length.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self, TypeVar
 
 from pydantic import Field, PlainValidator
 
-from geometry import Elastic, PlanarGeometry
+from geometry import Cylinder, Elastic, PlanarGeometry, RingGeometry
 from solvers import Coulomb, Drive, EnergyLaw, WearLaw, WearRates
 from wirewear.base import kinds
 from wirewear.base.errors import RecordError, StudyError
@@ -38,6 +38,9 @@ class ResolutionTable(keys.Table):
     increments_per_cycle: keys.IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
 
 
+Planar = TypeVar("Planar", PlanarGeometry, RingGeometry)
+
+
 class HeldTable(MountedBody):
     """Keys of the pad or the specimen, each held at its back."""
 
@@ -45,7 +48,7 @@ class HeldTable(MountedBody):
         None, description="width of the back that is held, about its middle; all by default"
     )
 
-    def held(self, geometry: PlanarGeometry) -> PlanarGeometry:
+    def held(self, geometry: Planar) -> Planar:
         """A copy of `geometry` with the width and stiffness of this body's grip."""
         stiffness, width = self.grip_stiffness_N_per_mm3, self.grip_width_mm
         return replace(
@@ -71,6 +74,35 @@ class Specimen(HeldTable):
     half_width_mm: Extent | None = Field(
         None, description="half of the specimen's width; without it 10 or what it needs"
     )
+    bore_radius_mm: Extent | None = Field(
+        None,
+        description="radius of a bore in place of a flat: a round pad is then a pin in it. The pin is held around its "
+        "core, at most 0.9 radii below its surface, and the specimen around the rim that lies its height outside the "
+        "bore",
+        examples=[6.02],
+    )
+
+    def unfit_bore(self, pad: Pad, kind: str) -> Inconsistency | None:
+        """What stands against the bore beside this pad in a test of this kind, None without a bore or if nothing
+        does.
+        """
+        key = ("specimen", "bore_radius_mm")
+        if self.bore_radius_mm is None:
+            return None
+        if kind != kinds.LINE_CONTACT:
+            return Inconsistency(key, f'is given, but a bore is no flat: give kind = "{kinds.LINE_CONTACT}"')
+        if not isinstance(face := pad.profile, Cylinder):
+            return Inconsistency(key, "needs a round pad: give it radius_mm alone")
+        if not self.bore_radius_mm > face.radius_mm:
+            return Inconsistency(
+                key, f"is {self.bore_radius_mm:g}, but must be larger than the pin's radius_mm, {face.radius_mm:g}"
+            )
+        for name, body in (("pad", pad), ("specimen", self)):
+            for foreign in ("half_width_mm", "grip_width_mm", "surface", "bulk"):
+                if getattr(body, foreign) is not None:
+                    text = "is given, but a pin and a plate with a bore have none: remove it"
+                    return Inconsistency((name, foreign), text)
+        return None
 
 
 class LineConditions(DrivenConditions):
@@ -250,6 +282,8 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
     def _of_bodies(self) -> Inconsistency | None:
         if (wanted := self.pad.missing_face(self.kind)) is not None:
             return Inconsistency(("pad",), f"does not say which face it has: {wanted}")
+        if (unfit := self.specimen.unfit_bore(self.pad, self.kind)) is not None:
+            return unfit
         for name in ("pad", "specimen"):
             if (bulk := getattr(self, name).bulk) is not None and (problem := bulk.unfit(is_round=False)):
                 return Inconsistency((name, "bulk"), problem)
