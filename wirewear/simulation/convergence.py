@@ -186,7 +186,7 @@ class RefinedSubject:
 
     def refined(self, study: Of, fidelity: str) -> Of:
         """A study whose variants are the given one, named BASE, and its refinements, named as `Resolution.runs`.
-        Raises StudyError if the given study has variants of its own.
+        fidelity: level that is refined. Raises StudyError if the given study has variants of its own.
         """
         settings: dict[str, Changes] = {BASE: {}} | {
             run: changes(factor)

@@ -67,8 +67,8 @@ def fresh_contact(
 
 
 def edge_reach(face: Face, load_N_per_mm: float, modulus_MPa: float, contact: reference.LineContact) -> float:
-    """Width in mm at the contact's edge over which pressure changes quickly: `contact`'s half-width or, for a flat, how
-    far it would reach beyond the flat, and inside it, if one rounded edge carried the whole load. modulus_MPa: contact
+    """Width in mm at the contact's edge over which pressure changes quickly. Of a flat with rounded edges, it is the
+    half-width of the contact of one edge under the whole load; otherwise that of `contact`. modulus_MPa: contact
     modulus E*.
     """
     if isinstance(face, RoundedFlat):
