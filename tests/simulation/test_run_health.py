@@ -160,7 +160,8 @@ def test_energy_that_changes_as_a_power_of_the_cycles_is_summed_exactly(power: f
 @pytest.mark.parametrize(("worn_mJ", "mismatch"), [(1e-15, 0.0), (1e-8, 1.0)])
 def test_round_off_of_nodes_that_stick_is_no_energy_lost(cycle: CycleTrace, worn_mJ: float, mismatch: float) -> None:
     loop = {"cycle": 1.0, "displacement_amplitude_um": 0.4, "max_tangential_force_N": 0.05}
-    judge(counters := Counters(), cycle, [loop | {"dissipated_energy_mJ": 0.0, "mirror_error": 0.0}], worn_mJ)
+    loop |= {"dissipated_energy_mJ": 0.0, "accumulated_energy_J": 1e-3 * worn_mJ, "mirror_error": 0.0}
+    judge(counters := Counters(), cycle, [loop])
     assert counters.energy_against_loops == mismatch
 
 

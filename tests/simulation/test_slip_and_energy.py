@@ -10,7 +10,7 @@ from geometry import Elastic
 from solvers.contact_state import Guide, Stroke
 from solvers.drive import Drive, LoadCycle, trapezoidal
 from solvers.wear_path import loop_path, traced_path, wear_path
-from tests.studies import steel_wires
+from tests.studies import line_study, steel_wires
 from wirewear import RunResult, parse_study
 from wirewear.effects.holder import FreePlay
 from wirewear.reference import (
@@ -184,6 +184,16 @@ def test_a_run_says_what_its_energy_lacks_and_what_the_program_errs() -> None:
     assert ["jump_tolerance" in one for one in said] == [True, False, False]
     assert ["report it" in one for one in said] == [False, True, False]
     assert ["finer --fidelity" in one for one in said] == [False, False, True]
+
+
+def test_a_test_without_wear_has_the_energy_of_all_its_loops() -> None:
+    blocks = [{"cycles": 30}, {"cycles": 10, "conditions": {"displacement_amplitude_um": 9.0}}]
+    study = line_study(wear=None, conditions={"cycles": 100}, log={"loop_cycles": [1, 100]}, programme=blocks)
+    evolution = simulate(study, fidelity="quick").evolution
+    energies = dict(zip(evolution["cycle"], evolution["dissipated_energy_mJ"], strict=True))
+    accumulated_mJ = 1e3 * evolution["accumulated_energy_J"]
+    assert accumulated_mJ[0] == pytest.approx(energies[1], rel=1e-3)
+    assert accumulated_mJ[-1] == pytest.approx(80 * energies[1] + 20 * energies[40], rel=1e-3)
 
 
 @pytest.mark.slow

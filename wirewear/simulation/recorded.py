@@ -27,6 +27,7 @@ from solvers.contact.problem import facing_offset
 from solvers.elasticity.quadrature import at_points
 from solvers.transfer import spread_once
 from wirewear.base.cache import installed
+from wirewear.base.course import enclosed_energy
 from wirewear.results import (
     BORNE,
     BULK_WORK,
@@ -47,7 +48,7 @@ from wirewear.simulation.control import HeldFigure
 from wirewear.simulation.expected_contact import borne_settings, law_error
 from wirewear.simulation.measures import dissipated_energy_mJ, slip_amplitude_mm, unresolved_slip
 from wirewear.simulation.problem import worn_depths
-from wirewear.simulation.statistics import Tally, judge, mirrored_mismatch
+from wirewear.simulation.statistics import Tally, friction_work_mJ, judge, mirrored_mismatch
 from wirewear.simulation.store import MeshHistory
 from wirewear.simulation.yielding import STRAIN, limit_settings
 from wirewear.test import Body, Study
@@ -308,12 +309,14 @@ class Recorded(ABC):
         if any(held_keys(own.study.conditions) for own in self.schedule.stretches):
             row["held_error"] = nan if held is None else held.error(trace)
         by_block = {"block": float(block.block)} if len(self.schedule.stretches) > 1 else {}
+        if problem.unchanging:
+            row["accumulated_energy_J"] = 1e-3 * self._energy_of_loops_mJ(row | by_block)
         self._rows.append(row | self.further_columns(loop, scars) | by_block)
         if len(self._rows) == 1:
             self.tally.fresh |= travels(problem)
         counters = self.tally.counters
         counters.worst("volume_against_energy", volume_mismatch(problem, state, scars))
-        judge(counters, trace, self._rows, state.wear.energy_mJ)
+        judge(counters, trace, self._rows)
         counters.depth_between_nodes = depth_spread(problem, state)
         counters.worst("slip_between_nodes", self._energy_error(unresolved_slip(problem.primary.patch, trace)))
         if isinstance(problem.primary.patch.profile, Arc):
@@ -324,6 +327,16 @@ class Recorded(ABC):
             self._loops.append(loop)
             self._scars.extend(scars)
             self._forces.extend(self.forces(problem, trace, cycle))
+
+    def _energy_of_loops_mJ(self, row: Mapping[str, float]) -> float:
+        """Friction energy of all cycles up to that of the next row where nothing wears, by the loops of each block."""
+        rows, end = [*self._rows, row], row["cycle"]
+        start, before_mJ = (rows[-2]["cycle"], 1e3 * rows[-2]["accumulated_energy_J"]) if self._rows else (0.0, 0.0)
+        if start and self.schedule.at(start) is self.schedule.at(end):
+            return before_mJ + enclosed_energy([start, end], [friction_work_mJ(each) for each in rows[-2:]])
+        latest = {each.get("block", 1.0): friction_work_mJ(each) for each in rows}
+        passed = [own for own in self.schedule.stretches if own.start < end and own.end > start]
+        return float(before_mJ + sum((min(own.end, end) - max(own.start, start)) * latest[own.block] for own in passed))
 
     def _energy_error(self, of_loop: float) -> float:
         """The latest loop's relative error scaled by its energy over the largest one of its block.
@@ -338,11 +351,14 @@ class Recorded(ABC):
         """Settings with the holder's stiffnesses and play as a measured loop shows them, by key; empty by default."""
         return {}
 
-    def follows(self, problem: ContactProblem, state: ContactState, _done: float, _work_mJ: float) -> bool:
-        """True if no loop is needed after `_done` cycles: no coating has come to 90 % of being worn through since the
+    def follows(self, problem: ContactProblem, state: ContactState, done: float, _work_mJ: float) -> bool:
+        """True if no loop is needed after `done` cycles: no coating has come to 90 % of being worn through since the
         latest one, and the energy has gone as interpolation between loops assumes. _work_mJ: friction work of the
         latest cycle.
         """
+        block = self.schedule.at(done).block
+        if problem.unchanging and all(row.get("block", 1.0) != block for row in self._rows):
+            return False  # the energy of its cycles would not be known
         # Of the depth at which a layer ends: a loop is measured where it is that deep, so that its end is predicted
         # from near.
         return not any(

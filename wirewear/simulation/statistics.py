@@ -100,18 +100,21 @@ class Tally:
         self.fresh = {name: value for name, value in counted.items() if name.startswith("fresh_")}
 
 
-def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, float]], accumulated_mJ: float) -> None:
-    """Update the qualities in `counters` by the latest measured cycle. rows: the evolution's, up to that cycle;
-    accumulated_mJ: friction energy of all cycles so far.
-    """
+def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, float]]) -> None:
+    """Update the qualities in `counters` by the latest measured cycle. rows: the evolution's, up to that cycle."""
     counters.worst("loop_area_against_friction_work", area_mismatch(trace, rows[-1].get(BULK_WORK, 0.0)))
     counters.worst("mirror_error", rows[-1]["mirror_error"])
     counters.worst("slip_against_loops", slip_mismatch(trace))
     cycles = [row["cycle"] for row in rows]
-    energies = [row["dissipated_energy_mJ"] - row.get(BULK_WORK, 0.0) for row in rows]
+    energies, accumulated_mJ = [friction_work_mJ(row) for row in rows], 1e3 * rows[-1]["accumulated_energy_J"]
     around_mJ = max(4e-3 * row["displacement_amplitude_um"] * row["max_tangential_force_N"] for row in rows)
     worn = accumulated_mJ > _ROUND_OFF * cycles[-1] * around_mJ
     counters.energy_against_loops = energy_mismatch(cycles, energies, accumulated_mJ) if worn else 0.0
+
+
+def friction_work_mJ(row: Mapping[str, float]) -> float:
+    """Friction work of the cycle of a row of the evolution, in mJ; a bulk stress may work on the contact as well."""
+    return row["dissipated_energy_mJ"] - row.get(BULK_WORK, 0.0)
 
 
 def area_mismatch(trace: CycleTrace, bulk_work_mJ: float = 0.0) -> float:
