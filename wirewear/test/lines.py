@@ -83,9 +83,7 @@ class Specimen(HeldTable):
     )
 
     def unfit_bore(self, pad: Pad, kind: str) -> Inconsistency | None:
-        """What stands against the bore beside this pad in a test of this kind, None without a bore or if nothing
-        does.
-        """
+        """The contradiction of the bore with this pad in a test of this kind; None if they fit, or there is no bore."""
         key = ("specimen", "bore_radius_mm")
         if self.bore_radius_mm is None:
             return None

@@ -1,4 +1,8 @@
-"""A pin in a bore, meshed as in runs: against Persson's contact, and as it slides up the bore's wall."""
+"""A pin in a bore, meshed as in runs: against Persson's contact, and as it slides up the bore's wall.
+
+Rows compare a computed quantity with a closed form, on the meshes and with the tolerance of a level. A half-angle is
+that of the contact, seen from the pin's centre.
+"""
 
 import numpy as np
 
@@ -34,7 +38,11 @@ def pin_rows(level: Level) -> tuple[Row, ...]:
 
 
 def climbing_rows() -> tuple[Row, ...]:
-    """Rows on force over load at a share of the clearance beside the middle: tan(ψ ± atan µ), sin ψ being the share."""
+    """Rows on force over load of a pin beside the middle of its bore: tan(ψ + atan µ) on its way up, tan(ψ − atan µ)
+    down.
+
+    It has moved by sin ψ clearances.
+    """
     problem = pressed_pin(_LIGHT_N, _WIDE_mm, "quick", _FRICTION, _SHARE * _WIDE_mm)
     state, _ = press(problem, unloaded_state(problem))
     slope, friction = np.arcsin(_SHARE), np.arctan(_FRICTION)
@@ -51,7 +59,7 @@ def climbing_rows() -> tuple[Row, ...]:
 
 
 def pin_of_half_angle(half_angle_rad: float) -> reference.PinContact:
-    """The closed form of the steel pin in its bore under the load per mm that makes the contact so wide."""
+    """The closed form of the steel pin in its bore, under the load per mm at which its contact has this half-angle."""
     modulus = 0.5 * _STEEL["youngs_modulus_MPa"] / (1.0 - _STEEL["poissons_ratio"] ** 2)
     unit = reference.PinContact(1.0, PIN_mm, half_angle_rad)
     load = 2.0 * modulus * CLEARANCE_mm / unit.clearance_share
@@ -61,7 +69,7 @@ def pin_of_half_angle(half_angle_rad: float) -> reference.PinContact:
 def pressed_pin(
     load_N: float, clearance_mm: float, fidelity: str, friction: float = 1e-6, stroke_mm: float = 1e-4
 ) -> ContactProblem:
-    """Contact problem of a millimetre of a steel pin in a large plate, with the meshes of a run."""
+    """Contact problem of a millimetre of a steel pin in a large plate, meshed as a run of that fidelity and stroke."""
     study: LineStudy = study_from_tables(
         {
             "format": 1,
