@@ -1,4 +1,8 @@
-"""Effects as candidates for the cause of a gap: those that there are, with the numbers that are to be found."""
+"""Effects as candidates for the cause of a gap: the effects that the fast model knows, and their numbers to be
+inferred.
+
+A coordinate is the value of a parameter in standard deviations of its expected distribution, 0 being the middle.
+"""
 
 from __future__ import annotations
 
@@ -26,11 +30,12 @@ EXPECTED: Mapping[str, Any] = constants("surrogate.candidates").all()
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect of the library with the numbers that are to be found.
+    """An effect of the library with the numbers that are to be inferred.
 
-    `held` parameters stay at their middle, as no record distinguishes them from the others; `chosen` are its words,
-    such as the channel that lags. `forms` are numbers of its law, which other laws of the same cause change: they are
-    found like parameters, and stand behind them in coordinates.
+    kind: the effect's class. parameters: its numbers to be inferred, by name. held: numbers that stay at their middle,
+    as no record distinguishes them from the others. chosen: its words, such as the channel that lags. forms: numbers of
+    its law that differ between laws of one cause; they are inferred like parameters and follow them in coordinates
+    (p,).
     """
 
     kind: type[AnyEffect]
@@ -48,10 +53,9 @@ class Candidate:
         scales: Mapping[str, float] | None = None,
         contact: str = kinds.CROSSED_WIRES,
     ) -> Candidate:
-        """The effect of this class as a candidate for a test.
-
-        stated: numbers that the test states, from which parameters may be scaled. chosen: word-valued parameters.
-        scales: sizes to expect, by unit. contact: kind of contact.
+        """The effect of this class as a candidate for a test, its parameters and forms as they are expected there.
+        stated: values of the test, from which parameters may be scaled. chosen: words by their names; defaults if None.
+        scales: factors on expected sizes by unit; 1 if missing. contact: kind of contact.
         """
         known = {
             name: described.beside(stated).scaled((scales or {}).get(described.quantity.unit, 1.0))
@@ -65,12 +69,14 @@ class Candidate:
 
     @property
     def name(self) -> str:
-        """The effect's name, and after a colon each choice other than the default: ``sensor_lag:force``."""
+        """The effect's name and, after a colon each, words other than the default: "sensor_lag:force"."""
         usual = {name: words[0] for name, words in self.kind.choices().items()}
         return ":".join([self.kind.name, *(word for name, word in self.chosen.items() if word != usual[name])])
 
     def unknown_spread(self, name: str) -> float:
-        """Largest standard deviation that a held parameter adds to the coordinate of the free parameter `name`."""
+        """Largest standard deviation that held numbers add to the coordinate of the parameter `name`; 0 if none depends
+        on it.
+        """
         spreads = [0.0]
         for held in self.held.values():
             if held.held_by is not None and held.held_by[0] == name:
@@ -81,28 +87,28 @@ class Candidate:
 
     @property
     def unknowns(self) -> dict[str, Parameter]:
-        """Parameters to be inferred by name, in the order of coordinates: the effect's parameters, then its forms."""
+        """Numbers to be inferred by name, in the order of coordinates: parameters, then forms."""
         return {**self.parameters, **self.forms}
 
     def values(self, coordinates: Array) -> dict[str, float]:
-        """Values of the effect's parameters and forms by name, from their coordinates (p,)."""
+        """Values of parameters and forms at coordinates (p,), and of held numbers at their middle, by name."""
         found = {name: p.value(float(z)) for (name, p), z in zip(self.unknowns.items(), coordinates, strict=True)}
         return {**found, **{name: p.value(0.0) for name, p in self.held.items()}}
 
     def effect(self, coordinates: Array) -> AnyEffect:
-        """The effect with the parameter values of these coordinates (p,)."""
+        """The effect with its numbers at coordinates (p,)."""
         return self.kind(**self.values(coordinates), **self.chosen)
 
     def applied(self, setup: SurrogateInputs, coordinates: Array) -> SurrogateInputs:
-        """The setup with the effect of these coordinates (p,) in it."""
+        """A copy of `setup` with the effect at coordinates (p,) added."""
         return setup.with_effect(self.effect(coordinates))
 
     def bounds(self) -> Array:
-        """Lowest and highest coordinates (p, 2) beyond which a parameter stays at an end of its range."""
+        """Lowest and highest coordinates (p, 2); beyond them a number stays at an end of its range."""
         return np.array([item.bounds() for item in self.unknowns.values()]).reshape(-1, 2)
 
     def starts(self) -> list[Array]:
-        """Coordinates from which a search begins."""
+        """Coordinates (p,) from which searches begin: forms at 0, parameters on a grid."""
         own = np.zeros(len(self.forms))
         if len(self.parameters) == 1:
             return [np.array([z, *own]) for z in (-1.6, -0.8, 0.0, 0.8, 1.6)]
@@ -129,13 +135,15 @@ class Candidate:
 
 
 def nominal_line_setup(study: LineStudy, drive: Literal["sensor", "stroke"]) -> SurrogateInputs:
-    """The circumstances that a study of a line contact states, its own effects among them."""
+    """The inputs that a study of a line contact states, with its effects; drive: see `SurrogateInputs.of`."""
     setup = SurrogateInputs.of(study, drive, sum(study.energy_coefficients()), study.contact.length_mm)
     return replace(setup, effects=study.effects)
 
 
 def nominal_inputs(study: Study, drive: Literal["sensor", "stroke"]) -> SurrogateInputs:
-    """The circumstances that a study states, its own effects among them, with the numerical freedoms as expected."""
+    """The inputs that a study of a contact at a point states, with its effects and the freedoms at their usual values.
+    drive: see `SurrogateInputs.of`. A study without wear has a wear coefficient of 0.
+    """
     wear, friction = study.wear, study.contact.friction
     worn = 0.0 if wear is None else wear.volume_per_sliding_mm3_per_N_m(friction) / max(friction, 1e-9)
     setup = SurrogateInputs.of(study, drive, worn)
@@ -144,7 +152,9 @@ def nominal_inputs(study: Study, drive: Literal["sensor", "stroke"]) -> Surrogat
 
 
 def library(setup: SurrogateInputs) -> tuple[Candidate, ...]:
-    """All effects, also of installed packages, that the fast model can predict for this setup, as candidates."""
+    """All effects, also of installed packages, that the fast model can predict for these inputs, one candidate for each
+    choice of words.
+    """
     return tuple(
         Candidate.of(
             kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), setup.scales, setup.contact_kind
@@ -156,12 +166,12 @@ def library(setup: SurrogateInputs) -> tuple[Candidate, ...]:
 
 
 def effect_of(name: str) -> str:
-    """The effect that a candidate's name stands for."""
+    """The name of the effect in a candidate's name: "sensor_lag" of "sensor_lag:force"."""
     return name.partition(":")[0]
 
 
 def unsupported(setup: SurrogateInputs) -> tuple[str, ...]:
-    """Names of the effects that the fast model cannot cover."""
+    """Names of the effects that a diagnosis of this kind of contact considers, but the fast model cannot predict."""
     return tuple(
         name
         for name, kind in all_effects().items()

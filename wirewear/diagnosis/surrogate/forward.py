@@ -1,8 +1,7 @@
-"""The fast forward model: loops and wear under any inputs, in milliseconds, on the wear states of one nominal run.
+"""The fast forward model: loops and wear under any inputs, in milliseconds, from the wear states of one nominal run.
 
-Several setups are computed together: arrays hold their moments one after the other, for each as many.
-
-A loop is a chain in series: drive → play and springs → contact → sensors. The contact sticks with Mindlin's
+Several setups (inputs of the fast model) are computed together: arrays hold their moments one after the other, as many
+for each. A loop is a chain in series: drive → play and springs → contact → sensors. The contact sticks with Mindlin's
 micro-slip by Masing's rule (Johnson, Contact Mechanics, 1985, section 7.4) and slides along the force curves of its
 wear state; the drive's amplitude decides how far. Worn volume follows from the loops' energies over the cycles.
 """
@@ -59,12 +58,12 @@ OF_LOOPS = "displacement_um", "tangential_force_N", "normal_force_N", "slip_um",
 
 @dataclass(frozen=True, eq=False)
 class PredictedLoops:
-    """Loops and wear at some cycles (n,) under one set of circumstances, as sensors read them.
+    """Loops and wear at n cycles under one set of inputs, as sensors read them.
 
-    `displacement_um` and `tangential_force_N` are (n, 2, m): the branch towards +x in order of travel, and the one
-    towards −x in its own. `normal_force_N` (n, 2, m) belongs to them. `slip_um`, `energy_mJ` are those of the contact;
-    `volume_um3` is that of both wires. `scars` (2, 4) are `SCAR_FIGURES` after the last cycle, by wire; so is
-    `skew` (2,), see `scar_skew`. `profiles` are places and depths (k,) in µm of a line contact's bodies, by name.
+    displacement_um, tangential_force_N, normal_force_N: (n, 2, m), the branch towards +x and then the one back, each in
+    order of travel. slip_um, energy_mJ: (n,) of the contact. volume_um3: (n,) worn off both bodies. scars: (2, 4)
+    `SCAR_FIGURES` after the last cycle, by body; skew: (2,) of these scars, see `scar_skew`. profiles: positions and
+    depths (k,) in µm of a line contact's bodies, by name.
     """
 
     cycles: Array
@@ -136,12 +135,14 @@ class _Layer:
 
 
 def simulate(states: WearStates, setup: SurrogateInputs, cycles: Array) -> PredictedLoops:
-    """Loops that the fast model predicts at increasing `cycles` (n,), of wear states under the inputs `setup`."""
+    """Loops that the fast model predicts at increasing `cycles` (n,), from wear states under the inputs `setup`."""
     return simulated(states, (setup,), cycles)[0]
 
 
 def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Array) -> list[PredictedLoops]:
-    """Loops at cycles (n,) under each of several setups of one test and drive, which differ in effects and numbers."""
+    """Loops at increasing `cycles` (n,) under each of several setups, which may differ in effects and numbers, but not
+    in the test and what its drive holds.
+    """
     last = max(setups[0].cycles, float(cycles[-1]))
     # Wear is followed over this many cycles, evenly spaced in their logarithm.
     nodes = np.unique(np.concatenate([np.geomspace(0.5, last, 20), cycles]))

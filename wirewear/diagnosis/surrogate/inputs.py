@@ -1,4 +1,8 @@
-"""What the fast forward model takes: the nominal model, every effect's place in it, and its numerical freedoms."""
+"""The inputs of the fast model: the test as it is assumed to be, the effects at work in it, and its numerical freedoms.
+
+A seam is a place in the chain from drive to sensors at which an effect acts (`wirewear.effects`). The numerical
+freedoms are factors and shifts by which the fast model and full solvers may differ on one test.
+"""
 
 from __future__ import annotations
 
@@ -42,11 +46,11 @@ class AtWork(Protocol):
 
     @property
     def ages(self) -> Ageing:
-        """The quantities by which the change's strength varies during the test."""
+        """Which quantity of the test's progress the change's strength depends on: cycles, or energy and worn volume."""
         ...
 
     def changed(self, described: Any, age: Age) -> Any:
-        """The description of the seam with the effect applied at this age of the test."""
+        """A changed copy of `described`, the description at the change's seam, at this age of the test."""
         ...
 
     def predicted(self, chain: Chain) -> Chain:
@@ -56,50 +60,56 @@ class AtWork(Protocol):
 
 @dataclass(frozen=True)
 class SurrogateInputs:
-    """One set of circumstances under which loops are computed: a test as it is assumed to be, and what changes it.
+    """One set of circumstances under which the fast model computes loops: the test as it is assumed to be, and what
+    changes it.
 
-    The last eight are numerical freedoms of the fast model.
+    A sensor drive holds `amplitude_um` on the reading, a stroke drive as true displacement, unless `held` names another
+    quantity. The fields from `slope_factor` on are numerical freedoms, at their neutral values by default.
     """
 
-    amplitude_um: float  #: Of a drive that holds something else, the amplitude that it begins with.
-    load_N: float
-    cycles: float
+    amplitude_um: float  #: Displacement amplitude; if the drive holds something else, the one it begins with.
+    load_N: float  #: Normal load before any wear.
+    cycles: float  #: Number of cycles of the test.
     frequency_Hz: float
     drive: Literal["sensor", "stroke"]  #: Where the amplitude is held: on a reading, or the true stroke.
     friction: float
     wear_um3_per_mJ: float  #: Worn volume of both bodies per friction energy.
-    held: str = ""  #: What the drive holds in place of it: "slip", "motion" or "energy".
-    held_share: float = 1.0  #: How much of that (µm, mJ) over amplitude_um.
+    #: Quantity that the drive holds in place of the amplitude: "slip", "motion", "energy" or "tangential"; "" for none.
+    held: str = ""
+    held_share: float = 1.0  #: The value that is held (µm, mJ or N) over amplitude_um.
     compliance_um_per_N: float = 0.0  #: Of the holder along the motion, rotation about a pivot included.
     normal_spring_N_per_um: float = 0.0  #: Of the loading train.
     crossing_error_rad: float = 0.0  #: Of the wires' axes; by what other bodies' scars are sheared alike.
-    effects: tuple[AtWork, ...] = ()  #: At work beside that.
-    length_mm: float = 0.0  #: Of a line contact; zero for contacts at a point.
+    effects: tuple[AtWork, ...] = ()  #: Effects and free changes at work, applied in this order.
+    length_mm: float = 0.0  #: Length of a line contact; zero for contacts at a point.
     contact_kind: str = kinds.CROSSED_WIRES
-    motion: FastMotion = SINE  #: How the drive passes its stroke in time.
-    load_cycle: LoadCycle = STEADY  #: The load over load_N in the course of a cycle.
-    #: Of a test by blocks, cycles with how many of these conditions wear as much as all so far.
+    motion: FastMotion = SINE  #: Displacement of the drive over time.
+    load_cycle: LoadCycle = STEADY  #: Normal load over load_N within a cycle.
+    #: Of a test by blocks: pairs of cycles done and of cycles under these conditions that wear as much; else empty.
     worked: tuple[tuple[float, float], ...] = ()
-    friction_factor: float = 1.0  #: One specimen's, as the next two.
+    friction_factor: float = 1.0  #: Factor of one specimen, as the next two.
     wear_factor: float = 1.0
     load_factor: float = 1.0
     added_compliance_um_per_N: float = 0.0  #: Beside the rig's own, as solvers hold the bodies differently.
     displacement_offset_um: float = 0.0  #: Zero of the sensor, as the next.
     force_offset_N: float = 0.0
-    slope_factor: float = 1.0  #: Of the scar's slopes.
-    tip_factor: float = 0.0  #: Of those of its ends.
-    tip_trend: float = 0.0  #: Its change per decade.
-    stretch: float = 1.0  #: Of the scar's length.
-    stick_factor: float = 1.0  #: Of the contact's stiffness.
-    stick_trend: float = 0.0  #: Its relative change per decade.
-    micro_slip: float = 0.0  #: Logarithm of the micro-slip's order over Mindlin's.
-    angle_rise: float = 1.0  #: Share that counts of the friction that a scar adds.
+    slope_factor: float = 1.0  #: Factor on the slopes of the worn surface.
+    tip_factor: float = 0.0  #: Added to that factor towards the stroke's ends, at a similarity of one.
+    tip_trend: float = 0.0  #: Change of tip_factor per decade of similarity.
+    stretch: float = 1.0  #: Factor on the scar's length.
+    stick_factor: float = 1.0  #: Factor on the contact's stiffness.
+    stick_trend: float = 0.0  #: Change of its logarithm per decade of similarity.
+    micro_slip: float = 0.0  #: Logarithm of a factor on the order of micro-slip, see `sticking`.
+    angle_rise: float = 1.0  #: Factor on the change of friction by the scar along the stroke.
 
     @classmethod
     def of(
         cls, study: AnyStudy, drive: Literal["sensor", "stroke"], wear_mm3_per_J: float, length_mm: float = 0.0
     ) -> SurrogateInputs:
-        """The circumstances that a study states, as inputs of the fast model; drive: where its displacement is held."""
+        """The inputs that a study states, without effects; `length_mm` is that of a line contact, 0 for contacts at a
+        point. drive: whether the amplitude is held on a reading ("sensor") or as true displacement ("stroke").
+        wear_mm3_per_J: worn volume of both bodies per friction energy.
+        """
         conditions, friction, holder = study.conditions, study.contact.friction, study.holder
         tangential, rotational = holder.tangential_stiffness_N_per_mm, holder.rotational_stiffness_N_mm_per_rad
         turned = (holder.pivot_height_mm or 0.0) ** 2 * compliance(rotational)
@@ -124,13 +134,13 @@ class SurrogateInputs:
         )
 
     def wearing_cycles(self, cycles: Array) -> Array:
-        """Equivalent numbers of cycles (n,): cycles under these conditions alone that wear as much as the test's first
-        cycles (n,).
+        """Numbers of cycles (n,) under these conditions alone that wear as much as the test's first `cycles` (n,);
+        equal to `cycles` unless the test has blocks.
         """
         return np.interp(cycles, *np.array(self.worked).T) if self.worked else cycles
 
     def with_effect(self, effect: AtWork) -> SurrogateInputs:
-        """These inputs with one more effect."""
+        """A copy with one more effect, applied after the others."""
         return replace(self, effects=(*self.effects, effect))
 
     @property
@@ -140,7 +150,7 @@ class SurrogateInputs:
 
     @property
     def stated(self) -> Stated:
-        """Values of the test that a study would state, by their keys."""
+        """Stated values of the test by their keys in a study, from which parameters of effects may be scaled."""
         return {
             "conditions.displacement_amplitude_um": self.amplitude_um,
             "conditions.normal_load_N": self.load_N,
@@ -151,10 +161,9 @@ class SurrogateInputs:
 
     @property
     def scales(self) -> Mapping[str, float]:
-        """Factors on what one expects of stiffnesses, compliances and courses, by their units.
-
-        Effects state it for the article's test. A rig is as much stiffer as its forces over its stroke are larger, and
-        what happens in a test does so within its cycles.
+        """Factors by unit on the sizes of parameters that effects state for the article's test of wires.
+        Stiffnesses grow with the friction force over the amplitude, compliances fall with it, and cycles go with the
+        length of the test.
         """
         forces = self.friction * self.load_N / _WIRES_N
         stiffer = forces * _WIRES_um / self.amplitude_um
@@ -169,15 +178,15 @@ class SurrogateInputs:
 
     @property
     def plateau_force_N(self) -> float:
-        """Friction under the stated load at the end of the test."""
+        """Friction force in N under the stated load at the end of the test, with the effects on the contact applied."""
         end = Age(self.cycles, 4e-6 * self.friction * self.load_N * self.amplitude_um * self.cycles)
         return applied(self.effects, Seam.CONTACT, ContactLaw(self.friction), end).friction * self.load_N
 
     def chain(self, radius_um: float, fresh_area_um2: float, cycles: Array, energy_J: Array, worn_um3: Array) -> Chain:
-        """The test as a chain from drive to sensors, at n moments, with all effects applied.
-
-        radius_um, fresh_area_um2: of the contact. cycles, energy_J, worn_um3: (n,) cycles done, friction energy and
-        worn volume. Raises UnforeseenError if an effect changes something that fast models do not know.
+        """The test as a chain from drive to sensors at n moments, with all effects and the factors of the specimen
+        applied. radius_um: of the sphere (or cylinder) that has the bodies' gap to a flat. fresh_area_um2: of the
+        contact before any wear. cycles, energy_J, worn_um3: (n,) cycles done, friction energy and worn volume of both
+        bodies. Raises UnforeseenError if an effect changes something that fast models do not know.
         """
         stated = {
             "amplitude_um": np.nan if self.held else self.amplitude_um,

@@ -28,7 +28,9 @@ class JointStates(WearStates):
 
     @classmethod
     def of_study(cls, study: JointStudy) -> JointStates:
-        """The states that friction and stiffness of a joint give."""
+        """The states of a joint by its stated friction, load and stiffness. A stiffness so large that friction would
+        move the joint by less than 0.01 % of the amplitude counts as that limit.
+        """
         load, friction, stated = study.conditions.normal_load_N, study.contact.friction, study.contact
         # Share of the displacement amplitude that a rigid joint takes under its friction.
         rigid = friction * load / (1e-4 * study.conditions.displacement_amplitude_um)

@@ -72,10 +72,12 @@ _OUTWORN = 4.0
 
 @dataclass(frozen=True)
 class LayeredCase:
-    """Arguments of a table of loops over rough layers, dimensionless: δ is the slip amplitude, R the wires' radius.
+    """Case for which a table of changes by rough layers is computed; dimensionless, with slip amplitude δ and wires'
+    radius R.
 
-    Radius of the fresh contact and stroke over δ, highest layer over δ²/R, engagement p_c δ²/P, largest V R/δ⁴, share
-    of the wear that the moving wire loses, and the gap's curvature along the motion (`along`).
+    fresh_radius: radius of the unworn contact over δ. stroke: over δ. highest: largest layer height over δ²/R.
+    engagement: p_c δ²/P, P the load. most_worn: largest V R/δ⁴. moving_share: share of the wear that the moving wire
+    loses. along: curvature of the gap along the motion over that across.
     """
 
     fresh_radius: float
@@ -89,9 +91,10 @@ class LayeredCase:
 
 @dataclass(frozen=True, eq=False)
 class LayeredWires:
-    """Changes by layers of `heights` s R/δ² (k), the first of none, under which both wires wore volumes V R/δ⁴ (n).
+    """Changes of loops and scars by layers of given height, between wires that wore under layers.
 
-    What is then `present` of a layer, as a share of its height (j,), presses the worn wires.
+    heights: (k,) s R/δ² under which the scar was worn, the first 0. present: (j,) height now over the one worn under.
+    volumes: (n,) V R/δ⁴ of both wires.
     """
 
     heights: Array
@@ -105,18 +108,16 @@ class LayeredWires:
     scars: Array
 
     def at(self, worn_under: Array, height: Array, similarity: Array) -> Array:
-        """Interpolated rows (n, m + 3) of `loops` at n moments.
-
-        worn_under: layer height under which the scar was worn. height: the present one. similarity: V R/δ⁴. All (n,).
+        """Rows (n, m + 3) of `loops`, interpolated at n moments. worn_under: layer height under which the scar was
+        worn. height: the present one, both over δ²/R. similarity: V R/δ⁴. All (n,).
         """
         under = np.maximum(worn_under, height)
         share = np.divide(height, under, out=np.zeros_like(height), where=under > 0.0)
         return np.asarray(self._of_loops(np.stack([self._height(under), share, self._volume(similarity)], axis=-1)))
 
     def scar(self, worn_under: float, similarity: float) -> tuple[Array, Array]:
-        """Changes of depths (2,) in δ²/R, and of log lengths and log widths (2, 2), of the moving and the fixed scar.
-
-        worn_under: layer height in δ²/R under which the scars were worn. similarity: V R/δ⁴.
+        """Changes of depths (2,) in δ²/R, and of the logarithms of lengths and widths (2, 2), of the moving and the
+        fixed scar. worn_under: layer height over δ²/R under which the scars were worn. similarity: V R/δ⁴.
         """
         where = np.array([self._height(np.array(worn_under)), self._volume(np.array(similarity))])
         found = self._of_scars(where)[0]
@@ -140,10 +141,8 @@ class LayeredWires:
 
 
 def remembered(height: Array, worn: Array, power: float) -> Array:
-    """Effective layer height (n,) under which a scar was worn, from heights (n,) at non-decreasing worn volumes (n,).
-
-    The mean of the heights over the volume raised to `power`; before the first volume the height is taken to be
-    constant.
+    """Effective layer height (n,) under which a scar was worn: mean of heights (n,) over the worn volume raised to
+    `power`. worn: (n,) volumes, which do not decrease. Before the first volume the height is taken to be constant.
     """
     total = worn**power
     weights = np.diff(total, prepend=0.0)
@@ -153,7 +152,7 @@ def remembered(height: Array, worn: Array, power: float) -> Array:
 
 @lru_cache(maxsize=16)
 def layered_wires(case: LayeredCase) -> LayeredWires:
-    """The table of a case, from the cache or made now, in about a second."""
+    """The table of a case, from the cache or computed in about a second."""
     identity = identity_of(vars(case), ("wirewear/diagnosis/surrogate",), {})
 
     def made(folder: Path) -> tuple[LayeredWires, Path]:
@@ -220,9 +219,8 @@ def _under(wires: WornWires, worn: Worn, heights: Array, volume: float, case: La
 
 
 def pressing_layers(stiffness: Array, heights: Array, engagement: float) -> Pressing:
-    """The function from overlaps to pressures of foundations of stiffnesses (k,) under layers of heights (k,).
-
-    engagement: pressure p_c by which a layer closes, see the module.
+    """A function from overlaps (k, y, s, x) to pressures and their derivative, of foundations of stiffnesses (k,) under
+    layers of heights (k,). engagement: pressure p_c at which a layer closes, see the module's head; all dimensionless.
     """
     return partial(_pressures, stiffness=stiffness, heights=heights, engagement=engagement)
 
@@ -242,19 +240,20 @@ def _pressures(overlap: Array, stiffness: Array, heights: Array, engagement: flo
 class FlatteningChange:
     """Changes of loops and scars at n moments by flattening of the wires before any wear."""
 
-    slope: Array  #: (n, m) of θ in δ/R, at the `positions` of `FlattenedWires`.
-    stiffness: Array  #: (n,) logarithm of the contact's stiffness.
-    approach: Array  #: (n,) by which wear has let the wires come nearer, in δ²/R.
-    depth: Array  #: (n, 2) of the moving and of the fixed wire's scar, in δ²/R.
-    extent: Array  #: (n, 2, 2) logarithm of the scars' lengths and widths, by wire.
-    volume: Array  #: (n, 2) of the flats themselves, in δ⁴/R.
+    slope: Array  #: (n, m) change of θ in δ/R at the `positions` of `FlattenedWires`.
+    stiffness: Array  #: (n,) change of the logarithm of the contact's stiffness.
+    approach: Array  #: (n,) in δ²/R, by which the wires came nearer through wear.
+    depth: Array  #: (n, 2) in δ²/R, of the moving and of the fixed wire's scar.
+    extent: Array  #: (n, 2, 2) change of the logarithms of length and width, by wire.
+    volume: Array  #: (n, 2) in δ⁴/R, taken by the flattening itself.
 
 
 @dataclass(frozen=True, eq=False)
 class FlattenedWires:
-    """Changes by `flattenings` h R/δ² (k), the first of none, after worn `volumes` V R/δ⁴ of both wires (n).
+    """Table of changes by flattening.
 
-    `positions` (m,) are s/δ from 0 to 1; `table` holds (k, n, …) of what `FlatteningChange` does, volumes (k, 2) apart.
+    flattenings: (k,) approach h R/δ² of the unworn wires, the first 0. volumes: (n,) V R/δ⁴ worn since. positions: (m,)
+    s/δ from 0 to 1. table: arrays (k, n, …) for the fields of `FlatteningChange`; `volume` is (k, 2).
     """
 
     flattenings: Array
@@ -263,7 +262,9 @@ class FlattenedWires:
     table: FlatteningChange
 
     def at(self, flattening: Array, similarity: Array) -> FlatteningChange:
-        """The changes at n moments of given flattening h R/δ² (n,) and similarity V R/δ⁴ (n,)."""
+        """The changes at n moments of flattening h R/δ² (n,) and similarity V R/δ⁴ (n,); larger flattenings count as
+        the largest.
+        """
         late = np.maximum(similarity / self.volumes[-1], 1.0)
         start = self.volumes[1]
         where = np.minimum(flattening, self.flattenings[-1]), np.log(similarity / late + start)
@@ -290,9 +291,9 @@ class FlattenedWires:
 def flattened_wires(
     fresh_radius: float, stroke: float, deepest: float, moving_share: float = 0.5, along: float = 1.0
 ) -> FlattenedWires:
-    """Changes by flattenings of up to `deepest` h R/δ² along ±`stroke`, of which the moving wire takes a share of wear.
-
-    `fresh_radius` is that of the unworn contact; it and the stroke are in slip amplitudes.
+    """Table of changes by flattenings h R/δ² from 0 to `deepest`.
+    fresh_radius, stroke: radius of the unworn contact and stroke to either side, in slip amplitudes. moving_share:
+    share of the wear that the moving wire loses. along: curvature of the gap along the motion over that across.
     """
     flattenings = deepest * _FLATTENINGS
     wires = _flattened(flattenings, stroke, fresh_radius, along)

@@ -1,9 +1,10 @@
-"""Wear states of a line contact's nominal run: those of its loops, and the worn profiles of both bodies.
+"""Wear states of a line contact's nominal run: the contact as its loops show it, and the worn profiles of both bodies.
 
-Its loops are those of a one-dimensional device as wires' are (`wear_states`). Two cylinders on flats of radius R, worn
-by a cross-section A under a slip amplitude δ, are similar to others of equal A R/δ³ if scars are large against the
-elastic approach. The stick branch is all but straight, for it is the bodies that give way. Profiles follow from the
-worn area; what a bed of debris and a lack of oxygen change of them is predicted by `line_wear`.
+The contact is a one-dimensional device as wires' is (`wear_states`). Two cylinders on flats of radius R, worn by a
+cross-section A under a slip amplitude δ, are similar to others of equal A R/δ³ if scars are large against the elastic
+approach. The stick branch is almost straight, as it is the bodies that give way. Profiles follow from the worn area,
+the worn cross-section of both bodies together; changes by a bed of debris and a lack of oxygen are predicted by
+`line_wear`.
 """
 
 from __future__ import annotations
@@ -63,10 +64,11 @@ BODIES = ("pad", "specimen")
 
 @dataclass(frozen=True, eq=False)
 class WornProfiles:
-    """A body's profiles over the worn area of both: places over the scar's half-width, depths over the mean depth.
+    """Profiles of one body at k worn areas, in coordinates of the scar.
 
-    `area_um2` (k,) of both bodies; `place` (m,), `shape` (k, m); `share` of the worn area that this body loses;
-    `beyond`: how far its scar goes past the common half-width, in slip amplitudes of the run (`slip_um`).
+    area_um2: (k,) worn area of both bodies. place: (m,) position over the scar's half-width. shape: (k, m) depth over
+    the body's worn cross-section per half-width. share: of the worn area that this body loses. slip_um: slip amplitude
+    of the run. beyond: distance from the scar's edge to the common half-width, in slip amplitudes.
     """
 
     area_um2: Array
@@ -79,9 +81,8 @@ class WornProfiles:
 
 @dataclass(frozen=True, eq=False)
 class LineStates(WearStates):
-    """States of a line contact: `length_um` of it, its worn `bodies`, and the contact that wears (`contact`).
-
-    `described`: whether it is known how far from the contact its bodies are held.
+    """States of a line contact. length_um: its length. contact: the contact that wears, for `line_wear`. bodies: worn
+    profiles of pad and specimen. described: True if the record states how far from the contact its bodies are held.
     """
 
     has_layers = False
@@ -96,8 +97,9 @@ class LineStates(WearStates):
 
     @classmethod
     def of_line(cls, result: RunResult, face: Face, length_mm: float) -> LineStates:
-        """States of a run of a line contact, of `length_mm` of it.
-        Raises RunError if the run has no loops in gross slip, or the face is not even.
+        """States of a run of a line contact with this face of the pad, for a contact of `length_mm`.
+        Raises RunError if no loop of the run carries a force, none of those in gross slip can be read, or the face
+        differs from side to side.
         """
         if isinstance(face, TabledProfile) and not face.is_even:
             raise RunError(
@@ -142,27 +144,29 @@ class LineStates(WearStates):
 
     @property
     def doubts(self) -> Mapping[str, float]:
-        """Standard deviations of unstated quantities that all repeats share, by name: `unknown`, and "compliance" in
-        µm/N if bodies are not described: of a positive quantity known in size alone, it is that size (maximum entropy).
+        """Standard deviations, by name, of unstated quantities that are the same in all repeats: `unknown` (relative),
+        and "compliance" in µm/N if it is not stated where the bodies are held: as large as the contact's own.
         """
         own = {} if self.described else {"compliance": self.full_slip / float(self.stiffness_N_per_um[0])}
         return {**self.unknown, **own}
 
     def model_error(self, kind: type[AnyEffect]) -> float:
-        """Relative error of the fast model in the change by an effect, smaller if worn profiles are computed."""
+        """Error of the fast model in the change that an effect makes, relative to it; smaller if `line_wear` computes
+        the profiles.
+        """
         return MODEL_ERROR if kind.name in _MODELLED else kind.model_error
 
     def similar(self, worn_um3: Array, slip_um: Array) -> Array:
-        """The dimensionless worn area A R/δ³ (n,), from the worn volume and the slip amplitude δ; equal for similar
-        contacts.
+        """Similarities (n,) of contacts of worn volumes (n,) under slip amplitudes (n,): A R/δ³, or the volume if the
+        contact sticks.
         """
         if self.sticks:
             return super().similar(worn_um3, slip_um)
         return np.asarray(worn_um3 / self.length_um * self.radius_um / slip_um**3)
 
     def wearing(self, setup: SurrogateInputs, chain: Chain, slip_um: Array) -> Array:
-        """Wear coefficient in µm³/mJ at each moment of the chain, lowered where oxygen does not reach the contact's
-        middle.
+        """Worn volume of both bodies per friction energy in µm³/mJ at the chain's n moments, lowered where oxygen does
+        not reach the contact's middle; slip_um: (n,).
         """
         plain = super().wearing(setup, chain, slip_um)
         if not chain.oxygen_W.any():
@@ -172,7 +176,9 @@ class LineStates(WearStates):
         return np.asarray(plain * factor)
 
     def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:
-        """Profiles (x, depth) in µm by body: the nominal run's at this worn area, widened by slip, bed and oxygen."""
+        """Profiles (x, depth), each (m,) in µm, by body at the chain's only moment: the nominal run's at this worn
+        area, with the width of this slip amplitude, and changed by debris and lack of oxygen.
+        """
         area = float(last.worn_um3[0]) / self.length_um
         changed = self._changed(setup, last, np.array([slip_um]))
         before = worn_line(changed.plain)

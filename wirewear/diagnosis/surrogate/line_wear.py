@@ -1,9 +1,11 @@
-"""How a bed of debris and a lack of oxygen change the worn profile of a line contact: two half-planes and a bed.
+"""How a bed of debris and a lack of oxygen change the worn profile of a line contact, by two half-planes with a bed
+between.
 
-The gap between pad and flat, less what debris fills, closes by the pad's approach; pressures on half-planes (Johnson,
-Contact Mechanics, 1985, section 2.4) and on the bed follow from what is left. Wear goes with the local pressure at a
+The gap between pad and flat, less the debris in it, closes by the pad's approach; pressures on the half-planes
+(Johnson, Contact Mechanics, 1985, section 2.4) and on the bed follow from it. Wear goes with the local pressure at a
 step's end, so that contacts conform. The stroke's own width is neglected, and only the difference from the same contact
-without bed and with oxygen everywhere is used. Lengths are in mm, pressures in MPa.
+without bed and with oxygen everywhere is used. The worn area is the worn cross-section of both bodies together. Lengths
+are in mm, pressures in MPa.
 """
 
 from __future__ import annotations
@@ -30,18 +32,21 @@ EDGE = 0.03
 
 @dataclass(frozen=True)
 class WornLineContact:
-    """A line contact of 1 mm length, with the debris and oxygen that affect its wear."""
+    """A line contact per mm of length, with the debris and oxygen that affect its wear. Load, Hertz's half-width and
+    modulus are those before any wear.
+    """
 
-    face: Face  #: Of the pad; load, Hertz's half-width and modulus are those before any wear.
+    face: Face  #: Of the pad.
     load_N_per_mm: float
     hertz_half_width_mm: float
     contact_modulus_MPa: float
-    reach_mm: float  #: Half of the width that is looked at.
-    most_area_mm2: float  #: Worn cross-section of both bodies up to which it is followed.
-    retained_fraction: float = 0.0  #: Of the bed of debris, as its modulus.
-    modulus_MPa: float = 0.0  #: Zero: it does not give way.
-    supply_mm3_MPa: float = 0.0  #: Of oxygen over 4 times friction, slip amplitude and frequency; zero: everywhere.
-    starved_factor: float = 1.0  #: On the wear coefficients where there is none.
+    reach_mm: float  #: Half-width of the region in which profiles are computed.
+    most_area_mm2: float  #: Worn area up to which wear is followed.
+    retained_fraction: float = 0.0  #: Share of the worn material that stays in the contact as debris, 0 to 1.
+    modulus_MPa: float = 0.0  #: Modulus of the debris; zero for a rigid bed.
+    #: Supply of oxygen over 4 times friction, slip amplitude and frequency; zero for oxygen everywhere.
+    supply_mm3_MPa: float = 0.0
+    starved_factor: float = 1.0  #: Factor on the wear coefficients where there is no oxygen.
 
     @property
     def plain(self) -> WornLineContact:
@@ -51,30 +56,30 @@ class WornLineContact:
 
 @dataclass(frozen=True, eq=False)
 class WornLine:
-    """Profiles of a line contact at k worn cross-sections (`area_mm2`, of both bodies together)."""
+    """Profiles of a line contact at k worn areas."""
 
-    x_mm: Array  #: (m,) from the middle outwards.
-    area_mm2: Array  #: (k,) increasing.
-    depth_mm: Array  #: (k, m) of both bodies together.
-    factor: Array  #: (k,) mean factor on the wear coefficients.
+    x_mm: Array  #: (m,) distance from the contact's middle; profiles are symmetric.
+    area_mm2: Array  #: (k,) worn area, increasing from 0.
+    depth_mm: Array  #: (k, m) worn depth of both bodies together.
+    factor: Array  #: (k,) mean factor on the wear coefficients by lack of oxygen.
     half_width_mm: Array  #: (k,) of the scar.
 
     def depth_at(self, area_mm2: float) -> Array:
-        """Worn depths (m,) in mm when this cross-section has been worn off both bodies."""
+        """Depths (m,) in mm worn off both bodies together at this worn area."""
         return between(self.area_mm2, self.depth_mm, area_mm2, 1.5)
 
     def half_width_at(self, area_mm2: float) -> float:
-        """Half-width of the scar in mm when this cross-section has been worn off both bodies."""
+        """Half-width of the scar in mm at this worn area."""
         return float(np.interp(area_mm2, self.area_mm2, self.half_width_mm))
 
     def factor_at(self, area_mm2: Array) -> Array:
-        """Mean factors (n,) on the wear coefficients at worn areas (n,)."""
+        """Mean factors (n,) on the wear coefficients at worn areas (n,) in mm²."""
         return np.interp(area_mm2, self.area_mm2, self.factor)
 
 
 @lru_cache(maxsize=512)
 def worn_line(contact: WornLineContact) -> WornLine:
-    """Profiles of a line contact as it wears, over the worn area."""
+    """Profiles of a line contact as it wears, from none to its largest worn area; computed once for each contact."""
     x = np.linspace(0.0, contact.reach_mm, _PLACES)
     weight = np.full(x.size, 2.0 * x[1])
     weight[[0, -1]] = x[1]
@@ -179,10 +184,8 @@ def _half_width(x: Array, values: Array) -> float:
 
 
 def between(known: Array, rows: Array, at: float, most: float) -> Array:
-    """Row (m,) interpolated linearly at `at` among rows (k, m) whose increasing coordinate is `known` (k,).
-
-    Beyond the last it is extrapolated, so that it counts at most `most` times the last difference of rows from the row
-    before.
+    """Row (m,) at `at`, linear between rows (k, m) at increasing coordinates `known` (k,).
+    Beyond the last row it goes on from the last but one by at most `most` times the difference of both.
     """
     after = int(np.clip(np.searchsorted(known, at), 1, known.size - 1))
     share = (at - known[after - 1]) / (known[after] - known[after - 1])
@@ -190,9 +193,9 @@ def between(known: Array, rows: Array, at: float, most: float) -> Array:
 
 
 def transformed(x_um: Array, depth_um: Array, before: WornLine, after: WornLine, area_mm2: float) -> Array:
-    """A body's profile (n,) as `after` would have worn it where `before` is the same without bed and starving.
-
-    Places move with the scar's half-width, depths with what both have lost there; the area stays.
+    """A body's profile (n,) in µm, changed as bed and lack of oxygen change the profile `before` to `after` at this
+    worn area. x_um, depth_um: (n,) positions and depths. before: the contact without both. Positions scale with the
+    scar's half-width, depths with the local ratio of both profiles; the cross-section stays the same.
     """
     narrow = before.half_width_at(area_mm2) / max(after.half_width_at(area_mm2), 1e-9)
     wide, changed = before.depth_at(area_mm2), after.depth_at(area_mm2)

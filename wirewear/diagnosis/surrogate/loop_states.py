@@ -1,4 +1,7 @@
-"""The contact at one logged loop of a nominal run, and the course of its drive's motion in time."""
+"""The contact as one logged loop of a nominal run shows it, and the motion of a drive over time.
+
+θ, φ, s and δ are those of `wear_states`. A branch is the part of a loop from one reversal of the motion to the next.
+"""
 
 from __future__ import annotations
 
@@ -56,11 +59,10 @@ _AT_REST = _MOTION.number("at_rest")
 
 
 def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:
-    """∫d x y / ∫d y² about the centre of a map (n_x, n_y) with x along the motion; NaN of a map without a scar.
-
-    A cylinder whose axis is turned by ε from the normal to the motion leaves d = h − y²/2R − (x + ε y − s)²/2R on one
-    along the motion, whatever its position s: every scar that is swept by it is sheared by x → x − ε y, and this is
-    −tan ε on both wires (geometry).
+    """Skew ∫d x y / ∫d y² in rad of depths d (n_x, n_y) about their centre, x along the motion; NaN of a map without a
+    scar. A cylinder whose axis is turned by ε from the normal to the motion leaves d = h − y²/2R − (x + ε y − s)²/2R on
+    one along the motion, whatever its position s: every scar that is swept by it is sheared by x → x − ε y, and the
+    skew is −tan ε on both wires (geometry).
     """
     depth = np.where(depth_um > _SKEW_EDGE * float(np.max(depth_um)), depth_um, 0.0)
     volume = float(depth.sum())
@@ -73,10 +75,9 @@ def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:
 
 
 def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float) -> tuple[object, ...] | None:
-    """The row of `WearStates` that a loop gives, from its volume in µm³ to its scars and their skews; None where it
-    does not slide.
-
-    `fresh_stiffness` is that of the unworn contact in N/µm.
+    """The row of `WearStates` that a loop gives, from worn volume in µm³ to scars and their skews; None if it does not
+    travel far beyond the onset of gross slip.
+    friction: coefficient of the run. fresh_stiffness: of the unworn contact in N/µm.
     """
     row = result.evolution.at(loop.cycle)
     volume = 1e9 * sum(row[f"worn_volume_{body}_mm3"] for body in result.bodies)
@@ -106,8 +107,8 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
 
 
 def sliding(result: RunResult, row_of: Callable[[Loop], tuple[object, ...] | None]) -> list[Array]:
-    """Columns of the rows that a run's loops give, the last of those before any wear. Raises RunError if no loop slides
-    as a whole.
+    """Columns of the rows that `row_of` gives for a run's loops; of several loops before any wear only the last counts.
+    row_of: the row of a loop, None if it does not slide. Raises RunError if no loop slides as a whole.
     """
     known = [(loop.cycle, row) for loop in result.loops if (row := row_of(loop)) is not None]
     if not known:
@@ -120,7 +121,7 @@ def sliding(result: RunResult, row_of: Callable[[Loop], tuple[object, ...] | Non
 
 
 class StatesOfLoops(TypedDict):
-    """Fields of `WearStates` that all contacts have, a row for each logged loop."""
+    """Fields of `WearStates` that all contacts have, one row for each logged loop."""
 
     volume_um3: Array
     similarity: Array
@@ -137,9 +138,9 @@ class StatesOfLoops(TypedDict):
 def states_of(
     result: RunResult, load_N: float, volume: Array, similarity: Array, scars: Array, *columns: Array
 ) -> StatesOfLoops:
-    """States of a sliding contact, smoothed over the worn volume.
-
-    columns: those of `state_of` for each logged loop, from slip to lift.
+    """Fields of `WearStates` of a sliding contact, smoothed over the worn volume.
+    load_N: load before any wear. volume, similarity, scars: (n,), (n,) and (n, 2, 4). columns: slip, slope, angle,
+    stiffness, load in mid-stroke and its rest, each (n, …) as in `state_of`.
     """
     slip, slope, angle, stiffness, normal, lift = columns
     return StatesOfLoops(
@@ -157,9 +158,9 @@ def states_of(
 
 
 def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:
-    """Load in mid-stroke of a sliding contact at positions s/δ (n,), and coefficients of the rest over `LIFT_POWERS`.
-
-    Walls lift the bodies against the spring that presses them, less than their slopes say: the contact gives way, too.
+    """Load in N in mid-stroke, and coefficients (2,) over `LIFT_POWERS` of what it is more elsewhere, by least squares.
+    u, load_N: positions s/δ and loads, both (n,). Walls lift the bodies against the spring that presses them by less
+    than their slopes say, as the contact gives way.
     """
     design = np.stack([u**power for power in (0, *LIFT_POWERS)], axis=1)
     found = np.linalg.lstsq(design, load_N, rcond=None)[0]
@@ -167,14 +168,18 @@ def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:
 
 
 def travelled(x: Array) -> tuple[Array, BoolArray]:
-    """Distance of each sample from the last reversal, and whether it belongs to the branch towards +x."""
+    """Distance in µm (n,) of each sample from the reversal before it, and marks (n,) of the branch towards +x.
+    x: (n,) displacements of one closed loop in µm.
+    """
     n, top, low = x.size, int(np.argmax(x)), int(np.argmin(x))
     forward = (np.arange(n) - low) % n <= (top - low) % n
     return np.where(forward, x - x[low], x[top] - x), forward
 
 
 def fitted_angles(u: Array, psi: Array, friction: float) -> tuple[Array, Array]:
-    """θ and φ − atan µ from the mirrored branches' force angles."""
+    """Coefficients of θ over `ODD_POWERS` (5,) and of φ − atan µ over `EVEN_POWERS` (2,), by least squares.
+    u: (n,) positions s/δ. psi: (n,) angles of the force in rad, both with the branch towards −x mirrored. friction: µ.
+    """
     powers = (*ODD_POWERS, *EVEN_POWERS)
     design = np.stack([u**power for power in powers], axis=1)
     ridge = np.diag(_RIDGE) * np.sqrt(u.size)
@@ -198,7 +203,7 @@ def _stick_stiffness(x: Array, q: Array, travel: Array, forward: BoolArray, rise
 
 
 def load_shares(result: RunResult, loop: Loop) -> Array:
-    """Load over the test's load, by which a run asked for it, at the samples (n,) of a loop."""
+    """Normal load that a run asked for at a loop's samples (n,), over the test's load; 1 under a steady load."""
     stated = result.study["conditions"].get("load_cycle")
     if stated is None:
         return np.ones(loop.time_s.size)
@@ -210,7 +215,9 @@ def load_shares(result: RunResult, loop: Loop) -> Array:
 
 
 def scar_figures_of(result: RunResult, cycle: int, body: str) -> tuple[list[float], float]:
-    """`SCAR_FIGURES` of a body after a cycle and the skew of its scar; zeros and NaN where none was logged."""
+    """`SCAR_FIGURES` in µm³ and µm of a body after a cycle, and the skew of its scar; zeros and NaN if no scar was
+    logged.
+    """
     try:
         scar = result.scar(cycle, body)
     except ResultError:
@@ -222,7 +229,9 @@ def scar_figures_of(result: RunResult, cycle: int, body: str) -> tuple[list[floa
 
 
 def smoothed(volume: Array, rows: Array) -> Array:
-    """Rows (n, k) freed from scatter between neighbours: local straight lines in log volume."""
+    """A copy of `rows` (n, k) without scatter: at each, the value of a straight line fitted with Gaussian weights.
+    volume: (n,) in µm³, increasing; lines are fitted over ln(V + V_last/25000 + 1), so that V may be 0.
+    """
     at = np.log(volume + 1e-3 * volume[-1] / 25.0 + 1.0)
     weight = np.exp(-0.5 * ((at[:, None] - at) / _SMOOTHING) ** 2)
     smooth = np.empty_like(rows)
@@ -237,27 +246,25 @@ Harmonics = ComplexArray
 
 @dataclass(frozen=True, eq=False)
 class FastMotion:
-    """A periodic motion by its harmonics: Re Σ c_k exp(ikφ) over a cycle of phases φ, k = 1, 2, …"""
+    """A periodic motion, displacement Re Σ c_k exp(ikφ) at the phase φ of a cycle, with harmonics c_k, k = 1, 2, …"""
 
-    harmonics: Harmonics  #: (k,) complex.
+    harmonics: Harmonics  #: (k,) complex, over the drive's amplitude.
 
     def before(self, lag: float) -> FastMotion:
-        """The motion that, passed through a first-order filter, is this one; lag: the filter's time constant as a phase
-        in rad.
-
-        Source: Bendat & Piersol, Random Data, 4th ed., section 2.3.
+        """The motion that becomes this one in a first-order filter; lag: the filter's time constant times angular
+        frequency, in rad. Source: Bendat & Piersol, Random Data, 4th ed., section 2.3.
         """
         undone = self.harmonics * (1.0 + 1j * lag * np.arange(1, self.harmonics.size + 1))
         return FastMotion(np.concatenate([undone, _beyond(undone)]))
 
     def behind(self, lag: float) -> FastMotion:
-        """This motion passed through a first-order filter; lag: its time constant as a phase in rad."""
+        """This motion after a first-order filter; lag: the filter's time constant times angular frequency, in rad."""
         return FastMotion(np.asarray(self.harmonics / (1.0 + 1j * lag * np.arange(1, self.harmonics.size + 1))))
 
     def phases(self, place: Array) -> Array:
-        """When places (..., 2, m) are passed, −1 and 1 being the ends of the stroke, one way and back; both increase.
-
-        A drive that stays at an end begins the next branch when it leaves it.
+        """Phases (..., 2, m) in rad at which the motion passes places (..., 2, m): first on the way to +x, then on the
+        way back. place: displacement over amplitude in the order of travel, −1 and 1 being the ends of the stroke.
+        Phases increase along each branch. If the drive rests at an end, the next branch begins when it leaves it.
         """
         bent = np.arcsin(np.clip(place, -1.0, 1.0))
         there, back = (
@@ -267,7 +274,7 @@ class FastMotion:
         return np.stack([there, back], axis=-2)
 
     def at(self, phase: Array) -> Array:
-        """Displacement over amplitude at phases (...) in rad."""
+        """Displacement at phases (...) in rad, in the unit of the harmonics."""
         return np.interp(phase, _even_phases(), self._even, period=2.0 * np.pi)
 
     @cached_property

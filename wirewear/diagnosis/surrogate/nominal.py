@@ -1,4 +1,9 @@
-"""The nominal model of a record, and its one finite element run, kept for all records that state the same."""
+"""The nominal run: one finite element run of a test as it is stated, kept in a cache for all records that state the
+same.
+
+Wear laws that depend on energy or sliding alone run faster than stated: other wear then only re-labels the cycles. The
+factor on the wear coefficients is called the margin.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +36,7 @@ _WITHOUT_BULK = "loops are predicted without the bulk stresses of the bodies, wh
 _FOLDER = "wirewear-nominal-"
 
 ObserverOf = Callable[[str], "AbstractContextManager[Any]"]
-Stage = Callable[[str], "AbstractContextManager[object]"]  #: Entered for each part of the work, with what it is.
+Stage = Callable[[str], "AbstractContextManager[object]"]  #: Entered for each step of the work, with its name.
 
 _KNOWN = constants("surrogate.nominal")
 
@@ -60,9 +65,9 @@ WEAR_MARGIN, JUMP_TOLERANCE = _OF_LINE_NOMINAL.each("wear_margin", "jump_toleran
 def kept_or_made(
     name: str, read: Callable[[Path], Result], make: Callable[[Path], tuple[Result, Path]]
 ) -> tuple[Result, Path | None]:
-    """A result by the name of its file in the cache, and that file, None where nothing can be kept.
-
-    read: of that file; one that is damaged is made again.  make: in a folder, the result and its file there.
+    """A result and its file in the cache; read from there if kept, else made and kept. The file is None if nothing can
+    be kept. name: of the file. read: reads that file; if it raises ResultError the result is made again. make: makes
+    the result in a given folder, and returns it with its file there.
     """
     from wirewear.base.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept, remove_abandoned
 
@@ -86,13 +91,15 @@ def kept_or_made(
 
 def nominal_study(record: AnyRecord) -> Any:
     """Study of the test as the record states it; a rig property that is not stated is taken to be ideal.
-    Raises RecordError if friction or wear is not stated, or friction twice and differently.
+    Raises RecordError if friction or wear is not stated, or if friction is stated twice and differently.
     """
     return stated_study(record.tables)
 
 
 def require_the_same(record: AnyRecord, study: AnyStudy, pairs: Mapping[str, tuple[float, float]]) -> None:
-    """Raise RecordError unless numbers of model and record, `pairs` by key, agree within the share `SAME`."""
+    """Raise RecordError unless each pair of numbers, the model's and the record's by key, agrees within the share
+    `SAME`.
+    """
     for key, (own, recorded) in pairs.items():
         if abs(own - recorded) > SAME * max(abs(own), abs(recorded)):
             raise RecordError(
@@ -102,7 +109,7 @@ def require_the_same(record: AnyRecord, study: AnyStudy, pairs: Mapping[str, tup
 
 
 def wears_evenly(study: AnyStudy) -> bool:
-    """True if a study's worn volume is one constant factor times friction work or sliding: plain wear laws, and no
+    """True if the worn volume is proportional to friction energy or sliding: laws of Archard or of energy, without
     layers.
     """
     plain = all(isinstance(law, EnergyLaw | Archard) for law in study.laws[1:])
@@ -111,23 +118,26 @@ def wears_evenly(study: AnyStudy) -> bool:
 
 @dataclass(frozen=True)
 class NominalRun:
-    """A study as its nominal run wears it: the coefficients are multiplied by the first of `margins` with which the run
-    completes.
+    """How the nominal run of a study is to be made. Creating it runs nothing.
+
+    margins: factors on the wear coefficients, tried in turn until a run completes.
     """
 
     study: AnyStudy
     margins: Sequence[float]
-    changes: Mapping[str, Any]  #: How it is logged and resolved, as tables of a study.
+    changes: Mapping[str, Any]  #: Changes of mesh and fidelity, as tables of a study.
 
 
 def point_run(study: Study) -> NominalRun:
-    """The nominal run of a contact at a point."""
+    """How the nominal run of a contact at a point is to be made. Runs nothing."""
     increments = study.fidelity("quick").increments_per_cycle or INCREMENTS_PER_CYCLE
     return NominalRun(wearing(study), _WEAR_MARGINS, {"fidelity": {"quick": {"increments_per_cycle": increments}}})
 
 
 def line_run(study: LineStudy) -> NominalRun:
-    """The nominal run of a line contact."""
+    """How the nominal run of a line contact is to be made: with the margin WEAR_MARGIN, and its jump tolerance. Runs
+    nothing.
+    """
     tolerance = study.mesh.jump_tolerance or JUMP_TOLERANCE
     return NominalRun(study, (WEAR_MARGIN,), {"mesh": {"jump_tolerance": tolerance}})
 
@@ -135,13 +145,11 @@ def line_run(study: LineStudy) -> NominalRun:
 def nominal_run(
     study: AnyStudy, observer_of: ObserverOf | None = None, asked: Callable[[Any], NominalRun] = point_run
 ) -> RunResult:
-    """The quick run of a study, from the cache or made now; its wear coefficients are the stated ones times a margin.
-
-    The largest margin that a run comes to its end with. Where none does, the run that got farthest, if it logged enough
-    loops; its status and message say so.
-
-    Raises StudyError if the study cannot be meshed; SolverError if the contact did not converge before enough loops
-    were logged.
+    """The nominal run of a study without its effects, in quick fidelity, from the cache or made now. It is the run with
+    the first margin that completes or, if none does, the one with most logged loops, whose status and message say why
+    it ended. Of a programme it has only the loops of the study's own block. observer_of: gives the observer of the run
+    of a name; None for none. asked: how the run is to be made. Raises StudyError if the study cannot be meshed;
+    SolverError if the contact did not converge before enough loops were logged.
     """
     # Effects of the model enter the fast model; the wear states are those without.
     nominal = asked(study.with_effects())
@@ -155,7 +163,9 @@ def nominal_run(
 
 
 def of_own_block(result: RunResult, study: AnyStudy) -> RunResult:
-    """The run of a programme with the loops alone of the block whose conditions the study states as its own."""
+    """The run of a programme with only those loops whose block has the study's own conditions; unchanged without
+    blocks.
+    """
     if not study.schedule.blocks:
         return result
     own = _own_blocks(study)
@@ -169,7 +179,7 @@ def _own_blocks(study: AnyStudy) -> set[int]:
 
 
 def logged_by(study: AnyStudy) -> tuple[int, ...]:
-    """Cycles at which a nominal run is logged; of a programme those nearest to them in the study's own block."""
+    """Cycles at which a nominal run logs loops; of a programme, the nearest cycles in the study's own block."""
     cycles = study.conditions.cycles
     wanted = {*half_decades(cycles), cycles}
     if study.schedule.blocks:
@@ -185,10 +195,9 @@ def _apart(cycle: int, other: int) -> float:
 
 
 def wearing(study: Study) -> Study:
-    """The study itself, or where it does not wear with a coefficient that gives it wear states.
-
-    By the end a volume V = δ⁴/R is worn, with which scars begin to change loops. The fast model takes as much of it as
-    the study wears: nothing.
+    """The study itself or, if it does not wear, a copy with a wear coefficient by which V = δ⁴/R is worn in the end.
+    Scars begin to change loops at that volume, so that wear states can be made; the fast model still wears as the study
+    does.
     """
     if study.wear is not None and any(study.wear.coefficients.values()):
         return study
@@ -201,8 +210,8 @@ def wearing(study: Study) -> Study:
 
 
 def limits_of(nominal: RunResult, study: AnyStudy) -> tuple[str, ...]:
-    """Sentences on what limits wear states taken from a run: bulk stress that is left out, or an end before its last
-    cycle.
+    """Sentences on what limits wear states taken from a run: bulk stress that is left out, or an end before the last
+    cycle; empty if nothing does.
     """
     notes = (_WITHOUT_BULK,) if study.schedule.pulled else ()
     if nominal.status == "complete":
@@ -246,7 +255,7 @@ def _run(nominal: NominalRun, folder: Path, observer_of: ObserverOf | None) -> R
 
 
 def half_decades(cycles: int) -> list[int]:
-    """Cycles at which a nominal run is logged: 1, 3, 10, ... and some late ones."""
+    """Cycles 1, 3, 10, 30, … and some late ones, all below `cycles`."""
     series = [factor * 10**decade for decade in range(len(str(cycles))) for factor in (1, 3)]
     late = [int(share * cycles) for share in _LATE_LOOPS]
     return [cycle for cycle in [*series, *late] if 1 <= cycle < cycles]

@@ -1,4 +1,5 @@
-"""The nominal model of a test: its wear states, the surrogate's inputs, and which studies may stand in its place.
+"""The nominal model of a test, by kind of contact: the study that stands for it, its wear states, and the fast model's
+inputs.
 
 Contacts at a point, line contacts and joints differ here, and nowhere above.
 """
@@ -32,10 +33,13 @@ class PointModel:
     """The study of a test in which two bodies touch at a point."""
 
     study: Study
-    predicts_scars: ClassVar[bool] = False  #: Whether worn bodies are as those of a run, so that both are compared.
+    #: Whether a full simulation's worn surfaces are compared with measured ones.
+    predicts_scars: ClassVar[bool] = False
 
     def of_record(self, record: ExperimentRecord) -> Study:
-        """The study. Raises RecordError if it is of other bodies, load or amplitude than the record's test."""
+        """The study itself. Raises RecordError if its bodies, load, amplitude or held quantity differ from the record's
+        test.
+        """
         own, asked = self.study.conditions, record.tables.conditions
         bodies = zip(self.study.bodies, record.tables.bodies_of_test, strict=True)
         pairs = {
@@ -51,19 +55,24 @@ class PointModel:
         return self.study
 
     def states(self, _tables: object, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
-        """Wear states of the quick run of the study, which an observer may watch, and what limits them, in sentences.
-        Raises StudyError or SolverError if the study cannot be run, RunError if its drive holds a force that slides
-        the bodies.
+        """Wear states of the study's nominal run, made now or kept from before, and sentences on what limits them.
+        observer_of: see `nominal_run`. Raises StudyError or SolverError if the study cannot be run; RunError if its
+        loops give no states, its drive holds a force that slides the bodies, or it sticks in its middle under a load
+        that varies.
         """
         result = nominal.nominal_run(self.study, observer_of)
         return _of_run(WearStates.of_run(result), result, self.study), nominal.limits_of(result, self.study)
 
     def inputs(self, tables: AnyTables) -> SurrogateInputs:
-        """The circumstances that the study states, with the surrogate's numerical freedoms as expected."""
+        """The inputs of the fast model that the study states, with its effects and the freedoms at their usual values;
+        of the record's `tables` the drive alone is taken.
+        """
         return nominal_inputs(self.study, tables.conditions.drive)
 
     def with_effects(self, effects: Sequence[AnyEffect], amplitude_um: float, increments: int) -> Study:
-        """The study with further effects and another amplitude. increments: of a loop, where quick runs state none."""
+        """The study with effects added to its own and another amplitude in µm.
+        increments: of a loop in quick runs, used if the study states none.
+        """
         stated = self.study.fidelity("quick").increments_per_cycle or increments
         return self.study.with_effects(*self.study.effects, *effects).changed(
             {
@@ -81,8 +90,8 @@ class LineModel:
     predicts_scars: ClassVar[bool] = True
 
     def of_record(self, record: LineRecord) -> LineStudy:
-        """The study, of the record's length.
-        Raises RecordError if it has variants, or another face, load or amplitude than the record's test.
+        """The study, of the record's length. Raises RecordError if it has variants, or its pad, load, amplitude or
+        cycles differ from the record's test.
         """
         study = self.study.of_length(record.tables.contact.length_mm)
         if study.variant_names:
@@ -102,8 +111,8 @@ class LineModel:
         return study
 
     def states(self, tables: AnyTables, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
-        """Wear states of the whole contact, from the nominal run of the test in a record's tables, and sentences on
-        their limits.
+        """Wear states of the study's nominal run over the record's length (1 mm if it states none), and sentences on
+        what limits them. observer_of: see `nominal_run`. Raises as `PointModel.states` does.
         """
         result = nominal.nominal_run(self.study, observer_of, nominal.line_run)
         length_mm = tables.length_mm or 1.0
@@ -112,34 +121,40 @@ class LineModel:
         return states, nominal.limits_of(result, self.study)
 
     def inputs(self, tables: AnyTables) -> SurrogateInputs:
-        """The circumstances of a test, from a record's tables, as inputs of the fast model."""
+        """The inputs of the fast model that the study states, with its effects; of the record's `tables` the drive
+        alone is taken.
+        """
         return nominal_line_setup(self.study, tables.conditions.drive)
 
     def with_effects(self, effects: Sequence[AnyEffect], amplitude_um: float, _increments: int) -> LineStudy:
-        """The study with further effects and another amplitude."""
+        """The study with effects added to its own and another amplitude in µm."""
         every = (*self.study.effects, *effects)
         return self.study.changed({"effects": every, "conditions": {"displacement_amplitude_um": amplitude_um}})
 
 
 @dataclass(frozen=True)
 class JointModel:
-    """The study of a joint, which has its states in closed form."""
+    """The study of a joint, whose states have a closed form; nothing is run."""
 
     study: JointStudy
 
     def of_record(self, record: AnyRecord) -> JointStudy:
-        """The study. Raises RecordError if it is of another load or amplitude than the record's test."""
+        """The study itself. Raises RecordError if its load or amplitude differs from the record's test."""
         own, asked = self.study.conditions, record.tables.conditions
         keys = ("normal_load_N", "displacement_amplitude_um")
         require_the_same(record, self.study, {key: (getattr(own, key), getattr(asked, key)) for key in keys})
         return self.study
 
     def states(self, _tables: object, _observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
-        """States of the joint as it is stated. Raises RunError if the drive holds a force that slides it."""
+        """States of the joint as it is stated, and no sentences. Raises RunError if the drive holds a force that slides
+        it.
+        """
         return _driven(JointStates.of_study(self.study), self.study), ()
 
     def inputs(self, tables: AnyTables) -> SurrogateInputs:
-        """The circumstances of a test, from a record's tables, as inputs of the fast model."""
+        """The inputs of the fast model that the study states, with its effects and no wear; of the record's `tables`
+        the drive alone is taken.
+        """
         setup = SurrogateInputs.of(self.study, tables.conditions.drive, 0.0)
         return replace(setup, effects=self.study.effects)
 
@@ -176,7 +191,7 @@ NominalModel = PointModel | LineModel | JointModel
 
 
 def nominal_model(study: AnyStudy) -> NominalModel:
-    """The fast model's interface to the study of a record's test, by its kind: joint, line or point contact."""
+    """The interface of the fast model to a study: `JointModel`, `LineModel` or `PointModel`, by its kind of contact."""
     if isinstance(study, JointStudy):
         return JointModel(study)
     return LineModel(study) if isinstance(study, LineStudy) else PointModel(cast("Study", study))

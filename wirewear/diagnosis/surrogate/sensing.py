@@ -1,4 +1,10 @@
-"""What the sensors of a rig read of both branches of a loop."""
+"""The loop of a contact as a rig's sensors read it, computed for both branches of n loops at once.
+
+Arrays (n, 2, m) hold for each loop the branch towards +x, then the one back, each in order of travel; (n, k, m) the
+same with k = 1 if both branches are alike. A branch sticks up to its knee and slides from there to the tip, its end.
+`share` is the friction that the force reaches, 1 for contacts that slide; Masing's rule makes branches twice the first
+loading.
+"""
 
 from dataclasses import dataclass
 
@@ -36,9 +42,11 @@ Answers = ComplexArray
 
 @dataclass(frozen=True, eq=False)
 class SlidingContact:
-    """The contact at n moments: load and force (n, k, m) along its branches, stiffness, order of micro-slip.
+    """A contact at n moments.
 
-    Branches are each in its direction of travel: one where both are alike, two where the load varies within the cycle.
+    load_N, force_N: (n, k, m) normal load and friction force in each branch's direction at the sliding positions
+    `POSITIONS`. stiffness_N_per_um: (n,) initial stiffness. springs_um_per_N: (n,) compliance of the springs in series.
+    order: (n,) order of micro-slip (`sticking`).
     """
 
     load_N: Array
@@ -46,35 +54,35 @@ class SlidingContact:
     stiffness_N_per_um: Array
     springs_um_per_N: Array
     order: Array
-    share: Array  #: Of the friction that the force comes to, one where the contact slides.
+    share: Array  #: (n,) force reached over friction, 0 to 1; 1 if the contact slides.
 
     def taken(self, moments: NDArray[np.intp]) -> "SlidingContact":
-        """The contact at the chosen moments (indices) only."""
+        """The contact at the moments of these indices only."""
         return SlidingContact(*(column[moments] for column in vars(self).values()))
 
     @property
     def tip_N(self) -> Array:
-        """Tangential force (n,) at the end of the stroke, the mean over the branches."""
+        """Force (n,) in N at the end of the stroke, mean of the branches."""
         return np.asarray(self.force_N[..., END].mean(axis=1))
 
     @property
     def knee_N(self) -> Array:
-        """Tangential force (n,) at the onset of gross slip, the mean over the branches."""
+        """Force (n,) in N at the onset of gross slip, mean of the branches."""
         return np.asarray(self.force_N[..., 0].mean(axis=1))
 
     @property
     def yielding_um_per_N(self) -> Array:
-        """Elastic displacement (n,) of a sliding contact over its tangential force."""
+        """Elastic displacement (n,) of the sliding contact over its tangential force."""
         return self.order / self.stiffness_N_per_um
 
 
 def elastic_of(contact: SlidingContact) -> Array:
-    """Displacement per force of a sliding contact and all springs behind it, µm/N."""
+    """Elastic displacement (n,) in µm/N of a sliding contact and all springs in series over its tangential force."""
     return contact.springs_um_per_N + contact.yielding_um_per_N
 
 
 def loop_energy(contact: SlidingContact, slip: Array) -> Array:
-    """Friction energy of a loop in mJ: the work along its branches, and that of micro-slip."""
+    """Friction energy (n,) of loops in mJ, by sliding and by micro-slip; slip: (n,) slip amplitudes in µm."""
     sliding = 2.0 * slip * np.trapezoid(contact.force_N, POSITIONS, axis=2).mean(axis=1)
     # Twice what the branch of micro-slip (`branch_of`) encloses with its chord.
     power, left = 1.0 / contact.order, 1.0 - contact.share
@@ -83,7 +91,10 @@ def loop_energy(contact: SlidingContact, slip: Array) -> Array:
 
 
 def slip_amplitude(contact: SlidingContact, slip: Array) -> Array:
-    """Half of a loop's width (n,) at its mean force, or where it comes to slide if walls hold it until after that."""
+    """Slip amplitude (n,) in µm as loops show it: half their width at their mean force, without the springs.
+    slip: (n,) largest sliding positions in µm. If a contact slides before its force passes the mean, the width is that
+    at the onset of sliding.
+    """
     tip = contact.tip_N
     rise = np.maximum(contact.knee_N + tip, 1e-6)
     stuck = 1.0 - np.minimum(tip / rise, 1.0)
@@ -95,16 +106,16 @@ def slip_amplitude(contact: SlidingContact, slip: Array) -> Array:
 
 
 def micro_slip(contact: SlidingContact) -> Array:
-    """Half of the closed loop's travel (n,) for a contact that sticks in its middle, by Masing's rule; of any order."""
+    """Half of the travel (n,) in µm, without springs, of the closed loop of a contact that sticks in its middle."""
     left = 1.0 - contact.share
     return np.asarray(contact.yielding_um_per_N * contact.tip_N * (1.0 - left ** (1.0 / contact.order)))
 
 
 def branches_of(contact: SlidingContact, chain: Chain, slip: Array) -> tuple[Array, Array]:
-    """True displacement and force (n, 2, m) along both branches, from reversal to reversal.
-
-    Micro-slip takes n Q/K (1 − (1 − Q/µP)^(1/n)) of travel: Mindlin's with n = 3/2, softer knees with higher orders.
-    A contact that sticks in its middle goes so far of it as its share says, and stays there.
+    """True displacement in µm and force in N, each (n, 2, m), along both branches from reversal to reversal.
+    slip: (n,) sliding amplitudes in µm. Micro-slip takes n Q/K (1 − (1 − Q/µP)^(1/n)) of travel: Mindlin's with n =
+    3/2, softer knees with higher orders. A contact that sticks in its middle goes only as far along it as its `share`;
+    the points of its sliding part then all lie at the tip.
     """
     force, share = contact.force_N, contact.share[:, None, None]
     # Each begins with the force that the other one ends with.
@@ -122,12 +133,14 @@ def branches_of(contact: SlidingContact, chain: Chain, slip: Array) -> tuple[Arr
 
 
 def still_to_come(place: Array) -> Array:
-    """Smallest displacement of branches (..., m) at or after each point, which never falls along them."""
+    """Smallest displacement (..., m) of branches at or after each point, so that it never falls along a branch."""
     return np.asarray(np.minimum.accumulate(place[..., ::-1], axis=-1)[..., ::-1])
 
 
 def read_along(known: Array, values: Array, row: NDArray[np.intp], at: Array) -> Array:
-    """Values (n,) interpolated in `values` (r, m) where the rising `known` (r, m) is `at` (n,), on rows `row` (n,)."""
+    """Values (n,) of `values` (r, m) where `known` (r, m), rising along each row, is `at` (n,), linear between its
+    points. row: (n,) row in which each is read. Beyond the ends of `known` the end values are taken.
+    """
     count, rows = known.shape[1], np.arange(known.shape[0])
     # One search serves all branches, each lifted above the one before.
     lift = float(known.max() - known.min()) + 1.0
@@ -142,8 +155,8 @@ def read_along(known: Array, values: Array, row: NDArray[np.intp], at: Array) ->
 def read_by_sensors(
     setup: SurrogateInputs, chain: Chain, x: Array, q: Array, contact: SlidingContact
 ) -> tuple[Array, Array, Array]:
-    """Displacement x, tangential force q and normal force (n, 2, m) as sensors read n loops of two branches, from true
-    x and q.
+    """Displacement in µm, tangential and normal force in N as sensors read them, each (n, 2, m), from true x and q.
+    Tilt, gain, lags, crosstalk and zeros are those of `chain`; displacements are centred between both tips.
     """
     load, slides = contact.load_N, contact.share[:, None, None] >= 1.0
     # A branch sticks under the load of the end where it begins, or on the way from it to that under which it slides.
@@ -185,15 +198,14 @@ def read_by_sensors(
 
 
 def shares_at(x: Array, load: LoadCycle, motion: FastMotion) -> Array:
-    """Shares (n, 2, m) of the load when a motion passes displacements (n, 2, m)."""
+    """Normal load over its reference (n, 2, m) at the moments when a motion passes displacements x (n, 2, m)."""
     return load.shares(((_phases_and_half(x, motion)[0] - motion.top) / (2.0 * np.pi)) % 1.0)
 
 
 def late_places(setup: SurrogateInputs, read: Array, lag: float) -> Array:
-    """Displacements (n, 2, m) that a first-order filter reads at the times at which `read` (n, 2, m) is passed.
-
-    lag: the filter's time constant as a phase of the drive in rad. A drive that is held on what the sensor reads moves
-    farther, by as much as the filter shrinks its stroke.
+    """Displacements (n, 2, m) in µm that a first-order filter reads when the true reading is `read` (n, 2, m).
+    lag: the filter's time constant times angular frequency, in rad. A sensor drive moves farther, by as much as the
+    filter shrinks its stroke.
     """
     before = setup.motion.before(lag)
     after = before.behind(lag)
@@ -205,28 +217,28 @@ def late_places(setup: SurrogateInputs, read: Array, lag: float) -> Array:
 
 
 def late_forces(q: Array, x: Array, lag: Array, motion: FastMotion = SINE) -> Array:
-    """Forces (n, 2, m) behind a first-order filter whose time constants (n,) are phases of the drive's motion."""
+    """Forces (n, 2, m) in N that first-order filters read of q (n, 2, m) at displacements x (n, 2, m).
+    lag: (n,) the filters' time constants times angular frequency, in rad.
+    """
     delays = 1j * lag[:, None] * HARMONICS
     return q + filtered(_phases_and_half(x, motion)[0], q, -delays / (1.0 + delays))
 
 
 def filtered(phases: Array, values: Array, answers: Answers) -> Array:
-    """A periodic channel passed through filters, at the same phases.
-
-    phases, values: (n, 2, m) in rad and in the channel's unit. answers: complex gains, (n, k) or (k,), at `HARMONICS`
-    of the drive.
+    """A periodic channel after filters, (n, 2, m) at the same phases. phases, values: (n, 2, m) in rad and in the
+    channel's unit. answers: complex gains, (n, k) or (k,), at `HARMONICS` of the drive.
     """
     return at_phases(phases, np.fft.irfft(answers * np.fft.rfft(at_even_phases(phases, values)), EVEN_PHASES.size))
 
 
 def at_even_phases(phases: Array, values: Array) -> Array:
-    """A periodic channel (n, 2, m) at even phases (n, k)."""
+    """A periodic channel with values (n, 2, m) at phases (n, 2, m) in rad, interpolated at `EVEN_PHASES` (n, k)."""
     pairs = zip(phases, values, strict=True)
     return np.stack([np.interp(EVEN_PHASES, at.ravel(), given.ravel(), period=2.0 * np.pi) for at, given in pairs])
 
 
 def at_phases(phases: Array, evenly: Array) -> Array:
-    """A channel given at `EVEN_PHASES` (n, k), interpolated at the phases (n, 2, m) of branches."""
+    """A channel with values `evenly` (n, k) at `EVEN_PHASES`, interpolated at phases (n, 2, m) in rad."""
     pairs = zip(phases, evenly, strict=True)
     return np.stack([np.interp(at, EVEN_PHASES, given, period=2.0 * np.pi) for at, given in pairs])
 

@@ -1,8 +1,10 @@
-"""Wear states of a nominal run whose contact sticks in its middle: stiffness and order of micro-slip at each volume.
+"""Wear states of a nominal run whose contact sticks in its middle: stiffness K and order n of micro-slip at each
+volume.
 
-A branch travels n Q/K (1 − (1 − ΔQ/2µP)^(1/n)): Mindlin's with n = 3/2, by Masing's rule twice the first loading. What
-is loaded under another load or friction follows the law of Ciavarella (1998) and Jäger: force over friction is a
-function of the travel's share of that of full slip. K and n of a loop are those of its travel and its energy.
+After a reversal, a branch travels n Q/K (1 − (1 − ΔQ/2µP)^(1/n)) while its force changes by ΔQ: Mindlin's micro-slip
+with n = 3/2, by Masing's rule twice the first loading. Under another load or friction it follows the law of Ciavarella
+(1998) and Jäger: force over friction is a function of the travel over that of full slip. K and n of a loop are those
+that give its travel and its energy.
 """
 
 from __future__ import annotations
@@ -48,16 +50,15 @@ def sticks(result: RunResult) -> bool:
 
 
 class StickingStates(StatesOfLoops):
-    """Fields of `WearStates` of contacts that stick in their middle."""
+    """Fields of `WearStates` of a contact that sticks in its middle."""
 
     orders: Array
 
 
 def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -> StickingStates:
-    """Columns of wear states, a row for each loop, over the worn volume of both bodies in µm³.
-
-    has_maps: whether worn surfaces are maps, not profiles.
-    Raises RunError if no loop carries a force.
+    """Fields of `WearStates` from a run's loops, one row for each; two equal rows if there is only one.
+    friction: coefficient of the run. has_maps: True if scars are read from maps; False for profiles, whose figures are
+    0. Raises RunError if no loop carries a force.
     """
     rows = [row for loop in result.loops if (row := _row(loop, friction)) is not None]
     if not rows:

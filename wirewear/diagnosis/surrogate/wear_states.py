@@ -4,7 +4,8 @@ In gross slip the contact is a one-dimensional device. With s the sliding positi
 Q± = P tan(θ(s) ± φ(s)): θ the effective slope of the worn surface, odd in s, φ the friction angle, even in s (the
 position-resolved friction of Jahangiri et al. 2012, read backwards). Two crossed wires of radius R, worn by a volume V
 under a slip amplitude δ, are geometrically similar to another such pair of equal V R/δ⁴ if both are large against the
-elastic approach: lengths along the surface go with δ, depths with δ²/R, slopes with δ/R.
+elastic approach: lengths along the surface go with δ, depths with δ²/R, slopes with δ/R. This V R/δ⁴ is called the
+similarity of a state. A contact that sticks in its middle has no δ; its similarity is V itself.
 """
 
 from __future__ import annotations
@@ -55,45 +56,51 @@ HIGHEST_um, _LEAST_WORN = _KNOWN.each("highest_layer", "least_followed")
 
 @dataclass(frozen=True, eq=False)
 class WearStates:
-    """A nominal run's states over the worn volume of both wires, one row each, volumes increasing."""
+    """States of the contact over a nominal run: row i of the arrays (n, …) describes it at the worn volume
+    volume_um3[i].
 
-    has_layers: ClassVar[bool] = True  #: Whether layers of rough or loose material between such bodies are computed.
-    stiffening: ClassVar[float] = 1.0 / 3.0  #: Power of the load with which the contact stiffens (Mindlin).
+    Rows are in order of increasing volume. Between rows, states are interpolated over the logarithm of the similarity.
+    """
+
+    has_layers: ClassVar[bool] = True  #: Whether the effect of rough or loose layers between such bodies is computed.
+    stiffening: ClassVar[float] = 1.0 / 3.0  #: Power of the load with which the contact's stiffness grows (Mindlin).
     #: Standard deviations of the fast model's numerical freedoms where contacts slide.
     sliding_freedoms: ClassVar[Mapping[str, float]] = NUMERICAL
 
-    radius_um: float  #: Of the gap across the motion (`Gap`), that of wires.
+    radius_um: float  #: Radius R of the gap across the motion (`Gap`); of crossed wires, the wires' radius.
     friction: float  #: Coefficient of friction of the run.
     normal_load_N: float  #: Load before any wear.
-    fresh_area_um2: float  #: Hertz's contact area.
+    fresh_area_um2: float  #: Contact area before any wear, by Hertz.
     volume_um3: Array  #: (n,) worn volume of both wires together; the first row is as good as unworn.
-    slip_um: Array  #: (n,) largest sliding position s.
-    similarity: Array  #: (n,) V R/δ⁴, increasing.
+    slip_um: Array  #: (n,) slip amplitude δ: largest sliding position s; 1 if the contact sticks.
+    similarity: Array  #: (n,) V R/δ⁴, increasing; V if the contact sticks.
     slope: Array  #: (n, 5) coefficients of θ over `ODD_POWERS` of s/δ.
     angle: Array  #: (n, 2) coefficients of φ − atan µ over `EVEN_POWERS` of s/δ.
     stiffness_N_per_um: Array  #: (n,) initial stiffness K_c of the contact, Mindlin's shape assumed.
-    load_drop_N: Array  #: (n,) by which wear has relaxed the load in mid-stroke.
-    lift_N: Array  #: (n, 2) coefficients of the load less that in mid-stroke over `LIFT_POWERS` of s/δ.
-    scars: Array  #: (n, 2, 4) `SCAR_FIGURES` of the moving and of the fixed wire, µm and µm³.
-    stroke_um: float = 0.0  #: To either side, along which the wires were moved; never less than the slip.
+    load_drop_N: Array  #: (n,) by how much wear has lowered the load in mid-stroke.
+    lift_N: Array  #: (n, 2) coefficients over `LIFT_POWERS` of s/δ of the load beyond that in mid-stroke.
+    scars: Array  #: (n, 2, 4) `SCAR_FIGURES` in µm³ and µm of the moving and of the fixed body.
+    stroke_um: float = 0.0  #: Largest amplitude by which the bodies were moved; never less than the slip.
     #: (n, 2) skew of both wires' scars beyond the shear of a rigid sweep (`scar_skew`), as a run's elastic contact
     #: leaves it; by symmetry there is none at 90°.
     extra_skew: Array = field(default_factory=lambda: np.zeros((1, 2)))
-    full_slip: float = FULL_SLIP  #: Elastic displacement of the sliding contact over Q/K_c.
+    full_slip: float = FULL_SLIP  #: Elastic displacement of the sliding contact as a multiple of Q/K_c.
     along: float = 1.0  #: Curvature of the gap along the motion over that across (`Gap`).
-    #: (n,) order of micro-slip of a contact that sticks in its middle, whose states follow the worn volume alone.
+    #: (n,) order of micro-slip (`sticking`) of a contact that sticks in its middle; empty if it slides.
     orders: Array = field(default_factory=lambda: np.zeros(0))
-    #: (n,) friction of the surfaces over that of the bodies below their layers, where layers have their own.
+    #: (n,) friction over the stated coefficient, where layers have friction of their own; empty if there are none.
     friction_shares: Array = field(default_factory=lambda: np.zeros(0))
-    #: (m,) friction energies, and what both bodies wear per energy there, where that is not the same all along.
+    #: (m,) friction energies at which `worn_um3_per_mJ` (m,) of both bodies is known; empty if wear is proportional.
     energy_J: Array = field(default_factory=lambda: np.zeros(0))
     worn_um3_per_mJ: Array = field(default_factory=lambda: np.zeros(0))
-    #: Relative standard deviations of what nobody has stated of the test, by the names of its scatter.
+    #: Relative standard deviations, by name of the scatter, of quantities that the record does not state.
     unknown: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def of_run(cls, result: RunResult) -> WearStates:
-        """States of a complete run of a contact at a point. Raises RunError if the run has no loops in gross slip."""
+        """States of a run of a contact at a point: from its sliding loops or, if no loop slides as a whole, from all
+        (`sticks`). Raises RunError if no loop is long enough to show how the contact slides, or none carries a force.
+        """
         friction, load = result.study["contact"]["friction"], result.study["conditions"]["normal_load_N"]
         bodies = study_from_tables(result.study, result.label).bodies
         gap, fresh = Gap.like(load, *bodies), unworn_stiffness_N_per_um(load, *bodies)
@@ -122,64 +129,72 @@ class WearStates:
 
     @property
     def freedoms(self) -> Mapping[str, float]:
-        """Standard deviations of the fast model's numerical freedoms on these states."""
+        """Standard deviations, by name, of the fast model's numerical freedoms on these states."""
         return FREEDOMS if self.sticks else self.sliding_freedoms
 
     @property
     def doubts(self) -> Mapping[str, float]:
-        """Relative standard deviations, by name, of unstated quantities that all repeats of the test share."""
+        """Standard deviations, by name, of unstated quantities that are the same in all repeats of the test."""
         return self.unknown
 
     def model_error(self, kind: type[AnyEffect]) -> float:
-        """Relative error of the fast model in the change that an effect of this class makes."""
+        """Error of the fast model in the change that an effect of this class makes, relative to that change."""
         return kind.model_error
 
     def reach(self, slip_um: Array) -> Array:
-        """Slip amplitudes (n,) in µm that scale similar states; 1 if the contact sticks in its middle."""
+        """Lengths (n,) in µm with which similar states scale: the given slip amplitudes (n,), or 1 if the contact
+        sticks.
+        """
         return np.ones_like(slip_um) if self.sticks else slip_um
 
     def order_between(self, row: NDArray[np.intp], share: Array) -> Array:
-        """Order of micro-slip (k,), interpolated by `share` (k,) of the way from the states `row` (k,) to the next."""
+        """Orders of micro-slip (k,), interpolated by `share` (k,) of the way from the states `row` (k,) to the next.
+        Shares above 1 count as 1. A sliding contact has the order `full_slip` in all states.
+        """
         if not self.sticks:
             return np.full(row.size, self.full_slip)
         return np.asarray(self.orders[row] + np.minimum(share, 1.0) * (self.orders[row + 1] - self.orders[row]))
 
     def friction_between(self, row: NDArray[np.intp], share: Array) -> Array:
-        """Friction over the stated coefficient (k,), interpolated by `share` (k,) of the way from row `row` to the next
-        one.
-        """
+        """Friction over the stated coefficient (k,), interpolated like `order_between`; 1 without `friction_shares`."""
         known = self.friction_shares
         return known[row] + np.minimum(share, 1.0) * (known[row + 1] - known[row]) if known.size else np.ones(row.size)
 
     def under_layers(self) -> Self:
-        """A copy in which friction that changes as layers wear is held in `friction_shares` and not in `angle`."""
+        """A copy that holds friction in mid-stroke in `friction_shares`, as it changes when layers wear, and no longer
+        in `angle`.
+        """
         known = np.tan(np.arctan(self.friction) + self.angle[:, 0]) / self.friction
         return replace(self, friction_shares=known, angle=self.angle * (np.arange(self.angle.shape[1]) > 0))
 
     def similar(self, worn_um3: Array, slip_um: Array) -> Array:
-        """The dimensionless worn volume V R/δ⁴ (n,), equal for geometrically similar contacts; V itself if the contact
+        """Similarities (n,) of contacts of worn volumes (n,) under slip amplitudes (n,): V R/δ⁴, or V if the contact
         sticks.
         """
         return worn_um3 if self.sticks else np.asarray(worn_um3 * self.radius_um / slip_um**4)
 
     @property
     def spot_radius_um(self) -> float:
-        """Radius of the axisymmetric gap whose contact spots have the same areas as those of this gap."""
+        """Radius in µm of the sphere whose contact spots on a flat have the areas of this gap's."""
         return self.radius_um / float(np.sqrt(self.along))
 
     def open_share(self, chain: Chain) -> Array:
-        """Share (n,) of the worn volume that opens the gap; debris that is retained fills the rest."""
+        """Share (n,) of the worn volume that opens the gap; retained debris fills the rest."""
         return np.asarray(1.0 - chain.retained_fraction)
 
     def wearing(self, setup: SurrogateInputs, chain: Chain, slip_um: Array) -> Array:  # noqa: ARG002
-        """Worn volume (n,) of both bodies per friction energy, µm³/mJ."""
+        """Worn volume of both bodies per friction energy in µm³/mJ at the chain's n moments. It follows the run's
+        course over the energy if the states hold one. `slip_um` (n,) is not used for contacts at a point.
+        """
         if not self.energy_J.size or not setup.wear_um3_per_mJ:
             return chain.wear_um3_per_mJ
         now = np.interp(chain.energy_J, self.energy_J, self.worn_um3_per_mJ)
         return np.asarray(chain.wear_um3_per_mJ / setup.wear_um3_per_mJ * now)
 
     def wearing_as(self, result: RunResult) -> Self:
-        """A copy of the states with the worn volume per energy of a run, unless it has one row alone."""
+        """A copy whose wear per friction energy is that of `result` at each energy; unchanged if the run shows no two
+        energies.
+        """
         energy, volume = result.evolution["accumulated_energy_J"], 1e9 * result.worn_volume_mm3
         kept = np.concatenate([[True], np.diff(energy) > 0.0])
         if np.count_nonzero(kept) == 1:
@@ -187,24 +202,24 @@ class WearStates:
         return replace(self, energy_J=energy[kept], worn_um3_per_mJ=1e-3 * np.gradient(volume[kept], energy[kept]))
 
     def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:  # noqa: ARG002
-        """Positions and worn depths of each body's profile at the chain's single moment, by body; empty for wires,
-        which have maps.
-        """
+        """Worn profiles (positions, depths) in µm by body at the chain's only moment; empty for contacts at a point."""
         return {}
 
     @property
     def least_similarity(self) -> float:
-        """Smallest similarity above zero, used in place of the first row's zero where its logarithm is taken."""
+        """Similarity of the second state, 1 if there is only one; added to all similarities before their logarithm is
+        taken, as the first may be 0.
+        """
         return float(self.similarity[1]) if self.similarity.size > 1 else 1.0
 
     @cached_property
     def log_similarity(self) -> Array:
-        """Logarithms (n,) of `similarity` + `least_similarity`, on which states are interpolated."""
+        """Logarithms (n,) of `similarity` + `least_similarity`, over which states are interpolated."""
         return np.asarray(np.log(self.similarity + self.least_similarity))
 
     @cached_property
     def scars_growth(self) -> Array:
-        """Powers (2, 4) of the similarity with which the figures of scars grow beyond the last state."""
+        """Powers (2, 4) of the similarity with which the `SCAR_FIGURES` of both bodies grow beyond the last state."""
         before = int(np.searchsorted(self.similarity, 0.5 * self.similarity[-1])) - 1
         if before < 1 or not (self.scars[[before, -1]] > 0.0).all():
             return np.broadcast_to(_CONFORMAL_GROWTH, self.scars.shape[1:])
@@ -221,26 +236,30 @@ class WearStates:
         return np.column_stack([self.slip_um, self.load_drop_N, self.lift_N])
 
     def between(self, row: NDArray[np.intp], share: Array) -> tuple[Array, Array, Array, Array]:
-        """Slip, stiffness (k,), slope (k, 5) and angle (k, 2), interpolated as in `order_between`."""
+        """Slip in µm (k,), stiffness in N/µm (k,), `slope` (k, 5) and `angle` (k, 2), `share` (k,) of the way from
+        states `row` (k,) to the next; shares above 1 extrapolate.
+        """
         values = _on_the_way(self._columns, row, share)
         slopes = 2 + len(ODD_POWERS)
         return values[:, 0], values[:, 1], values[:, 2:slopes], values[:, slopes:]
 
     def loads(self, row: NDArray[np.intp], share: Array, slip_um: Array) -> tuple[Array, Array]:
-        """`load_drop_N` (k,) and `lift_N` (k, 2) at slip amplitudes (k,), interpolated as in `between`."""
+        """`load_drop_N` (k,) and `lift_N` (k, 2), interpolated like `between` and scaled to slip amplitudes (k,) in
+        µm.
+        """
         values = _on_the_way(self._loads, row, share)
         size = (slip_um / values[:, 0]) ** 2
         return values[:, 1] * size, values[:, 2:] * size[:, None]
 
     def flattened(self) -> FlattenedWires:
-        """Table of the changes that flattening before any wear makes in these states."""
+        """Table of the changes of these states that flattening of the bodies before any wear makes."""
         slip = float(self.slip_um[0])
         deepest = DEEPEST_um * self.radius_um / slip**2
         radius, stroke, share = self._proportions
         return flattened_wires(radius, stroke, round(deepest, 2), share, round(self.along, 3))
 
     def layered(self) -> LayeredWires:
-        """Table of the changes that a rough layer makes in these states."""
+        """Table of the changes of these states that a rough layer between the bodies makes."""
         slip = float(self.slip_um[0])
         radius, stroke, share = self._proportions
         return layered_wires(

@@ -1,7 +1,10 @@
-"""Two bodies such as crossed wires that wear on a foundation: their gap, where they press, and what wear takes.
+"""Two bodies such as crossed wires that wear on an elastic foundation: their gap, their pressures, and their worn
+depths.
 
-By Archard's law under the pressures of a Winkler foundation (Johnson, Contact Mechanics, 1985, section 4.3). Lengths
-are in slip amplitudes δ, depths in δ²/R, the load is 1.
+Wear follows Archard's law under the pressures of a Winkler foundation (Johnson, Contact Mechanics, 1985, section 4.3).
+The approach is the distance by which the unworn bodies would overlap. Arrays (k, y, s, x) hold k cases, rows y ≥ 0
+across the motion, positions s ≥ 0 of the stroke, and places x along it. Lengths are in slip amplitudes δ, depths in
+δ²/R, the load is 1.
 """
 
 from __future__ import annotations
@@ -29,10 +32,11 @@ _NEWTON_STEPS, _NEWTON_TOLERANCE = 40, 1e-3
 
 @dataclass(frozen=True, eq=False)
 class WornWires:
-    """Two wires with gap (along·x² + y²)/2, in k cases, for y ≥ 0 and positions s ≥ 0 of the stroke.
+    """Two wires with the gap (along·x² + y²)/2, in k cases, for y ≥ 0 and positions s ≥ 0 of the stroke; symmetry gives
+    the rest.
 
-    Bodies other than wires at right angles have this gap in sheared coordinates; symmetry gives the other halves.
-    Worn depths are `fixed` (k, y, x) and `moving` (k, y, X), where X reaches a stroke further to either side.
+    x, y, s: grid lines. fixed: (k, y, x) worn depths of the fixed wire. moving: (k, y, X) of the moving one, where X
+    reaches a stroke further to either side. Other bodies have this gap in sheared coordinates (`Gap`).
     """
 
     x: Array
@@ -44,8 +48,8 @@ class WornWires:
 
     @classmethod
     def unworn(cls, count: int, extent: float, along: float = 1.0) -> WornWires:
-        """`count` pairs of unworn wires, on a grid that reaches `extent` across from the middle; along: curvature of
-        the gap.
+        """`count` pairs of unworn wires on a grid that reaches `extent` across from the middle.
+        along: curvature of the gap along the motion over that across.
         """
         places = max(round(16 / extent * max(along, 1.0) ** 0.5), 4)
         step = 1.0 / places
@@ -71,11 +75,13 @@ class WornWires:
         return np.where(self.y > 0.0, 2.0, 1.0) * self.step**2
 
     def windows(self, moving: Array) -> Array:
-        """A field (k, y, X) of the moving wire above the fixed one's grid at every position (k, y, s, x): a view."""
+        """A view (k, y, s, x) of a field (k, y, X) of the moving wire, as it lies above the fixed wire's grid at each
+        position s.
+        """
         return sliding_window_view(moving, self.x.size, axis=-1)[:, :, self.s.size - 1 :]
 
     def within(self, reach: float) -> WornWires:
-        """The part of the grid up to `reach` across from the middle; its arrays are views."""
+        """The part of the grid up to `reach` across from the middle; arrays are views of these."""
         cut = max(self.x.size // 2 - int(reach / self.along**0.5 / self.step) - 2, 0)
         x, further = slice(cut, self.x.size - cut), slice(cut, self.moving.shape[-1] - cut)
         rows = slice(0, int(reach / self.step) + 3)
@@ -83,8 +89,8 @@ class WornWires:
         return replace(self, x=self.x[x], y=self.y[rows], fixed=fixed, moving=moving)
 
     def worn(self, pressure: Array, moving_share: float, volume: float) -> None:
-        """Wear both wires in place by a volume per pair, spread over all positions of the stroke as the pressure (k, y,
-        s, x) is.
+        """Wear both wires in place by `volume` for each pair, distributed as `pressure` (k, y, s, x) is.
+        moving_share: share of the volume that the moving wire loses.
         """
         weights = np.full(self.s.size, volume / (self.s.size - 1))
         weights[[0, -1]] *= 0.5
@@ -99,7 +105,10 @@ class WornWires:
 
 
 class Worn(NamedTuple):
-    """Wires (k) after a worn volume: the part that touches, pressures, approaches (k, s) and contact radii (k,)."""
+    """Wires in k cases after a worn volume.
+
+    part: the part that touches. pressure: (k, y, s, x) on it. approach: (k, s). radius: (k,) of the contact.
+    """
 
     part: WornWires
     pressure: Array
@@ -108,7 +117,9 @@ class Worn(NamedTuple):
 
 
 def elastic(overlap: Array, stiffness: Array) -> tuple[Array, Array]:
-    """Pressures of a foundation of stiffnesses (k,), and their derivative."""
+    """Pressures (k, y, s, x) of a foundation under overlaps (k, y, s, x), and their derivative by the overlap;
+    stiffness: (k,).
+    """
     own = stiffness[:, None, None, None]
     return own * np.maximum(overlap, 0.0), own * (overlap > 0.0)
 
@@ -122,11 +133,10 @@ def wearing(
     pressing: Callable[[Array], Pressing],
     least_growth: float = 0.0,
 ) -> Iterator[Worn]:
-    """Wear k pairs of wires, in place, and yield their state when each of the increasing `volumes` has worn.
-
-    fresh_radius: of the fresh contact. approach: (k, s), first guess of the approach at s positions of the stroke.
-    pressing: from elastic stiffnesses (k,) to the function of pressures. least_growth: share of the volume by which
-    each step may let it grow; foundations are softened as far as this needs for stability.
+    """Wear k pairs of wires in place, and yield their state when each of the increasing `volumes` is worn.
+    fresh_radius: of the unworn contact. approach: (k, s) first guess. moving_share: share of the wear that the moving
+    wire loses. pressing: makes the function from overlaps to pressures from stiffnesses (k,). least_growth: share of
+    the volume by which each step may at least grow; foundations are softened as far as stability needs for it.
     """
     radius = np.full(wires.fixed.shape[0], fresh_radius)
     worn = 0.0
@@ -144,9 +154,8 @@ def wearing(
 
 
 def foundation(fresh_radius: float, radius: Array, step: float = 0.0) -> Array:
-    """Elastic stiffnesses (k,) of the foundation under contacts of radii (k,).
-
-    step: limits them so that an explicit step that wears this volume stays stable; 0 for no limit.
+    """Elastic stiffnesses (k,) of the foundation under contacts of radii (k,); fresh_radius: of the unworn contact.
+    step: volume worn in one explicit step, for whose stability stiffnesses are limited; 0 for no limit.
     """
     # Foundation stiffness times the contact's radius over E*: between 16/(3π), with which a fresh contact has Hertz's
     # load and radius together, and 3π/16, by which a half-space yields on average under the even pressure of a worn one
@@ -156,9 +165,8 @@ def foundation(fresh_radius: float, radius: Array, step: float = 0.0) -> Array:
 
 
 def equilibrium(wires: WornWires, pressing: Pressing, approach: Array) -> tuple[WornWires, Array, Array]:
-    """Pressures (k, y, s, x) that carry a load of 1, and approaches (k, s), by Newton's method from a first guess.
-
-    The part of the wires on which they touch comes first: unworn shapes that do not overlap bear nothing.
+    """The part of the wires that touches, pressures (k, y, s, x) on it that carry a load of 1, and approaches (k, s).
+    pressing: from overlaps to pressures and their derivative. approach: (k, s) first guess. By Newton's method.
     """
     reach = 0.0
     for _ in range(_NEWTON_STEPS):
@@ -179,13 +187,15 @@ def equilibrium(wires: WornWires, pressing: Pressing, approach: Array) -> tuple[
 
 
 def contact_radius(wires: WornWires, pressure: Array) -> Array:
-    """Radius (k,) of the circle that carries an even pressure as concentrated as this one, mean over the positions."""
+    """Radius (k,) of a circle under even pressure with the same mean square of pressure; mean over the positions s."""
     squares = np.einsum("kysx,kysx,y->ks", pressure, pressure, wires.areas)
     return np.asarray(np.sqrt((1.0 / squares).mean(axis=1) / np.pi))
 
 
 def slopes(part: WornWires, pressure: Array) -> Array:
-    """Mean slopes (k, s) of the surface between both wires, less that in mid-stroke."""
+    """Mean slopes (k, s) of the surface between both wires, weighted by pressure (k, y, s, x), less the one in
+    mid-stroke.
+    """
     fixed = part.along * part.x + np.gradient(part.fixed, part.step, axis=-1)
     slope = 0.5 * (fixed[:, :, None] - part.windows(np.gradient(part.moving, part.step, axis=-1)))
     mean = np.einsum("kysx,kysx,y->ks", pressure, slope, part.areas)
@@ -193,7 +203,7 @@ def slopes(part: WornWires, pressure: Array) -> Array:
 
 
 def scars(wires: WornWires) -> Array:
-    """`SCAR_FIGURES` (k, 2, 4) of the moving and of the fixed wire."""
+    """`SCAR_FIGURES` (k, 2, 4) of the moving and of the fixed wire, in powers of δ and δ²/R."""
     return np.array(
         [
             [_figures(x, wires.y, depth) for x, depth in ((wires.moving_x, moving), (wires.x, fixed))]
