@@ -1,8 +1,10 @@
 """How far measurement and model may differ without any gap: noise, scatter between repeats, errors of the solvers.
 
-All are Gaussian. A scatter enters as a column: it moves the observables along its derivative in the fast model. So do
-freedoms of the fast model, in which solvers differ on runs without a gap. What remains of their differences is smooth
-along loops and over cycles; each observable says how large it is (`Observable.solver_error`). Hooks differ as a whole.
+All are Gaussian. A scatter is a number of the test that differs between repeats, such as friction; a freedom is a
+number of the fast model in which solvers differ on runs without a gap. Both enter as columns, the derivatives of the
+observables by them. The rest of the solvers' differences is smooth along loops and over cycles; each observable says
+how large it is (`Observable.solver_error`). Hooks, the rises of force at the stroke's ends by walls of the scar, differ
+as a whole.
 """
 
 from __future__ import annotations
@@ -75,14 +77,18 @@ NOISE_INFLATION = _KNOWN.number("noise_inflation")
 
 
 def solver_covariance(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Array:
-    """Covariance (n, n) of the solvers' differences around a setup."""
+    """Covariance (n, n) of the solvers' differences at a setup (inputs of the fast model), in the units of the n
+    observables.
+    """
     freedoms = derivatives(states, setup, layout, states.freedoms)
     covariance: Array = freedoms @ freedoms.T + remainder(states, setup, layout)
     return covariance
 
 
 def tolerated(states: WearStates, setup: SurrogateInputs, layout: Layout, tolerance: Mapping[str, float]) -> Array:
-    """Covariance (n, n) of differences that are within a record's tolerance, of any smooth shape."""
+    """Covariance (n, n) of differences within a record's tolerance, of any smooth shape.
+    tolerance: relative differences that count as equal, by the names of `[tolerance]`; 0 if missing.
+    """
     size = whole_sizes(setup, layout, np.nan_to_num(layout.computed(states, setup)[0]))
     for part in layout:
         # A tolerated volume says nothing of the shape of a profile, of which solvers have errors of their own.
@@ -93,17 +99,15 @@ def tolerated(states: WearStates, setup: SurrogateInputs, layout: Layout, tolera
 
 def whole_sizes(setup: SurrogateInputs, layout: Layout, predicted: Array) -> Array:
     """Size (n,) of the whole quantity of which each observable is a part, such as the full force, at predicted values
-    (n,).
-
-    Relative differences are relative to these sizes.
+    (n,). Relative differences are relative to these sizes.
     """
     whole = [part.observable.whole(setup, predicted[part.rows]) for part in layout]
     return np.concatenate([np.zeros(0), *whole])
 
 
 def moved(setup: SurrogateInputs, name: str, size: float) -> SurrogateInputs:
-    """The setup with one scatter or numerical freedom, named `name`, changed by `size`: relatively, or in its
-    own unit.
+    """A copy of the setup with the scatter or numerical freedom `name` changed by `size`: friction, wear, load,
+    amplitude and force_offset relatively, others in their own unit.
     """
     if name in _RELATIVE:
         return replace(setup, **{_RELATIVE[name]: getattr(setup, _RELATIVE[name]) * (1.0 + size)})
@@ -115,7 +119,10 @@ def moved(setup: SurrogateInputs, name: str, size: float) -> SurrogateInputs:
 
 
 def derivatives(states: WearStates, setup: SurrogateInputs, layout: Layout, sizes: Mapping[str, float]) -> Array:
-    """Change of the observables (n, k) by one standard deviation of each scatter or freedom, by central differences."""
+    """Change of the observables (n, k) by one standard deviation of each of k scatters or freedoms, by central
+    differences.
+    sizes: these standard deviations by name, in the unit of `moved`. Observables that are not defined change by 0.
+    """
     both = layout.computed(
         states, *(moved(setup, name, side * size) for side in (0.5, -0.5) for name, size in sizes.items())
     )
@@ -123,14 +130,14 @@ def derivatives(states: WearStates, setup: SurrogateInputs, layout: Layout, size
 
 
 def remainder(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Array:
-    """Covariance (n, n) of solver differences that no numerical freedom describes."""
+    """Covariance (n, n) of the solvers' differences that no numerical freedom describes: the sum of `components`."""
     return np.asarray(sum(components(states, setup, layout).values(), np.zeros((len(layout), len(layout)))))
 
 
 def components(states: WearStates, setup: SurrogateInputs, layout: Layout) -> dict[str, Array]:
-    """The remainder's parts (n, n): what is smooth of each observable, by its name, and what all have in common.
-
-    `HOOKS` differ as a whole; `OWN` is what the reading of a loop makes unsure.
+    """Parts (n, n) of the covariance of `remainder`: of each observable by its name, `HOOKS` and `OWN`.
+    An observable's part is smooth over sites and cycles. `HOOKS`: hooks, which differ as a whole. `OWN`: what the
+    reading of a loop leaves uncertain.
     """
     loops = ModelLoops(setup, simulate(states, setup, layout.cycles))
     walls = derivatives(states, setup, layout, {"slope_factor": 1.0})[:, 0]
@@ -152,7 +159,9 @@ def components(states: WearStates, setup: SurrogateInputs, layout: Layout) -> di
 
 
 def smooth_covariance(layout: Layout, size: Array, scale: Scale) -> Array:
-    """Covariance (n, n) of solvers' differences of deviations `size` (n,), smooth along branches and cycles."""
+    """Covariance (n, n) of differences with standard deviations `size` (n,), smooth along branches and over cycles.
+    scale: amplitude and force, the units of places along a branch.
+    """
     covariance = np.zeros((len(layout), len(layout)))
     for part in layout:
         covariance[part.rows, part.rows] = smooth_block(part, size[part.rows], scale)
@@ -160,7 +169,9 @@ def smooth_covariance(layout: Layout, size: Array, scale: Scale) -> Array:
 
 
 def smooth_block(part: Part, size: Array, scale: Scale, lasting: float = 1.0) -> Array:
-    """Covariance (m, m) of one observable: smooth along branches and, for the share that lasts, over log cycles."""
+    """Covariance (m, m) of the m numbers of one observable with standard deviations `size` (m,), smooth along branches.
+    lasting: share of the variance that is smooth over the logarithm of cycles; the rest is independent in each cycle.
+    """
     sites = part.sites
     smooth = part.observable.smoothness(sites, scale)
     other = np.outer(sites.branch, sites.branch) < 0
@@ -173,7 +184,9 @@ def smooth_block(part: Part, size: Array, scale: Scale, lasting: float = 1.0) ->
 
 
 def alike(cycle: IntArray, reach: float) -> Array:
-    """Correlation (n, n) of what changes smoothly over the logarithm of cycles (n,)."""
+    """Correlation (n, n) of what changes smoothly over the logarithm of cycles (n,), Gaussian with the length
+    `reach`.
+    """
     time = np.log(np.maximum(cycle, 1.0))
     correlation: Array = np.exp(-0.5 * ((time[:, None] - time) / reach) ** 2)
     return correlation
@@ -181,10 +194,8 @@ def alike(cycle: IntArray, reach: float) -> Array:
 
 @dataclass(frozen=True)
 class NoiseEvidence:
-    """Noise variance of one observable in excess of the stated one, from the differences of repeats.
-
-    The observed variance is 1 + `more` / `weight` times the stated one; `weight` is the effective number of values
-    behind it.
+    """Evidence from the differences of repeats on one observable's noise: its variance is 1 + `more`/`weight` times the
+    stated one. `weight` is the effective number of values behind it; 0 for no evidence.
     """
 
     more: float = 0.0
@@ -196,25 +207,25 @@ class NoiseEvidence:
 
     @property
     def factor(self) -> float:
-        """Estimated factor on the stated noise variance, drawn towards 1 as by `EXPECTED_NUMBERS` further values."""
+        """Estimated factor on the stated noise variance; `EXPECTED_NUMBERS` further values are taken to speak for 1."""
         return 1.0 + self.more / (EXPECTED_NUMBERS + self.weight)
 
 
 def noise_factors(observed: Observations, scattered: Array) -> Array:
-    """Factors (n,) on the variance of the noise, one for each observable, as repeats show them."""
+    """Estimated factor (n,) on each number's noise variance, the same for all numbers of an observable.
+    scattered: as in `noise_evidence`.
+    """
     evidence = noise_evidence(observed, scattered)
     factors = [np.repeat(evidence[part.observable.name].factor, len(part.sites)) for part in observed.layout]
     return np.concatenate([np.ones(0), *factors])
 
 
 def noise_evidence(observed: Observations, scattered: Array) -> dict[str, NoiseEvidence]:
-    """Evidence on each observable's noise variance from the differences of repeats, by its name; empty evidence if
-    there is one.
-
-    `scattered` (n, n) is the covariance of one repeat's specimens and zeros. The difference of a repeat from the mean
-    of those before it is normal, of scatter and noise. Given all other numbers, one number has a variance of which the
-    share s is noise; its squared deviate indicates a factor of 1 + (square − 1)/s on the noise variance, with weight
-    s².
+    """Evidence on each observable's noise variance from the differences of repeats, by the observable's name; empty
+    evidence for a single repeat.
+    scattered: (n, n) covariance of one repeat's specimens and zeros. The difference of a repeat from the mean of those
+    before it is normal, of scatter and noise. Given all other numbers, one number has a variance of which the share s
+    is noise; its squared deviate indicates a factor of 1 + (square − 1)/s on the noise variance, with weight s².
     """
     evidence = {part.observable.name: NoiseEvidence() for part in observed.layout}
     for seen, apart, noise in _contrasts(observed):
@@ -246,23 +257,25 @@ def _contrasts(observed: Observations) -> Iterator[tuple[NDArray[np.intp], Array
 
 @dataclass(frozen=True, eq=False)
 class Covariance:
-    """Covariance of the repeats' mean observables, as seen by a model without a gap."""
+    """Mean of the repeats' observables and its covariance about a model without a gap."""
 
     mean: Array  #: (n,) best mean of the repeats.
-    total: Array  #: (n, n) covariance of `mean` less a perfect model's observables, solver error included.
-    free: Mapping[str, float]  #: Standard deviations of the freedoms that explanations are fitted with, by name.
-    moved: Array  #: (n, k) what each of these moves in it.
-    single: Array  #: (n,) variance of one repeat against the model, with noise, scatter and solver error.
-    numerical: Array  #: (n, n) covariance of the solver error in it.
-    tolerated: Array  #: (n, n) covariance of what is within the record's tolerance in it.
-    between: Array  #: (n, n) covariance of one repeat's specimens and zeros.
-    nuisance: Array  #: (n, n) covariance of the mean by specimens and zeros.
-    scatter: Mapping[str, float]  #: Standard deviations between repeats, by name, as estimated.
-    contradicted: tuple[str, ...] = ()  #: Names of those that are stated and that the repeats contradict.
+    total: Array  #: (n, n) covariance of `mean` less a perfect model's observables, with all parts below.
+    free: Mapping[str, float]  #: Standard deviations, by name, of the k freedoms that every explanation is fitted with.
+    moved: Array  #: (n, k) change of the observables by one standard deviation of each of these.
+    single: Array  #: (n,) variance of one repeat's observables about the model: noise, scatter, solver error.
+    numerical: Array  #: (n, n) the solver error's part.
+    tolerated: Array  #: (n, n) the part of differences within the record's tolerance.
+    between: Array  #: (n, n) covariance of one repeat's observables by its specimens and sensors' zeros.
+    nuisance: Array  #: (n, n) covariance of `mean` by specimens and zeros.
+    scatter: Mapping[str, float]  #: Estimated standard deviations between repeats, by name.
+    contradicted: tuple[str, ...] = ()  #: Names of the stated scatters that the repeats contradict.
 
 
 def estimate(states: WearStates, setup: SurrogateInputs, observed: Observations) -> Covariance:
-    """The covariance about one setup, with the scatter of repeats as they show it, pooled with its expected value."""
+    """The covariance at one setup, with the scatter between repeats as estimated from them and from its expected or
+    stated size.
+    """
     layout = observed.layout
     stated = observed.stated_scatter
     sizes = {name: max(stated.get(name, size), LEAST_NOISE * size) for name, size in SCATTER.items()}
@@ -312,7 +325,9 @@ def with_model_error(
     covariance: Covariance,
     share: float,
 ) -> Covariance:
-    """The covariance with an added smooth error of `share` times the change from the setup `nominal` to `changed`."""
+    """A copy with an added smooth error: `share` of the change of the observables from the setup `nominal` to
+    `changed`.
+    """
     before, after = layout.computed(states, nominal, changed)
     scale = Scale(nominal.amplitude_um, nominal.plateau_force_N)
     extra = smooth_covariance(layout, share * np.abs(np.nan_to_num(after - before)), scale)

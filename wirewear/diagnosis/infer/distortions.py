@@ -1,6 +1,7 @@
-"""How much a record speaks for each family, beside no effect and beside those that explain it best.
+"""How much a record speaks for each family of distortions, beside no effect and beside the effects that explain it
+best.
 
-A family's unknowns are normal deviates times one of a few sizes, so that its evidence stands in closed form once the
+A family's unknowns are normal deviates times one of a few sizes, so that its evidence has a closed form once the
 explanation beside it is taken as linear: residuals r ~ N(0, 1 + J Jᵀ + s² C Cᵀ), J of the effect's parameters, C of the
 family. Many directed tests, each sharp, see what one blunt test of all residuals does not (Anau Montel, Alvey and
 Weniger, Phys. Rev. D 111 (2025) 083013).
@@ -36,22 +37,22 @@ KNOTS = _KNOWN.count("knots")
 
 @dataclass(frozen=True, eq=False)
 class Distortion:
-    """Fit of a family of distortions added to one explanation."""
+    """Fit of a family of distortions added to one explanation, `beside`."""
 
     family: Family
     beside: Fit
-    log_evidence: float  #: Of both together, on the scale of the fits'.
-    gain: float  #: By which the family raises that of the explanation alone.
-    size: float  #: The likeliest of `SIZES`.
-    unknowns: Array  #: (k,) the family's best, in units of its columns.
-    observed: Array  #: (n,) what it changes of the observables at that.
-    #: Logarithms of cycles (j,) and values there (j,) of what changes in time; empty for shapes.
+    log_evidence: float  #: Of family and explanation together, on the scale of `Fit.log_evidence`.
+    gain: float  #: Log evidence that the family adds to the explanation's own.
+    size: float  #: The size of `SIZES` with the largest evidence.
+    unknowns: Array  #: (k,) best values of the family's unknowns, which are multiplied by its columns.
+    observed: Array  #: (n,) change of the observables by these.
+    #: Logarithms of cycles (j,) and changes of the family's column at them (j,); both empty for shapes.
     over_time: tuple[Array, Array]
-    deviations: float  #: How many standard deviations it stands from nothing: sqrt of what it takes from χ².
+    deviations: float  #: Square root of the χ² that the family removes beside the explanation.
 
 
 def distortions(problem: Problem, fits: Sequence[Fit]) -> tuple[Distortion, ...]:
-    """Every family of distortions added to each explanation in turn, largest log evidence first."""
+    """Every family of distortions added to each of the fits in turn, largest log evidence first."""
     found = [one for fit in fits for one in _beside(problem, fit)]
     # Explanations that are one to the model keep their order.
     return tuple(sorted(found, key=lambda one: -round(one.log_evidence, 6)))
@@ -104,9 +105,7 @@ def _explained(residual: Array, columns: Array) -> tuple[float, float]:
 
 
 def gains_of(found: Sequence[Distortion]) -> dict[tuple[str, ...], list[float]]:
-    """Gains of log evidence by distortions, for each explanation beside which they were fitted, keyed by its effects'
-    names.
-
+    """Log evidence that families of distortions add, as a list for each explanation, by its effects' names.
     Families with `counts` False are left out.
     """
     gains: dict[tuple[str, ...], list[float]] = {}
@@ -120,20 +119,20 @@ def gains_of(found: Sequence[Distortion]) -> dict[tuple[str, ...], list[float]]:
 class FreeInTime:
     """A change of one column of a chain over the cycles, used in a setup in place of an effect."""
 
-    column: str  #: Of the chain.
+    column: str  #: Name of the chain's column.
     knots: Array  #: Logarithms (k,) of cycles.
-    values: Array  #: (k,) changes at these, linear between them.
-    scale: float  #: What a change of one adds; 0 multiplies instead.
+    values: Array  #: (k,) changes at these, linear between and constant beyond them.
+    scale: float  #: Added to the column per unit of change; 0 if the change is relative.
     name: str = "free in time"
     ages: Ageing = Ageing.BY_CYCLES
 
     @property
     def seam(self) -> Seam | None:
-        """None, since the change is to the chain of predicted quantities and not at one seam."""
+        """None, as the chain itself is changed."""
         return None
 
     def changed(self, described: object, _age: Age) -> object:
-        """The description unchanged, as this changes the chain alone."""
+        """The description as it was."""
         return described
 
     def predicted(self, chain: Chain) -> Chain:
@@ -145,18 +144,19 @@ class FreeInTime:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Derivatives of the observables by a family's unknowns, about one explanation."""
+    """Derivatives of the observables by a family's k unknowns at one explanation."""
 
-    family: Family  #: Whose they are.
-    weight: float  #: Belief in them before looking, among all of one family.
-    #: (n, k) changes of the observables by a standard deviation of each of its k unknowns, of unit size.
-    observed: Array
-    knots: Array  #: (j,) logarithms of the cycles between which what changes in time goes straight; empty for shapes.
-    of_unknowns: Array  #: (j, k) its values there by its unknowns.
+    family: Family  #: The family.
+    weight: float  #: Prior probability of this set of columns among all sets of the family.
+    observed: Array  #: (n, k) change of the observables by one standard deviation of each unknown, at size 1.
+    knots: Array  #: (j,) logarithms of cycles between which changes over the test are linear; empty for shapes.
+    of_unknowns: Array  #: (j, k) change of the column there by each unknown.
 
 
 def families_of(layout: Layout) -> tuple[Family, ...]:
-    """Families of distortions that a layout can show: of loops, of changes over several logged cycles, of profiles."""
+    """Families that a layout can show: shapes of loops if it has loops, changes over the test if it has several cycles,
+    profiles if it has profiles.
+    """
     loops = any(not part.observable.of_scars for part in layout)
     several = np.unique(layout.cycle).size > 1
     found = tuple(one for one in FAMILIES if loops and (several or not one.column))
@@ -164,7 +164,7 @@ def families_of(layout: Layout) -> tuple[Family, ...]:
 
 
 def columns_of(problem: Problem, setup: SurrogateInputs) -> tuple[tuple[Columns, ...], ...]:
-    """Derivatives of the observables about a setup: for each family, its alternative sets of columns."""
+    """For each family that the problem's layout can show, its alternative sets of columns at a setup."""
     layout, states = problem.layout, problem.states
     course = simulate(states, setup, layout.cycles)
     base = layout.observed(course)

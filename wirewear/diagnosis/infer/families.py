@@ -1,11 +1,11 @@
 """Families of distortions: low-rank spaces of what a cause outside the library may do at each seam.
 
-The force channel, the displacement channel and the holder are the same throughout a test; what the contact, the load
-and the surfaces do may change from cycle to cycle, by a Gaussian process over the logarithm of the cycles.
-
-A shape is how a computed course changes under a distortion of unit size. Branches are taken in their own direction: y
-is the displacement and p the force in the direction of travel, so that both rise. A shape of unit size changes forces
-by the plateau force, displacements by the amplitude.
+A seam is a place in the chain from drive to sensors. The force channel, the displacement channel and the holder are the
+same throughout a test; contact, load and surfaces may change from cycle to cycle, by a Gaussian process over the
+logarithm of the cycles. A shape is how computed loops change under a distortion of given size: a size of 1 changes
+forces by the plateau force, displacements by the amplitude. Branches (n, 2, m) are taken in their own direction: y is
+the displacement and p the force in the direction of travel, so that both rise; u is a force or displacement over
+plateau force or amplitude.
 """
 
 from __future__ import annotations
@@ -42,29 +42,31 @@ RELEASES = _KNOWN.numbers("releases")
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """Distortions of one kind at one seam."""
+    """Distortions of one kind at one seam: combinations of shapes of loops, or a change of one column of the chain over
+    the test.
+    """
 
     seam: Seam  #: Where they enter.
-    name: str  #: What they are, for people.
-    shapes: tuple[Shape, ...] = ()  #: Of a loop, each with a size of its own; empty for what changes in time.
-    column: str = ""  #: Of the chain, where it changes in time; empty for shapes.
+    name: str  #: Description for readers.
+    shapes: tuple[Shape, ...] = ()  #: Shapes, each with a size of its own; empty for changes over the test.
+    column: str = ""  #: Column of the chain that changes over the test; empty for shapes.
     #: Unit of what is added to the column: "" multiplies it, "compliance" is amplitude over plateau force, "force" that
     #: force.
     scale: str = ""
     develops: bool = False  #: Whether its sizes may change over the cycles.
-    allowed: float = 0.0  #: Log evidence that friction laws and solvers were seen to add to it beside known effects.
-    instead: tuple[tuple[Shape, ...], ...] = ()  #: Sets of shapes that it may have instead of these, each as likely.
-    #: Whether it speaks for a cause outside the library; else it names one that others speak for, as nothing that
-    #: solvers add to it was learned.
+    allowed: float = 0.0  #: Log evidence that friction laws and solvers alone add for it, which is subtracted.
+    instead: tuple[tuple[Shape, ...], ...] = ()  #: Other sets of shapes that it may have, each as likely as `shapes`.
+    #: False if it is only named and does not count as evidence for a cause outside the library, as what solvers add to
+    #: it was not learned.
     counts: bool = True
 
 
 @dataclass(frozen=True, eq=False)
 class Branches:
-    """Computed loops split into their two branches, (n, 2, m) each, and what a distortion of unit size is measured in.
+    """Computed loops as branches (n, 2, m), with the units of distortions.
 
-    `y_um` and `p_N` are displacement and tangential force in the direction of travel; `amplitude_um` and `force_N`
-    (plateau force) scale the distortion; `motion` is how the drive moves in time.
+    course: the loops. y_um, p_N: displacement and tangential force in the direction of travel. amplitude_um, force_N:
+    amplitude and plateau force, which a distortion of size 1 has. motion: displacement of the drive over time.
     """
 
     course: PredictedLoops
@@ -76,7 +78,7 @@ class Branches:
 
     @classmethod
     def of(cls, course: PredictedLoops, amplitude_um: float, force_N: float, motion: FastMotion = SINE) -> Branches:
-        """Branches of computed loops, amplitude in µm, force in N."""
+        """Branches of computed loops; amplitude in µm, plateau force in N."""
         return cls(
             course,
             _DIRECTIONS * course.displacement_um,
@@ -93,19 +95,21 @@ class Branches:
 
     @property
     def slid(self) -> Array:
-        """Travel since the knee over the amplitude (n, 2, m), 0 while the contact sticks."""
+        """Travel since the onset of sliding over the amplitude (n, 2, m); 0 before it."""
         return np.maximum(self.y_um - self.y_um[:, :, KNEE, None], 0.0) / self.amplitude_um
 
     def read_with(self, displacement_um: Array, force_N: Array) -> PredictedLoops:
-        """The course with other readings of true loops (n, 2, m), centred between their tips as measured ones are."""
+        """The loops with other readings of displacement and force (n, 2, m), displacements centred between both
+        tips.
+        """
         tips = displacement_um.max(axis=(1, 2), keepdims=True) + displacement_um.min(axis=(1, 2), keepdims=True)
         return replace(self.course, displacement_um=displacement_um - 0.5 * tips, tangential_force_N=force_N)
 
     def sliding_under(self, added_N: Array, load_share: Array | None = None) -> PredictedLoops:
-        """The course when the sliding contact resists by so much more (n, 2, m), in the direction of travel.
-
-        The stick branch begins where the other branch ends and rises to the new knee; its travel goes with its rise.
-        load_share: relative change (n, 2, m) of the normal force that goes with it.
+        """The loops of a contact that resists sliding by `added_N` (n, 2, m) more, in the direction of travel.
+        load_share: relative change (n, 2, m) of the normal force along with it; None for no change. The stick branch
+        then begins where the other branch ends, rises to the new onset of sliding, and travels in proportion to its
+        rise.
         """
         start = -added_N[:, ::-1, -1:]
         share = np.linspace(0.0, 1.0, SLIDING)
@@ -122,9 +126,8 @@ class Branches:
         return replace(course, normal_force_N=course.normal_force_N * (1.0 + load_share))
 
     def held_with(self, given_um: Array) -> PredictedLoops:
-        """The course when the holder gives way by so much more (n, 2, m) while the contact sticks, from its start on.
-
-        What slides is held by the drive: the same forces at the same places, but for the later knee.
+        """The loops of a holder that gives way by `given_um` (n, 2, m) more while the contact sticks, counted from each
+        branch's first point; once it slides, forces and displacements are as before.
         """
         y = self.y_um.copy()
         y[:, :, :SLIDING] += given_um[:, :, :SLIDING] - given_um[:, :, :1]
@@ -141,7 +144,7 @@ Shape = Callable[[Branches, float], PredictedLoops]
 
 
 def force_read(power: Callable[[Array], Array]) -> Shape:
-    """Shape of a force channel that reads Q + size Q* power(Q/Q*), with Q* the plateau force."""
+    """Shape of a force channel that reads Q + size · Q* power(Q/Q*), with Q* the plateau force."""
 
     def shape(b: Branches, size: float) -> PredictedLoops:
         true = b.course.tangential_force_N
@@ -151,7 +154,9 @@ def force_read(power: Callable[[Array], Array]) -> Shape:
 
 
 def displacement_read(power: Callable[[Array], Array]) -> Shape:
-    """Shape of a displacement channel that reads δ + δa f(δ/δa), f being 0 at both ends, as the drive holds them."""
+    """Shape of a displacement channel that reads δ + size · δa power(δ/δa), with δa the amplitude; power is 0 at ±1, as
+    the drive holds the ends.
+    """
 
     def shape(b: Branches, size: float) -> PredictedLoops:
         true = b.course.displacement_um
@@ -162,17 +167,19 @@ def displacement_read(power: Callable[[Array], Array]) -> Shape:
 
 
 def resisting(share: Callable[[Branches], Array]) -> Shape:
-    """Shape of a contact that resists sliding by a share f of the plateau force more, f (n, 2, m)."""
+    """Shape of a contact that resists sliding by size · share (n, 2, m) of the plateau force more."""
     return lambda b, size: b.sliding_under(size * b.force_N * share(b))
 
 
 def loaded(share: Callable[[Branches], Array]) -> Shape:
-    """Shape of a normal load that is higher by a share f (n, 2, m), and the friction force with it."""
+    """Shape of a normal load that is higher by size · share (n, 2, m) of itself, and the friction force with it."""
     return lambda b, size: b.sliding_under(size * b.p_N * share(b), size * share(b))
 
 
 def yielding(released: float) -> Shape:
-    """Shape of a holder that slips once the force has changed by 2 `released` × plateau force since a reversal."""
+    """Shape of a holder that slips: after a reversal, once the force has changed by 2 `released` times the plateau
+    force, it gives way by size · amplitude per further plateau force.
+    """
 
     def shape(b: Branches, size: float) -> PredictedLoops:
         held = released * b.force_N
@@ -184,7 +191,9 @@ def yielding(released: float) -> Shape:
 
 
 def stiffening() -> Shape:
-    """Shape of a holder whose elastic displacement has an additional term in force³, equal in both directions."""
+    """Shape of a holder that gives way by size · amplitude · (p/plateau force)³ in addition, alike in both
+    directions.
+    """
 
     def shape(b: Branches, size: float) -> PredictedLoops:
         return b.held_with(size * b.amplitude_um * (b.p_N / b.force_N) ** 3)
@@ -193,9 +202,8 @@ def stiffening() -> Shape:
 
 
 def force_after_play() -> Shape:
-    """Shape of a force channel behind free play: after each reversal its reading rests until the play is taken up.
-
-    Its size is half of the play over the plateau force.
+    """Shape of a force channel with free play: after each reversal its reading rests until the play is taken up. The
+    size is half the play over the plateau force.
     """
 
     def shape(b: Branches, size: float) -> PredictedLoops:
@@ -207,9 +215,8 @@ def force_after_play() -> Shape:
 
 
 def displacement_after_play(*, held: bool) -> Shape:
-    """Shape of loops whose displacement is read behind free play; its size is half the play over the amplitude.
-
-    held: the drive holds the amplitude that is read, so the true one is larger by what the play takes.
+    """Shape of a displacement channel with free play; the size is half the play over the amplitude.
+    held: True if the drive holds the amplitude that is read, so that the true one is larger by what the play takes.
     """
 
     def shape(b: Branches, size: float) -> PredictedLoops:
@@ -226,18 +233,18 @@ Share = Callable[[Branches], Array]
 
 
 def cubic(u: Array) -> Array:
-    """The third power of u: small in the middle, so that it bends the ends alone."""
+    """The third power of u, which hardly changes the middle of a range."""
     return np.asarray(u**3)
 
 
 def between_ends(power: int) -> Callable[[Array], Array]:
-    """The function u**power - u**(power - 2), which is 0 at both ends, u = ±1."""
+    """The function u^power − u^(power − 2), which is 0 at both ends, u = ±1."""
     return lambda u: np.asarray(u**power - u ** (power - 2))
 
 
 def in_travel(power: int) -> Share:
-    """The function (x/A)**power less its mean over the stroke, x in the direction of travel, A the amplitude.
-
+    """The function u^power less its mean over the stroke, u the displacement in the direction of travel over the
+    amplitude.
     As added friction, an odd power acts against the motion at one end of each stroke and with it at the other.
     """
     mean = 1.0 / (power + 1.0) if power % 2 == 0 else 0.0
@@ -245,30 +252,27 @@ def in_travel(power: int) -> Share:
 
 
 def on_the_rig(power: int) -> Share:
-    """The function (x/A)**power of branches, x in the direction of travel, with the sign of the travel.
-
-    It acts along a direction fixed in the rig: an odd power changes with the place along the stroke, the same on both
-    branches; an even power has the opposite sign on the branch back.
+    """The function ± u^power, u the displacement in the direction of travel over the amplitude, − on the branch towards
+    −x. As added friction it acts along a direction fixed in the rig: an odd power depends on the place along the stroke
+    alone, an even one has opposite signs on both branches.
     """
     return lambda b: np.asarray(_DIRECTIONS * b.place**power)
 
 
 def later(b: Branches) -> Array:
-    """The sine of twice the phase of a harmonic drive, (n, 2, m): added friction that is larger in the second half of a
-    stroke.
+    """Sine of twice the phase of a sinusoidal drive (n, 2, m), from −1 to 1 along a branch: as added friction, larger
+    in the second half of a stroke.
     """
     return np.asarray(b.place * np.sqrt(np.maximum(1.0 - b.place**2, 0.0)))
 
 
 def fast(b: Branches) -> Array:
-    """The speed of a harmonic drive over its largest (n, 2, m), positive on the branch towards +x."""
+    """Speed of a sinusoidal drive over its largest (n, 2, m), positive on the branch towards +x."""
     return np.asarray(_DIRECTIONS * np.sqrt(np.maximum(1.0 - b.place**2, 0.0)))
 
 
 def since(length: float) -> Shape:
-    """Shape of added friction that decays exponentially with the sliding since a reversal; length: over the
-    amplitude.
-    """
+    """Shape of added friction that decays as exp(−slid/length) after a reversal; length: over the amplitude."""
     return resisting(lambda b: np.asarray(np.exp(-b.slid / length)))
 
 
@@ -344,7 +348,7 @@ FAMILIES: tuple[Family, ...] = (
 
 
 def worn(share: Callable[[Array], Array]) -> Shape:
-    """Shape of profiles deeper by a share f(x/w) of the largest depth, w the scar's half-width."""
+    """Shape of worn profiles that are deeper by size · share(x/w) of their largest depth, w the scar's half-width."""
 
     def shape(b: Branches, size: float) -> PredictedLoops:
         changed = {
@@ -357,17 +361,17 @@ def worn(share: Callable[[Array], Array]) -> Shape:
 
 
 def middle(width: float) -> Callable[[Array], Array]:
-    """The function exp(-(u/width)²), a bump about u = 0."""
+    """The function exp(−(u/width)²), a bump about u = 0."""
     return lambda u: np.asarray(np.exp(-((u / width) ** 2)))
 
 
 def aside(power: int) -> Callable[[Array], Array]:
-    """The function u**power (1 - u²), 0 beyond |u| = 1; with an odd power a change of opposite sign on either side."""
+    """The function u^power (1 − u²), 0 beyond |u| = 1; with an odd power of opposite sign on either side."""
     return lambda u: np.asarray(u**power * np.maximum(1.0 - u**2, 0.0))
 
 
 def widened(b: Branches, size: float) -> PredictedLoops:
-    """The computed loops with profiles of all scars wider by the share `size`, of unchanged area."""
+    """The loops with worn profiles wider by the share `size` of their width, with the same cross-section."""
     changed = {
         body: (x, np.interp(x / (1.0 + size), x, depth) / (1.0 + size))
         for body, (x, depth) in b.course.profiles.items()
@@ -376,8 +380,8 @@ def widened(b: Branches, size: float) -> PredictedLoops:
 
 
 def half_width(x_um: Array, depth_um: Array) -> float:
-    """Largest |x| in µm at which a profile, with x counted from its middle, is deeper than `EDGE` of its greatest
-    depth.
+    """Largest |x| in µm at which a profile, x counted from its middle, is deeper than the share `EDGE` of its largest
+    depth; at least 1e-6.
     """
     over = np.flatnonzero(depth_um > EDGE * depth_um.max(initial=0.0))
     return max(float(np.abs(x_um[over]).max(initial=0.0)), 1e-6)

@@ -1,8 +1,10 @@
-"""Which effect explains the gap: each fitted under what one expects of it, weighed by evidence against all others.
+"""Which effect explains the gap: each fitted with its expected sizes as the prior, and compared by evidence with all
+others.
 
-The nuisances (scatter between specimens, errors of the solvers) are marginalised, being columns of the covariance.
-Evidence is Laplace's, with every parameter a standard normal deviate beforehand, so that large ranges pay for
-themselves (MacKay, Information Theory, Inference and Learning Algorithms, 2003, ch. 28).
+Parameters are searched as coordinates: standard normal deviates beforehand, 0 being the expected middle. The nuisances
+(scatter between specimens, errors of the solvers) are marginalised, being columns of the covariance. Evidence is
+Laplace's, so that large ranges pay for themselves (MacKay, Information Theory, Inference and Learning Algorithms, 2003,
+ch. 28). A setup holds inputs of the fast model; a candidate is an effect that may be at work.
 """
 
 from __future__ import annotations
@@ -38,11 +40,11 @@ _COMPARABLE = _KNOWN.number("comparable")
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Measured observables to be explained by the fast model: `mean` (n,), listed by `layout`.
+    """Observables of a record to be explained by the fast model, with its nominal setup.
 
-    `whitening` (m, n) turns residuals into m independent standard deviates. `known` caches the predicted observables
-    by setup; problems of one record on the same states share them. `free` are standard deviations of numerical freedoms
-    by name, with which every explanation is fitted.
+    layout, mean: the n observables and their means over the repeats. whitening: (m, n), turns residuals into m
+    independent standard deviates. known: cache of predicted observables by setup, which problems of one record share.
+    free: standard deviations, by name, of the numerical freedoms that every explanation is fitted with.
     """
 
     states: WearStates
@@ -66,24 +68,28 @@ class Problem:
         return Problem(self.states, self.setup, self.layout.taken(keep), mean, whitening, free=covariance.free)
 
     def predictions(self, setups: Sequence[SurrogateInputs]) -> Array:
-        """Observables (k, n) predicted under k setups."""
+        """Observables (k, n) under k setups; 0 where the fast model defines none."""
         new = [setup for setup in dict.fromkeys(setups) if setup not in self.known]
         values = self.layout.computed(self.states, *new)
         self.known.update(zip(new, np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0), strict=True))
         return np.stack([self.known[setup] for setup in setups])
 
     def predicted(self, setup: SurrogateInputs) -> Array:
-        """Observables (n,) predicted under a setup."""
+        """Observables (n,) under a setup; 0 where the fast model defines none."""
         return np.asarray(self.predictions([setup])[0])
 
     def whitened(self, setup: SurrogateInputs) -> Array:
-        """Residual (m,) in independent standard deviations."""
+        """Measured less predicted observables under a setup as independent standard deviates (m,)."""
         return self.whitening @ (self.mean - self.predicted(setup))
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """One explanation: effects at their best coordinates (p,), their covariance (p, p), distance² and log evidence."""
+    """Best fit of one explanation, a set of effects.
+
+    coordinates, spread: (p,) and (p, p), the effects' best coordinates and their covariance. setup: with these effects
+    and the freedoms in it. distance2: χ² that is left. log_evidence: of the record by this explanation.
+    """
 
     candidates: tuple[Candidate, ...]
     coordinates: Array
@@ -91,11 +97,12 @@ class Fit:
     setup: SurrogateInputs
     distance2: float
     log_evidence: float
-    free: Array = field(default_factory=lambda: np.zeros(0))  #: (k,) coordinates of the numerical freedoms.
+    #: (k,) coordinates of the numerical freedoms, in standard deviations.
+    free: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def places(self) -> Array:
-        """Coordinates (p + k,) of the effects and the freedoms."""
+        """Coordinates (p + k,) of the effects and then of the freedoms."""
         return np.concatenate([self.coordinates, self.free])
 
     @property
@@ -104,11 +111,13 @@ class Fit:
 
     @property
     def merit(self) -> float:
-        """Log evidence rounded to six digits: sorting then keeps the order of effects that are equal to the model."""
+        """Log evidence rounded to six digits, for sorting: effects that the model cannot distinguish keep their
+        order.
+        """
         return round(self.log_evidence, 6)
 
     def parts(self) -> list[tuple[Candidate, Array, Array]]:
-        """Each effect with its own coordinates and their standard deviations."""
+        """For each effect the candidate, its coordinates and their standard deviations."""
         parts, at = [], 0
         deviations = np.sqrt(np.diag(self.spread)) if self.spread.size else np.zeros(0)
         for candidate in self.candidates:
@@ -119,7 +128,7 @@ class Fit:
 
 
 def jacobian_of(problem: Problem, one: Fit) -> Array:
-    """Derivative (m, p + k) of a fit's whitened residuals by its places (p + k,)."""
+    """Derivative (m, p + k) of a fit's whitened residuals by the coordinates of its effects and freedoms."""
     if not one.places.size:
         return np.zeros((problem.whitening.shape[0], 0))
     asked = _jacobian(lambda z: placed(problem, one.candidates, z), one.places, problem.whitened(one.setup))
@@ -127,7 +136,7 @@ def jacobian_of(problem: Problem, one: Fit) -> Array:
 
 
 def placed(problem: Problem, candidates: Sequence[Candidate], places: Array) -> SurrogateInputs:
-    """The setup with effects and numerical freedoms at such places (p + k,)."""
+    """The problem's setup with effects and numerical freedoms at coordinates `places` (p + k,), effects first."""
     count = places.size - len(problem.free)
     setup = applied(candidates, problem.setup, places[:count])
     for (name, size), place in zip(problem.free.items(), places[count:].tolist(), strict=True):
@@ -136,7 +145,7 @@ def placed(problem: Problem, candidates: Sequence[Candidate], places: Array) -> 
 
 
 def applied(candidates: Sequence[Candidate], setup: SurrogateInputs, coordinates: Array) -> SurrogateInputs:
-    """The setup with several effects in it, one after the other."""
+    """A copy of `setup` with the candidates' effects at their coordinates (p,), added one after the other."""
     at = 0
     for candidate in candidates:
         n = len(candidate.unknowns)
@@ -145,12 +154,14 @@ def applied(candidates: Sequence[Candidate], setup: SurrogateInputs, coordinates
     return setup
 
 
-#: What a search asks for, residuals under setups, and what it comes to.
+#: A search as a generator: it asks for whitened residuals under setups, is sent them, and returns its result.
 Asking = Generator[list[SurrogateInputs], list[Array], Found]
 
 
 def together(problem: Problem, searches: Sequence[Asking[Found]]) -> list[Found]:
-    """Results of several searches, in their order, run at once so that all their predictions are computed together."""
+    """Results of several searches, in their order; they run in step, so that their predictions are computed
+    together.
+    """
     asked = {place: next(search) for place, search in enumerate(searches)}
     found: dict[int, Found] = {}
     while asked:
@@ -172,7 +183,7 @@ def fit(
     iterations: int = ITERATIONS,
     known: Fit | None = None,
 ) -> Fit:
-    """The best fit of effects together, computed at once: see `sought`, whose arguments these are."""
+    """The best fit of several effects together; arguments as of `sought`, which it runs."""
     return together(problem, [sought(problem, candidates, starts, iterations, known)])[0]
 
 
@@ -183,11 +194,10 @@ def sought(
     iterations: int = ITERATIONS,
     known: Fit | None = None,
 ) -> Asking[Fit]:
-    """The best coordinates of these effects together, from several starts, or from what another record says of them.
-
-    A start has the effects' coordinates (p,), or those of the freedoms, which are at nothing else, after them (p + k,).
-    With `known`, its normal distribution of the coordinates is what is expected, and the evidence is that of this
-    record given the other.
+    """Search for the best coordinates of several effects together, by Levenberg–Marquardt from several starts. starts:
+    coordinates (p,) of the effects, or (p + k,) with those of the freedoms, else 0; by default the candidates' own.
+    iterations: most steps from each start. known: a fit of the same effects to another record, whose distribution of
+    the coordinates is the prior in place of the expected one; the evidence is then that of this record given the other.
     """
     candidates, free = tuple(candidates), len(problem.free)
     low, high = np.vstack([np.zeros((0, 2)), *(candidate.bounds() for candidate in candidates)]).T

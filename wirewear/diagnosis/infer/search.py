@@ -1,11 +1,11 @@
-"""The search for causes: all effects alone, then pairs, with what a further record of the same rig adds.
+"""The search for causes: all effects alone, then pairs, updated by further records of the same rig.
 
-What a record leaves open of an explanation's parameters is what is expected of them when the next one is looked at
-(sequential Bayes, by Laplace's approximation), so that an explanation must hold on both with the same parameters.
-
-Left are the classes among which the cause is in nine records of ten, and the measurement that distinguishes them best.
-Classes stand in the order of their probability, and go on until nine tenths of it are in the set. A cause of no library
-is always in it: one that does what a known effect does, or that is too small to be seen, no record rules out.
+An explanation is no effect, one effect or a pair, with its fit. What a record leaves open of its parameters is the
+prior for the next record (sequential Bayes, by Laplace's approximation), so that an explanation must hold on both with
+the same parameters.
+A class is a tuple of effects that a record cannot distinguish. Classes stand in the order of their probability; the
+most probable that together hold nine tenths of it form the set in which the cause is in nine records of ten. A cause of
+no library is always in the set: no record rules out one that acts like a known effect or is too small to be seen.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -58,7 +58,12 @@ LEVEL = constants("infer.search.sets").number("level")
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """Result of the search for causes: the problem with its covariance at the best explanation, and all fits."""
+    """Result of the search for causes.
+
+    problem, covariance: as at the best explanation. none, singles, pairs: fits without effects, of each effect alone,
+    and of the pairs that beat them. remainder: the misfit that the best explanation leaves. distortions: families of
+    distortions beside the likeliest explanations.
+    """
 
     problem: Problem
     covariance: Covariance
@@ -70,16 +75,18 @@ class Search:
 
     @property
     def best(self) -> Fit:
-        """The fit of largest log evidence, of no effect, single effects and pairs."""
+        """The fit of largest log evidence among no effect, single effects and pairs."""
         return max((self.none, *self.singles, *self.pairs), key=lambda one: one.merit)
 
     @property
     def removed(self) -> float:
-        """Share of the nominal test's χ² that the best explanation removes."""
+        """Share of the χ² without effects that the best explanation removes."""
         return 1.0 - self.best.distance2 / self.none.distance2 if self.none.distance2 > 0.0 else 0.0
 
     def left(self, one: Fit) -> float:
-        """Share of the nominal test's excess of χ² over its expected value that an explanation leaves."""
+        """Share that an explanation leaves of the excess of χ² without effects over the number of observables; 0
+        without an excess.
+        """
         beyond = self.none.distance2 - self._numbers
         return max(one.distance2 - self._numbers, 0.0) / beyond if beyond > 0.0 else 0.0
 
@@ -88,14 +95,12 @@ class Search:
         return self.problem.mean.size
 
     def apart(self, fits: Sequence[Fit]) -> Array:
-        """Distances (k, k) between the predictions of k fits, in standard deviations, each as small as free parameters
-        allow.
-        """
+        """Distances (k, k) between k fits in standard deviations, see `distances`."""
         return distances(self.problem, fits)
 
 
 def search(states: WearStates, setup: SurrogateInputs, observed: Observations, left_out: Sequence[str] = ()) -> Search:
-    """All explanations of a record; `left_out` names effects that are not to be considered."""
+    """All explanations of a record's observables; left_out: names of effects that are not considered."""
     effects = [effect for effect in library(setup) if effect.kind.name not in left_out]
     problem, covariance = problem_around(states, setup, setup, observed)
     none, *singles = together(problem, [sought(problem, own) for own in ((), *((effect,) for effect in effects))])
@@ -130,8 +135,8 @@ def search(states: WearStates, setup: SurrogateInputs, observed: Observations, l
 
 
 def leading(none: Fit, others: Sequence[Fit]) -> tuple[Fit, tuple[Fit, ...]]:
-    """The fit of largest evidence, and the fits beside which distortions are tried: no effect, and the best of
-    `others`.
+    """The fit of largest evidence among `none` and `others`, and the fits beside which distortions are tried: `none`
+    and the best of `others`.
     """
     ordered = sorted(others, key=lambda one: -one.merit)
     return max((none, *ordered[:1]), key=lambda one: one.merit), (none, *ordered[:_DISTORTED])
@@ -145,9 +150,9 @@ def problem_around(
     effects: Sequence[Candidate] = (),
     before: Problem | None = None,
 ) -> tuple[Problem, Covariance]:
-    """The problem of explaining a record, and the covariance about the setup `around`, which has `effects` in it.
-
-    before: an earlier problem of the record, whose cached predictions are shared.
+    """The problem of explaining a record from the nominal `setup`, and the covariance at the setup `around`.
+    effects: those in `around`, whose model error is included. before: an earlier problem of the record, whose cached
+    predictions are shared.
     """
     covariance = estimate(states, around, observed)
     error = max((states.model_error(effect.kind) for effect in effects), default=0.0)
@@ -225,9 +230,9 @@ def _joint_starts(first: Fit, second: Fit, alone: bool) -> list[Array]:
 
 @dataclass(frozen=True, eq=False)
 class Updated(Search):
-    """A search on a first record, its fits those of all records; `further` are the problems of the others.
+    """A search on a first record, updated by others; its fits are those of all records together.
 
-    `before` are the fits that each of these began with.
+    further: the problems of the other records. before: for each of these, the fits that were its priors.
     """
 
     further: tuple[Problem, ...] = ()
@@ -238,7 +243,7 @@ class Updated(Search):
         return super()._numbers + sum(problem.mean.size for problem in self.further)
 
     def apart(self, fits: Sequence[Fit]) -> Array:
-        """Distances (k, k) between the predictions of k fits by all records together: the root of their sum of
+        """Distances (k, k) between k fits by all records together, in standard deviations: root of the sum of their
         squares.
         """
         squares = super().apart(fits) ** 2
@@ -250,7 +255,9 @@ class Updated(Search):
 
 
 def updated(first: Search, states: WearStates, setup: SurrogateInputs, observed: Observations) -> Search:
-    """The search updated by another record with the observables `observed`, under its own setup and wear states."""
+    """The search updated by another record: `observed` are its observables, `setup` and `states` its nominal setup and
+    wear states.
+    """
     around = applied(first.best.candidates, setup, first.best.coordinates)
     problem, _ = problem_around(states, setup, around, observed, first.best.candidates)
     fits = (first.none, *first.singles, *first.pairs)
@@ -309,10 +316,9 @@ Classes = tuple[tuple[str, ...], ...]
 def next_measurement(
     probabilities: Mapping[str, float], unclear: Sequence[Sequence[str]], available: frozenset[Measurement]
 ) -> tuple[Measurement, tuple[str, ...]] | None:
-    """The measurement that removes most expected confusion per cost, and the effects that it splits.
-
-    Confusion of a pair is the product of its probabilities; `unclear` are classes that cannot be distinguished, whose
-    members count as equally probable. `available` is what the record already has.
+    """The measurement that removes most expected confusion per cost, and the names of the effects that it
+    distinguishes; None if none distinguishes any. Confusion of a pair is the product of its probabilities. unclear:
+    classes, whose members count as equally probable. available: measurements that the record has.
     """
     pairs: dict[tuple[str, str], float] = {}
     for one, other in combinations(sorted(probabilities), 2):
@@ -333,7 +339,9 @@ def next_measurement(
 
 
 def masses(causes: Iterable[tuple[str, float]], equivalent: Iterable[Sequence[str]]) -> dict[tuple[str, ...], float]:
-    """Probability of each class of effects that cannot be distinguished, from that of each effect, at most 1."""
+    """Probability of each class, at most 1, from `causes`, pairs of an effect's name and probability.
+    equivalent: classes of several effects; every other effect is a class of its own.
+    """
     groups = {name: tuple(members) for members in equivalent for name in members}
     found: dict[tuple[str, ...], float] = {}
     for name, probability in causes:
@@ -343,7 +351,9 @@ def masses(causes: Iterable[tuple[str, float]], equivalent: Iterable[Sequence[st
 
 
 def plausible(known: Mapping[tuple[str, ...], float]) -> Classes:
-    """The most probable classes, until they have 90 % of the probability, and a cause of no library."""
+    """The most probable of classes with known probabilities, until they have 90 % of it together, and a cause of no
+    library.
+    """
     kept: list[tuple[str, ...]] = []
     for members in sorted(known, key=lambda members: (-round(known[members], 9), members)):
         if sum(known[before] for before in kept) >= LEVEL:

@@ -1,9 +1,10 @@
 """How far the gap shrinks once effects are added: on cycles left out of the fit, and in physical units.
 
-S = (G0² − G1²)/(G0² − Gf²). G is the root mean square of measured less computed over all held-out features (`Features`)
-of all repeats, in standard deviations of one test (noise, scatter of specimens, solver error, and what is within the
-record's tolerance). The floor Gf is that of a perfect model: each repeat against the others' mean, and what models may
-differ by. A gap that falls below it has shrunk as a whole, S = 1.
+S = (G0² − G1²)/(G0² − Gf²), before and after adding effects. G is the root mean square of measured less computed over
+all held-out features (`Features`) of all repeats, in standard deviations of one test (noise, scatter of specimens,
+solver error, and differences within the record's tolerance). The floor Gf is that of a perfect model: each repeat
+against the others' mean, and what models may differ by. A gap that falls below the floor has shrunk as a whole, S = 1.
+S is at least −9.99, and 0 if the gap is not above the floor.
 """
 
 from __future__ import annotations
@@ -53,7 +54,9 @@ _FREE_SIZE = _KNOWN.number("free_size")
 
 @dataclass(frozen=True, eq=False)
 class HeldOutScores:
-    """Squared residuals of every repeat in the features of held-out observables, in variances of one test."""
+    """Scores of predictions on held-out observables: squared residuals of r repeats in f features, in variances of one
+    test.
+    """
 
     observed: Observations
     covariance: Covariance
@@ -61,18 +64,16 @@ class HeldOutScores:
 
     @classmethod
     def of(cls, observed: Observations, covariance: Covariance, test: BoolArray) -> HeldOutScores:
-        """Scores of the observables that `test` (n,) marks as held out, with their covariance."""
+        """Scores of the observables that `test` (n,) marks as held out."""
         return cls(observed, covariance, Features.of(observed.layout, test))
 
     def squares(self, predicted: Array) -> Array:
-        """Squared residuals (r, f) of r repeats in f features from predicted values (n,), over their variance; NaN if
-        unmeasured.
-        """
+        """Squared residuals (r, f) of predicted values (n,) in variances of one test; NaN if unmeasured."""
         return self._scaled(self.observed.values - predicted)
 
     def floor(self) -> Array:
-        """Squared residuals (r, f) that a perfect model would leave: of each repeat from the mean of all, or 1 if it is
-        alone.
+        """Squared residuals (r, f) that a perfect model would leave: of each repeat from the mean of all with the
+        solvers' differences, or 1 if it is the only one.
         """
         values = self.observed.values
         count = np.isfinite(values).sum(axis=0)
@@ -86,11 +87,13 @@ class HeldOutScores:
         return squares
 
     def size(self, squares: Array) -> float:
-        """Root mean square of residuals from their squares (r, f), NaN left out."""
+        """The gap G: root mean square of residuals from their squares (r, f), NaN left out."""
         return float(np.sqrt(np.nanmean(squares)))
 
     def interval(self, squares: dict[str, Array], seed: int) -> tuple[float, float]:
-        """95 % interval of the shrink by bootstrap over repeats and cycles, whole loops at a time."""
+        """95 % interval of the shrink by bootstrap over repeats and cycles.
+        squares: squared residuals (r, f) by "before", "after" and "floor". seed: of the random draws.
+        """
         random = np.random.default_rng(seed)
         cycles = np.unique(self.features.cycle)
         sums = {
@@ -126,9 +129,9 @@ class HeldOutScores:
 
 
 def held_out_cycles(loop_cycles: IntArray) -> list[tuple[int, ...]]:
-    """Cycles to leave out, in order of preference: the last third, every second one; none if there are fewer than two.
-
-    What only shows early in a test cannot be predicted from what comes before it, but from its neighbours.
+    """Sets of cycles to leave out, best first: the last third, then every second one; empty if there are fewer than two
+    cycles, one set for two.
+    A change that only shows early in a test cannot be predicted from the cycles before it, but from its neighbours.
     """
     cycles = [int(cycle) for cycle in np.unique(loop_cycles)]
     if len(cycles) < 2:
@@ -139,9 +142,10 @@ def held_out_cycles(loop_cycles: IntArray) -> list[tuple[int, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Split:
-    """Observables of the cycles left out, `test`, and those that are fitted, `train`.
+    """A way to leave observables out of a fit.
 
-    `scar`: whose scar is left out, `STRETCHES` of profiles, or nothing of either.
+    held_out: cycles. test, train: marks (n,) of the observables left out and of those fitted; some are neither. scar:
+    body whose scar is left out, `STRETCHES` for profiles, "" if loops are left out.
     """
 
     held_out: tuple[int, ...]
@@ -151,9 +155,9 @@ class Split:
 
 
 def splits(layout: Layout) -> Iterator[Split]:
-    """Ways to leave something out, in order of preference: late loops, every second one, the scar of one body.
-
-    Scars are no part of what loops are scored by: only a fit that knows them can show a rate of wear.
+    """Ways to leave something out, best first: late loops, every second loop, the scar of the held body; of profiles
+    without loops every second stretch. If there is only one cycle all observables are fitted and scored. Scars never
+    score loops: only a fit that knows them can show a rate of wear.
     """
     loops = layout.of_kind(AlongBranch)
     scars = layout.marked(part for part in layout if part.observable.of_scars)
@@ -186,10 +190,11 @@ def _of_profiles(layout: Layout) -> Iterator[Split]:
 
 @dataclass(frozen=True)
 class Shrink:
-    """Gap before and after in units of scatter, its floor, and the shrink with its 95 % interval.
+    """Shrink S of the gap by the best explanation, with the numbers behind it.
 
-    `predicted` is the shrink that the fit on all cycles expects. Placebos are None without a gap to shrink.
-    `scar_held_out` is whose scar was left out of the fit instead, where loops show no gap or there are none.
+    before, after, floor: gaps G0, G1 and Gf in standard deviations of one test. interval95: of `shrink`. predicted:
+    shrink of the fit to all cycles. held_out: cycles left out. best_wrong_effect, free_smooth_fit: shrinks by an effect
+    of another class (None if there is none) and by a fit of any smooth shape. scar_held_out: as `Split.scar`.
     """
 
     before: float
@@ -205,8 +210,8 @@ class Shrink:
 
     @property
     def scar_words(self) -> str:
-        """Words for the scars that were held out, before a cycle, such as "scar of the fixed wire, "; "" if
-        none was.
+        """Words for the held-out scars, to stand before a cycle: "scar of the fixed wire, "; "" if none was held
+        out.
         """
         if self.scar_held_out == STRETCHES:
             return f"{STRETCHES} of the profiles, "
@@ -214,25 +219,27 @@ class Shrink:
 
     @property
     def shows_gap(self) -> bool:
-        """True if the held-out data show a gap clearly: more than `CLEAR_GAP` times what a perfect model would
-        leave.
-        """
+        """True if the gap on held-out data is more than `CLEAR_GAP` times the floor."""
         return self.before > CLEAR_GAP * self.floor
 
     def leaves_little(self, most: float) -> bool:
-        """True if held-out data show a gap, and at most the share `most` of it remains under the explanation."""
+        """True if held-out data show a gap and the explanation leaves at most the share `most` (0 to 1) of its square
+        above the floor.
+        """
         return self.shows_gap and self.shrink >= 1.0 - most
 
     @property
     def supports(self) -> bool:
-        """True if the explanation shrinks the gap of held-out data by at least `LEAST_SHRINK`, or they show no gap."""
+        """True if the shrink on held-out data is at least `LEAST_SHRINK`, or they show no gap."""
         return not self.shows_gap or self.shrink >= LEAST_SHRINK
 
 
 def shrink_of(
     problem: Problem, covariance: Covariance, observed: Observations, best: Fit, wrong: Fit | None, seed: int
 ) -> Shrink:
-    """The shrink by the best explanation, and that by the best wrong effect and by a free smooth fit."""
+    """The shrink by the best explanation, and by placebos: the fit `wrong` (None for none) and a free smooth fit.
+    seed: of the bootstrap's draws. Explanations are fitted again without the held-out observables.
+    """
     left_out = _LeftOut.of(problem, covariance, observed)
     again = left_out.refit(best)
     scores, after = left_out.scores, left_out.squares_of(again.setup)
@@ -316,7 +323,9 @@ def achieved(
     before: Shrink,
     course_at: Callable[[Array], PredictedLoops],
 ) -> tuple[float, float]:
-    """Shrink and gap on the held-out loops by another simulation, which gives a course at cycles."""
+    """Shrink and gap after it on the held-out cycles by another simulation. before: shrink by the fast model, which
+    says what is held out. course_at: gives the simulation's loops at cycles (c,).
+    """
     layout = problem.layout
     loops = layout.marked(part for part in layout if part.observable.simulated)
     test = loops & (np.isin(layout.cycle, before.held_out) if before.held_out else True)
@@ -347,9 +356,9 @@ def _free_prediction(problem: Problem, covariance: Covariance, train: BoolArray,
 def physical_gap(
     states: WearStates, observed: Observations, before: SurrogateInputs, after: SurrogateInputs, cycles: tuple[int, ...]
 ) -> Mapping[str, tuple[float, float]]:
-    """Mean distances of measured and computed loops over the held-out cycles, (before, after).
-
-    Where no loop was held out, a scar alone, they are those of all loops; a distance that no loop shows is left out.
+    """Mean distances of measured and computed loops over the given cycles, (before, after) adding effects, by name and
+    unit.
+    before, after: setups. If no loop is of these cycles, all loops count; a distance that no loop shows is left out.
     """
     profiles = _profiles(states, observed, before, after)
     if not observed.loops:

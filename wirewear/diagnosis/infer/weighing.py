@@ -1,4 +1,9 @@
-"""From fits to probabilities: classes that a record cannot distinguish, beliefs, what an explanation leaves over."""
+"""From fits to probabilities: classes of effects that a record cannot distinguish, prior beliefs, and what an
+explanation leaves.
+
+An explanation is a tuple of effects' names, () for no gap. A class is a tuple of effects' names that cannot be
+distinguished; each effect belongs to one.
+"""
 
 from __future__ import annotations
 
@@ -57,13 +62,11 @@ _PLACES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(_OF_GATE.count("places"))
 
 @dataclass(frozen=True)
 class Weighed:
-    """Probabilities by explanation (a tuple of effects' names; () is none), and that of a cause outside the library.
+    """Probabilities of the explanations, and of a cause outside the library (`outside`); together they are 1.
 
-    A cause of no library that does just what a known effect does is not distinguished from it, and has no share of its
-    own: how often such causes occur, no record shows.
-
-    `classes` are the groups of effects that cannot be distinguished, by name, each at least one. `beside` is the part
-    of `outside` in which an explanation acts together with such a cause, by its effects.
+    A cause of no library that acts just like a known effect has no share of its own: how often such causes occur, no
+    record shows. classes: of effects. beside: part of `outside` in which an explanation acts together with such a
+    cause, by explanation.
     """
 
     probabilities: Mapping[tuple[str, ...], float]
@@ -73,7 +76,9 @@ class Weighed:
 
     @property
     def verdict(self) -> Literal["no_gap", "explained", "ambiguous", "unexplained"]:
-        """The likeliest answer: no gap, a cause outside the library, or effects ("explained" at `SURE` or more)."""
+        """The most probable of no gap, a cause outside the library ("unexplained"), and a class of effects or pair,
+        which is "explained" from a probability of `SURE` on, else "ambiguous".
+        """
         none, leading = self.probabilities[()], self.leading
         if none >= max(leading, self.outside):
             return "no_gap"
@@ -83,7 +88,7 @@ class Weighed:
 
     @property
     def leading(self) -> float:
-        """Probability of the likeliest class of effects, or of a pair."""
+        """Probability of the likeliest class of effects or pair; 0 if there is none."""
         return max((self.mass(names) for names in self.probabilities if names), default=0.0)
 
     def mass(self, names: tuple[str, ...]) -> float:
@@ -91,13 +96,13 @@ class Weighed:
         return self._masses[self._classes(names)]
 
     def refuted(self, names: tuple[str, ...]) -> Weighed:
-        """A copy in which the probability of an explanation and its class goes to a cause outside the library."""
+        """A copy in which the probability of an explanation and all like it goes to a cause outside the library."""
         own = self._classes(names)
         kept = {one: 0.0 if self._classes(one) == own else p for one, p in self.probabilities.items()}
         return replace(self, probabilities=kept, outside=self.outside + self.mass(names))
 
     def with_remainder(self, names: tuple[str, ...]) -> Weighed:
-        """A copy in which an explanation also has the probability of acting with a cause outside the library."""
+        """A copy in which an explanation, and all like it, also have their part of `beside`, taken from `outside`."""
         own = self._classes(names)
         credited = {one: p for one, p in self.beside.items() if one and self._classes(one) == own}
         kept = {one: p + credited.get(one, 0.0) for one, p in self.probabilities.items()}
@@ -115,20 +120,19 @@ class Weighed:
         return found
 
     def without_gap(self) -> Weighed:
-        """A copy in which all probability is that of no gap, for differences within the tolerance."""
+        """A copy in which no gap has the probability 1, for differences within the tolerance."""
         return replace(self, probabilities={names: float(not names) for names in self.probabilities}, outside=0.0)
 
     def class_of(self, name: str) -> tuple[str, ...]:
-        """Names of the effects that cannot be distinguished from the effect `name`, itself included."""
+        """The class of the effect `name`; the name alone if it is in none."""
         return next((members for members in self.classes if name in members), (name,))
 
 
 def distances(problem: Problem, fits: Sequence[Fit], known: Sequence[Fit] = ()) -> Array:
-    """Distances (k, k) between fits: how far each one's prediction stays from what the other's effects can predict at
-    best.
-
-    In standard deviations, the larger of both directions; infinite for fits that `_differing` excludes. Effects may
-    take any size, or are expected as in `known`.
+    """Distances (k, k) between k fits: χ, in standard deviations, that the effects of one leave at best of the
+    prediction of the other; the larger of both directions.
+    Infinite for fits that do not differ in exactly one effect. known: fits to another record, whose distributions are
+    the priors of the effects' coordinates; by default their expected sizes.
     """
     count = len(fits)
     matrix = np.full((count, count), np.inf)
@@ -149,7 +153,7 @@ def distances(problem: Problem, fits: Sequence[Fit], known: Sequence[Fit] = ()) 
 
 
 def relevant(fits: Sequence[Fit]) -> list[Fit]:
-    """Fits with a log evidence within `_NEGLIGIBLE` of the best one's, at most `_MOST_COMPARED`, best first."""
+    """Fits with a log evidence within `_NEGLIGIBLE` of the largest, best first, at most `_MOST_COMPARED`."""
     ordered = sorted(fits, key=lambda one: -one.merit)
     near = [one for one in ordered if ordered[0].log_evidence - one.log_evidence < _NEGLIGIBLE]
     return near[:_MOST_COMPARED]
@@ -162,9 +166,9 @@ def _differing(one: Fit, other: Fit) -> tuple[str, str] | None:
 
 
 def classes_of(fits: Sequence[Fit], matrix: Array) -> tuple[tuple[str, ...], ...]:
-    """Groups of effects by complete linkage: all members of one are closer than what is separable.
-
-    fits: single effects and pairs, a pair's halves being as far from others as they are beside each other.
+    """Classes of effects by complete linkage: all members of one are closer to each other than `SEPARABLE`.
+    fits: single effects and pairs. matrix: (k, k), their `distances`. Distances between pairs that share an effect
+    count before those between the effects alone.
     """
     names = [*dict.fromkeys(name for one in fits for name in one.names)]
     apart = np.where(np.eye(len(names)) > 0.0, 0.0, 1e6)
@@ -192,15 +196,12 @@ def weigh(
     log_surprise: float,
     gains: Mapping[tuple[str, ...], Sequence[float]] | None = None,
 ) -> Weighed:
-    """Probabilities of all explanations; log evidences are tempered, and divided by `dispersion`, the best's misfit.
-
-    It estimates by how much all variances are larger or smaller than expected: evidence counts by it, as in a
-    quasi-likelihood (McCullagh and Nelder, Generalized Linear Models, 1989, section 9.2).
-
-    A cause outside the library is what leaves more of the best explanation than chance would, of which `log_surprise`
-    is the log Bayes factor, or what a distortion explains beside one of the explanations: `gains` are the log evidences
-    that each family adds to those beside which it was tried; it must lead the best explanation by more than
-    `NOTICEABLE`.
+    """Probabilities of all explanations, and of a cause outside the library.
+    none, singles, joint: fits without effects, of single effects and of pairs. dispersion: misfit of the best, by which
+    log evidences are divided beside `TEMPERATURE`: it estimates by how much all variances are larger or smaller than
+    expected, as in a quasi-likelihood (McCullagh and Nelder, Generalized Linear Models, 1989, section 9.2).
+    log_surprise: log Bayes factor by which the best explanation leaves more than chance would; 0 for none. gains: see
+    `gains_of`; a cause outside the library counts by what they exceed `NOTICEABLE`.
     """
     temperature = TEMPERATURE * dispersion
     explained = 1.0 - PRIOR_NONE - PRIOR_OUTSIDE
@@ -235,7 +236,9 @@ def weigh(
 
 
 def undetectable(problem: Problem, candidates: Sequence[Candidate]) -> tuple[str, ...]:
-    """Names of effects that at one prior deviation change observables by less than `SEPARABLE` deviations."""
+    """Names of the candidates that change the observables by less than `SEPARABLE` standard deviations at one prior
+    deviation of their first parameter.
+    """
     unseen = []
     for candidate in candidates:
         ends = [side * np.eye(len(candidate.unknowns))[0] for side in (1.0, -1.0)]
@@ -247,7 +250,10 @@ def undetectable(problem: Problem, candidates: Sequence[Candidate]) -> tuple[str
 
 @dataclass(frozen=True)
 class ForceZero:
-    """Mean zero error of the force channel over all repeats in N, and its ratio to the expected standard deviation."""
+    """Mean zero error of the force channel over all repeats.
+
+    value_N: in N. deviations: the error over its expected standard deviation.
+    """
 
     value_N: float
     deviations: float
@@ -259,9 +265,8 @@ class ForceZero:
 
 
 def force_zero(problem: Problem, covariance: Covariance, one: Fit, repeats: int) -> ForceZero:
-    """The zero's mean, given what an explanation leaves of the loops.
-
-    It is a normal deviate beforehand, so that its mean afterwards is its variance times its column in Σ⁻¹ r.
+    """Mean zero error of the force channel, from the residuals that the explanation `one` leaves; repeats: their
+    number. It is a normal deviate beforehand, so that its mean afterwards is its variance times its column in Σ⁻¹ r.
     """
     expected = hypot(SHARED["force_offset"], covariance.scatter["force_offset"] / sqrt(repeats))
     column = derivatives(problem.states, one.setup, problem.layout, {"force_offset": expected})[:, 0]
@@ -270,9 +275,9 @@ def force_zero(problem: Problem, covariance: Covariance, one: Fit, repeats: int)
 
 
 def log_surprise(p_value: float) -> float:
-    """Log of the largest Bayes factor that a p-value gives something else being at work, 0 if none.
-
-    −e p ln p is the least that it leaves of a hypothesis (Sellke, Bayarri and Berger, Am. Stat. 55 (2001) 62, eq. 2).
+    """Log of the largest Bayes factor with which a p-value speaks for something else being at work; 0 if p ≥ 1/e.
+    −e p ln p is the least probability that it leaves of a hypothesis (Sellke, Bayarri and Berger, Am. Stat. 55 (2001)
+    62, eq. 2).
     """
     # Below this a chance has no digits left.
     p = max(p_value, 1e-300)
@@ -281,8 +286,10 @@ def log_surprise(p_value: float) -> float:
 
 @dataclass(frozen=True)
 class Remainder:
-    """Misfit that an explanation leaves: chi² per observable, and the p-value of the worst of `blocks` blocks of
-    observables.
+    """Misfit that an explanation leaves.
+
+    misfit: χ² per degree of freedom. block_p_value: smallest p-value of the observables, each as one block. blocks:
+    their number.
     """
 
     misfit: float
@@ -291,12 +298,12 @@ class Remainder:
 
     @property
     def log_surprise(self) -> float:
-        """`log_surprise` of the worst block's p-value, corrected for being the smallest of `blocks`."""
+        """`log_surprise` of the smallest p-value, corrected for being the smallest of `blocks`."""
         return log_surprise(-expm1(self.blocks * log1p(-min(self.block_p_value, 0.5))))
 
 
 def remainder_of(problem: Problem, one: Fit) -> Remainder:
-    """Judge the whitened residuals of a fit, as a whole and by observable."""
+    """Misfit that a fit leaves, as a whole and by observable."""
     residual = problem.mean - problem.predicted(one.setup)
     whitened = problem.whitening @ residual
     misfit = float(whitened @ whitened) / max(whitened.size - one.coordinates.size, 1)
@@ -310,9 +317,8 @@ def remainder_of(problem: Problem, one: Fit) -> Remainder:
 
 
 def chance(squares: float, count: int, scale: float = SCALE) -> float:
-    """Probability that chi² with `count` degrees of freedom is at least `squares`, if the variance itself is uncertain.
-
-    The logarithm of the variance has the standard deviation `scale`: a posterior predictive p-value, the mean over it.
+    """Probability that χ² with `count` degrees of freedom is at least `squares`, if the variance itself is uncertain.
+    scale: standard deviation of the logarithm of the variance: a posterior predictive p-value, the mean over it.
     """
     scaled = squares * np.exp(-scale * _PLACES)
     return float(_WEIGHTS @ chdtrc(count, scaled) / _WEIGHTS.sum())

@@ -1,4 +1,7 @@
-"""Where the gap lies, whether that matters to anybody, and what it behaves like that no known effect explains."""
+"""Where the gap lies, whether it matters, and what it behaves like if no known effect explains it.
+
+A zone is a part of a loop or a channel (`Zone`). A place is one zone in one cycle.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -38,11 +41,12 @@ PRESENT = _ALIKE.number("present")
 
 @dataclass(frozen=True)
 class Place:
-    """One zone of one cycle (or of a channel): does it differ beyond chance, and by how much.
+    """Difference between measurement and model in one zone of one cycle.
 
-    `difference` is the mean of measurement less model in the zone's unit, in the direction of travel; `in_scatter` is
-    the root mean square in standard deviations of one test; `excess` what chi² has beyond its expectation; `relative`
-    the root mean square of what neither specimens, zeros nor noise account for, over the whole force, stroke or size.
+    difference: mean of measurement less model in the observable's unit, in the direction of travel. in_scatter: root
+    mean square in standard deviations of one test. excess: χ² above its expectation, at least 0. relative: root mean
+    square of what neither specimens, zeros nor noise account for, over the whole force, stroke or size. p_value: of χ².
+    flagged: True if the place stands out.
     """
 
     zone: str
@@ -58,7 +62,11 @@ class Place:
 
 @dataclass(frozen=True)
 class GapFinding:
-    """A zone of the loops or scars that differs from the prediction, with the first and last such cycle."""
+    """A zone that differs from the prediction.
+
+    cycles: first and last cycle in which it does. share: of the excess of χ² in all flagged places. size_in_scatter:
+    largest difference in standard deviations of one test. text: a sentence.
+    """
 
     observable: str
     zone: str
@@ -69,12 +77,14 @@ class GapFinding:
 
     @property
     def place(self) -> str:
-        """Quantity and place in words: "worn depth along the profile at the edges of the scar"."""
+        """Quantity and zone in words: "worn depth along the profile at the edges of the scar"."""
         return self.text.partition(": ")[0]
 
 
 def places(problem: Problem, covariance: Covariance, setup: SurrogateInputs) -> list[Place]:
-    """Differences between record and prediction under `setup`, by zone and cycle, flagged where significant."""
+    """Differences between record and prediction under `setup`, by zone and cycle; flagged if significant at a share
+    `FALSE_DISCOVERIES` of false ones.
+    """
     predicted = problem.predicted(setup)
     residual = problem.mean - predicted
     found = _places(problem, covariance, predicted, residual, _unaccounted(residual, covariance))
@@ -86,9 +96,9 @@ def places(problem: Problem, covariance: Covariance, setup: SurrogateInputs) -> 
 
 
 def changes(problem: Problem, covariance: Covariance, setup: SurrogateInputs) -> list[Place]:
-    """The change that an explanation makes in each zone and cycle, noise-free, and without scatter of specimens.
-
-    Flagged are places where it is at least half of its largest, in standard deviations of one test.
+    """Change that the explanation `setup` makes in each zone and cycle; flagged if it is at least half of the largest,
+    in standard deviations of one test.
+    The fields of a `Place` are of this change in place of a difference from the measurement.
     """
     nominal = problem.predicted(replace(problem.setup, **{name: getattr(setup, name) for name in problem.free}))
     change = problem.predicted(setup) - nominal
@@ -145,7 +155,7 @@ def _place(
 
 
 def findings(found: list[Place]) -> list[GapFinding]:
-    """Zones that differ, largest share of the excess first."""
+    """Zones with flagged places, largest share of the excess first; empty if no place is flagged."""
     total = sum(place.excess for place in found if place.flagged)
     merged = []
     for zone in dict.fromkeys(place.zone for place in found):
@@ -188,7 +198,9 @@ def _unit(observable: Observable) -> str:
 
 @dataclass(frozen=True)
 class Largest:
-    """The difference that is largest over its tolerance: observable, size relative to the quantity, and in words."""
+    """The difference that is largest over its tolerance: observable in words, difference relative to the whole
+    quantity, and a sentence.
+    """
 
     observable: str
     relative: float
@@ -197,7 +209,9 @@ class Largest:
 
 @dataclass(frozen=True)
 class Relevance:
-    """A difference: `detected` if beyond chance, `relevant` if also beyond its tolerance, and the largest one."""
+    """Judgement of the differences: `detected` if beyond chance, `relevant` if also beyond the tolerance; `largest` is
+    None if nothing was compared.
+    """
 
     detected: bool
     relevant: bool
@@ -205,7 +219,9 @@ class Relevance:
 
 
 def relevance_of(places: Sequence[Place], tolerance: Mapping[str, float], *, detected: bool) -> Relevance:
-    """Relevance of the differences at the flagged places, or at all if none is, by the tolerances' names."""
+    """Relevance of the differences at the flagged places, or at all if none is flagged. tolerance: relative differences
+    that count as equal, by the names of `[tolerance]`. detected: see `Relevance`; if it is False nothing is relevant.
+    """
     judged = [place for place in places if place.flagged] or places
     if not judged:
         return Relevance(detected, detected, None)
@@ -219,18 +235,17 @@ def relevance_of(places: Sequence[Place], tolerance: Mapping[str, float], *, det
 class Resemblance:
     """A family of distortions that would produce a gap like the observed one."""
 
-    seam: str
+    seam: str  #: Place in the chain from drive to sensors.
     family: str
     probability: float  #: Among all families, given that the cause lies outside the library.
-    cycles: tuple[int, int]  #: First and last logged ones at which it shows.
-    where: str  #: The place in the loop.
-    text: str  #: One sentence for a person, with its size.
+    cycles: tuple[int, int]  #: First and last logged cycle at which it shows.
+    where: str  #: Place in the loop, in words.
+    text: str  #: A sentence, with its size.
 
 
 def resemblances(problem: Problem, found: Sequence[Distortion], best_log_evidence: float) -> tuple[Resemblance, ...]:
-    """The families that stand out of all `found`, most probable first; none where none does.
-
-    best_log_evidence: of the best explanation without any.
+    """The families among `found` that may stand for the cause, most probable first; empty if the best beats the best
+    explanation alone by less than `NOTICEABLE`. best_log_evidence: of the best explanation without distortions.
     """
     best: dict[str, Distortion] = {}
     for one in found:
