@@ -1,4 +1,4 @@
-"""What a diagnosis says: the contract's JSON as a value."""
+"""The answer of a diagnosis as a value, and as JSON."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -30,16 +30,16 @@ Verdict = Literal["no_gap", "explained", "ambiguous", "unexplained"]
 
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter's value with its 95 % interval."""
+    """Value of a parameter with its 95 % interval, in the parameter's unit."""
 
     value: float
     interval95: tuple[float, float]
 
 
 def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispersion: float) -> dict[str, Estimate]:
-    """A fitted effect's parameters with intervals, their variances times `dispersion`, and as calibrated.
-
-    Held ones are as expected, and what follows them is as unknown.
+    """Parameters of a fitted effect by name, with 95 % intervals. coordinates, deviations: (p,) of the fit and their
+    standard deviations. dispersion: factor on the variances by the fit's misfit. Intervals are also widened by the
+    calibrated factor. Held parameters have their expected value and range.
     """
     found, stretch = {}, _STRETCH
     for i, (name, parameter) in enumerate(candidate.parameters.items()):
@@ -52,7 +52,9 @@ def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispe
 
 
 def forms(candidate: Candidate, coordinates: Array, deviations: Array, dispersion: float) -> dict[str, Estimate]:
-    """Fitted numbers, by name, by which an effect's law may differ from its source's, with 95 % intervals."""
+    """Numbers of a fitted effect's law by name, where laws of one cause differ, with 95 % intervals; arguments as in
+    `estimates`.
+    """
     return {
         name: _estimate(form, float(coordinates[i]), 1.96 * float(deviations[i]) * dispersion**0.5)
         for i, (name, form) in enumerate(candidate.forms.items(), len(candidate.parameters))
@@ -68,9 +70,10 @@ def _estimate(parameter: Parameter, coordinate: float, reach: float) -> Estimate
 
 @dataclass(frozen=True)
 class Cause:
-    """An effect with its probability and parameters; `joint` if it acts together with another one of the list.
+    """A possible cause: an effect, "none" or "outside_library", with its probability and parameters by name.
 
-    `chosen` are words such as the channel that lags; `form` holds what of its law other laws have otherwise.
+    joint: True if it acts together with another cause, the next or the one before in the list. chosen: words of the
+    effect, such as the channel that lags. form: numbers of its law, see `forms`.
     """
 
     effect: str
@@ -83,7 +86,9 @@ class Cause:
 
 @dataclass(frozen=True)
 class Confirmed:
-    """The shrink that the full simulation with the leading effects achieved."""
+    """Result of the full simulation with the leading effects: shrink of the gap, and the gap after it in standard
+    deviations of one test.
+    """
 
     shrink: float
     after: float
@@ -92,9 +97,9 @@ class Confirmed:
 
 @dataclass(frozen=True)
 class Partial:
-    """Effects that remove most of a misfit that they do not explain, and where the rest lies.
+    """Effects that remove most of a misfit without explaining it.
 
-    `misfit_removed` is the share of χ² that they take.
+    misfit_removed: share of χ² that they take. remains: zones where the rest lies.
     """
 
     causes: tuple[Cause, ...]
@@ -104,7 +109,9 @@ class Partial:
 
 @dataclass(frozen=True)
 class Remaining:
-    """Gap that an explanation leaves: its share of the whole gap, the place where it lies, and both in words."""
+    """Gap that an explanation leaves: its share of the whole gap, the place where it lies ("" if it stands out
+    nowhere), and a sentence.
+    """
 
     share: float
     where: str
@@ -113,11 +120,13 @@ class Remaining:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The answer: verdict, where, causes, what cannot be distinguished, and how far the gap shrinks.
+    """The answer of a diagnosis.
 
-    `physical` pairs measurement less model before and after; `notes` are sentences about what limits the answer;
-    `resembles` says what a gap of unknown cause behaves like, `checked` what `wirewear check` finds in the record;
-    `plausible` are the classes among which the cause is in nine records of ten; `updated_by` names further records.
+    physical: distances of loops and profiles from the record before and after adding the best effects, by name and
+    unit. confirmed: None if not asked for. where: zones that differ. equivalent: groups of effects that cannot be
+    distinguished. undetectable: effects that the record would not show. notes: sentences on what limits the answer.
+    resembles: what a gap of unknown cause behaves like. plausible: classes of effects among which the cause is in nine
+    records of ten. updated_by: names of further records. checked: remarks of `wirewear check`.
     """
 
     record: str
@@ -142,7 +151,7 @@ class Diagnosis:
     checked: tuple[Remark, ...] = field(default=())
 
     def to_json(self) -> dict[str, Any]:
-        """The contract's JSON, figures rounded to what they mean."""
+        """The answer as plain values for JSON, numbers rounded to four digits."""
         s = self.shrink
         return {
             "format": FORMAT,

@@ -34,7 +34,9 @@ _UP_TO_ONE = {"correlation", "probability", "share of the variance"}
 
 @dataclass(frozen=True)
 class Constant:
-    """One entry: a number or several, their unit, the source that set them, and the commit they first stood in."""
+    """One entry of the file: a number or several, their unit, the source that set them, and the commit that introduced
+    them.
+    """
 
     name: str
     value: float | tuple[float, ...]
@@ -50,7 +52,7 @@ class Constant:
 
 @dataclass(frozen=True)
 class Constants:
-    """The constants of one table, by name."""
+    """The constants of one table of the file, by name."""
 
     table: str
     known: Mapping[str, Constant]
@@ -91,13 +93,13 @@ class Constants:
 
 
 def constants(table: str) -> Constants:
-    """The constants of a table, without those of tables in it."""
+    """The constants of a table, such as "observe.channels", without those of the tables in it."""
     known = {name: _constant(f"{table}.{name}", item) for name, item in _at(table).items() if _is_one(item)}
     return Constants(table, known)
 
 
 def all_constants() -> Iterator[Constant]:
-    """Every constant of the file."""
+    """Every constant of the file, in its order."""
     yield from _walk("", {name: item for name, item in _tables().items() if name != "sources"})
 
 

@@ -1,4 +1,4 @@
-"""After a diagnosis: the full simulation with the leading effects in it, or one effect calibrated on some cycles."""
+"""After a diagnosis: the full simulation with the leading effects in it, or one effect fitted to some cycles alone."""
 
 from __future__ import annotations
 
@@ -44,12 +44,10 @@ NO_BODIES = "a joint states no bodies: there is no full simulation that could co
 
 
 def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) -> Diagnosed:
-    """The diagnosis with what the full simulation with the leading effects achieves; unchanged without any.
-
-    Loops are compared, of line contacts profiles, too. A note says so where the gap of wires shows in scars alone, or
-    where there are no bodies to be simulated.
-
-    Raises StudyError or SolverError if the simulation with the effects cannot be run.
+    """The diagnosis with the shrink that the full simulation with the leading effects achieves; unchanged if there are
+    none. Loops are compared, and profiles of line contacts. If the gap of wires shows in scars alone, or there are no
+    bodies to simulate, a note says so. observer_of: gives the observer of the run of a name. Raises StudyError or
+    SolverError if the simulation with the effects cannot be run.
     """
     best = diagnosed.search.best
     if diagnosed.diagnosis.verdict == "no_gap" or not best.candidates:
@@ -115,7 +113,10 @@ def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:
 def course_of_loops(
     read: Sequence[Loop], cycles: Array, profiles: Mapping[str, tuple[Array, Array]] | None = None
 ) -> PredictedLoops:
-    """Loops of a full simulation as the fast model gives them: two branches each, as sensors read them."""
+    """Loops of a full simulation in the form of the fast model: two branches for each of `cycles` (n,), from the
+    nearest logged loop.
+    profiles: positions and depths in µm by body; none by default. Slip, energy, volume and skew are NaN, scars 1.
+    """
     loops = {loop.cycle: loop for loop in read}
     x, q, p = (np.empty((cycles.size, 2, _POINTS)) for _ in range(3))
     for row, cycle in enumerate(cycles):
@@ -137,9 +138,8 @@ def course_of_loops(
 def calibrated(
     diagnosed: Diagnosed, effect: str, cycles: Sequence[int]
 ) -> tuple[Mapping[str, Estimate], SurrogateInputs]:
-    """Parameters of an effect fitted to the loops of these cycles alone, and the nominal model with the effect in it.
-
-    Raises RecordError if the effect was not considered, or the record has no loops of these cycles.
+    """Parameters by name of an effect fitted to the loops of these cycles alone, and the nominal inputs with that
+    effect. Raises RecordError if the effect was not considered, or the record has no loops of these cycles.
     """
     found = diagnosed.search
     alone = next((one for one in found.singles if one.names == (effect,)), None)

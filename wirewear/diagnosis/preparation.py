@@ -28,7 +28,11 @@ _NOT_STATED = (
 
 @dataclass(frozen=True, eq=False)
 class ReducedRecord:
-    """A record, remarks of its check and its observables; its study, with wear states of its nominal run."""
+    """A record reduced to its observables, beside its nominal model.
+
+    study, states, setup: the model, the wear states of its nominal run, and its inputs of the fast model. checked:
+    remarks of `wirewear check`.
+    """
 
     record: AnyRecord
     study: AnyStudy
@@ -40,21 +44,23 @@ class ReducedRecord:
 
 @dataclass(frozen=True, eq=False)
 class PreparedRecord:
-    """A record that can be diagnosed, and the study of its test, which is yet to be run."""
+    """A record that can be diagnosed, and the study of its test, which has not been run."""
 
-    record: AnyRecord  #: With what its loops and scars give of friction and wear where its owner states none.
+    record: AnyRecord  #: With friction and wear from its loops and scars where its owner states none.
     study: AnyStudy
-    is_stated: bool  #: Whether the study is what the record states; else it was given beside it.
-    unknown: Mapping[str, float] = field(default_factory=dict)  #: Relative deviations of what is not stated.
+    is_stated: bool  #: True if the study is made of the record's statements, False if it was given.
+    #: Relative standard deviations of unstated quantities, by name.
+    unknown: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def assumed(self) -> str:
-        """A sentence that says what is not stated; empty where nothing is missing."""
+        """A sentence on the quantities that are not stated; "" if all are."""
         return _NOT_STATED.format(" and ".join(self.unknown)) if self.unknown else ""
 
     def nominal(self, observer_of: ObserverOf | None = None) -> tuple[WearStates, SurrogateInputs, tuple[str, ...]]:
-        """The surrogate's wear states, by the one finite element run of the study, its inputs, and what limits both.
-        Raises StudyError or SolverError if the study cannot be run.
+        """Wear states of the study's nominal run, its inputs of the fast model, and sentences on what limits both.
+        observer_of: gives the observer of the run of a name. Raises StudyError or SolverError if the study cannot be
+        run.
         """
         tables, model = self.record.tables, nominal_model(self.study)
         states: Any
@@ -70,9 +76,9 @@ class PreparedRecord:
         return states, model.inputs(tables), limits
 
     def reduced(self, observer_of: ObserverOf | None = None, stage: Stage = nullcontext) -> ReducedRecord:
-        """Observables of the record beside its nominal model, under the drive that was measured.
-        Raises RecordError if nothing can be concluded from the record, or no loop slides as a whole; StudyError or
-        SolverError if the study cannot be run.
+        """Observables of the record, and its nominal model under the drive's measured motion. observer_of: gives the
+        observer of the run of a name. stage: entered for each step of the work. Raises RecordError if nothing can be
+        concluded from the record, or no loop can be read; StudyError or SolverError if the study cannot be run.
         """
         with stage("checking the record"):
             checked = remarks_of(self.record)
@@ -87,11 +93,10 @@ class PreparedRecord:
 def prepared(
     record: AnyRecord, model: AnyStudy | None = None, further: Sequence[AnyRecord] = ()
 ) -> tuple[PreparedRecord, ...]:
-    """A record with the study that it states, or with `model`, and after it further records of the same rig.
-
-    Of a programme each is of the block with the longest stroke, unless it is of one block already.
-    Raises RecordError if a record states too little; if the model is of another test or kind of contact; if a further
-    record is of another kind of contact, or holds the first one's own loops.
+    """A record with the study that it states, or with `model`, and after it further records of the same rig with their
+    own. Of a programme, each is of the block with the longest stroke, unless it is of one block already. Raises
+    RecordError if a record states too little; if the model is of another test or kind of contact; if a further record
+    is of another kind of contact, or holds the first one's own loops.
     """
     record, further = record.of_block(), [other.of_block() for other in further]
     first = _prepared(record, model)

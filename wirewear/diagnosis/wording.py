@@ -1,4 +1,4 @@
-"""What a diagnosis came to in words: the verdict in a sentence, and what a reader of it has to know beside it."""
+"""A diagnosis in words: the verdict in a sentence, the next steps, and notes on what limits the answer."""
 
 from __future__ import annotations
 
@@ -43,7 +43,9 @@ AS_MUCH = _KNOWN.number("as_much")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosed:
-    """A diagnosis with all that pictures of it need."""
+    """A diagnosis with all that pictures of it need: the record, its nominal study, wear states and inputs, its
+    observables, the search for causes and the probabilities.
+    """
 
     diagnosis: Diagnosis
     record: AnyRecord
@@ -67,14 +69,16 @@ class Diagnosed:
 
 
 def plain(name: str) -> str:
-    """An effect's name for people, and in brackets what is chosen of it."""
+    """An effect's name for readers, words that are chosen of it in brackets: "sensor lag (force)" of
+    "sensor_lag:force".
+    """
     effect, _, chosen = name.partition(":")
     words = {"none": "no gap", "outside_library": "something outside the library"}.get(effect, effect.replace("_", " "))
     return f"{words} ({chosen})" if chosen else words
 
 
 def in_words(cause: Cause) -> str:
-    """A cause for people: sensor lag (force)."""
+    """A cause for readers: "sensor lag (force)"."""
     chosen = ", ".join(cause.chosen.values())
     return f"{plain(cause.effect)} ({chosen})" if chosen else plain(cause.effect)
 
@@ -96,7 +100,10 @@ def _with_unit(name: str, estimate: Estimate) -> str:
 
 @dataclass(frozen=True)
 class Explanation:
-    """Causes that act alone or together, the likeliest of those not distinguished from them; their probability."""
+    """Causes that act alone or together, as one explanation with all that cannot be distinguished from it.
+
+    words: for readers. causes: the likeliest ones. is_effect: False for no gap and for a cause outside the library.
+    """
 
     words: str
     causes: tuple[Cause, ...]
@@ -105,7 +112,7 @@ class Explanation:
 
 
 def explanations(causes: Sequence[Cause], equivalent: Sequence[Sequence[str]]) -> list[Explanation]:
-    """Possible causes of a gap, likeliest first; effects that the record cannot distinguish form one explanation."""
+    """Possible causes of a gap, most probable first; effects of one group of `equivalent` count as one explanation."""
 
     def members(cause: Cause) -> tuple[str, ...]:
         return next((tuple(group) for group in equivalent if cause.effect in group), (in_words(cause),))
@@ -124,18 +131,18 @@ def explanations(causes: Sequence[Cause], equivalent: Sequence[Sequence[str]]) -
 
 
 def worth_telling(diagnosis: Diagnosis, least: float = 0.01) -> list[Explanation]:
-    """The likeliest explanation, and the others whose probability is `least` or more."""
+    """The most probable explanation, and the others with a probability of at least `least`."""
     found = explanations(diagnosis.causes, diagnosis.equivalent)
     return [one for one in found if one is found[0] or one.probability >= least]
 
 
 def share(value: float) -> str:
-    """A share or probability as rounded text."""
+    """A share or probability from 0 to 1 as text in per cent, "< 1 %" and "> 99 %" at the ends."""
     return "< 1 %" if value < 0.01 else "> 99 %" if value > 0.99 else f"{100.0 * value:.0f} %"
 
 
 def steps(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    """Next steps, each a heading and a sentence: what to measure, and what to check on the rig."""
+    """Next steps as pairs of a heading and a sentence: what to measure, and what to check on the rig."""
     leading = next((one for one in explanations(diagnosis.causes, diagnosis.equivalent) if one.is_effect), None)
     probabilities = {cause.effect: cause.probability for cause in diagnosis.causes}
     asked = next_measurement(diagnosis)
@@ -153,9 +160,9 @@ def steps(diagnosis: Diagnosis) -> list[tuple[str, str]]:
 
 
 def next_measurement(diagnosis: Diagnosis, least: float = 0.02) -> tuple[str, list[tuple[str, float, str]]] | None:
-    """The next measurement for people, and what it would show under each effect with its probability, likeliest first.
-
-    None where no two rivals have `least` probability each: effects that act together are none.
+    """The next measurement for readers, and for each effect that it distinguishes its name, probability and what it
+    would show, most probable first.
+    None if no two of these effects have at least the probability `least` each, apart from effects that act together.
     """
     asked, causes = diagnosis.next_measurement, diagnosis.causes
     known = {cause.effect: cause.probability for cause in causes}
@@ -191,8 +198,8 @@ def sentence_of(
     relevance: Relevance | None = None,
     behind: Sequence[Cause] = (),
 ) -> str:
-    """The answer of a diagnosis in one or two sentences; behind: causes of a difference that is within the
-    tolerance.
+    """The answer of a diagnosis in one or two sentences; arguments as the fields of `Diagnosis`.
+    behind: causes of a difference that lies within the tolerance.
     """
     if verdict == "no_gap":
         return _agreement(relevance, behind[0] if behind else None)
@@ -247,7 +254,9 @@ def _partly(partial: Partial, equivalent: Sequence[Sequence[str]]) -> str:
 
 
 def remaining(left: float, where: Sequence[GapFinding]) -> Remaining:
-    """Words for the share `left` of the gap that an explanation leaves, and for the places where it remains."""
+    """The gap that an explanation leaves, in words: `left` is its share of the whole gap, `where` the zones, largest
+    first.
+    """
     size = f"{share(left)} of the gap is not explained"
     if not where:
         return Remaining(left, "", f"{size}; it stands out nowhere by itself")
@@ -255,7 +264,7 @@ def remaining(left: float, where: Sequence[GapFinding]) -> Remaining:
 
 
 def of_remainder(remainder: Remaining | None) -> str:
-    """Sentence on the unexplained part of the gap, to follow the answer; empty for None."""
+    """Sentence on the gap that is left, to follow the answer; "" for None."""
     return f" These numbers hold, though {remainder.text}." if remainder else ""
 
 
@@ -269,7 +278,7 @@ def _one(cause: Cause, equivalent: Sequence[Sequence[str]]) -> str:
 
 
 def of_zero(zero: ForceZero) -> tuple[str, ...]:
-    """A sentence on the zero error of the force if it is larger than expected, else none."""
+    """A sentence on the zero error of the force channel if it is larger than expected; else empty."""
     if not zero.stands_out:
         return ()
     size = f"{zero.value_N:+.2g} N, {abs(zero.deviations):.0f} times what is expected".replace("-", "−")
@@ -278,7 +287,7 @@ def of_zero(zero: ForceZero) -> tuple[str, ...]:
 
 
 def of_scatter(contradicted: Sequence[str]) -> tuple[str, ...]:
-    """Sentences on stated scatters that the repeats contradict, named in `contradicted`."""
+    """A sentence for each of the named scatters, which are stated and contradicted by the repeats."""
     return tuple(
         f"the repeats scatter more in {plain(name)} than [scatter] states; both were pooled" for name in contradicted
     )
@@ -287,7 +296,9 @@ def of_scatter(contradicted: Sequence[str]) -> tuple[str, ...]:
 def of_the_record(
     record: AnyRecord, setup: SurrogateInputs, observed: Observations, shrink: Shrink, wrong: Fit | None
 ) -> tuple[str, ...]:
-    """Sentences on what the record lacks and what the answer therefore cannot say."""
+    """Sentences on what the record lacks, and on what the answer therefore cannot say.
+    wrong: fit of the best effect of another class; None if there is none.
+    """
     notes = list(observed.notes[:5])
     placebo = shrink.best_wrong_effect
     if wrong is not None and placebo is not None and placebo > AS_MUCH * shrink.shrink > 0.0:
@@ -324,7 +335,9 @@ def of_the_record(
 
 
 def of_pairs(record: AnyRecord) -> tuple[str, ...]:
-    """Sentences on the limits of finding two effects at once, for contacts where the blind check seldom named both."""
+    """A sentence on the limits of finding two effects at once on balls and oblique wires, where tests seldom named
+    both; else empty.
+    """
     if not record.tables.crosses_askew:
         return ()
     said = (
@@ -334,7 +347,7 @@ def of_pairs(record: AnyRecord) -> tuple[str, ...]:
 
 
 def of_laws(causes: Sequence[Cause]) -> tuple[str, ...]:
-    """A note for each cause whose fitted law differs from the one in its literature source."""
+    """A sentence for each cause whose fitted law differs from that of its literature source."""
     notes = []
     for cause in causes:
         for name, estimate in cause.form.items():

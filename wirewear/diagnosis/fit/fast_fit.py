@@ -1,7 +1,8 @@
 """Figures of a record's loops for each test and cycle, and friction and rig compliance fitted to them by the fast
 model.
 
-The last axis FITTED of arrays runs over the fitted figures in the order of that table.
+An axis called FITTED runs over the fitted figures, in the order of that table. A shelf is a stretch of a loop at zero
+force, by free play.
 """
 
 from dataclasses import dataclass, replace
@@ -40,12 +41,12 @@ EVIDENCE, LEAST_CHANGE = 6.0, 0.03
 
 @dataclass(frozen=True, eq=False)
 class LoopsOfTests:
-    """Figures (repeats, cycles, FITTED) of the loops, NaN where missing, and standard deviations (cycles, FITTED) of
-    one test.
+    """Figures of a record's loops.
 
-    `plays` (repeats, cycles, 2) holds free plays in µm and their standard deviations, NaN where none was found. If most
-    loops show free play, figures that it changes are taken from these loops only, and else from the others only.
-    `samples` is the median number of samples in a loop.
+    figures: (repeats, cycles, FITTED), NaN where missing. deviations: (cycles, FITTED) standard deviations of one test.
+    plays: (repeats, cycles, 2) free plays in µm and their standard deviations, NaN where none was found. samples:
+    median number in a loop. If most loops show free play, figures that it changes are taken from these loops only, and
+    else from the others only.
     """
 
     repeats: tuple[int, ...]
@@ -62,18 +63,16 @@ class LoopsOfTests:
 
     @property
     def mean(self) -> Array:
-        """Means over all repeats (cycles, FITTED), NaN where none has the figure."""
+        """Means over all repeats (cycles, FITTED); NaN where none has the figure."""
         known = np.isfinite(self.figures)
         total = np.where(known, self.figures, 0.0).sum(axis=0)
         return np.where(known.any(axis=0), total / np.maximum(known.sum(axis=0), 1), np.nan)
 
 
 def loops_of_tests(record: AnyRecord, *, sliding: bool = True) -> LoopsOfTests:
-    """Figures of at most MOST_CYCLES cycles, spread evenly over their logarithm.
-
-    sliding: use only loops that slide as a whole; else also those in partial slip.
-    Raises RecordError if `sliding` is True and no loop shows friction: none can be analysed, slides as a whole, or is
-    sampled densely enough.
+    """Figures of the loops at up to MOST_CYCLES cycles, spread evenly over their logarithm.
+    sliding: True to use only loops that slide as a whole, False for those in partial slip, too. Raises RecordError if
+    it is True and no loop shows friction: none can be analysed, slides as a whole, or is sampled densely enough.
     """
     cycles = _chosen(record.cycles)
     repeats = tuple(sorted({loop.repeat for loop in record.loops}))
@@ -186,10 +185,11 @@ def _of_one_test(figures: Array, deviations: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class FastFit:
-    """Fitted friction and compliance of the holder, with the covariance of their coordinates.
+    """Fitted friction and compliance of the holder.
 
-    `coordinates` are (ln µ, compliance), or (ln µ_i, ln µ_f, ln n_c, compliance) if friction runs in, between `low` and
-    `high`. `repeats` (n, k) are those of each test alone, by one Gauss–Newton step from the common ones.
+    coordinates: (k,) ln µ and compliance in µm/N, or ln µ_initial, ln µ_final, ln n_c (cycles of running-in) and
+    compliance if friction runs in; low, high: their bounds; covariance: (k, k). repeats: (n, k) coordinates of each
+    test alone, by one Gauss–Newton step from the common ones. misfit: χ² of `points` numbers.
     """
 
     coordinates: Array
@@ -221,7 +221,9 @@ def _friction(coordinates: Array) -> Course:
 
 
 def fast_fit(states: WearStates, setup: SurrogateInputs, tests: LoopsOfTests) -> FastFit:
-    """Fit constant friction and the rig, or friction that runs in if the loops show it."""
+    """Friction and rig compliance fitted to the loops of all cycles; friction runs in if that improves the fit
+    enough.
+    """
     start = np.array([np.log(setup.friction), setup.compliance_um_per_N])
     constant = _fitted(states, setup, tests, start)
     if tests.cycles.size < 4 or tests.cycles[-1] < 30.0 * tests.cycles[0]:
@@ -277,10 +279,8 @@ def _fitted(states: WearStates, setup: SurrogateInputs, tests: LoopsOfTests, sta
 def figures_of_model(
     states: WearStates, setup: SurrogateInputs, coordinates: Array, cycles: Array, samples: int = 128
 ) -> Array:
-    """Figures (n, FITTED) of the fast model's loops at n cycles, with this number of samples, analysed as measured
-    loops are.
-
-    coordinates: logarithm of friction and compliance, or of friction that runs in, as in `FastFit`.
+    """Figures (n, FITTED) of the fast model's loops at n cycles, analysed as measured loops are; NaN where a loop
+    cannot be. coordinates: see `FastFit`. samples: in a loop.
     """
     course = _friction(coordinates)
     asked = replace(setup, friction=course.final, compliance_um_per_N=float(coordinates[-1]))

@@ -40,7 +40,11 @@ _STIFFNESS = list(FITTED).index("measured_stiffness_N_per_um")
 
 @dataclass(frozen=True, eq=False)
 class CheckedRun:
-    """Figures (cycles, FITTED) of the record and of the run, and standard deviations of one test; NaN where missing."""
+    """A run of the fitted study beside its record.
+
+    result: the run. cycles: (c,). measured, simulated: (c, FITTED) figures of the record and of the run; NaN where
+    missing. deviations: (c, FITTED) standard deviations of one test.
+    """
 
     result: RunResult
     cycles: Array
@@ -50,7 +54,7 @@ class CheckedRun:
 
     @property
     def differences(self) -> dict[str, float]:
-        """Mean relative difference, run less record, of each figure that both have."""
+        """Mean relative difference over the cycles, run less record, by name of each figure that both have."""
         found = {}
         for place, name in enumerate(FITTED):
             share = self.simulated[:, place] / self.measured[:, place] - 1.0
@@ -69,9 +73,9 @@ class CheckedRun:
 
 
 def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: ObserverOf | None = None) -> CheckedRun:
-    """Run the fitted study and compare its loops with those of the record.
-
-    Raises StudyError, SolverError or RunError if the run cannot be made or written.
+    """Run the fitted study in `output` with this fidelity, and compare its loops with those of the record.
+    observer_of: gives the observer of the run of a name. Raises StudyError, SolverError or RunError if the run cannot
+    be made or written.
     """
     tests = loops_of_tests(fitted.record, sliding=False)
     quiet = observer_of or (lambda _: nullcontext(Observer()))
@@ -97,14 +101,13 @@ def fit_record(
     observer_of: ObserverOf | None = None,
     stage: Stage = nullcontext,
 ) -> FittedTest:
-    """Fit the parameters of a test to its record.
-
-    First estimates come from the loops themselves; the fast model, on the wear states of one finite element run with
-    these, then fits friction and rig to the loops of all cycles. Wear coefficients are worn volumes over the friction
-    energy of the whole test, or are given in place of scars. If no loop slides as a whole, friction and rig are bounded
-    by energy, stiffness and shape of single loops.
-    Raises RecordError if the record is unsound, none of its loops bounds friction above, or a worn volume is given and
-    neither loops nor evolution show the energy; StudyError or SolverError if a nominal run of the fast model fails.
+    """Fit the parameters of a test to its record. given: wear that is known otherwise than from scars. observer_of:
+    gives the observer of the run of a name. stage: entered for each step of the work. First estimates come from the
+    loops themselves; the fast model, on the wear states of one finite element run with these, then fits friction and
+    rig to the loops of all cycles. Wear coefficients are worn volumes over the friction energy of the whole test. If no
+    loop slides as a whole, friction and rig are bounded by energy, stiffness and shape of single loops. Raises
+    RecordError if the record is unsound, none of its loops bounds friction above, or a worn volume is given and neither
+    loops nor evolution show the energy; StudyError or SolverError if a nominal run of the fast model fails.
     """
     record = record.of_block()
     rigid, tables = kind_of(record).rigid_N_per_mm, record.tables
@@ -168,9 +171,8 @@ def _of_sticking(record: AnyRecord, sticking: StickingFit, given: wear.GivenWear
 
 
 def tables_of_record(record: AnyRecord) -> dict[str, Any]:
-    """Tables of a study of the record's test, with the friction of its loops if none is stated.
-
-    Raises RecordError if friction is neither stated nor shown by the loops.
+    """Tables of a study of the record's test, with the friction of its loops if none is stated, logging the record's
+    cycles. Raises RecordError if friction is neither stated nor shown by the loops.
     """
     friction = stated_friction(record.tables)
     friction = _friction_of_loops(record) if friction is None else friction
@@ -190,12 +192,10 @@ def _friction_of_loops(record: AnyRecord) -> float:
 
 
 def completed(record: AnyRecord) -> tuple[AnyRecord, dict[str, float]]:
-    """Copy of the record with unstated friction and wear filled in from its loops and scars, and how uncertain they
-    are.
-
-    The second part holds relative standard deviations of what was filled in, by the fast model's names. If nothing
-    shows the wear, bodies are taken to wear like steel on steel.
-    Raises RecordError if friction is neither stated nor shown by the loops.
+    """Copy of the record with unstated friction and wear filled in from its loops and scars, and the relative standard
+    deviations of these by the fast model's names; the record itself and {} if all is stated.
+    If nothing shows the wear, bodies are taken to wear like steel on steel. Raises RecordError if friction is neither
+    stated nor shown by the loops.
     """
     tables, stated, unknown = record.tables, dict[str, float](), dict[str, float]()
     if stated_friction(tables) is None:
@@ -211,7 +211,7 @@ def completed(record: AnyRecord) -> tuple[AnyRecord, dict[str, float]]:
 
 
 def fitted_study(record: AnyRecord, parameters: dict[str, FittedParameter], cycles: tuple[int, ...]) -> AnyStudy:
-    """Study of the record's test with fitted parameters, and stated values for all others; it logs the loops of
+    """Study of the record's test with fitted parameters, and stated values for all others; it logs loops at
     `cycles`.
     """
     kind = kind_of(record)
@@ -227,7 +227,9 @@ def fitted_study(record: AnyRecord, parameters: dict[str, FittedParameter], cycl
 
 
 def stated_by(parameters: dict[str, FittedParameter], rigid_N_per_mm: float) -> dict[str, object]:
-    """Keys of the table `[stated]` that fitted parameters give, rounded to four digits; a stiff rig becomes "rigid"."""
+    """Values by key of `[stated]` from fitted parameters, rounded to four digits; a rig at least as stiff as
+    `rigid_N_per_mm` becomes "rigid".
+    """
     parameters = {name: replace(found, value=float(f"{found.value:.4g}")) for name, found in parameters.items()}
     stated: dict[str, object] = {}
     if "friction_initial" in parameters:

@@ -19,17 +19,16 @@ CONTACT = 0.1  #: Relative standard deviation of an unworn contact's compliance 
 
 @dataclass(frozen=True)
 class StickingFit:
-    """Fitted parameters of friction and rig by name, and a sentence on what they are based on."""
+    """Fitted friction and rig stiffness by name, and a sentence on what they are based on."""
 
     parameters: dict[str, FittedParameter]
     note: str
 
 
 def fitted_sticking(record: AnyRecord, rigid_N_per_mm: float) -> StickingFit | None:
-    """Friction and rig from loops without a plateau; None if a loop has a plateau, or none can be analysed.
-
-    The compliance of the unworn contact, if it has a closed form, is taken as known in the first logged cycle.
-    Raises RecordError if no loop bounds friction above.
+    """Friction and rig of a test none of whose loops slides as a whole; None if one does, or none can be analysed.
+    rigid_N_per_mm: stiffness from which a rig counts as rigid. The compliance of the unworn contact, if it has a closed
+    form, is taken as known in the first logged cycle. Raises RecordError if no loop bounds friction above.
     """
     loops = _loops(record)
     if not loops:
@@ -61,7 +60,9 @@ def fitted_sticking(record: AnyRecord, rigid_N_per_mm: float) -> StickingFit | N
 
 
 def left_out(record: AnyRecord) -> list[str]:
-    """Note on the loops of a mixed test that a fit to sliding loops leaves out; empty for other tests."""
+    """A sentence on the loops in partial slip of a mixed test, which a fit to sliding loops leaves out; empty for other
+    tests.
+    """
     known = [figures for loop in record.loops if (figures := _figures(loop, record)) is not None]
     if regime_of(known) != "mixed":
         return []

@@ -98,7 +98,9 @@ def _surface_motion(body: PlacedBody, force: Array) -> float:
 
 @dataclass(frozen=True)
 class LoadPolynomial:
-    """remote − near = linear · Q + quadratic · Q², with Q the tangential force; coefficients with 95 % intervals."""
+    """The polynomial remote − near = linear · Q + quadratic · Q² in µm, with Q the tangential force in N; coefficients
+    with 95 % intervals.
+    """
 
     linear_um_per_N: Measured
     quadratic_um_per_N2: Measured
@@ -108,15 +110,14 @@ class LoadPolynomial:
 
     @property
     def sensor(self) -> Sensor:
-        """The sensor that reads the remote point when the near point is the true displacement."""
+        """The sensor that reads the remote point, with the near point's displacement as the true one."""
         return Sensor(linear_um_per_N=self.linear_um_per_N.value, quadratic_um_per_N2=self.quadratic_um_per_N2.value)
 
 
 def fitted_polynomial(motions: Sequence[LoadedMotion]) -> LoadPolynomial:
-    """Fit the polynomial to motions under all normal loads by least squares (Infante-García et al. 2020, section 2.1).
-
-    The effect of the normal load on the compliance is part of the residual, and so of the intervals (Student's t).
-    Raises SensorError for fewer than four tangential forces.
+    """The polynomial fitted to motions under all normal loads by least squares (Infante-García et al. 2020, section
+    2.1). The effect of the normal load on the compliance is part of the residual, and so of the intervals (Student's
+    t). Raises SensorError for fewer than four tangential forces.
     """
     force, remote, near = (
         np.concatenate([getattr(motion, name) for motion in motions])
@@ -144,7 +145,7 @@ def fitted_polynomial(motions: Sequence[LoadedMotion]) -> LoadPolynomial:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Motions under each normal load, and the polynomial fitted to all of them."""
+    """Result of a calibration: motions under each normal load, and the polynomial fitted to all of them."""
 
     near: NearPoint
     remote_compliance_um_per_N: float
@@ -190,7 +191,7 @@ def calibrate(
 
 
 def parse_loads(text: str) -> tuple[float, ...]:
-    """Numbers in a text such as ``"1, 2, 3"``. Raises StudyError if a part is not a number."""
+    """Numbers in a text such as "1, 2, 3"; none for "". Raises StudyError if a part is not a number."""
     try:
         return tuple(float(part) for part in text.split(",") if part.strip())
     except ValueError:
@@ -198,7 +199,7 @@ def parse_loads(text: str) -> tuple[float, ...]:
 
 
 def parse_near(text: str) -> NearPoint:
-    """Near point of this name. Raises StudyError if there is none."""
+    """The near point with this name. Raises StudyError if there is none."""
     for point in NEAR_POINTS:
         if text == point:
             return point
@@ -206,7 +207,9 @@ def parse_near(text: str) -> NearPoint:
 
 
 def slope(motion: LoadedMotion) -> float:
-    """Least-squares slope of remote less near displacement over tangential force, in µm/N, under one normal load."""
+    """Least-squares slope through zero of remote less near displacement over tangential force, in µm/N, under one
+    normal load.
+    """
     force, difference = motion.tangential_force_N, motion.remote_um - motion.near_um
     return float(force @ difference / (force @ force))
 
@@ -225,9 +228,8 @@ class Correction:
 
 
 def corrected_record(record: ExperimentRecord, polynomial: LoadPolynomial) -> Correction:
-    """Subtract linear · Q + quadratic · Q² from every displacement of a record.
-
-    Amplitudes of the evolution and the asked amplitude are lowered by linear · Q at the tips, where the quadratic part
+    """A record corrected to the near point: linear · Q + quadratic · Q² is subtracted from every displacement.
+    Amplitudes of the evolution and the asked amplitude are lowered by linear · Q at the tips, as the quadratic part
     moves both tips alike. Slip amplitudes, energies and scars stay (Q = 0, and ∮Q df(Q) = 0), as do missing samples.
     Raises RecordError if the correction is no smaller than the motion itself.
     """

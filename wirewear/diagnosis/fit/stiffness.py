@@ -33,11 +33,10 @@ FULL_SLIP = 1.5  #: Displacement to full slip is this multiple of force over ini
 def with_spring(
     states: WearStates, setup: SurrogateInputs, record: AnyRecord, tests: LoopsOfTests
 ) -> tuple[WearStates, dict[str, FittedParameter]]:
-    """Wear states whose load falls as the record's does, and the spring's stiffness by name; states and {} if
-    undecided.
-
+    """Wear states whose load falls as the record's does, and the stiffness of the spring that presses the bodies, by
+    name; the states as they were and {} if no spring is seen.
     The bodies approach by the sum of both largest depths. As a load may also drift with the cycles, the spring must fit
-    better than that by EVIDENCE, with an interval above zero.
+    better than that by `EVIDENCE`, with an interval above zero.
     """
     ends = [simulate(states, replace(setup, cycles=cycle), np.array([cycle])) for cycle in tests.cycles]
     profiles = [sum(float(depth.max()) for _, depth in one.profiles.values()) for one in ends]
@@ -54,8 +53,8 @@ def with_spring(
 
 
 def spring_of_loads(loads_N: Array, descent_um: Array, cycles: Array) -> FittedParameter | None:
-    """Stiffness at which loads (repeats, cycles) in N, NaN where not measured, fall with the descent in µm; None if
-    undecided.
+    """Stiffness at which loads (repeats, cycles) in N, NaN where not measured, fall with the bodies' descent (cycles,)
+    in µm; None if a drift over `cycles` fits as well, or the interval includes zero.
     """
     slope, left, deviation, free = _common_slope(loads_N, descent_um)
     beside = _common_slope(loads_N, cycles)[1]
@@ -89,7 +88,7 @@ def _common_slope(values: Array, at: Array) -> tuple[float, float, float, int]:
 
 @dataclass(frozen=True)
 class ContactStiffness:
-    """Stiffness of an unworn contact and its bodies in N/µm; `slips` is True if it has Mindlin's micro-slip."""
+    """Stiffness of an unworn contact and its bodies; `slips` is True if it has Mindlin's micro-slip."""
 
     N_per_um: float
     slips: bool
@@ -102,7 +101,9 @@ class ContactStiffness:
 
 
 def contact_stiffness(record: AnyRecord, friction: float, some_wear: Mapping[str, float]) -> ContactStiffness:
-    """Stiffness of the unworn contact by closed form, or else from a simulated loop on a rigid rig with this wear."""
+    """Stiffness of the unworn contact by closed form or else from a simulated loop on a rigid rig.
+    friction, some_wear: coefficient and wear coefficients by key for that simulation.
+    """
     tables = record.tables
     if tables.contact_stiffness_N_per_um is not None:
         return ContactStiffness(tables.contact_stiffness_N_per_um, tables.contact_slips)
@@ -122,7 +123,7 @@ def contact_stiffness(record: AnyRecord, friction: float, some_wear: Mapping[str
 def fitted_tables(
     record: AnyRecord, fitted: Mapping[str, object], effects: list[dict[str, object]], cycles: list[int]
 ) -> dict[str, object]:
-    """Tables of the record's study with fitted keys replacing those of `[stated]`, further effects, and logged
+    """Tables of the record's study with fitted keys in place of stated ones, further effects, and these logged
     cycles.
     """
     stated = record.tables.stated.with_fitted(fitted)
@@ -133,7 +134,9 @@ def fitted_tables(
 
 
 def loop_stiffness(contact_N_per_um: float, rig_um_per_N: float) -> float:
-    """K_t,m in N/µm of a contact and a rig in series, as loops define it: slope of a line over half the micro-slip."""
+    """K_t,m in N/µm of a contact and a rig in series, as loops define it: slope of a line over the first half of the
+    travel of micro-slip.
+    """
     contact = FULL_SLIP / contact_N_per_um
     travel = np.linspace(0.0, 0.5, 101)
     slope = np.polyfit(travel, remaining_force(travel, contact / (contact + rig_um_per_N)), 1)[0]
@@ -142,7 +145,7 @@ def loop_stiffness(contact_N_per_um: float, rig_um_per_N: float) -> float:
 
 def rig_compliance(measured_N_per_um: float, contact_N_per_um: float) -> float:
     """Compliance of the rig in µm/N, from measured and contact stiffness in N/µm, by Mindlin's micro-slip behind a
-    spring.
+    spring; 0 if the contact alone is as soft.
     """
     if loop_stiffness(contact_N_per_um, 0.0) <= measured_N_per_um:
         return 0.0

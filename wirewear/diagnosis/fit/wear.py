@@ -25,14 +25,18 @@ Worn = tuple[dict[str, FittedParameter], list[str]]  #: Fitted wear: parameters,
 
 @dataclass(frozen=True)
 class GivenWear:
-    """Wear known without a measured scar: its coefficient, or the volume that both bodies lost in a test."""
+    """Wear known without measured scars: the coefficient of both bodies together, or the volume that both lost in a
+    test.
+    """
 
     coefficient_mm3_per_J: float | None = None
     volume_mm3: float | None = None
 
 
 def fitted_wear(record: AnyRecord) -> tuple[dict[str, FittedParameter], dict[str, FittedParameter], list[str]]:
-    """Wear parameters by name, energies and worn volumes by name, and notes on what is missing."""
+    """Three results: fitted wear parameters by name; energies in J and worn volumes in mm³ by name; sentences on what
+    is missing.
+    """
     energies = {repeat: accumulated_energy_J(record, repeat) for repeat in record.repeats}
     known = {repeat: energy for repeat, energy in energies.items() if energy}
     volumes = record.worn_volumes_mm3
@@ -77,7 +81,9 @@ def _worn(tables: AnyTables, volumes: Mapping[str, Mapping[int, float]], energie
 
 
 def parted(tables: AnyTables, total: FittedParameter) -> Worn:
-    """Parameters of each body, and a note, from the wear coefficient of both together, in the stated proportion."""
+    """Wear parameters of each body by key, from the coefficient of both together in the stated proportion, and a
+    sentence on it.
+    """
     shares = {key: sum(tables.shares[body] for body in bodies) for key, bodies in tables.wear.items()}
     low, high = total.interval95
     parts = {
@@ -91,13 +97,13 @@ def parted(tables: AnyTables, total: FittedParameter) -> Worn:
 
 
 def total_of(tables: AnyTables, parameters: Mapping[str, FittedParameter]) -> float | None:
-    """Wear coefficient of both bodies together, from fitted parameters; None if none was fitted."""
+    """Wear coefficient of both bodies together in the parameters' unit, from those fitted; None if none was fitted."""
     known = [parameters[key].value for key in tables.wear if key in parameters]
     return sum(known) if known else None
 
 
 def stated_wear(tables: AnyTables) -> str | None:
-    """Wear that the record states, as a sentence part; None if it states none."""
+    """Wear that the record states, as a part of a sentence; None if it states none."""
     words = []
     for key in type(tables.stated).WEAR:
         law, found, unit = key.partition("_wear_coefficient_")
@@ -108,7 +114,7 @@ def stated_wear(tables: AnyTables) -> str | None:
 
 
 def where_volumes(tables: AnyTables) -> str:
-    """Advice on how worn volumes get into the record, as a sentence part."""
+    """Advice on how worn volumes get into the record, as a part of a sentence."""
     names = f"{tables.worn.name}s"
     return f"measure both {names} ({' and '.join(f'[{names}.{body}]' for body in tables.body_names)} of the mapping)"
 
@@ -116,9 +122,9 @@ def where_volumes(tables: AnyTables) -> str:
 def wear_given(
     given: GivenWear, tables: AnyTables, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
 ) -> Worn:
-    """Wear parameters as the user gives them, and notes; scars then only determine the bodies' shares.
-
-    Raises RecordError if a volume is given, but the energy that wore it is unknown.
+    """Wear parameters by name as the user gives them, and sentences on their source.
+    worn, found: the first two results of `fitted_wear`; scars then only determine the bodies' shares. Raises
+    RecordError if a volume is given, but the energy that wore it is unknown.
     """
     energy = found.get("accumulated_energy_J")
     if given.coefficient_mm3_per_J is not None:

@@ -1,9 +1,9 @@
-"""Observables along a loop's branches, by two readings of one curve.
+"""Observables along a loop's branches: displacements at equal force where they stick, forces at equal displacement
+where they slide.
 
-While the contact sticks after a reversal (stick branch), displacements are read at equal force; while it slides, forces
-at equal displacement. The knee is where sliding begins; just past it, the excess over the force farther on is read,
-which shows adhesion after a reversal and not the scar's slope. A shelf is a stretch at zero force, by free play; a wall
-is the slope of a scar towards the end of the stroke.
+A branch sticks after its reversal up to the knee, where sliding begins. Just past the knee, the excess over the force
+farther on is read, which shows adhesion after a reversal and not the scar's slope. A shelf is a stretch of a branch at
+zero force, by free play; a wall is the slope of a scar towards the end of the stroke.
 """
 
 from dataclasses import replace
@@ -88,13 +88,15 @@ class Stick(observable.ByLocalLines):
         return displacement_at(branch, site.level, FORCE_WINDOW * loop.mid_force_N, loop)
 
     def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        """Values linear between the model's points; a force beyond a loop's tips gives the end of the branch."""
+        """Displacements (n,) in µm, linear between the model's points; a force beyond a loop's tips gives the end of
+        the branch.
+        """
         x, q, row = observable.branches_of(course, sites)
         return sites.branch * read_along(np.maximum.accumulate(q, axis=1), x, row, sites.level)
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """Solver differences in µm: shift of the branch by another force at reversal, and of readings on a shelf by an
-        error of the force's zero.
+        """Solver differences in µm: shift of the branch by another force at its reversal, and of readings on a shelf by
+        an error of the force's zero.
         """
         turned = observable.SLOPE_SHARE * loops.rise_N(sites) * loops.stick_compliance_um_per_N(sites)
         unsure_N = observable.FORCE_ERROR * loops.scale.force_N
@@ -115,7 +117,9 @@ class Stick(observable.ByLocalLines):
 
 
 def has_few_samples(branches: list[ObservedBranch], force_N: float) -> bool:
-    """True if a repeat's stick branch has at most `FEW_SAMPLES` samples, at which branches are then read."""
+    """True if a repeat's stick branch has at most `FEW_SAMPLES` samples, so that branches are read at these.
+    branches: the same branch of each repeat. force_N: force at mid-stroke.
+    """
     return min(q.size for q in _samples(branches, force_N)) <= FEW_SAMPLES
 
 
@@ -139,14 +143,14 @@ def _levels(branches: list[ObservedBranch], force_N: float) -> list[float]:
 
 
 class ShelfTravel(observable.OfLoops):
-    """Travel in µm of a branch across its shelf, while |force| stays below a site's `level` in N, as with free play."""
+    """Travel in µm of a branch along its shelf, while |force| stays below a site's `level` in N, as with free play."""
 
     name = "shelf"
     words, unit = "travel without force", "um"
     zones = (observable.Zone("shelf", "shelf, where the force is zero", "after a reversal"),)
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """A site for each branch whose stick part has few samples, see `has_few_samples`, in a repeat."""
+        """A site for each branch that has few samples while it sticks (`has_few_samples`) in some repeat."""
         level = max(SHARE * reading.force_N, OUTLYING * reading.sample_noise_N)
         return [
             observable.Site(cycle, sign, level)
@@ -156,7 +160,9 @@ class ShelfTravel(observable.OfLoops):
         ]
 
     def read(self, loop: ReducedLoop, site: observable.Site) -> tuple[float, float]:
-        """Travel in µm and its noise, which includes half of the variance by the distance between samples."""
+        """Travel in µm and its noise, which includes half the variance by the distance between samples; `common_error`
+        has the other half.
+        """
         travel, unsure = travel_between(loop.branches[int(site.branch < 0)], site.level)
         return travel, float(np.hypot(np.sqrt(0.5) * unsure, loop.displacement_noise_um))
 
@@ -164,9 +170,8 @@ class ShelfTravel(observable.OfLoops):
         return observable.travel_um(course, sites, -sites.level, sites.level)
 
     def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
-        """Standard deviation (n,) in µm of the error that all repeats share, one value for all sites.
-
-        Half of the variance by the samples' spacing: a repeatable drive samples every branch at the same displacements.
+        """Standard deviation (n,) in µm of the error that all repeats share, equal for all sites. It is half the
+        variance by the samples' spacing: a repeatable drive samples every branch at the same displacements.
         """
         unsure = [
             travel_between(loop.branches[int(site.branch < 0)], site.level)[1]
@@ -205,9 +210,8 @@ def travel_between(branch: ObservedBranch, level_N: float) -> tuple[float, float
 
 
 def displacement_at(branch: ObservedBranch, level_N: float, window_N: float, loop: ReducedLoop) -> LocalLine | None:
-    """Displacement at which the stick branch reaches a force, with its error; None if it does not reach it.
-
-    window_N: forces within this distance are used.
+    """Displacement in µm at which the stick branch reaches a force; None if it does not reach it.
+    window_N: samples within this distance of the force are used. loop: gives the noise.
     """
     x, q = branch.displacement_um, branch.force_N
     end = min(branch.knee + 2, x.size - 1)
@@ -258,7 +262,7 @@ class PlateauForce(observable.ByLocalLines):
     simulated = True
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """Evenly spread displacements past the knee of every repeat; of loops that stick those at the stroke's ends."""
+        """Displacements, evenly spread, past the knee of every repeat; the stroke's ends for loops in partial slip."""
         amplitude = reading.amplitude_um
         sites = []
         for cycle in reading.cycles:
@@ -282,7 +286,7 @@ class PlateauForce(observable.ByLocalLines):
         return sites.branch * read_along(still_to_come(x), q, row, self.along(sites))
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """Solver differences: a share of the force that slopes add, as the worn surface has ripples."""
+        """Solver differences: the share `SLOPE_SHARE` of the force that slopes add, as worn surfaces have ripples."""
         return observable.SolverSize(observable.SLOPE_SHARE * loops.rise_N(sites))
 
     def zone(self, sites: observable.Sites, amplitude_um: float) -> NDArray[np.str_]:
@@ -300,7 +304,7 @@ class PlateauForce(observable.ByLocalLines):
 
 
 class KneePeak(observable.OfLoops):
-    """Force just past the knee less that beyond it, one for each branch, positive along +x."""
+    """Force just past the knee less the force farther on, one number for each branch, positive along +x."""
 
     name = "knee"
     words, unit = "force just past the knee over that beyond", "N"
@@ -320,8 +324,8 @@ class KneePeak(observable.OfLoops):
         return np.asarray(sites.branch * peaks[observable.rows_of(course, sites), (sites.branch < 0).astype(int)])
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """Solver differences at the beginning of a wall, which depend on element size, but hardly on the
-        wall's height.
+        """Solver differences in N at the beginning of a wall, which depend on element size, but hardly on the wall's
+        height.
         """
         rise = loops.rise_N(sites)
         high = rise / (1.0 + rise / (WALL_HEIGHT * loops.scale.force_N))
@@ -334,10 +338,9 @@ class KneePeak(observable.OfLoops):
 
 
 def peak_N(past_um: Array, force_N: Array, amplitude_um: float, correlation: float = 0.0) -> tuple[float, float]:
-    """Mean force of a branch (m,) in the window PEAK less that in BEYOND, and the factor from sample noise to its
-    error.
-
-    past_um: displacement from the knee. Both are NaN if a window holds too few samples.
+    """Mean force in N of a branch (m,) in the window `PEAK` less that in `BEYOND`, and the ratio of its error to the
+    noise of one sample; both NaN if a window holds too few samples.
+    past_um: (m,) displacement from the knee. correlation: of the noise of neighbouring samples.
     """
     near, far = ((past_um >= low * amplitude_um) & (past_um <= high * amplitude_um) for low, high in (PEAK, BEYOND))
     counts = int(near.sum()), int(far.sum())
@@ -349,7 +352,7 @@ def peak_N(past_um: Array, force_N: Array, amplitude_um: float, correlation: flo
 
 
 def computed_peaks_N(displacement_um: Array, force_N: Array) -> Array:
-    """Excess force past the knee (n, 2), as `peak_N` gives it, of computed branches (n, 2, m) in order of travel."""
+    """`peak_N` (n, 2) of both branches of computed loops (n, 2, m) in order of travel."""
     sign = np.array([1.0, -1.0])[:, None]
     x, q = sign * displacement_um, sign * force_N
     travel = x - x[..., :1]

@@ -1,8 +1,8 @@
-"""Observables of whole channels: amplitude, normal force along the stroke, and figures of the evolution.
+"""Observables of whole channels: amplitude, normal force along the stroke, and columns of the evolution.
 
-The normal force shows whatever guides the load; wear hardly changes it. The evolution holds dissipated energy, slip
-amplitude and largest force of loops as another program has read them. A site is where an observable is read; a shelf is
-a stretch of a loop at zero force, by free play.
+The normal force shows errors of the load's guide; wear hardly changes it. The evolution holds dissipated energy, slip
+amplitude and largest force of loops over the cycles, as another program has read them. A shelf is a stretch of a loop
+at zero force, by free play.
 """
 
 from abc import abstractmethod
@@ -195,16 +195,18 @@ class Amplitude(OfLoops):
 
 
 class EvolutionFigure(Observable):
-    """One column of the evolution, whose noise follows from its own scatter."""
+    """One column of the evolution; its noise is estimated from its scatter over the cycles."""
 
     column: ClassVar[str]
 
     @abstractmethod
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
-        """Figure (n,) of computed loops (n, 2, m)."""
+        """The column's value (n,) for computed loops (n, 2, m)."""
 
     def sites(self, reading: Reading) -> list[Site]:
-        """Sites at the evolution's cycles that differ by more than the factor FAR from those of all logged loops."""
+        """Sites at cycles of the evolution that differ by more than the factor `FAR` from all logged loops', at most
+        `MOST_CYCLES`.
+        """
         logged = np.array(reading.cycles, dtype=float)
         known = sorted({int(cycle) for part in reading.evolution for cycle in part.columns["cycle"] if cycle > 0})
         far = [cycle for cycle in known if np.all(np.abs(np.log(cycle / logged)) > np.log(FAR))]
@@ -223,16 +225,15 @@ class EvolutionFigure(Observable):
         return values, np.hypot(noise, np.sqrt(0.5) * self.missed(reading))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
-        """Standard deviation (n,) of the error that all repeats of this figure share, in the column's unit.
-
-        It has two parts: another program may define the figure otherwise (`ERROR` of its usual size), and half the
+        """Standard deviation (n,) of the error that all repeats share, in the column's unit.
+        Its parts: another definition of the figure by another program (`ERROR` of its usual size), and half the
         variance of `missed`, whose other half is taken to differ from repeat to repeat.
         """
         defined = ERROR * _usual_figures(reading, self.column, sites)
         return np.asarray(np.hypot(defined, np.sqrt(0.5) * self.missed(reading)))
 
     def missed(self, reading: Reading) -> float:  # noqa: ARG002
-        """Standard deviation, in the column's unit, of the error that comes from joining few samples by straight lines;
+        """Standard deviation, in the column's unit, of the error by straight lines between the few samples of a loop;
         by default 0.
         """
         return 0.0
@@ -242,7 +243,7 @@ class EvolutionFigure(Observable):
 
 
 class Energy(EvolutionFigure):
-    """Dissipated energy of the evolution in mJ, the area of the loop."""
+    """Dissipated energy in mJ from the evolution: the area of the loop."""
 
     name = "energy"
     words, unit = "dissipated energy", "mJ"
@@ -253,12 +254,12 @@ class Energy(EvolutionFigure):
         return loop_area(displacement_um, force_N)
 
     def missed(self, reading: Reading) -> float:
-        """Energy in mJ of the strips along both stick branches that straight lines between samples cut off."""
+        """Energy in mJ between both stick branches and the straight lines that join their samples."""
         return 2e-3 * reading.force_N * _chord_error_um(reading)
 
 
 class SlipAmplitude(EvolutionFigure):
-    """Slip amplitude of the evolution in µm, half of the loop's width."""
+    """Slip amplitude in µm from the evolution: half of the loop's width."""
 
     name = "slip"
     words, unit = "slip amplitude", "um"
@@ -272,13 +273,15 @@ class SlipAmplitude(EvolutionFigure):
         return _chord_error_um(reading)
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """Solver differences in µm by the crossing of Q = 0: uncertain on a shelf, but equal on all shelves."""
+        """Solver differences in µm of the crossing of zero force, which is uncertain on a shelf, but alike on all
+        shelves.
+        """
         crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
         return SolverSize(np.zeros(len(sites)), own=crossing / np.sqrt(2.0), common=crossing)
 
 
 class LargestForce(EvolutionFigure):
-    """Largest |Q| of the evolution in N."""
+    """Largest |Q| in N from the evolution."""
 
     name = "force"
     words, unit = "largest tangential force", "N"
@@ -289,21 +292,20 @@ class LargestForce(EvolutionFigure):
         return np.asarray(np.abs(force_N).max(axis=(1, 2)))
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """Solver differences: a share of the force that slopes add at the end of the stroke."""
+        """Solver differences: the share `SLOPE_SHARE` of the force that slopes add at the end of the stroke."""
         return SolverSize(SLOPE_SHARE * loops.rise_N(sites))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
-        """Standard deviation (n,) in N of the error that all repeats share, including the bias by taking the largest
+        """Standard deviation (n,) in N of the error that all repeats share, including the bias of taking the largest
         noisy sample.
         """
         return np.hypot(PEAK_BIAS * reading.sample_noise_N, super().common_error(reading, sites))
 
 
 def own_noise(cycles: Array, figures: Array) -> tuple[float | None, BoolArray]:
-    """Relative noise of figures (n,) about a line between neighbours in log cycle, None if too few, and marks of sound
-    ones.
-
-    Figures that lie far off are marked as unsound: a loop's largest force may be an outlying sample.
+    """Relative noise of figures (n,), and marks (n,) of those that are sound: positive and near the line between their
+    neighbours over log cycle; the noise is None if there are too few.
+    A figure far off that line is unsound, as a loop's largest force may be an outlying sample.
     """
     sound = np.isfinite(figures) & (figures > 0.0) & (cycles > 0.0)
     places = np.flatnonzero(sound)
@@ -354,7 +356,7 @@ def loop_area(x: Array, q: Array) -> Array:
 
 
 def half_width(x: Array, q: Array) -> Array:
-    """Half the width (n,) of loops (n, 2, m) at their mid force, in the unit of x."""
+    """Half the width (n,) of loops (n, 2, m) at their mean force, in the unit of x."""
     middle = 0.5 * (q.max(axis=(1, 2)) + q.min(axis=(1, 2)))
     each = np.arange(len(x))
     back, there = (

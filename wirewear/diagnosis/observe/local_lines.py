@@ -36,10 +36,11 @@ KNEE_TRAVEL, KNEE_EARLY = constants("observe.local_lines.knee").each("travel", "
 
 @dataclass(frozen=True, eq=False)
 class ObservedBranch:
-    """One branch of a measured loop in order of travel; displacement and force are multiplied by its direction.
+    """One branch of a measured loop in order of travel, its m displacements and forces multiplied by its direction
+    `sign`.
 
-    Arrays are (m,); the normal force is None if not measured. `knee` is the index of the knee. `reversal_N` is the
-    force, in this branch's direction, at which the other branch ends.
+    knee: index of the sample at the knee. normal_N: (m,) normal force; None if not measured. reversal_N: force, in this
+    branch's direction, at which the other branch ends; infinite if unknown.
     """
 
     sign: int
@@ -51,24 +52,28 @@ class ObservedBranch:
 
     @property
     def knee_um(self) -> float:
-        """Displacement in µm at the knee, times the branch's direction (±1)."""
+        """Displacement in µm at the knee, in the branch's direction."""
         return float(self.displacement_um[self.knee])
 
     @cached_property
     def sliding(self) -> slice:
-        """Samples from the knee to the last before the force falls because the drive has reversed."""
+        """Samples from the knee to the last one before the force falls because the drive has reversed."""
         past = self.force_N[self.knee :]
         return slice(self.knee, self.knee + int(np.flatnonzero(past > FALLEN * np.median(past))[-1]) + 1)
 
     @property
     def stick_top_N(self) -> float:
-        """Force in N, in the branch's direction, up to which it certainly sticks."""
+        """Force in N, in the branch's direction, up to which it certainly sticks: `STICK_SHARE` of its rise to the
+        knee.
+        """
         low = min(float(self.force_N[: self.knee + 1].min()), self.reversal_N)
         return low + STICK_SHARE * (float(self.force_N[self.knee]) - low)
 
     @property
     def step_at_zero_um(self) -> float:
-        """Displacement between the samples on either side of zero force; 0 if the stick branch does not cross it."""
+        """Distance in µm between the samples on either side of zero force; 0 if the branch does not pass it before the
+        knee.
+        """
         after = int(np.count_nonzero(self.force_N[: self.knee + 1] <= 0.0))
         if not 0 < after <= self.knee:
             return 0.0
@@ -76,9 +81,9 @@ class ObservedBranch:
 
 
 def knee_index(travel_um: Array, force_N: Array, top_N: float, amplitude_um: float, reversal_N: float = np.inf) -> int:
-    """Index of the knee on a branch (m,) that rises with its travel; `top_N` is the force at mid-stroke.
-
-    reversal_N: force at which the other branch ends, as a sharp reversal has risen far by this branch's first sample.
+    """Index of the knee on a branch (m,): where the force, as a share of its rise, leads the travel most.
+    travel_um: (m,) from the reversal. top_N: force at mid-stroke. reversal_N: force at which the other branch ends, as
+    a sharp reversal has risen far by this branch's first sample; infinite if unknown.
     """
     return int(knees_of(travel_um, force_N, np.array([top_N]), np.array([amplitude_um]), reversal_N))
 
@@ -86,7 +91,9 @@ def knee_index(travel_um: Array, force_N: Array, top_N: float, amplitude_um: flo
 def knees_of(
     travel_um: Array, force_N: Array, top_N: Array, amplitude_um: Array, reversal_N: float = np.inf
 ) -> NDArray[np.intp]:
-    """Indices (...) of the knees of branches (..., m), with forces at mid-stroke and amplitudes (..., 1)."""
+    """Indices (...) of the knees of branches (..., m), see `knee_index`; forces at mid-stroke and amplitudes are (...,
+    1).
+    """
     low = force_N[..., : max(3, force_N.shape[-1] // 6)].min(axis=-1, keepdims=True)
     low = np.minimum(low, reversal_N)
     rise = (force_N - low) / np.maximum(top_N - low, 1e-12) - travel_um / (KNEE_TRAVEL * amplitude_um)
@@ -96,10 +103,11 @@ def knees_of(
 
 @dataclass(frozen=True, eq=False)
 class LocalLine:
-    """Value read from a line through nearby samples of a branch, its error, and the samples' weights (m,) in the value.
+    """Value read from a line through nearby samples of a branch, with its standard error, both in the unit of the
+    value.
 
-    `order` (m,) are the samples' indices on the branch. `sampled` is the share of the error that comes from sample
-    noise, and not from the curve's departure from a line; lines with common samples have correlated errors.
+    weights, order: (k,) the samples' weights in the value, and their indices on the branch. sampled: share of the error
+    by the samples' noise, the rest being the curve's departure from a line.
     """
 
     value: float
@@ -109,7 +117,9 @@ class LocalLine:
     sampled: float = 1.0
 
     def correlation(self, other: LocalLine, of_neighbours: float) -> float:
-        """Correlation of this value's error with another's; `of_neighbours` is that between neighbouring samples."""
+        """Correlation of this value's error with another's of the same branch, by the samples that they share.
+        of_neighbours: correlation of the noise of neighbouring samples.
+        """
         own, others = (noise_factor(one.weights, one.order, of_neighbours) for one in (self, other))
         shared = noise_product(self.weights, self.order, other.weights, other.order, of_neighbours) / (own * others)
         return self.sampled * other.sampled * shared
@@ -118,10 +128,9 @@ class LocalLine:
 def force_at(
     branch: ObservedBranch, at_um: float, window_um: float, sample_noise_N: float = 1.0, correlation: float = 0.0
 ) -> LocalLine | None:
-    """Force while sliding at a displacement, by a local line or parabola; None if no samples are near.
-
-    at_um: displacement in the branch's direction.  window_um: samples within this distance are used.
-    correlation: of the noise of neighbouring samples.
+    """Force in N while sliding at a displacement, by a local line or parabola; None if no samples are near.
+    at_um: displacement in the branch's direction. window_um: samples within this distance are used. sample_noise_N:
+    noise of one force sample. correlation: of the noise of neighbouring samples.
     """
     x, q, first = branch.displacement_um[branch.sliding], branch.force_N[branch.sliding], branch.knee
     near = np.abs(x - at_um) < window_um

@@ -1,7 +1,7 @@
 """Preparation of a measured loop for reading: cleaned, split into branches, with its noise and drive harmonics.
 
-The knee of a branch is where sliding begins. The stretch of correlated noise is the factor by which correlation raises
-the error of a mean of many samples.
+The knee of a branch is where sliding begins. The stretch of correlated noise is the factor by which the correlation of
+neighbouring samples raises the error of a mean of many.
 """
 
 from collections.abc import Sequence
@@ -70,8 +70,8 @@ DRIVE_HARMONICS = _OF_NOISE.count("drive_harmonics")
 
 
 def harmonics_of(time_s: Array, period_s: float, displacement_um: Array) -> ComplexArray:
-    """Complex harmonics (k,) of one cycle's displacement (n,), with phases such that the first is a sine of
-    unit size.
+    """Complex harmonics (k,) of one cycle's displacement (n,) over the size of the first, which becomes a sine.
+    time_s: (n,). period_s: duration of the cycle.
     """
     count = max(1, min(MOST_HARMONICS, time_s.size // SAMPLES_A_HARMONIC))
     turns = np.exp(2j * np.pi * np.outer(time_s / period_s, np.arange(1, count + 1)))
@@ -83,9 +83,9 @@ def harmonics_of(time_s: Array, period_s: float, displacement_um: Array) -> Comp
 
 
 def motion_of(loops: Sequence[ComplexArray], noise: float) -> FastMotion:
-    """Common motion of a drive from the harmonics of several loops; `noise` is the standard deviation of one harmonic.
-
-    Harmonics within their noise are dropped. The median scatters by √(π/2) more than the mean.
+    """Common motion of a drive: median of the harmonics (k,) of several loops; a sine if there are none.
+    noise: standard deviation of one harmonic of one loop. Harmonics within their noise are dropped; a median scatters
+    by √(π/2) more than the mean.
     """
     if not loops:
         return SINE
@@ -98,10 +98,12 @@ def motion_of(loops: Sequence[ComplexArray], noise: float) -> FastMotion:
 
 @dataclass(frozen=True, eq=False)
 class ReducedLoop:
-    """Measured loop as two branches, with its noise.
+    """Measured loop as two branches, with its noise. Displacements are counted from the middle between both tips.
 
-    Displacements are counted from the middle between both tips. `sample_noise_N` is the noise of one force sample, and
-    `force_noise_N` the effective one in means of correlated samples. `harmonics` (k,) are those of the displacement.
+    branches: towards +x, then −x. mid_force_N: mean force at mid-stroke. sample_noise_N, force_noise_N: noise of one
+    force sample, and the larger one that counts for means of correlated samples. normal_N, normal_error_N: mean normal
+    force of each branch while sliding, and its error; None and NaN if not measured. harmonics: (k,) of the
+    displacement.
     """
 
     repeat: int
@@ -131,7 +133,7 @@ class ReducedLoop:
 
     @property
     def half_width_um(self) -> float:
-        """Half of the loop's width at zero force."""
+        """Half of the loop's width at zero force, in µm."""
         crossings = [
             float(np.interp(0.0, np.maximum.accumulate(branch.force_N[: branch.knee + 1]),
                             branch.displacement_um[: branch.knee + 1]))
@@ -210,7 +212,7 @@ def common_motion(loops: Sequence[ReducedLoop]) -> FastMotion:
 
 
 def of_one_recorder(loops: list[ReducedLoop]) -> list[ReducedLoop]:
-    """Copies of the loops with the median of their noise, as one recorder took them all."""
+    """Copies of the loops that all have the median of their noise, as one recorder took them."""
     force, sample, displacement = (
         float(np.median([getattr(loop, name) for loop in loops]))
         for name in ("force_noise_N", "sample_noise_N", "displacement_noise_um")

@@ -1,8 +1,9 @@
 """Observables: kinds of numbers that a record gives and a model predicts, and how far solvers differ in them.
 
-Each is read at sites: a cycle, a branch and a level on it, or a scar. Zones are parts of a loop, or channels, by which
-gaps are located. Loops computed under a setup (inputs of the fast model) form a course over the cycles. A new
-observable is a subclass of `Observable` and an entry in `reduction.py`, or an installed package's entry point.
+Each number is read at a site: a cycle, a branch and a level on it, or a scar. A branch is one direction of a loop, +1
+towards +x and −1 back. Zones are parts of a loop, or channels, by which gaps are located. Loops computed under a setup
+(inputs of the fast model) form a course over the cycles. A new observable is a subclass of `Observable` and an entry in
+`reduction.py`, or an installed package's entry point.
 """
 
 from __future__ import annotations
@@ -39,10 +40,10 @@ FORCE_ERROR = Tolerance().force
 
 @dataclass(frozen=True)
 class Site:
-    """Place where one number is read: after which cycle, on which branch and at which level, or of which wire's scar.
+    """Place where one number is read.
 
-    `branch` is +1, −1, or 0 for the whole loop; `level` is a displacement or force as the observable defines it, else
-    0; `wire` and `figure` are empty except for scars.
+    cycle: after which. branch: +1, −1, or 0 for the whole loop. level: a displacement or force as the observable
+    defines it, else 0. wire, figure: body and quantity of a scar; "" for loops.
     """
 
     cycle: int
@@ -64,7 +65,7 @@ class Sites:
 
     @classmethod
     def of(cls, sites: Sequence[Site]) -> Sites:
-        """Arrays of the fields of a list of sites."""
+        """Arrays (n,) of the fields of n sites."""
         return cls(
             np.array([site.cycle for site in sites], dtype=np.int64),
             np.array([site.branch for site in sites], dtype=np.int64),
@@ -82,7 +83,9 @@ class Sites:
             yield Site(cycle, branch, level, wire, figure)
 
     def repeated(self, times: int, cycles: int) -> Sites:
-        """These sites `times` times over, the cycles of each copy being shifted by `cycles` more."""
+        """These sites `times` times over, `cycles` being added to the cycles of the second copy, twice that to the
+        third's, and so on.
+        """
         rows = np.tile(np.arange(len(self)), times)
         return replace(self.taken(rows), cycle=self.cycle[rows] + cycles * np.repeat(np.arange(times), len(self)))
 
@@ -92,7 +95,7 @@ class Sites:
 
     @cached_property
     def branches(self) -> list[tuple[int, int, NDArray[np.intp]]]:
-        """Cycle, sign, and indices of the sites that lie on one branch of one cycle."""
+        """For each branch with sites: its cycle, its sign, and the indices of these sites."""
         pairs = sorted({(int(cycle), int(sign)) for cycle, sign in zip(self.cycle, self.branch, strict=True)})
         return [(*pair, np.flatnonzero((self.cycle == pair[0]) & (self.branch == pair[1]))) for pair in pairs]
 
@@ -104,7 +107,7 @@ def rows_of(course: PredictedLoops, sites: Sites) -> NDArray[np.intp]:
 
 @dataclass(frozen=True)
 class Scale:
-    """Amplitude and plateau force of a test, as units for places along its loops."""
+    """Displacement amplitude and plateau force of a test, as units for places along its loops."""
 
     amplitude_um: float
     force_N: float
@@ -112,28 +115,26 @@ class Scale:
 
 @dataclass(frozen=True, eq=False)
 class Smoothness:
-    """Correlation of solver differences between sites (n,)."""
+    """Correlation of solver differences between n sites: Gaussian in `along`, 0 between families."""
 
     along: Array  #: (n,) place along a branch over the length of correlation.
-    turned: float  #: Correlation between both branches of a loop, 0 to 1.
+    turned: float  #: Correlation between a place on one branch and its mirror image on the other, 0 to 1.
     rough: Array  #: (n,) share of the standard deviation that is uncorrelated.
     family: NDArray[np.intp]  #: (n,) index of a family; different families are uncorrelated.
 
     @classmethod
     def of_whole_loops(cls, count: int) -> Smoothness:
-        """Smoothness of an observable with one number for each loop: differences are alike over the cycles only."""
+        """Smoothness of `count` numbers of whole loops: differences are alike over the cycles only."""
         return cls(np.zeros(count), 1.0, np.full(count, ROUGH), np.zeros(count, dtype=np.intp))
 
 
 @dataclass(frozen=True, eq=False)
 class SolverSize:
-    """Standard deviations (n,) by which solvers differ on the same test, in the observable's unit.
+    """Standard deviations by which solvers differ on the same test at n sites, in the observable's unit.
 
-    Attributes:
-        size: (n,) part that is smooth over cycles and along branches (`Observable.smoothness`).
-        own: (n,) part of each number alone; none if left out.
-        common: (n,) part by which one unknown moves all numbers together; none if left out.
-        hooked: True if hooks that solvers compute differently affect the number.
+    size: (n,) part that is smooth over cycles and along branches (`Observable.smoothness`). own: (n,) part of each
+    number alone. common: (n,) part by which one unknown moves all numbers together. None stands for 0. hooked: True if
+    the number is affected by hooks, which solvers compute differently.
     """
 
     size: Array
@@ -151,22 +152,24 @@ class ModelLoops:
 
     @cached_property
     def scale(self) -> Scale:
-        """Reference amplitude in µm and force in N: the smallest of the loops' largest forces."""
+        """Displacement amplitude of the setup in µm, and the smallest of the loops' largest forces in N."""
         force = np.abs(self.course.tangential_force_N).max(axis=(1, 2))
         return Scale(self.setup.amplitude_um, float(force.min()))
 
     def rise_N(self, sites: Sites) -> Array:
-        """Force (n,) in N that the scar's slopes add between mid-stroke and the end of the branch towards +x."""
+        """Force (n,) in N, at each site's cycle, that the scar's slopes add between mid-stroke and the end of the
+        branch towards +x.
+        """
         return self._rise_N[rows_of(self.course, sites)]
 
     def stick_compliance_um_per_N(self, sites: Sites) -> Array:
-        """Travel over rise in force (n,), µm/N, of the branch towards +x until it slides."""
+        """Travel over rise in force (n,) in µm/N, at each site's cycle, of the branch towards +x until it slides."""
         x, q = self.course.displacement_um, self.course.tangential_force_N
         travel, rise = (values[:, 0, SLIDING] - values[:, 0, 0] for values in (x, q))
         return np.asarray(travel / np.maximum(rise, 1e-9))[rows_of(self.course, sites)]
 
     def travel_um(self, sites: Sites, force_N: float) -> Array:
-        """Travel (n,) in µm of the model's branches over forces within ±`force_N` of each site's level."""
+        """Travel (n,) in µm of each site's branch over the forces within ±`force_N` of the site's level."""
         return travel_um(self.course, sites, sites.level - force_N, sites.level + force_N)
 
     @cached_property
@@ -176,10 +179,8 @@ class ModelLoops:
 
 
 def branches_of(course: PredictedLoops, sites: Sites) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Displacements and forces (r, m) of all branches in their direction of travel, and the row (n,) of each site's
-    branch.
-
-    Sites of whole loops get the branch towards +x.
+    """Displacements in µm and forces in N (r, m) of all branches in their direction of travel, and the row (n,) of each
+    site's branch; sites of whole loops get the branch towards +x.
     """
     sign, points = np.array([1.0, -1.0])[:, None], course.displacement_um.shape[-1]
     x, q = ((sign * channel).reshape(-1, points) for channel in (course.displacement_um, course.tangential_force_N))
@@ -213,13 +214,10 @@ class Zone:
 class Observable(ABC):
     """One kind of number, read at several sites of a record.
 
-    Attributes:
-        name: short and unique, in answers.
-        words, unit: for readers; numbers of the unit "relative" are logarithms, shown as ratios.
-        zones: parts of a loop, or the channel, that it covers.
-        sides: words for the measured value's relation to the model's if it is larger, and if it is smaller.
-        simulated: True if a full simulation with few increments shows it as a rig does.
-        of_scars: True if it is read from scars and not from loops.
+    name: short and unique, in answers. words, unit: for readers; numbers of the unit "relative" are logarithms, shown
+    as ratios. zones: parts of a loop, or the channel, that it covers. sides: words for a measured value that is larger
+    than the model's, and for one that is smaller. simulated: True if a full simulation with few increments shows it as
+    a rig does. of_scars: True if it is read from scars and not from loops.
     """
 
     name: ClassVar[str]
@@ -232,31 +230,33 @@ class Observable(ABC):
 
     @abstractmethod
     def sites(self, reading: Reading) -> list[Site]:
-        """Sites at which a record may give this number."""
+        """Sites at which a record may give this number; empty if it cannot."""
 
     @abstractmethod
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
-        """Values and standard deviations of their noise, each (n,), in one repeat; NaN where there are none."""
+        """Measured values and standard deviations of their noise, each (n,) in the observable's unit, of the repeat
+        with the number `repeat`; NaN where there are none.
+        """
 
     @abstractmethod
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        """Values (n,) from computed loops, which must hold all of the sites' cycles.
-
-        Loops of several setups are passed as one course with further cycles; scars and profiles (`of_scars`) one by
-        one.
+        """Values (n,) from computed loops, which must hold all of the sites' cycles. Loops of several setups come as
+        one course with further cycles; scars and profiles (`of_scars`) one setup at a time.
         """
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002
-        """Standard deviations, by site, of solvers' differences on a test with these loops, beyond the tolerance."""
+        """Standard deviations of the solvers' differences at the sites, on a test with these loops; by default 0."""
         return SolverSize(np.zeros(len(sites)))
 
     def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
-        """Name (n,) of each site's zone; by default the only one."""
+        """Name (n,) of each site's zone; by default that of the only one."""
         (only,) = self.zones
         return np.full(len(sites), only.name)
 
     def whole(self, setup: SurrogateInputs, predicted: Array) -> Array:
-        """Reference (n,) for relative differences, in the observable's unit, at predicted values (n,)."""
+        """Size (n,) of the whole quantity, in the observable's unit, to which differences are relative. By unit: the
+        plateau force, the amplitude, the root mean square of `predicted` (n,) for scars, its size for energies; else 1.
+        """
         match self.unit:
             case "N":
                 return np.full(predicted.size, setup.plateau_force_N)
@@ -271,9 +271,9 @@ class Observable(ABC):
 
     @property
     def tolerance(self) -> str:
-        """Entry of a record's table `[tolerance]` by which differences are judged.
-
-        A scar askew by an angle counts by displacement: its ends are off by that share of half its length.
+        """Key of the record's table `[tolerance]` by which differences are judged: force, displacement, energy or
+        volume.
+        The angle of a skew scar counts as a displacement: the scar's ends are off by that share of half its length.
         """
         of_loops = {"N": "force", "um": "displacement", "mJ": "energy"}
         return ({"rad": "displacement"} if self.of_scars else of_loops).get(self.unit, "volume")
@@ -283,11 +283,11 @@ class Observable(ABC):
         return Smoothness.of_whole_loops(len(sites))
 
     def alike(self, reading: Reading, repeat: int, sites: Sites) -> Array:  # noqa: ARG002
-        """Correlation (n, n) of the noise in one repeat; by default none."""
+        """Correlation (n, n) of the noise in one repeat; by default there is none between different numbers."""
         return np.eye(len(sites))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:  # noqa: ARG002
-        """Standard deviation (n,) of the error that all repeats share, in the observable's unit; by default 0."""
+        """Standard deviation (n,) of an error that all repeats share, in the observable's unit; by default 0."""
         return np.zeros(len(sites))
 
 
@@ -296,7 +296,7 @@ class OfLoops(Observable):
 
     @abstractmethod
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
-        """Value in one loop and the standard deviation of its noise; NaN if there is none."""
+        """Value in one loop and the standard deviation of its noise, in the observable's unit; NaN if there is none."""
 
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
         values, noise = np.full((2, len(sites)), np.nan)
@@ -308,17 +308,17 @@ class OfLoops(Observable):
 
 
 class AlongBranch(OfLoops):
-    """Observable read at several places of each branch; loops are also compared by its mean and slope along
-    the branch.
+    """Observable read at several places of each branch; loops are also compared by its mean and slope along a
+    branch.
     """
 
     @abstractmethod
     def along(self, sites: Sites) -> Array:
-        """Place (n,) along the branch, in its direction and the level's unit."""
+        """Place (n,) of each site along its branch, in the direction of travel and the level's unit."""
 
 
 class ByLocalLines(AlongBranch):
-    """Observable read by lines through samples near each place; lines at neighbouring places share samples and
+    """Observable read by lines through samples near each place; lines at neighbouring places share samples, and so
     noise.
     """
 
@@ -331,7 +331,7 @@ class ByLocalLines(AlongBranch):
         return (np.nan, np.nan) if found is None else (site.branch * found.value, found.error)
 
     def alike(self, reading: Reading, repeat: int, sites: Sites) -> Array:
-        """Correlation (n, n) of the noise in one repeat, from the samples that lines of one branch share."""
+        """Correlation (n, n) of the noise in one repeat, by the samples that lines of one branch share."""
         correlation, each = np.eye(len(sites)), list(sites)
         for loop in reading.loops:
             if loop.repeat != repeat:

@@ -58,10 +58,11 @@ MOST_LOOPS = _OF_CORNERS.count("most_loops")
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """Loops, evolution and scars of all repeats of a record; `notes` say which loops were left out and why.
+    """Loops, evolution and worn surfaces of all repeats of a record, prepared for reading.
 
-    If there are no loops, `asked_um` and `asked_N` replace their amplitude and force. `depth_noise_um` is the stated
-    error of one depth of a profile. `body_names` begin with the driven body.
+    last_cycle: the end of the test. notes: sentences on the loops that were left out. asked_um, asked_N: amplitude and
+    friction force that stand in for the loops' if there are none. depth_noise_um: stated error of one depth of a
+    profile. body_names: the driven body first.
     """
 
     loops: tuple[ReducedLoop, ...]
@@ -90,12 +91,12 @@ class Reading:
 
     @cached_property
     def force_N(self) -> float:
-        """Median force of the loops at mid-stroke."""
+        """Median force of the loops at mid-stroke, in N."""
         return float(np.median([loop.mid_force_N for loop in self.loops])) if self.loops else self.asked_N
 
     @cached_property
     def sample_noise_N(self) -> float:
-        """Median noise of one force sample; 0 without loops."""
+        """Median noise of one force sample in N; 0 without loops."""
         return float(np.median([loop.sample_noise_N for loop in self.loops])) if self.loops else 0.0
 
     def at(self, cycle: int) -> list[ReducedLoop]:
@@ -104,9 +105,8 @@ class Reading:
 
 
 def read(record: AnyRecord) -> Reading:
-    """Read the loops, evolution and scars or profiles of a record; profiles alone suffice.
-
-    Raises RecordError if no loop can be read or slides as a whole, and profiles do not replace them.
+    """Prepare loops, evolution and worn surfaces of a record for reading; profiles alone suffice.
+    Raises RecordError if no loop can be read, and no profiles replace them.
     """
     notes: list[str] = []
     loops = list(_loops(record, notes))
@@ -188,15 +188,17 @@ class _Lines:
 
 
 def repaired(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
-    """Record with coarse loops read at their corners and without columns of other definitions, and notes on both."""
+    """Copy of a record with coarse loops read at their corners and without columns of other definitions, and sentences
+    on both.
+    """
     own, notes = of_own_definitions(record)
     read, note = read_at_corners(own)
     return read, ((note,) if note else ()) + notes
 
 
 def read_at_corners(record: AnyRecord) -> tuple[AnyRecord, str | None]:
-    """Record with loops that are lines between few points reduced to these points, and a note; else unchanged, with
-    None.
+    """Copy of a record whose loops are straight lines between few points, reduced to these points, and a sentence on
+    it; the record itself and None for other loops.
     """
     frequency = record.tables.conditions.frequency_Hz
     loops = [loop for loop in record.loops if loop.cycle > 0]
@@ -217,11 +219,9 @@ def read_at_corners(record: AnyRecord) -> tuple[AnyRecord, str | None]:
 
 def corners_of(loops: Sequence[MeasuredLoop], frequency_Hz: float) -> int | None:
     """Number of points in a cycle between which loops, all sampled at the same times, are straight lines; None for
-    curves.
-
-    In the mean of all loops noise is small enough: lines with the right corners leave noise alone, and must fit the
-    displacement better than lines shifted by half a line, which fit a smooth curve equally well. Corners are at even
-    times from the beginning of the cycle.
+    curves. Corners are at even times from the beginning of the cycle. In the mean of all loops noise is small enough:
+    lines with the right corners leave noise alone, and must fit the displacement better than lines shifted by half a
+    line, which fit a smooth curve equally well.
     """
     if not loops or loops[0].time_s.size < FEWEST_CORNERS * SAMPLES_A_LINE:
         return None
@@ -287,7 +287,7 @@ def _at_corners(loop: MeasuredLoop, lines: _Lines, frequency_Hz: float) -> Measu
 
 
 def of_own_definitions(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
-    """Record with NaN in columns of the evolution that contradict its own loops, and a note on each."""
+    """Copy of a record with NaN in columns of the evolution that contradict its own loops, and a sentence on each."""
     if not record.evolution:
         return record, ()
     loops = {}

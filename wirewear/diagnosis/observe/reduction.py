@@ -59,10 +59,10 @@ LIBRARY: tuple[type[Observable], ...] = (
 
 @dataclass(frozen=True, eq=False)
 class Features:
-    """Means and slopes of groups of observed numbers (n,): `members` (f, n) mark the group of each of f features.
+    """Means and slopes of groups of n observed numbers, by which held-out loops are compared.
 
-    `slope` (f,) is True for a slope and False for a mean; `place` (n,) is a number's place along its branch, `cycle`
-    (f,) the cycle of a feature.
+    members: (f, n) marks of the group of each of f features. slope: (f,) True for a least-squares slope, False for a
+    mean. place: (n,) place of each number along its branch. cycle: (f,).
     """
 
     members: BoolArray
@@ -72,7 +72,9 @@ class Features:
 
     @classmethod
     def of(cls, layout: Layout, used: BoolArray) -> Features:
-        """Features of the numbers of a layout marked in `used` (n,)."""
+        """Features of the numbers marked in `used` (n,): mean and slope of each branch, or each number of other
+        observables.
+        """
         members, slope, cycles = [], [], []
         place = np.zeros(len(layout))
         numbers = np.arange(len(layout))
@@ -98,11 +100,15 @@ class Features:
         )
 
     def of_each(self, values: Array, seen: BoolArray) -> Array:
-        """Features (f,) of values (n,), of which only those marked in `seen` (n,) are used; NaN if none is."""
+        """Features (f,) of values (n,), of which only those marked in `seen` (n,) are used; NaN if there are too
+        few.
+        """
         return self._weights(seen) @ np.where(seen, values, 0.0)
 
     def variances(self, covariance: Array, seen: BoolArray) -> Array:
-        """Variances (f,) of the features of numbers with this covariance (n, n)."""
+        """Variances (f,) of the features of numbers with this covariance (n, n); NaN where too few are marked in `seen`
+        (n,).
+        """
         weights = self._weights(seen)
         return np.asarray(np.einsum("fi,ij,fj->f", weights, covariance, weights, optimize=True))
 
@@ -127,7 +133,7 @@ class Part:
 
     @property
     def rows(self) -> slice:
-        """Slice of the part's numbers in the layout."""
+        """Indices of the part's numbers in the layout."""
         return slice(self.start, self.start + len(self.sites))
 
 
@@ -139,7 +145,7 @@ class Layout:
 
     @classmethod
     def of(cls, observables: Iterable[tuple[Observable, Sites]]) -> Layout:
-        """Layout of observables with their sites; those without sites are left out."""
+        """Layout of observables with their sites, in this order; those without sites are left out."""
         parts: list[Part] = []
         start = 0
         for observable, sites in observables:
@@ -166,38 +172,38 @@ class Layout:
 
     @cached_property
     def cycles(self) -> Array:
-        """Cycles at which loops are needed, increasing."""
+        """Cycles (c,) of all numbers, increasing."""
         return np.unique(self.cycle).astype(float)
 
     def of_kind(self, *kinds: type) -> BoolArray:
-        """Marks (n,) of the numbers of observables of these classes."""
+        """Marks (n,) of the numbers whose observables are of these classes."""
         return self.marked(part for part in self if isinstance(part.observable, kinds))
 
     def marked(self, parts: Iterable[Part]) -> BoolArray:
-        """Marks (n,) of those numbers that belong to the given parts."""
+        """Marks (n,) of the numbers in the given parts."""
         marked = np.zeros(len(self), dtype=bool)
         for part in parts:
             marked[part.rows] = True
         return marked
 
     def wire(self, name: str) -> BoolArray:
-        """Marks (n,) of the numbers read from this wire's scar."""
+        """Marks (n,) of the numbers read from the scar of the body `name`."""
         return np.concatenate([np.zeros(0, dtype=bool), *(part.sites.wire == name for part in self)])
 
     def taken(self, keep: BoolArray) -> Layout:
-        """Layout of the numbers marked in `keep` (n,)."""
+        """Layout of the numbers marked in `keep` (n,), in their order."""
         return Layout.of((part.observable, part.sites.taken(keep[part.rows])) for part in self)
 
     def zones(self, amplitude_um: float) -> NDArray[np.str_]:
-        """Name of each number's zone (n,)."""
+        """Name (n,) of each number's zone."""
         return np.concatenate([part.observable.zone(part.sites, amplitude_um) for part in self])
 
     def observed(self, course: PredictedLoops) -> Array:
-        """Numbers (n,) of a computed course, which must hold all of `cycles`."""
+        """Numbers (n,) of computed loops, which must hold all of `cycles`."""
         return np.asarray(self._observed([course])[0])
 
     def computed(self, states: WearStates, *setups: SurrogateInputs) -> Array:
-        """Numbers (k, n) that the fast model predicts for k setups."""
+        """Numbers (k, n) that the fast model predicts under k setups."""
         parts = [setups[start : start + _TOGETHER] for start in range(0, len(setups), _TOGETHER)]
         found = [self._observed(simulated(states, part, self.cycles)) for part in parts]
         return np.concatenate([np.zeros((0, len(self))), *found])
@@ -222,12 +228,13 @@ class Layout:
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """Observed numbers of every repeat: values and standard deviations of their noise, each (r, n); NaN where missing.
+    """Observed numbers of r repeats.
 
-    `alike` (r, n, n) is the correlation of each repeat's noise; None if independent. `common` (n, k) holds k errors
-    common to all repeats. `loops` are those used, for pictures; `notes` say what was left out. `stated_scatter` is the
-    owner's scatter between tests, by the model's names; `tolerance` holds relative differences that count as equal.
-    `motion` is the drive's course over time.
+    values, noise: (r, n) and standard deviations of their noise; NaN where missing. common: (n, k) standard deviations
+    of k errors that all repeats share. loops: those used. notes: sentences on what was left out. stated_scatter: the
+    owner's scatter between tests, by the fast model's names. tolerance: relative differences that count as equal, by
+    name. motion: displacement of the drive over time. alike: (r, n, n) correlation of each repeat's noise; None if
+    independent.
     """
 
     layout: Layout
@@ -243,9 +250,8 @@ class Observations:
     alike: Array | None = None
 
     def noise_covariance(self, repeat: int, seen: NDArray[np.intp], factors: Array | float = 1.0) -> Array:
-        """Covariance (k, k) of the noise of one repeat's numbers with indices `seen` (k,).
-
-        factors: on the noise variances, (n,) or one number. A small part of each variance is kept uncorrelated.
+        """Covariance (k, k) of the noise of one repeat's numbers with indices `seen` (k,). repeat: index from 0.
+        factors: on the noise variances, (n,) or one number. A millionth of each variance is added, uncorrelated.
         """
         deviations = (np.sqrt(factors) * self.noise[repeat])[seen]
         if self.alike is None:
@@ -256,9 +262,8 @@ class Observations:
 
 
 def reduce(record: AnyRecord, observables: Sequence[Observable] | None = None) -> Observations:
-    """Read all observables, or the given ones, from a record.
-
-    Raises RecordError if no loop of the record slides as a whole, or none can be read.
+    """Read all observables, or the given ones, from a record; numbers that no repeat gives are left out.
+    Raises RecordError if no loop can be read and the record has no profiles in place of loops.
     """
     reading = read(record)
     known = all_observables() if observables is None else observables
@@ -309,15 +314,14 @@ def _stated_scatter(record: AnyRecord) -> dict[str, float]:
 
 
 def all_observables() -> tuple[Observable, ...]:
-    """One instance of each observable.
-
+    """One instance of each observable, of this program and of installed packages.
     Raises WirewearError if a package's entry point is not an observable, or its name or zone is already used.
     """
     return _all_observables()
 
 
 def row_labels() -> dict[str, str]:
-    """Labels of all zones by zone name, in the row order of a picture of gaps."""
+    """Labels by zone name for the rows of a picture of gaps, from top to bottom."""
     return {zone.name: zone.picture for observable in all_observables() for zone in observable.zones}
 
 

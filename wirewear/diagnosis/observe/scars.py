@@ -74,7 +74,7 @@ class _OfScars(observable.Observable):
 
 
 class ScarFigures(_OfScars):
-    """Logarithms of scars' volume in µm³, depth, length and width in µm (SCAR_FIGURES)."""
+    """Logarithms of the `SCAR_FIGURES` of scars: volume in µm³, depth, length and width in µm."""
 
     name = "scar"
     words, unit = "scar", "relative"
@@ -84,7 +84,9 @@ class ScarFigures(_OfScars):
         return [replace(site, figure=figure) for site in _of_bodies(reading) for figure in SCAR_FIGURES]
 
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
-        """Logarithms (n,) of each site's figure, from the worn part of its map, and their standard deviations (n,)."""
+        """Logarithms (n,) of the scars' figures in one repeat, and their standard deviations (n,); NaN without a
+        map.
+        """
         values, noise = np.full((2, len(sites)), np.nan)
         for scar in maps_of(reading, repeat):
             figures = scar.figures
@@ -98,7 +100,9 @@ class ScarFigures(_OfScars):
         return values, noise
 
     def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
-        """Error (n,) that all repeats share: bias of a shallow scar's log depth, 3 noise deviations over depth."""
+        """Error (n,) that all repeats share: for a shallow scar the bias of its log depth, 3 noise deviations over the
+        depth; else 0.
+        """
         off = np.zeros(len(sites))
         for scar in reading.scars:
             raised = 3.0 * noise_um(scar.depth_um) / max(scar.figures["depth"], DEPTH_ERROR_um)
@@ -152,9 +156,10 @@ def _shallow(figures: Mapping[str, float], least_um: float = 0.0) -> float:
 
 @dataclass(frozen=True, eq=False)
 class ReadProfile:
-    """Measured profile centred on its scar: half-width, depth, roughness and uncertainty of its zero, in µm.
+    """Measured profile (n,) centred on its scar, with half-width, largest depth, roughness and uncertainty of its zero
+    in µm.
 
-    `alike` is the correlation of neighbouring depths' roughness.
+    alike: correlation of the roughness of neighbouring depths.
     """
 
     x_um: Array
@@ -166,15 +171,17 @@ class ReadProfile:
     alike: float
 
     def error_of(self, count: int, known_um: float) -> float:
-        """Standard deviation in µm of a mean of `count` neighbouring depths, with the stated error `known_um` of one
-        depth.
+        """Standard deviation in µm of a mean of `count` neighbouring depths; known_um: the stated error of one depth, 0
+        if unknown.
         """
         own = max(count * (1.0 - self.alike) / (1.0 + self.alike), 1.0)
         return max(self.rough_um, known_um) / float(np.sqrt(own))
 
 
 def read_profile(profile: MeasuredProfile) -> ReadProfile:
-    """Profile centred on its scar; the uncertainty of its zero is the mean depth of the flat beside the scar."""
+    """Profile centred on its scar; its zero is uncertain by the mean depth of the flat beside the scar, at least by a
+    share of the largest depth.
+    """
     x, depth = profile.x_um, profile.depth_um
     smooth = _smoothed(x, depth)
     deepest = max(float(smooth.max()), 1e-6)
@@ -214,7 +221,7 @@ class ProfileDepths(observable.Observable):
     of_scars = True
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """Evenly spread places across the scars of both bodies."""
+        """Places across the scar of each body that has profiles, at shares of its half-width."""
         found = []
         for body in BODIES:
             own = [read_profile(one) for one in reading.profiles if one.body == body and _holds_enough(one)]
@@ -225,7 +232,9 @@ class ProfileDepths(observable.Observable):
         return found
 
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
-        """Mean depth (n,) in µm of a profile in a bin about each site, and its standard deviation (n,)."""
+        """Mean depth (n,) in µm of a profile in a bin about each site, and its standard deviation (n,); NaN beyond the
+        profile.
+        """
         values, noise = np.full((2, len(sites)), np.nan)
         for profile in reading.profiles:
             if profile.repeat != repeat or not _holds_enough(profile):
@@ -250,7 +259,9 @@ class ProfileDepths(observable.Observable):
         return values
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """Solver differences: a share of the depth, and walls that stand elsewhere."""
+        """Solver differences in µm: a share of the depth, and walls displaced by the share `ASIDE` of the
+        half-width.
+        """
         size = np.zeros(len(sites))
         for body, (x, depth) in loops.course.profiles.items():
             own = sites.wire == body
@@ -269,13 +280,13 @@ class ProfileDepths(observable.Observable):
         return np.where(place < MIDDLE, "profile_middle", np.where(place < FLANK, "profile_flanks", "profile_edges"))
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
-        """Correlation of solver differences along each body's scar; bodies are independent."""
+        """Correlation of solver differences along each body's scar; none between bodies."""
         family = np.array([BODIES.index(body) for body in sites.wire], dtype=np.intp)
         along = places_of(sites) / observable.REACH
         return replace(observable.Smoothness.of_whole_loops(len(sites)), along=along, family=family)
 
     def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
-        """Uncertainty (n,) in µm of the profiles' zero."""
+        """Standard deviation (n,) in µm of the profiles' zero."""
         off = np.zeros(len(sites))
         for body in BODIES:
             own = [read_profile(one).zero_um for one in reading.profiles if one.body == body and _holds_enough(one)]
@@ -284,7 +295,7 @@ class ProfileDepths(observable.Observable):
 
 
 def places_of(sites: observable.Sites) -> Array:
-    """Places (n,) of profile depths over the half-width of their body's scar."""
+    """Places (n,) of sites across the scar, over the half-width of their body's scar."""
     places = np.zeros(len(sites))
     for body in BODIES:
         own = sites.wire == body
