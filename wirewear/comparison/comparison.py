@@ -24,9 +24,10 @@ BEYOND = 3.0  #: A difference of more than this many scatters is no chance.
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecordComparison:
-    """Result of `compare`: matched loops and scars, the table of differences, and sentences on what was left out.
+    """Result of `compare`: matched loops and scars, and the table of differences.
 
-    `unlike` says in which conditions the run and the record differ; None if they are of the same test.
+    notes: sentences on what was left out. unlike: sentence on the conditions in which run and record differ; None if
+    they are of the same test.
     """
 
     result: RunResult
@@ -62,11 +63,9 @@ class RecordComparison:
 
 
 def compare(result: RunResult, record: AnyRecord) -> RecordComparison:
-    """Compare a simulation with a record: loops at matching cycles, evolution, and scars after registration.
-
-    A line contact is compared over its whole length.
-    Raises RecordError if there is no common cycle with a loop (nor, for records that may lack loops, a common scar), or
-    if a problem of the record forbids conclusions.
+    """Compare a simulation with a record: loops at matching cycles, evolution, and scars after registration; a line
+    contact over its whole length. Raises RecordError if there is no common cycle with a loop (nor, for records that may
+    lack loops, a common scar), or if a problem of the record forbids conclusions.
     """
     problems = problems_of(record)
     if result.status != "complete":

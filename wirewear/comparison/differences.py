@@ -1,6 +1,7 @@
 """Differences of a simulation from a measurement, in physical units and in scatters of the repeated tests.
 
-Loops are compared at equal phase of the drive. A scatter is the standard deviation of one test among its repeats.
+Loops are compared at equal phase of the drive. A scatter is the standard deviation of one test among its repeats. The
+figures of a loop are the numbers that `analyse_loop` gives, such as its slip amplitude and dissipated energy.
 """
 
 import math
@@ -45,10 +46,10 @@ EVOLUTION_FIGURES = (
 
 @dataclass(frozen=True, eq=False)
 class LoopPair:
-    """One measured cycle and the simulated cycle compared with it.
+    """One measured cycle in all its repeats, and the simulated cycle compared with it.
 
-    `simulated` (2, PHASES) and `measured` (repeats, 2, PHASES) hold displacement in µm and tangential force in N over
-    the phase; the figures are those of `analyse_loop`.
+    repeats: their numbers. simulated: (2, PHASES) displacement in µm and tangential force in N at even phases, from
+    mid-stroke towards +x. measured: (repeats, 2, PHASES).
     """
 
     cycle: int
@@ -61,9 +62,8 @@ class LoopPair:
 
 
 def loop_pairs(result: RunResult, record: AnyRecord) -> tuple[tuple[LoopPair, ...], tuple[str, ...]]:
-    """Pairs of a measured and a simulated loop for all common cycles, and sentences on what was left out.
-
-    Simulated loops are the readings of the study's sensors.
+    """Pairs of a measured and a simulated loop for all common cycles, and sentences on what was left out. Simulated
+    loops are as the study's sensors read them; cycles are common if neither is more than NEAR times the other.
     """
     pairs, notes, missing = [], [], []
     loops = read_loops(result)
@@ -144,11 +144,12 @@ def _on_phase(loop: Loop | MeasuredLoop, figures: LoopFigures) -> Array:
 
 @dataclass(frozen=True)
 class Difference:
-    """One row of the table of differences; None stands for a value that does not exist.
+    """One row of the table of differences; None for a value that does not exist.
 
-    `measured` is the mean of the repeats. `scatter` is the standard deviation of one test, pooled over the cycles of a
-    quantity; for loops it is at least what noise alone gives. `in_scatter` is difference/scatter. `basis` is "repeats",
-    or with a single repeat "one loop's uncertainty", in which case `in_scatter` is not computed, or "none".
+    source: "loops", "evolution" or a scar. quantity, unit: for readers. cycle: None for the whole test. measured: mean
+    of the repeats. difference: simulated less measured, or a root mean square. scatter: standard deviation of one test,
+    pooled over the cycles; for loops at least what noise alone gives. in_scatter: difference over scatter. basis:
+    "repeats"; for a single repeat "one loop's uncertainty", and then in_scatter is None; or "none".
     """
 
     source: str
@@ -169,7 +170,9 @@ class Difference:
 
 
 def worst_differences(rows: Sequence[Difference]) -> list[Difference]:
-    """Largest difference of each quantity over its cycles, sorted by size in scatters and then in per cent."""
+    """The largest difference of each quantity over its cycles, sorted by size in scatters and then in per cent, largest
+    first.
+    """
     worst: dict[tuple[str, str], Difference] = {}
     for row in rows:
         key = row.source, row.quantity
@@ -179,7 +182,9 @@ def worst_differences(rows: Sequence[Difference]) -> list[Difference]:
 
 
 def loop_differences(pairs: Sequence[LoopPair]) -> list[Difference]:
-    """Differences of the figures of each matched loop, and rms distance in force of the loops at equal phase."""
+    """Differences of the figures of each pair of loops, and root mean square of the difference in force at equal
+    phase.
+    """
     rows: list[Difference] = []
     for quantity, unit, attribute, factor in _FIGURES:
         lines: list[tuple[int, float, Array, Array]] = []
@@ -221,7 +226,7 @@ def _distances(pairs: Sequence[LoopPair]) -> list[Difference]:
 
 
 def evolution_differences(result: RunResult, record: AnyRecord) -> list[Difference]:
-    """Root mean square, over the record's cycles, of the difference in each column of the evolution."""
+    """Root mean square, over the cycles common to all repeats, of the difference in each column of the evolution."""
     rows = []
     for quantity, unit, name in EVOLUTION_FIGURES:
         cycles, tests = common_evolution(record, name)
@@ -241,7 +246,9 @@ def evolution_differences(result: RunResult, record: AnyRecord) -> list[Differen
 
 
 def common_evolution(record: AnyRecord, name: str) -> tuple[Array, Array]:
-    """Cycles (n,) at which all repeats have a value in the column `name`, and these values (repeats, n)."""
+    """Cycles (n,) at which all repeats have a value in the column `name`, and these values (repeats, n); empty if there
+    are none.
+    """
     series = []
     for part in record.evolution:
         known = np.isfinite(part.columns[name])
@@ -251,9 +258,7 @@ def common_evolution(record: AnyRecord, name: str) -> tuple[Array, Array]:
 
 
 def simulated_evolution(result: RunResult, name: str, cycles: Array) -> Array:
-    """Column `name` of the simulation at other cycles (n,), linear in log cycle; NaN beyond its first and last
-    cycle.
-    """
+    """Column `name` of the simulation at cycles (n,), linear in log cycle; NaN beyond its first and last cycle."""
     known = np.round(result.evolution["cycle"])
     known, first = np.unique(known, return_index=True)
     if not known.size:
@@ -263,7 +268,9 @@ def simulated_evolution(result: RunResult, name: str, cycles: Array) -> Array:
 
 
 def scar_differences(pairs: Iterable[ScarPair]) -> list[Difference]:
-    """Differences in worn volume, depth and lengths of each body's scar, and rms difference of its depth map."""
+    """Differences in worn volume, depth and lengths of each body's scar, and root mean square of the difference in
+    depth.
+    """
     rows = []
     for pair in pairs:
         source, covered = f"scar, {pair.name}", np.isfinite(pair.measured).all(axis=0)

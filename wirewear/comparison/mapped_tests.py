@@ -37,7 +37,9 @@ REGIMES: tuple[RegimeOfTest, ...] = ("partial slip", "mixed", "gross slip")
 
 @dataclass(frozen=True)
 class SlidingMap:
-    """Sliding criteria of one cycle, means over the repeats: A = E_d/(4 δa Q*), B = E_d/(4 δ0 Q*)."""
+    """Sliding criteria of one cycle, means over the repeats: energy_ratio A = E_d/(4 δa Q*), system_free_ratio B =
+    E_d/(4 δ0 Q*).
+    """
 
     cycle: int
     energy_ratio: float
@@ -54,7 +56,7 @@ class WornTest:
 
 @dataclass(frozen=True, eq=False)
 class MappedTest:
-    """One test with one or several repeats."""
+    """One test with one or several repeats, as a point of maps."""
 
     name: str  #: Title of the test.
     source: Source | Literal["record"]  #: Origin of the data; "record" if a record does not state it.
@@ -87,10 +89,8 @@ class MappedTest:
 
 def lines_of(tests: Iterable[MappedTest]) -> tuple[RegressionLine | None, RegressionLine | None]:
     """Two regression lines of worn volume over friction energy of all repeats: through the origin, and with a
-    threshold.
-
-    Both are None if no repeat states both figures. The second is also None if there are fewer than three repeats, or if
-    their energies differ by less than a factor of 1.5.
+    threshold. Both are None if no repeat states both. The second is also None if there are fewer than three repeats, or
+    if their energies differ by less than a factor of 1.5.
     """
     worn = [one for test in tests for one in test.worn if one.energy_J > 0.0]
     if not worn:
@@ -113,11 +113,9 @@ def _figures(loops: Sequence[MeasuredLoop], load_N: float) -> list[tuple[int, Lo
 
 
 def fretting_tests(path: Path) -> list[MappedTest]:
-    """The test of a record, or the tests of a result, one for each variant.
-
-    Line contacts are given for one millimetre of their length.
-    Raises RecordError if the record cannot be read, or none of its loops can be analysed; ResultError if the result
-    cannot be read.
+    """The test of a record, or the tests of a result, one for each variant; line contacts for one millimetre of their
+    length. path: folder of a record, or file or folder of results. Raises RecordError if the record cannot be read, or
+    none of its loops can be analysed; ResultError if the result cannot be read.
     """
     if path.name != TABLE_FILE_NAME and not (path / TABLE_FILE_NAME).is_file():
         require_no_other(path, RecordError, Held.RECORD, Held.RUN)
@@ -172,9 +170,8 @@ def _of_result(result: RunResult, path: Path) -> MappedTest:
 
 
 def completed(test: MappedTest, loops: Sequence[tuple[int, LoopFigures]]) -> MappedTest:
-    """Copy of the test with the figures that its loops give; `loops` holds pairs of cycle and figures.
-
-    Raises RecordError if there are no loops.
+    """Copy of the test with the figures of its loops; loops: pairs of cycle and figures. Raises RecordError if there
+    are none.
     """
     if not loops:
         raise RecordError(f"none of the loops of {test.path} can be analysed.")
@@ -198,8 +195,8 @@ def _sliding(cycle: int, loops: Sequence[LoopFigures]) -> SlidingMap:
 
 
 def worn_in(record: AnyRecord) -> tuple[WornTest, ...]:
-    """Energy and worn volume of each repeat that has both bodies' scars and an energy, per mm of length for line
-    contacts.
+    """Friction energy and worn volume of each repeat that shows both bodies' scars and an energy; per mm of a line
+    contact's length.
     """
     volumes, per = [*record.worn_volumes_mm3.values()], record.tables.extent.share
     return tuple(

@@ -44,8 +44,8 @@ POINTS, MOST_LINES = 41, 5  #: Loads of a line in partial slip; lines at most, w
 class FreshContact:
     """Contact of two bodies before they wear.
 
-    Elastic constants, curvatures of the gap along its two principal directions in 1/mm, coefficient of friction,
-    compliance of the rig in µm/N, normal load in N.
+    bodies: their elastic constants. gap_per_mm: curvatures of the gap along its two principal directions in 1/mm.
+    friction: coefficient. rig_um_per_N: compliance of the rig.
     """
 
     bodies: tuple[Elastic, Elastic]
@@ -56,15 +56,14 @@ class FreshContact:
 
     @property
     def ball_diameter_mm(self) -> float:
-        """Diameter of the ball on a flat whose gap has the same geometric mean curvature.
-
-        For equal wires crossed at right angles it is the wire diameter.
+        """Diameter of the ball on a flat whose gap has the same geometric mean curvature: of equal wires at right
+        angles, the wires' diameter.
         """
         small, large = self.gap_per_mm
         return float(1.0 / (small * large) ** 0.5)
 
     def at(self, load_N: float) -> tuple[PartialSlipPoint, float]:
-        """Cattaneo–Mindlin contact under a normal load, on a circle of equal area, and its peak pressure in MPa."""
+        """The Cattaneo–Mindlin contact under a normal load, on a circle of equal area, and its peak pressure in MPa."""
         first, second = self.bodies
         hertz = hertz_elliptic(load_N, *self.gap_per_mm, contact_modulus(first, second))
         modulus = tangential_contact_modulus(first, second)
@@ -73,10 +72,10 @@ class FreshContact:
 
 @dataclass(frozen=True)
 class RunningConditions:
-    """Transition to gross slip over load.
+    """Transition to gross slip at n loads.
 
-    Loads (n,) in N, and displacement amplitudes (n,) in µm from which the contact alone (`contact_um`), and the contact
-    with its rig (`test_um`), slide as a whole.
+    contact_um, test_um: (n,) displacement amplitudes from which the contact alone, and the contact with its rig, slide
+    as a whole.
     """
 
     normal_load_N: Array
@@ -85,7 +84,7 @@ class RunningConditions:
 
 
 def fresh_contact(study: Mapping[str, object]) -> FreshContact | None:
-    """Fresh contact of a resolved study; None if the study states too little, has no friction, or is of a pad."""
+    """The unworn contact of a resolved study; None if the study states too little, has no friction, or is of a pad."""
     try:
         stated = point_study(study, "the study")
     except StudyError:
@@ -104,33 +103,32 @@ def fresh_contact(study: Mapping[str, object]) -> FreshContact | None:
 
 
 def running_conditions(study: Mapping[str, object]) -> RunningConditions | None:
-    """Transition to gross slip of a resolved study over LOADS times its load; None where `fresh_contact` gives None."""
+    """Transition to gross slip of a resolved study at LOADS times its load; None if `fresh_contact` gives None."""
     contact = fresh_contact(study)
     return None if contact is None else transition(contact, contact.normal_load_N * LOADS)
 
 
 def transition(contact: FreshContact, loads_N: ArrayLike) -> RunningConditions:
-    """Displacement amplitudes from which a contact slides as a whole, alone and with its rig, at these loads
-    (n,) in N.
-    """
+    """Displacement amplitudes from which a contact slides as a whole, alone and with its rig, at loads (n,) in N."""
     loads = np.asarray(loads_N, dtype=np.float64)
     own = np.array([1e3 * contact.at(float(load))[0].full_slip_displacement_mm for load in loads])
     return RunningConditions(loads, own, own + contact.rig_um_per_N * contact.friction * loads)
 
 
 def energy_ratio(energy_mJ: Array, amplitude_um: Array, force_N: Array) -> Array:
-    """A = E_d/(4 δa Q*): 1 for a rectangular loop, 0.2 at the transition to gross slip, 0 for a line; NaN if δa or Q*
-    is 0.
+    """Ratio A = E_d/(4 δa Q*), (n,): 1 for a rectangular loop, 0.2 at the transition to gross slip, 0 for a line; NaN
+    if δa or Q* is 0.
     """
     box = 4e-3 * amplitude_um * force_N
     return np.divide(energy_mJ, box, out=np.full_like(energy_mJ, np.nan), where=box > 0.0)
 
 
 def slides(energy_mJ: Array, amplitude_um: Array, slip_um: Array, force_N: Array) -> BoolArray:
-    """True for contacts (n,) that slide as a whole.
+    """True for contacts (n,) that slide as a whole, by any of three criteria.
 
-    Any of three criteria suffices: the energy ratio A; the loop's width over its stroke, for scars whose slopes add to
-    the force; or the ratio B, for compliant rigs that take most of the stroke.
+    energy_mJ, amplitude_um, slip_um, force_N: (n,) of the loops. The criteria: the energy ratio A; the loop's width
+    over its stroke, for scars whose slopes add to the force; the ratio B, for compliant rigs that take most of the
+    stroke.
     """
     wide = slip_um / amplitude_um > TRANSITION / SYSTEM_FREE_TRANSITION
     full = energy_ratio(energy_mJ, slip_um, force_N) > FULL
@@ -140,7 +138,9 @@ def slides(energy_mJ: Array, amplitude_um: Array, slip_um: Array, force_N: Array
 
 @dataclass(frozen=True)
 class TensionLine:
-    """Amplitudes (n,) in µm and loads (n,) in N at which the tension at the contact's edge reaches `tension_MPa`."""
+    """Displacement amplitudes (n,) in µm and loads (n,) in N at which the tension at the contact's edge reaches
+    `tension_MPa`.
+    """
 
     tension_MPa: float
     displacement_um: Array
@@ -148,10 +148,9 @@ class TensionLine:
 
 
 def edge_tension(contact: FreshContact) -> Array:
-    """Largest tension at the trailing edge over the peak pressure, for each of SHARES of the sliding force.
-
-    It is that of the body with the larger tension: from (1 − 2ν)/3 without a tangential force to (1 − 2ν)/3 + µπ(4 +
-    ν)/8 in gross slip (Hamilton 1983).
+    """Largest tension at the trailing edge over the peak pressure, for each of SHARES of the sliding force (61,); of
+    both bodies, the larger one. It rises from (1 − 2ν)/3 without a tangential force to (1 − 2ν)/3 + µπ(4 + ν)/8 in
+    gross slip (Hamilton 1983).
     """
     stick = np.maximum(np.cbrt(1.0 - SHARES), 1e-6)
     found: Array = np.max(
@@ -186,9 +185,9 @@ def tension_at(contact: FreshContact, displacement_um: float, load_N: float) -> 
 def tension_lines(
     contact: FreshContact, reach_um: float, loads_N: tuple[float, float], tensions_MPa: Sequence[float] = ()
 ) -> list[TensionLine]:
-    """Lines of equal tension up to the displacement `reach_um`, between two loads; of round values if none are given.
-
-    Where the contact slides as a whole a line goes on at constant load, as the tension grows no further.
+    """Lines of equal tension up to the displacement `reach_um`, between two loads in N; tensions_MPa: by default round
+    values. Where the contact slides as a whole a line goes on at constant load, as the tension grows no further.
+    Tensions that no load reaches have no line.
     """
     shape = edge_tension(contact)
     peaks = [contact.at(load)[1] for load in loads_N]
@@ -243,7 +242,7 @@ class RegressionLine:
 
 
 def line_through_origin(energy_J: ArrayLike, volume_mm3: ArrayLike) -> RegressionLine:
-    """Line V = α ΣE_d through tests (n,), n ≥ 1, with some energy above 0 (Fouvry et al., Wear 255 (2003) 287)."""
+    """The line V = α ΣE_d through tests (n,), n ≥ 1, with some energy above 0 (Fouvry et al., Wear 255 (2003) 287)."""
     x, y = np.asarray(energy_J, dtype=np.float64), np.asarray(volume_mm3, dtype=np.float64)
     # Squares of energies that next to no friction leaves would vanish.
     largest = float(np.abs(x).max())
@@ -258,9 +257,8 @@ def line_through_origin(energy_J: ArrayLike, volume_mm3: ArrayLike) -> Regressio
 
 
 def line_with_threshold(energy_J: ArrayLike, volume_mm3: ArrayLike) -> RegressionLine:
-    """Line V = α (ΣE_d − E_th) through tests (n,), n ≥ 3, with different energies.
-
-    The threshold's interval propagates the errors of slope and mean to first order.
+    """The line V = α (ΣE_d − E_th) through tests (n,), n ≥ 3, with different energies. The threshold's interval
+    propagates the errors of slope and mean to first order.
     """
     x, y = np.asarray(energy_J, dtype=np.float64), np.asarray(volume_mm3, dtype=np.float64)
     middle, mean = float(x.mean()), float(y.mean())

@@ -27,8 +27,8 @@ class Registration:
     """Position of the measured scar in the frame of the simulated one, each number with its standard deviation.
 
     A point (x, y) of the simulated frame is found in the measured map by turning it by `rotation_deg` about the origin
-    and then shifting it by (shift_x_um, shift_y_um). `rotation_held` is True for a scar too round to show a rotation,
-    which is then 0.
+    and then shifting it by (shift_x_um, shift_y_um). rotation_held: True for a scar too round to show a rotation, and
+    for profiles; the rotation is then 0.
     """
 
     shift_x_um: float
@@ -40,21 +40,22 @@ class Registration:
     rotation_held: bool
 
     def measured_point(self, x_um: Array, y_um: Array) -> tuple[Array, Array]:
-        """Coordinates in the measured map of points given in the simulated frame."""
+        """Coordinates in µm in the measured map of points given in the simulated frame."""
         cosine, sine = np.cos(np.radians(self.rotation_deg)), np.sin(np.radians(self.rotation_deg))
         return x_um * cosine - y_um * sine + self.shift_x_um, x_um * sine + y_um * cosine + self.shift_y_um
 
     def simulated_point(self, x_um: Array, y_um: Array) -> tuple[Array, Array]:
-        """Coordinates in the simulated frame of points given in the measured map."""
+        """Coordinates in µm in the simulated frame of points given in the measured map."""
         cosine, sine = np.cos(np.radians(self.rotation_deg)), np.sin(np.radians(self.rotation_deg))
         x, y = x_um - self.shift_x_um, y_um - self.shift_y_um
         return x * cosine + y * sine, y * cosine - x * sine
 
 
 def register(measured: MeasuredScar | MeasuredProfile, simulated: Scar) -> Registration:
-    """Least-squares registration of a measured map of depths, or of a profile along x only, to the simulated scar.
+    """Least-squares registration of a measured map of depths, or a profile along x only, to the simulated scar.
 
-    The search starts from the maps as they are and from coinciding centroids; the better result is taken.
+    The search starts from the maps as they are, from coinciding centroids and from several rotations; the best result
+    is taken.
     """
     lines_x, lines_y, field = measured.field
     x, y = (grid.ravel() for grid in np.meshgrid(lines_x, lines_y, indexing="ij"))
@@ -73,8 +74,8 @@ def register(measured: MeasuredScar | MeasuredProfile, simulated: Scar) -> Regis
 def onto_simulated(
     measured: MeasuredScar | MeasuredProfile, registration: Registration, x_um: Array, y_um: Array
 ) -> Array:
-    """Measured depth in µm (n_x, n_y) at grid lines x (n_x,) and y (n_y,) of the simulated frame; NaN outside
-    the map.
+    """Measured depths (n_x, n_y) in µm at grid lines x (n_x,) and y (n_y,) of the simulated frame; NaN outside the
+    map.
     """
     lines_x, lines_y, field = measured.field
     at = registration.measured_point(*np.meshgrid(x_um, y_um, indexing="ij"))
@@ -137,11 +138,12 @@ def _fit(simulated: Scar, points: tuple[Array, Array, Array], start: Array, free
 
 @dataclass(frozen=True, eq=False)
 class ScarPair:
-    """Simulated and measured scar of one body at the end of the test, in the simulated frame.
+    """Simulated and measured scar of one body at the end of the test, in the simulated frame, over x_um (n_x,) and y_um
+    (n_y,); a line contact has one line y.
 
-    Depths are in µm over `x_um` (n_x,) and `y_um` (n_y,); a line contact has one line y. `simulated` has the shape
-    (n_x, n_y), `measured` (repeats, n_x, n_y), NaN outside a map. Volumes and `spans_um` (lengths in µm by name,
-    simulated then measured, one value a repeat) are of each map, and of the simulated scar at that map's points.
+    repeats, registrations: of each measured scar. simulated: (n_x, n_y) depths in µm. measured: (repeats, n_x, n_y)
+    depths in µm, NaN outside a map. *_volumes_mm3: of each measured map, and of the simulated scar at that map's
+    points. spans_um: by name of a length, simulated and measured values in µm, each (repeats,).
     """
 
     wire: str
@@ -186,7 +188,7 @@ class ScarPair:
 
 
 def scar_pairs(result: RunResult, record: AnyRecord) -> tuple[tuple[ScarPair, ...], tuple[str, ...]]:
-    """Pairs of simulated and measured scars of each body that has both at the end, and sentences on what was
+    """Pairs of the simulated and the measured scars of each body that has both at the end, and sentences on what was
     left out.
     """
     pairs, notes = [], []

@@ -37,9 +37,11 @@ class Estimate:
 
 
 def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispersion: float) -> dict[str, Estimate]:
-    """Parameters of a fitted effect by name, with 95 % intervals. coordinates, deviations: (p,) of the fit and their
-    standard deviations. dispersion: factor on the variances by the fit's misfit. Intervals are also widened by the
-    calibrated factor. Held parameters have their expected value and range.
+    """Parameters of a fitted effect by name, with 95 % intervals.
+
+    coordinates, deviations: (p,) of the fit and their standard deviations. dispersion: factor on the variances by the
+    fit's misfit. Intervals are also widened by the calibrated factor. Held parameters have their expected value and
+    range.
     """
     found, stretch = {}, _STRETCH
     for i, (name, parameter) in enumerate(candidate.parameters.items()):

@@ -45,9 +45,11 @@ NO_BODIES = "a joint states no bodies: there is no full simulation that could co
 
 def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) -> Diagnosed:
     """The diagnosis with the shrink that the full simulation with the leading effects achieves; unchanged if there are
-    none. Loops are compared, and profiles of line contacts. If the gap of wires shows in scars alone, or there are no
-    bodies to simulate, a note says so. observer_of: gives the observer of the run of a name. Raises StudyError or
-    SolverError if the simulation with the effects cannot be run.
+    none.
+
+    Loops are compared, and profiles of line contacts. If the gap of wires shows in scars alone, or there are no bodies
+    to simulate, a note says so. observer_of: gives the observer of the run of a name. Raises StudyError or SolverError
+    if the simulation with the effects cannot be run.
     """
     best = diagnosed.search.best
     if diagnosed.diagnosis.verdict == "no_gap" or not best.candidates:
@@ -114,8 +116,8 @@ def course_of_loops(
     read: Sequence[Loop], cycles: Array, profiles: Mapping[str, tuple[Array, Array]] | None = None
 ) -> PredictedLoops:
     """Loops of a full simulation in the form of the fast model: two branches for each of `cycles` (n,), from the
-    nearest logged loop.
-    profiles: positions and depths in µm by body; none by default. Slip, energy, volume and skew are NaN, scars 1.
+    nearest logged loop. profiles: positions and depths in µm by body; none by default. Slip, energy, volume and skew
+    are NaN, scars 1.
     """
     loops = {loop.cycle: loop for loop in read}
     x, q, p = (np.empty((cycles.size, 2, _POINTS)) for _ in range(3))

@@ -59,6 +59,7 @@ class PreparedRecord:
 
     def nominal(self, observer_of: ObserverOf | None = None) -> tuple[WearStates, SurrogateInputs, tuple[str, ...]]:
         """Wear states of the study's nominal run, its inputs of the fast model, and sentences on what limits both.
+
         observer_of: gives the observer of the run of a name. Raises StudyError or SolverError if the study cannot be
         run.
         """
@@ -76,9 +77,11 @@ class PreparedRecord:
         return states, model.inputs(tables), limits
 
     def reduced(self, observer_of: ObserverOf | None = None, stage: Stage = nullcontext) -> ReducedRecord:
-        """Observables of the record, and its nominal model under the drive's measured motion. observer_of: gives the
-        observer of the run of a name. stage: entered for each step of the work. Raises RecordError if nothing can be
-        concluded from the record, or no loop can be read; StudyError or SolverError if the study cannot be run.
+        """Observables of the record, and its nominal model under the drive's measured motion.
+
+        observer_of: gives the observer of the run of a name. stage: entered for each step of the work. Raises
+        RecordError if nothing can be concluded from the record, or no loop can be read; StudyError or SolverError if
+        the study cannot be run.
         """
         with stage("checking the record"):
             checked = remarks_of(self.record)
@@ -94,9 +97,11 @@ def prepared(
     record: AnyRecord, model: AnyStudy | None = None, further: Sequence[AnyRecord] = ()
 ) -> tuple[PreparedRecord, ...]:
     """A record with the study that it states, or with `model`, and after it further records of the same rig with their
-    own. Of a programme, each is of the block with the longest stroke, unless it is of one block already. Raises
-    RecordError if a record states too little; if the model is of another test or kind of contact; if a further record
-    is of another kind of contact, or holds the first one's own loops.
+    own.
+
+    Of a programme, each is of the block with the longest stroke, unless it is of one block already. Raises RecordError
+    if a record states too little; if the model is of another test or kind of contact; if a further record is of another
+    kind of contact, or holds the first one's own loops.
     """
     record, further = record.of_block(), [other.of_block() for other in further]
     first = _prepared(record, model)

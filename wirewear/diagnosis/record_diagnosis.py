@@ -69,12 +69,13 @@ def diagnose(
     left_out: Sequence[str] = (),
     stage: Stage = nullcontext,
 ) -> Diagnosed:
-    """Diagnose a record against the model built from it, or against `model`. further: other records of the same rig,
-    which update the answer to the first one. observer_of: gives the observer of the run of a name. left_out: names of
-    effects that are not considered. stage: entered for each step of the work, with its name. Raises RecordError if a
-    record states too little or has no loops that can be read, if the model is of another test, or if a further record
-    is of another kind of contact or holds the first one's own loops; StudyError or SolverError if a nominal model
-    cannot be run, or an effect left out is unknown.
+    """Diagnose a record against the model built from it, or against `model`.
+
+    further: other records of the same rig, which update the answer to the first one. observer_of: gives the observer of
+    the run of a name. left_out: names of effects that are not considered. stage: entered for each step of the work,
+    with its name. Raises RecordError if a record states too little or has no loops that can be read, if the model is of
+    another test, or if a further record is of another kind of contact or holds the first one's own loops; StudyError or
+    SolverError if a nominal model cannot be run, or an effect left out is unknown.
     """
     return diagnose_prepared(prepared(record, model, further), observer_of=observer_of, left_out=left_out, stage=stage)
 
@@ -123,8 +124,8 @@ def judged(
     found: Search,
     further: Sequence[AnyRecord] = (),
 ) -> Diagnosed:
-    """Diagnosis of a record from the result of a search.
-    study, states, observed: of the record. further: the records that updated the search.
+    """Diagnosis of a record from the result of a search. study, states, observed: of the record. further: the records
+    that updated the search.
     """
     setup = found.problem.setup
     near = [*relevant(found.singles), *found.pairs]

@@ -161,8 +161,8 @@ def steps(diagnosis: Diagnosis) -> list[tuple[str, str]]:
 
 def next_measurement(diagnosis: Diagnosis, least: float = 0.02) -> tuple[str, list[tuple[str, float, str]]] | None:
     """The next measurement for readers, and for each effect that it distinguishes its name, probability and what it
-    would show, most probable first.
-    None if no two of these effects have at least the probability `least` each, apart from effects that act together.
+    would show, most probable first. None if no two of these effects have at least the probability `least` each, apart
+    from effects that act together.
     """
     asked, causes = diagnosis.next_measurement, diagnosis.causes
     known = {cause.effect: cause.probability for cause in causes}
@@ -198,8 +198,8 @@ def sentence_of(
     relevance: Relevance | None = None,
     behind: Sequence[Cause] = (),
 ) -> str:
-    """The answer of a diagnosis in one or two sentences; arguments as the fields of `Diagnosis`.
-    behind: causes of a difference that lies within the tolerance.
+    """The answer of a diagnosis in one or two sentences; arguments as the fields of `Diagnosis`. behind: causes of a
+    difference that lies within the tolerance.
     """
     if verdict == "no_gap":
         return _agreement(relevance, behind[0] if behind else None)
@@ -296,8 +296,8 @@ def of_scatter(contradicted: Sequence[str]) -> tuple[str, ...]:
 def of_the_record(
     record: AnyRecord, setup: SurrogateInputs, observed: Observations, shrink: Shrink, wrong: Fit | None
 ) -> tuple[str, ...]:
-    """Sentences on what the record lacks, and on what the answer therefore cannot say.
-    wrong: fit of the best effect of another class; None if there is none.
+    """Sentences on what the record lacks, and on what the answer therefore cannot say. wrong: fit of the best effect of
+    another class; None if there is none.
     """
     notes = list(observed.notes[:5])
     placebo = shrink.best_wrong_effect

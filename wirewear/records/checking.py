@@ -62,9 +62,8 @@ _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
 
 
 def support(checked: CheckedRecord, spoilt: bool) -> Iterator[Verdict]:
-    """Verdicts on conclusions: True if the record supports one, and a sentence on it.
-
-    spoilt: the record has problems, which is added as a restriction.
+    """Verdicts on possible conclusions from a record: whether it supports each, and a sentence. spoilt: True if the
+    record has problems, which adds a restriction.
     """
     record = checked.record
     yield from _loops(checked)
@@ -200,7 +199,9 @@ def _model(record: AnyRecord) -> Verdict:
 
 
 def check_record(record: AnyRecord) -> RecordReport:
-    """Check units, times, channels, cycle lists, outliers, repeats, drift, saturation and closure of a record."""
+    """Report on units, times, channels, cycle lists, outliers, repeats, drift, saturation and closure of a record, and
+    on the conclusions that it supports; of a programme, for the block with the longest stroke.
+    """
     record = record.of_block()
     checked = looked_at(record)
     remarks = [Remark("note", TABLE_FILE_NAME, f"{note}.") for note in record.notes]
@@ -221,7 +222,7 @@ def check_record(record: AnyRecord) -> RecordReport:
 
 
 def looked_at(record: AnyRecord) -> CheckedRecord:
-    """Record with statistics of all its loops, and the figures of a choice of them."""
+    """The record with statistics of all its loops, and figures of at most MOST_ANALYSED of them."""
     figures: dict[tuple[int, int], LoopFigures] = {}
     refused: dict[tuple[int, int], str] = {}
     for loop in analysed(record.loops):
@@ -233,18 +234,12 @@ def looked_at(record: AnyRecord) -> CheckedRecord:
 
 
 def problems_of(record: AnyRecord) -> tuple[str, ...]:
-    """Problems of a record as sentences.
-
-    Raises RecordError if one of them forbids any conclusion.
-    """
+    """Problems of a record, a sentence for each. Raises RecordError if one of them forbids any conclusion."""
     return tuple(remark.text for remark in remarks_of(record) if remark.level == "problem")
 
 
 def remarks_of(record: AnyRecord) -> tuple[Remark, ...]:
-    """Problems and notes of a record.
-
-    Raises RecordError if a problem forbids any conclusion.
-    """
+    """Problems and notes of a record. Raises RecordError if a problem forbids any conclusion."""
     report = check_record(record)
     for problem in report.problems:
         if problem.refuses:
@@ -257,7 +252,7 @@ def remarks_of(record: AnyRecord) -> tuple[Remark, ...]:
 
 
 def analysed(loops: Sequence[MeasuredLoop]) -> list[MeasuredLoop]:
-    """At most MOST_ANALYSED loops, evenly chosen, to be analysed in full."""
+    """At most MOST_ANALYSED of these loops, evenly chosen, first and last included."""
     count = len(loops)
     places = sorted(set(np.linspace(0, count - 1, min(count, MOST_ANALYSED)).round().astype(int).tolist()))
     return [loops[place] for place in places]

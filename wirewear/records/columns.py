@@ -14,7 +14,10 @@ from wirewear.base.words import shown
 
 @dataclass(frozen=True)
 class Column:
-    """Column of numbers from `low` to `high`; empty fields and NaN are missing values, not allowed if `complete`."""
+    """Column of numbers from `low` to `high`; empty fields and NaN are missing values.
+
+    whole: whole numbers only. complete: no missing values. optional: the column may be absent.
+    """
 
     name: str
     low: float
@@ -39,7 +42,7 @@ class Column:
 
 @dataclass(frozen=True)
 class ColumnTable:
-    """Columns (n,) of a file by name, with the lines on which their rows stand."""
+    """Columns (n,) of a file by name. order: row of the file in which each row stood; None if unchanged."""
 
     path: Path
     columns: dict[str, Array]
@@ -51,15 +54,15 @@ class ColumnTable:
         return len(next(iter(self.columns.values())))
 
     def line(self, row: int) -> int:
-        """Number of the file's line on which this row stands, counted from 1."""
+        """Number of the file's line, counted from 1, of the table's row `row`, counted from 0."""
         return self.numbers.line(row if self.order is None else int(self.order[row]))
 
 
 def read_columns(path: Path, wanted: Sequence[Column]) -> ColumnTable:
     """Wanted columns of a CSV file whose first line names them, in any order; other columns are ignored.
 
-    Raises RecordError if the file cannot be read, lacks a column that is not optional, or holds a value that is not
-    allowed.
+    Raises RecordError if the file cannot be read, has no rows, lacks a column that is not optional, or holds a value
+    that is not allowed.
     """
     text = read_delimited(path)
     names = _names(text)
@@ -74,9 +77,8 @@ def read_columns(path: Path, wanted: Sequence[Column]) -> ColumnTable:
 
 
 def column_names(path: Path, layout: DelimitedLayout) -> tuple[str, ...]:
-    """Names of a delimited text's columns.
-
-    Raises RecordError if the file cannot be read, or its first line names no columns.
+    """Names of a delimited text's columns in their order. Raises RecordError if the file cannot be read, or the line of
+    names is empty or names a column twice.
     """
     return _names(read_delimited(path, layout))
 

@@ -35,7 +35,7 @@ class RecordContact(keys.Table):
 
 
 class RecordBody(MaterialKeys, CoatedBody):
-    """Body with its elastic constants, and its size between contact and grip, None if unknown."""
+    """Body of a line contact with its elastic constants, and its size between contact and grip; None if unknown."""
 
     height_mm: Extent | None = Field(None, description="height between the contact and where the body is held")
     half_width_mm: Extent | None = Field(None, description="half of the body's width along the motion")
@@ -46,7 +46,9 @@ class RecordPad(PadFace, RecordBody):
 
 
 class LineStated(tables.StatedRig, WearOfBodies, tables.StatedLaw, tables.StatedFriction):
-    """Statements of the rig's owner; unstated properties are taken as ideal."""
+    """Statements of the rig's owner about a line contact's rig, friction and wear; unstated properties are taken as
+    ideal.
+    """
 
     stiffness_includes: Annotated[Literal["rig only", "bodies"], PlainValidator(keys.one_of("rig only", "bodies"))] = (
         Field(
@@ -56,7 +58,7 @@ class LineStated(tables.StatedRig, WearOfBodies, tables.StatedLaw, tables.Stated
     )
 
     def with_fitted(self, fitted: Mapping[str, object]) -> Self:
-        """These tables with fitted values: a fitted energy coefficient replaces Archard's, a fitted stiffness is the
+        """Copy with fitted values by key: a fitted energy coefficient replaces Archard's, a fitted stiffness is the
         rig's alone.
         """
         energy, archard = "energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m"
@@ -105,7 +107,7 @@ class LineTest(OfRecord):
 
     @property
     def shares(self) -> dict[str, float]:
-        """Share of the worn volume that each body loses, by the stated wear coefficients; halves if none is stated."""
+        """Share of the worn volume that each body loses, by the stated wear coefficients; 0.5 if none is stated."""
         stated = {body: getattr(self.stated, f"{body}_energy_wear_coefficient_mm3_per_J") or 0.0 for body in BODIES}
         total = sum(stated.values())
         return {body: own / total if total > 0.0 else 0.5 for body, own in stated.items()}
@@ -120,7 +122,9 @@ class LineTest(OfRecord):
 
     @classmethod
     def length_of(cls, study: Mapping[str, object], asked_mm: float | None, label: str) -> float:
-        """Length that is asked for, or else that of the study. Raises RecordError if both are missing."""
+        """Length in mm that is asked for, or else the study's. Raises RecordError if the study's is 1 mm, as forces are
+        then per millimetre, and none is asked for.
+        """
         if not asked_mm and (own := stated_length_mm(study)) == 1.0:
             raise RecordError(f"the forces of {label} are per millimetre: give its --length for a record.")
         return asked_mm or own
@@ -142,7 +146,7 @@ class LineTest(OfRecord):
 
     @classmethod
     def stated_by(cls, study: Mapping[str, object]) -> dict[str, object]:
-        """Values that a study states; a body without a wear coefficient does not wear."""
+        """Values by key that a study states; wear coefficients of 0 are left out."""
         return {key: value for key, value in super().stated_by(study).items() if value or key not in LineStated.WEAR}
 
     @property
@@ -154,9 +158,8 @@ class LineTest(OfRecord):
         }
 
     def with_bodies(self, data: dict[str, object]) -> dict[str, object]:
-        """Study tables with pad and specimen added; unstated heights are assumed.
-
-        Raises RecordError if the bodies alone are no stiffer than the stated stiffness that includes them.
+        """Tables of a study with pad and specimen added; heights that are not stated are assumed. Raises RecordError if
+        the bodies alone are no stiffer than the stated stiffness that includes them.
         """
         data["contact"] = {**table_of(data, "contact"), "length_mm": self.length_mm}
         heights = self.assumed_heights_mm
@@ -172,11 +175,9 @@ class LineTest(OfRecord):
 
     @property
     def assumed_heights_mm(self) -> dict[str, float]:
-        """Assumed heights in mm by body, for those that state none: the default of studies, for a pad at most its
-        width.
-
-        A block is sheared by friction; a column would bend, with a compliance that goes with the cube of an unknown
-        height.
+        """Assumed heights in mm of the bodies that state none, by body: the default of studies, for a pad at most its
+        width. A block is sheared by friction; a column would bend, with a compliance that goes with the cube of an
+        unknown height.
         """
         width = 2.0 * (self.pad.half_width_mm or half_width_of(self.pad.profile))
         usual = {"pad": min(Pad.model_fields["height_mm"].default, width)}
@@ -185,8 +186,8 @@ class LineTest(OfRecord):
 
     @property
     def doubts_bodies(self) -> bool:
-        """True if the compliance between rig and contact is uncertain; a stated stiffness that includes the bodies
-        settles it.
+        """True if the compliance between rig and contact is uncertain: a height is assumed, and no stated stiffness
+        includes the bodies.
         """
         stated = self.stated
         whole = stated.stiffness_includes == "bodies" and stated.tangential_stiffness_N_per_mm != "rigid"
@@ -210,7 +211,7 @@ class LineTest(OfRecord):
         return 1.0 / (1.0 / whole - 1.0 / of_bodies)
 
     def require_whole(self, where: str) -> None:
-        """Check that the pad has exactly one face. Raises RecordError if not."""
+        """Raise RecordError if the pad has no face, or more than one; where: names the file in the message."""
         if (wanted := self.pad.missing_face(self.contact.kind)) is not None:
             raise RecordError(f"[pad] of {where} does not say which face the pad has: {wanted}.")
 
@@ -222,7 +223,7 @@ class LineTest(OfRecord):
 
     @property
     def assumed(self) -> str:
-        """Empty, as assumed heights have a remark of their own."""
+        """ "", as assumed heights have a remark of their own."""
         return ""
 
 
@@ -244,7 +245,7 @@ class ContactAtAPoint(Table):
 
 
 class BodiesTest(PointTest, Generic[Bodies]):
-    """Test of two bodies as stated in a file."""
+    """Test of two bodies that touch at a point, as stated in a file."""
 
     of = TwoBodies
     worn = replace(
@@ -266,7 +267,7 @@ class BodiesTest(PointTest, Generic[Bodies]):
 
 
 class BodiesRecord(PointRecordTables, BodiesTest[Bodies], Generic[Bodies]):
-    """All tables of the experiment.toml of two bodies."""
+    """All tables of the experiment.toml of two bodies that touch at a point."""
 
     @classmethod
     def bodies_of(cls, study: Mapping[str, object], label: str) -> dict[str, object]:
@@ -292,11 +293,11 @@ class ContactOfJoint(JointStiffness):
 
 
 class ConditionsOfJoint(AskedOfJoint, tables.RecordConditions):
-    """Conditions asked of the rig; the normal load may be left out if the friction force is stated."""
+    """Conditions asked of a joint's rig; the normal load may be left out if the friction force is stated."""
 
 
 class StatedOfJoint(tables.StatedRig):
-    """Statements of the rig's owner; unstated properties are taken as ideal."""
+    """Statements of the owner of a joint's rig; unstated properties are taken as ideal."""
 
     WEAR: ClassVar[tuple[str, ...]] = ()
 
@@ -327,8 +328,8 @@ class JointTest(OfRecord):
 
     @classmethod
     def known(cls, data: dict[str, object], where: str) -> dict[str, object]:
-        """Tables with a stated friction force converted to a coefficient, force over load; an unknown load is set to
-        that force.
+        """A file's tables with a stated friction force converted to a coefficient, force over load; an unknown load is
+        set to that force. Raises RecordError if both friction and friction force are stated.
         """
         stated, conditions = data.get("stated"), data.get("conditions")
         force = stated.get(FRICTION_FORCE) if isinstance(stated, Mapping) else None
@@ -371,7 +372,7 @@ class JointTest(OfRecord):
 
     @property
     def contact_stiffness_N_per_um(self) -> float:
-        """Stiffness of the joint itself in N/µm, infinite if it is rigid."""
+        """Stiffness of the joint itself in N/µm; infinite if it is rigid."""
         stated = self.contact.contact_stiffness_N_per_mm
         return inf if stated == "rigid" else 1e-3 * float(stated)
 

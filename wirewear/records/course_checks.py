@@ -1,6 +1,6 @@
 """Checks of a record as a whole: its cycles, its repeats, and the drift of its figures over the test.
 
-Each check yields remarks on what it finds.
+Each check yields remarks on what it finds, none if all is well.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -31,8 +31,9 @@ _EVOLVING = {
 
 @dataclass(frozen=True)
 class OtherDefinition:
-    """Column of the evolution that differs from the figures of the record's loops by this median relative
-    difference.
+    """Column of the evolution that is defined otherwise than the figures of the record's loops.
+
+    share: median of the column's difference from these figures, relative to them.
     """
 
     column: str
@@ -49,9 +50,10 @@ class OtherDefinition:
 def other_definitions(
     loops: Mapping[tuple[int, int], tuple[MeasuredLoop, LoopFigures]], evolution: Sequence[MeasuredEvolution]
 ) -> tuple[OtherDefinition, ...]:
-    """Columns of the evolution that contradict the loops, which are given by (repeat, cycle) with their figures.
+    """Columns of the evolution that contradict the loops; empty if none does.
 
-    The largest force may be defined as max |Q| or as half the range of Q, which an offset of the force distinguishes.
+    loops: loops and their figures by (repeat, cycle). The largest force may be defined as max |Q| or as half the range
+    of Q, which an offset of the force distinguishes.
     """
     shares: dict[str, list[float]] = {}
     for part in evolution:
@@ -84,9 +86,7 @@ def _figures(loop: MeasuredLoop, figures: LoopFigures) -> dict[str, tuple[float,
 
 
 def figure_at(part: MeasuredEvolution, column: str, cycle: float) -> float:
-    """Value of a column at a cycle, interpolated over log cycle; NaN outside the known cycles, or without the
-    column.
-    """
+    """Value of a column at a cycle, linear in log cycle; NaN outside the known cycles, or without the column."""
     if column not in part.columns:
         return np.nan
     known = np.isfinite(part.columns[column]) & (part.columns["cycle"] > 0)
@@ -97,7 +97,7 @@ def figure_at(part: MeasuredEvolution, column: str, cycle: float) -> float:
 
 
 def cycle_lists(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on cycles that some repeats lack, and on cycles beyond the test's end."""
+    """Remarks on logged cycles that some repeats lack, and on cycles beyond the test's end."""
     record = checked.record
     lists = {repeat: {loop.cycle for loop in record.loops if loop.repeat == repeat} for repeat in record.repeats}
     everywhere = set.intersection(*lists.values())
@@ -115,7 +115,7 @@ def cycle_lists(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def drift(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on means and amplitudes that change over the test."""
+    """Remarks on means and amplitudes that change by more than 5 % over a repeat."""
     s, conditions = checked.statistics, checked.record.tables.conditions
     for name, values, scale, limit in (
         ("displacement amplitude", s.displacement_amplitude_um, conditions.displacement_amplitude_um, DRIFT),
@@ -136,7 +136,7 @@ def drift(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def repeats(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on a single repeat, and on loops unlike those of the other repeats."""
+    """Remarks on a single repeat, and on loops whose area differs much from those of the other repeats."""
     record = checked.record
     if len(record.repeats) == 1:
         yield Remark("note", "repeats", "There is one repeat only.")
@@ -189,7 +189,9 @@ def evolution(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def impossible_evolution(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on impossible figures of the evolution: negative, energies beyond stroke times force, another stroke."""
+    """Remarks on impossible values of the evolution: negative ones, energies beyond stroke times force, another stroke,
+    cycles beyond the test's end.
+    """
     last = checked.record.tables.conditions.cycles
     for part in checked.record.evolution:
         who = f"the evolution of repeat {part.repeat}"
@@ -236,11 +238,9 @@ def _other_stroke(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def accumulated_energy_J(record: AnyRecord, repeat: int) -> float | None:
-    """Accumulated friction energy ΣE_d of one repeat in J, from its evolution or else its loops; None if neither has
-    any.
-
-    Between two logged cycles the energy per cycle is a power of the cycle number; it is constant before the first and
-    after the last.
+    """Friction energy in J of a whole test of one repeat, from its evolution or else its loops; None if neither shows
+    any. Between two logged cycles the energy per cycle is a power of the cycle number; it is constant before the first
+    and after the last.
     """
     cycles, energies = energy_per_cycle(record, repeat)
     if not cycles.size:
@@ -251,7 +251,9 @@ def accumulated_energy_J(record: AnyRecord, repeat: int) -> float | None:
 
 
 def energy_per_cycle(record: AnyRecord, repeat: int) -> tuple[Array, Array]:
-    """Increasing cycles (n,) and their energies in mJ (n,), from the evolution of a repeat or else from its loops."""
+    """Increasing cycles (n,) of a repeat and their friction energies (n,) in mJ, from its evolution or else its loops;
+    empty if neither shows any.
+    """
     for part in record.evolution:
         cycle, energy = part.columns["cycle"], part.columns["dissipated_energy_mJ"]
         known = np.isfinite(energy) & (energy > 0.0) & (cycle > 0)

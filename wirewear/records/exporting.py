@@ -1,4 +1,4 @@
-"""Export of a simulation as a record or as height files, read by simulated sensors as a laboratory would."""
+"""Export of a simulation as a record or as height files, read by simulated sensors as a laboratory would read it."""
 
 from __future__ import annotations
 
@@ -42,9 +42,10 @@ _IDEAL = Sensor()
 def write_as_heights(
     folder: Path, loops: Sequence[MeasuredLoop], surfaces: Mapping[str, Surface], repeats: int, *, overwrite: bool
 ) -> list[Path]:
-    """Write `loops.csv` and one file of heights for each surface and repeat; return their paths.
+    """Write loops.csv and one file of heights for each surface and repeat to `folder`; return their paths.
 
-    Raises RecordError if a file cannot be written, or exists and must not be overwritten.
+    surfaces: by file name. repeats: their number. Raises RecordError if a file cannot be written, or exists and must
+    not be overwritten.
     """
     frames = {"loops": loops_frame(loops)}
     frames |= {f"{n}_{r}": frame_of(own()) for n, own in surfaces.items() for r in range(1, repeats + 1)}
@@ -56,7 +57,9 @@ def write_as_heights(
 
 
 def scar_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str, Surface]:
-    """Functions that give the measured heights of both bodies at the end of a run, by file name."""
+    """Functions that give the heights of each body's map at the end of a run with new noise, by file name. noise_um:
+    standard deviation of one height. seed: of the noise.
+    """
     random = np.random.default_rng([seed, 1])
     last = max((scar.cycle for scar in result.scars), default=0)
     ends = [scar for scar in result.scars if scar.cycle == last]
@@ -64,7 +67,9 @@ def scar_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str, Su
 
 
 def profile_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str, Surface]:
-    """Functions that give the measured heights of both bodies along the motion at the end of a run, by file name."""
+    """Functions that give the heights of pad and specimen along the motion at the end of a run with new noise, by file
+    name. noise_um: standard deviation of one height. seed: of the noise.
+    """
     random = np.random.default_rng([seed, 1])
     last = max(scar.cycle for scar in result.scars)
     pad = PadFace(**{key: result.study["pad"].get(key) for key in FACE_KEYS}).profile
@@ -77,7 +82,9 @@ def profile_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str,
 
 
 def surface_of_body(scar: Scar, noise_um: float, random: np.random.Generator) -> Surface:
-    """Function that gives the heights of a worn body in its own frame: x along its axis, y across."""
+    """A function that gives the heights of a worn body with new noise, in the body's frame: x along its axis, y
+    across.
+    """
     worn = scar.depth_um > 0.01 * scar.max_depth_um
     axial, transverse = (
         _lines(float(np.abs(line[worn.any(axis=axis)]).max(initial=SCAR_STEP_um)))
@@ -100,7 +107,9 @@ def surface_of_body(scar: Scar, noise_um: float, random: np.random.Generator) ->
 def surface_of_profile(
     x_um: Array, depth_um: Array, face: Profile, noise_um: float, random: np.random.Generator
 ) -> Surface:
-    """Function that gives the heights of a worn body of a line contact along the motion; `face` is its unworn shape."""
+    """A function that gives the heights of a line contact's worn body along the motion with new noise; face: its unworn
+    shape. x_um, depth_um: (n,) positions and worn depths.
+    """
     x = _lines(float(np.abs(x_um[depth_um > 0.01 * depth_um.max()]).max(initial=SCAR_STEP_um)), SCAR_STEP_um / 5.0)
     plane_mm = np.column_stack([1e-3 * x, np.zeros_like(x)])
     height = 1e3 * face.height(plane_mm) - np.interp(x, x_um, depth_um, left=0.0, right=0.0)
@@ -123,12 +132,13 @@ def record_of_result(
     seed: int = 0,
     samples: int | None = None,
 ) -> AnyRecord:
-    """Record that a laboratory would have made of a simulated test, with sensors that have the effects of its study.
+    """The record that a laboratory would have made of a simulated test, with sensors that have the effects of its
+    study.
 
-    Each repeat is the same test read again with new noise. `samples` resamples each loop evenly; by default the
-    simulation's increments are kept. Figures of the evolution are the true ones times the ratio of read to true figures
-    of the logged loops, interpolated over log cycle. For a line contact, forces and their noise are for `length_mm`, by
-    default the study's length.
+    length_mm: length of a line contact for which forces and their noise are given, by default the study's. sensor: read
+    with, besides the effects. repeats: the same test read again with new noise. samples: number to which each loop is
+    resampled evenly; None for the simulation's increments. Figures of the evolution are the true ones times the ratio
+    of read to true figures of the logged loops, interpolated over log cycle.
     Raises RecordError if the result began with a measured surface, is of a pin in a bore or has logged no loops, its
     study says too little or has unequal wires, or the length of a line contact is missing or given for another contact.
     """
@@ -220,7 +230,9 @@ def _programme(study: Mapping[str, Any], model: Any) -> dict[str, Any]:
 
 
 def true_loop(loop: Loop, period_s: float = 1.0, samples: int | None = None) -> MeasuredLoop:
-    """Simulated loop as a loop of a record without noise; with `samples` resampled evenly over its period."""
+    """Simulated loop as a loop of a record without noise; samples: number to which it is resampled evenly over
+    `period_s`, None for its increments.
+    """
     time = loop.time_s - loop.time_s[0]
     x, q, p = loop.displacement_um, loop.tangential_force_N, loop.normal_force_N
     if samples is not None:
@@ -268,9 +280,8 @@ def _figure(figures: LoopFigures, name: str) -> float:
 
 
 def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) -> RunResult:
-    """The only run among several, or the one of the given variant.
-
-    Raises RecordError if there are several and none is chosen, or none has that variant.
+    """The run of the given variant or, if that is None, the only one. Raises RecordError if there are several and none
+    is chosen, or none has that variant; path: names the result in messages.
     """
     names = ", ".join(result.variant or result.name for result in results)
     chosen = [result for result in results if variant is None or result.variant == variant]
@@ -286,9 +297,8 @@ def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) ->
 
 
 def parse_channels(text: str, known: Sequence[str], option: str, *, signed: bool = False) -> dict[str, float]:
-    """Numbers by name from a text such as ``"a=0.1,b=2"``; `option` names the option in messages.
-
-    Raises RecordError if a name is unknown, or a value is not a finite number (≥ 0 unless `signed`).
+    """Numbers by name from a text such as "a=0.1,b=2"; option: names the option in messages. Raises RecordError if a
+    name is not among `known`, or a value is not a finite number (≥ 0 unless `signed`).
     """
     values: dict[str, float] = {}
     for part in filter(None, (part.strip() for part in text.split(","))):

@@ -3,7 +3,7 @@
 Wear only removes material. The unworn surface is therefore one on which part of the map lies within its noise, some of
 it at the border, and above which little stands (piled-up material). Surfaces through a few random points are rated by
 that, and the best is fitted to all points that are neither worn nor piled up. A form is a deviation of the body's
-unworn shape from the stated one.
+unworn shape from the stated one; a surface's parameters give its position and then its form (`unworn_bodies`).
 """
 
 from dataclasses import dataclass, replace
@@ -53,11 +53,11 @@ HELPS = "a map that reaches farther beyond the scar would help, or worn depths (
 
 @dataclass(frozen=True, eq=False)
 class Unworn:
-    """Unworn surface that was found: its parameters, and measures of how much of the map lies on it.
+    """Unworn surface that was found under a map, and how much of the map lies on it.
 
-    share, border: shares of the map and of its border that lie on it. above, border_above: shares that stand above it.
-    doubt_um3: standard deviation of the volume below it over the whole map. form_um: size of the subtracted form across
-    the map; 0 if there is none. unclear: parameters including a form that cannot be distinguished from a scar and is
+    parameters: of the surface. share, border: shares of the map and of its border that lie on it. above, border_above:
+    shares that stand above it. doubt_um3: standard deviation of the volume below it over the whole map. form_um: height
+    range of the form across the map, 0 if there is none. unclear: parameters with a form that may be the scar and is
     not subtracted; else None.
     """
 
@@ -72,7 +72,9 @@ class Unworn:
 
     @property
     def doubtful(self) -> bool:
-        """True if the surface that was found may not be the unworn one."""
+        """True if too little of the map lies on the surface, or too much above it, so that it may not be the unworn
+        one.
+        """
         return self.share < LEAST_ON or self.border < LEAST_BORDER or self._raised
 
     @property
@@ -80,9 +82,10 @@ class Unworn:
         return self.above > MOST_ABOVE or self.border_above > MOST_AT_BORDER
 
     def remarks(self, where: str, depth: Array, places: Array, surface: Surface, body: str) -> tuple[str, ...]:
-        """Sentences on the surface found in a file, with depths (n_x, n_y) below it; `where` names the file.
+        """Sentences on doubts about the surface found in a file; empty if there are none.
 
-        body: whose worn volume is wanted without its form; "" if the form counts as depth.
+        where: names the file. depth: (n_x, n_y) below the surface at places (2, n_x, n_y), in µm. body: whose worn
+        volume is wanted without its form; "" if the form counts as depth.
         """
         said = []
         if self._raised:
@@ -113,10 +116,10 @@ def _cell(places: Array) -> float:
 
 
 def unworn_surface(surface: Surface, places: Array, height: Array, start: Array, *, form: bool = True) -> Unworn:
-    """Unworn surface under heights (n_x, n_y) at places (2, n_x, n_y), all in µm; NaN is an unknown height.
+    """The unworn surface under heights (n_x, n_y) at places (2, n_x, n_y), all in µm; NaN is an unknown height.
 
-    start: parameters at which the search begins.
-    form: allow a form, which is then subtracted; else it counts as depth.
+    start: position parameters at which the search begins. form: True to allow a form, which is then part of the
+    surface; False to count it as depth.
     """
     found, scale = _sought(surface, places, height, start)
     found, unworn = _settled(surface, places, height, found, scale)
@@ -190,10 +193,10 @@ def _range(rest: Array, sharp: float) -> float:
 
 
 def direction_deg(x: Array, y: Array, height: Array, curvatures_per_mm: tuple[float, float]) -> float:
-    """Direction in degrees from x, in (−90°, 90°], of the axis of a body with these curvatures along and across its
-    axis.
+    """Direction in degrees from x, in (−90°, 90°], of the axis of a body in a map of heights (n_x, n_y).
 
-    It is the direction for which most of the heights (n_x, n_y) lie on the sum of a paraboloid and a plane.
+    x, y, height: lines (n_x,), (n_y,) and heights in µm. curvatures_per_mm: along and across the axis. It is the
+    direction for which most heights lie on the sum of a paraboloid with these curvatures and a plane.
     """
     places = np.stack(np.meshgrid(x - x.mean(), y - y.mean(), indexing="ij"))
     (u, v), z, count, border = _blocks(places, height, parts=24)
@@ -320,10 +323,11 @@ def _fitted(surface: Surface, places: Array, height: Array, found: Array, unworn
 
 
 def bare(rest: Array, scale: float, least: float) -> BoolArray:
-    """Marks of points (n_x, n_y) that are neither worn nor piled up nor close to such, from heights above the surface.
+    """Marks of points (n_x, n_y) that are neither worn nor piled up nor close to such, from heights `rest` in µm above
+    the surface.
 
-    Judged by means of neighbours, as a scar's edge is shallower than the noise; fewer neighbours are used if too few
-    points remain. Means within `least` always count as unworn.
+    scale: distance within which points lie on the surface. least: means of neighbours within it always count as unworn.
+    Means are judged, as a scar's edge is shallower than the noise; fewer neighbours are used if too few points remain.
     """
     known = np.isfinite(rest)
     white = noise_um(rest)

@@ -1,4 +1,7 @@
-"""Checks of single loops of a record. Each check yields remarks on what it finds. A channel is one recorded signal."""
+"""Checks of single loops of a record.
+
+Each check yields remarks on what it finds in the record's loops, none if all is well. A channel is one recorded signal.
+"""
 
 from collections.abc import Iterator
 from typing import Literal
@@ -46,7 +49,7 @@ def too_short(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def times(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on times that do not increase, and on cycles that do not last as the frequency says."""
+    """Remarks on times that do not increase, and on cycles that do not last one period of the stated frequency."""
     s = checked.statistics
     disordered = s.time_errors > 0.0
     if disordered.any():
@@ -64,7 +67,7 @@ def times(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def order(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on channels whose samples follow no smooth course, as with rows in a wrong order."""
+    """Remarks on channels that scatter or jump between samples, as with rows in a wrong order."""
     s = checked.statistics
     scattered = (s.displacement_noise_um > NO_ORDER * s.displacement_amplitude_um) | (
         s.force_noise_N > NO_ORDER * s.force_amplitude_N
@@ -99,7 +102,7 @@ def folded(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def units(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on amplitudes and forces of implausible size, and on forces that drive the motion."""
+    """Remarks on displacement amplitudes and forces far from those asked for, and on forces that drive the motion."""
     s, conditions = checked.statistics, checked.record.tables.conditions
     ratio = s.displacement_amplitude_um / conditions.displacement_amplitude_um
     odd = np.abs(ratio - 1.0) > ODD_AMPLITUDE
@@ -131,7 +134,7 @@ def _most(loops: BoolArray) -> bool:
 
 
 def normal_force(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on missing or unexpected normal forces."""
+    """Remarks on missing normal forces, and on those far from the load asked for."""
     s, load = checked.statistics, checked.record.tables.conditions.normal_load_N
     absent = np.isnan(s.normal_force_N) & (s.samples >= FEWEST_SAMPLES)
     if absent.all():
@@ -161,7 +164,7 @@ def outlying_samples(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def sensors(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on sensors at the end of their range, and on noise that differs from the stated one."""
+    """Remarks on sensors at the end of their range, and on noise that is not stated or differs from the stated one."""
     s, noise = checked.statistics, checked.record.tables.noise
     for name, saturated in (
         ("displacement", s.displacement_saturated),
@@ -192,7 +195,7 @@ def sensors(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def resolution(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on channels read in coarse steps."""
+    """Remarks on channels read in steps of more than the share `COARSE` of their amplitude."""
     s, loops = checked.statistics, checked.record.loops
     for name, unit, amplitude, channels in (
         ("displacement", "µm", s.displacement_amplitude_um, [loop.displacement_um for loop in loops]),
@@ -227,7 +230,7 @@ def closure(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def notes_of_analysis(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on the loops' analysis, each with the first loop that it concerns."""
+    """Remarks on the notes `NOTED` that the analysis of loops made, each with the first loop that it concerns."""
     for noted in NOTED:
         begin = noted.partition("{")[0]
         found = {

@@ -25,7 +25,7 @@ _NAMES = {"mN": "millinewtons", "gf": "gram-force", "kgf": "kilogram-force", "kN
 
 
 def pressing(loops: Sequence[MeasuredLoop]) -> tuple[tuple[MeasuredLoop, ...], tuple[str, ...]]:
-    """Loops with a normal force that is positive when pressing, and a note if its sign was changed.
+    """Loops whose normal force is positive when it presses, and a sentence if its sign was changed.
 
     The sign is changed in all loops if the force is negative throughout most of them; zeros, where the contact opens,
     count as neither sign.
@@ -44,10 +44,9 @@ def pressing(loops: Sequence[MeasuredLoop]) -> tuple[tuple[MeasuredLoop, ...], t
 def impossible_loads(
     loops: Sequence[MeasuredLoop], load_N: float, length_mm: float | None = None
 ) -> Iterator[tuple[str, BoolArray]]:
-    """Reasons why the normal force of most loops is impossible, each the beginning of a sentence, and the loops marked
-    (n,).
-
-    length_mm: of a line contact, whose forces may have been logged per millimetre.
+    """Reasons why the normal force of most loops is impossible, each the beginning of a sentence with marks (n,) of
+    these loops. load_N: load that was asked for. length_mm: of a line contact, whose forces may have been logged per
+    millimetre; None for contacts at a point.
     """
     low, high = _extents(loops).T
     middle = np.array([median_load_N(loop) for loop in loops])
@@ -71,7 +70,7 @@ def impossible_loads(
 
 
 def require_pressing(loops: Sequence[MeasuredLoop], load_N: float, length_mm: float | None = None) -> None:
-    """Check the normal force of loops. Raises RecordError if it is impossible."""
+    """Raise RecordError if the normal force of most loops is impossible; arguments as in `impossible_loads`."""
     for words, _ in impossible_loads(loops, load_N, length_mm):
         raise RecordError(f"{words}.")
 

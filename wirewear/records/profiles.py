@@ -19,11 +19,10 @@ CLEAR, FEWEST_ACROSS = 0.1, 8
 
 @dataclass(frozen=True, eq=False)
 class MeasuredProfile:
-    """Worn depths (n,) of one repeat's body along the sliding direction at the end; negative where piled up.
+    """Worn depths (n,) in µm of one repeat's body along the sliding direction at the end; negative where piled up.
 
-    `height_um` and `face_um` are the measured heights and the fitted unworn face, None if depths were measured.
-    `spikes_um` (n,) holds the measured depths of outlying points, NaN elsewhere; `levelling_notes` are sentences on the
-    fit.
+    height_um, face_um: (n,) measured heights and fitted unworn face; None if depths were measured. spikes_um: (n,)
+    measured depths of outlying points, NaN elsewhere; None if there are none. levelling_notes: sentences on the fit.
     """
 
     repeat: int
@@ -37,7 +36,9 @@ class MeasuredProfile:
 
     @classmethod
     def from_points(cls, repeat: int, body: str, x_um: Array, depth_um: Array) -> "MeasuredProfile":
-        """Profile of points (n,) in their order. Raises RecordError if there are fewer than three."""
+        """Profile of points (n,) in their order, outlying ones replaced. Raises RecordError if there are fewer than
+        three.
+        """
         if x_um.size < 3:
             raise RecordError(f"the profile of repeat {repeat} has fewer than three points.")
         depth, spikes = without_spikes(depth_um[:, None])
@@ -46,17 +47,17 @@ class MeasuredProfile:
 
     @classmethod
     def of_run(cls, scar: Scar, repeat: int, noise_um: float, random: np.random.Generator) -> "MeasuredProfile":
-        """Profile of a simulated scar as a stylus with this noise would measure it."""
+        """Profile of a simulated scar with the noise of a stylus, `noise_um` as standard deviation."""
         rough = noise_um * random.standard_normal(scar.axial_um.size)
         return cls(repeat, scar.body, scar.axial_um, scar.depth_um[:, 0] + rough)
 
     @property
     def field(self) -> tuple[Array, Array, Array]:
-        """Line x (n,), the single line y = 0 (1,), and depths (n, 1)."""
+        """The profile as a map: x (n,), the single line y = 0 (1,), and depths (n, 1), in µm."""
         return self.x_um, np.zeros(1), self.depth_um[:, None]
 
     def of_field(self, depth_um: Array) -> "MeasuredProfile":
-        """Copy of the profile with other depths (n, 1)."""
+        """Copy of the profile with other depths (n, 1), without heights, face and spikes."""
         return MeasuredProfile(self.repeat, self.body, self.x_um, depth_um[:, 0])
 
     @property
@@ -74,7 +75,7 @@ class MeasuredProfile:
 
     @property
     def border_note(self) -> str:
-        """Sentence if the profile ends within the scar; else ""."""
+        """Sentence if much of the worn area lies at the profile's ends, as if it ended within the scar; else ""."""
         (left, right), x = self.edges_um, self.x_um
         width = BORDER * float(np.ptp(x))
         places, depth = self._worn
@@ -93,10 +94,8 @@ class MeasuredProfile:
 
     @property
     def edges_um(self) -> tuple[float, float]:
-        """Positions in µm on either side of the deepest point where depth falls to 1 % of its largest, or the profile's
-        ends.
-
-        Smoothed depths are used, so that noise in a shallow scar does not count.
+        """Positions in µm on either side of the deepest point where the smoothed depth falls to 1 % of its largest, or
+        the profile's ends.
         """
         deepest = int(self.smooth_um.argmax())
         out = np.flatnonzero(self.smooth_um <= self._level_um)
@@ -108,8 +107,8 @@ class MeasuredProfile:
 
     @cached_property
     def smooth_um(self) -> Array:
-        """Depths (n,) averaged over so many neighbours that noise is small beside the depth; unchanged for
-        deep scars.
+        """Depths (n,) in µm, averaged over neighbours until noise is small beside the depth; unchanged for deep
+        scars.
         """
         depth = self.depth_um
         noise, deep, smooth = noise_um(depth[:, None]), float(depth.max()), depth
@@ -123,7 +122,7 @@ class MeasuredProfile:
         return smooth
 
     def volume_of(self, length_mm: float | None) -> float:
-        """Worn volume in mm³ of a contact of this length, or per mm if it is None."""
+        """Worn volume in mm³ of a contact of this length, or per mm of length if it is None."""
         return 1e-6 * self.area_um2 / extent_of(length_mm).share
 
     @property

@@ -61,8 +61,8 @@ _LAST = re.compile(rb"^# sha256 ([0-9a-f]{64}) of the text above\n\Z", re.MULTIL
 
 
 def tables_of_file(path: Path) -> type[AnyTables]:
-    """Class of the tables in a record's folder, experiment.toml or mapping, by the kind of contact that it
-    describes.
+    """Class of the tables in a record's folder, experiment.toml or mapping, by the kind of contact that it describes;
+    of crossed wires if it states none or cannot be read.
     """
     table = path / TABLE_FILE_NAME if path.is_dir() else path
     try:
@@ -82,9 +82,8 @@ def tables_of_file(path: Path) -> type[AnyTables]:
 
 
 def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecord:
-    """Read and check a record of any kind of contact, or of the given kind; tolerable faults are stated in its `notes`.
-
-    Raises RecordError, in one sentence with file, line and column, if the record cannot be read, or is of another kind.
+    """Read and check a record of any kind of contact, or of the given kind; its `notes` state tolerable faults. Raises
+    RecordError, in one sentence with file, line and column, if the record cannot be read, or is of another kind.
     """
     folder = Path(folder)
     if folder.name == TABLE_FILE_NAME and not folder.is_dir():
@@ -120,8 +119,7 @@ def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecor
 
 
 def without_first_loading(loops: tuple[MeasuredLoop, ...]) -> tuple[tuple[MeasuredLoop, ...], tuple[str, ...]]:
-    """Loops without a repeat's first one if that begins at rest and others follow, and a note on it.
-
+    """Loops without those that begin at rest and are the first of several in their repeat, and a sentence on them.
     Loading from rest follows a branch that no later cycle has.
     """
     counts, first = Counter(loop.repeat for loop in loops), {loop.repeat: loop for loop in reversed(loops)}
@@ -149,7 +147,7 @@ def _data_file(folder: Path, files: Table, key: str) -> Path:
 
 
 def loops_in(table: ColumnTable) -> Iterator[MeasuredLoop]:
-    """Loops of a table, in order of repeats and cycles."""
+    """Loops of a table with the columns of loops.csv, in order of repeats and cycles."""
     columns = sorted_rows(table, ("repeat", "cycle", "sample")).columns
     repeat, cycle = columns["repeat"], columns["cycle"]
     for part in _groups(repeat, cycle):
@@ -167,7 +165,7 @@ def loops_in(table: ColumnTable) -> Iterator[MeasuredLoop]:
 
 
 def evolution_in(table: ColumnTable) -> Iterator[MeasuredEvolution]:
-    """Evolutions of a table, in order of repeats."""
+    """Evolutions of a table with the columns of evolution.csv, in order of repeats."""
     columns = sorted_rows(table, ("repeat", "cycle")).columns
     for part in _groups(columns["repeat"]):
         own = {name: values[part] for name, values in columns.items() if name != "repeat"}
@@ -187,7 +185,9 @@ def _surfaces(table: ColumnTable, worn: WornSurfaces, body: str) -> Iterator[Any
 
 
 def sorted_rows(table: ColumnTable, keys: Sequence[str]) -> ColumnTable:
-    """Table with its rows sorted by the keys. Raises RecordError if two rows have equal keys."""
+    """The table with its rows sorted by the columns `keys`, the first counting most. Raises RecordError if two rows are
+    equal in all of them.
+    """
     if _in_order([table.columns[key] for key in keys]):
         return replace(table, columns={n: _frozen(v) for n, v in table.columns.items()})
     order = np.lexsort([table.columns[key] for key in reversed(keys)])
@@ -231,9 +231,8 @@ Model = TypeVar("Model", bound=OfTest)
 
 
 def require_unchanged(table_path: Path) -> tuple[str, ...]:
-    """Check the checksums of a record's files; returns a note if experiment.toml itself was changed.
-
-    Raises RecordError if a data file was changed, or experiment.toml cannot be read.
+    """Compare a record's files with the checksums in its experiment.toml, `table_path`; returns a sentence if that file
+    itself was changed. Raises RecordError if a data file was changed, or experiment.toml cannot be read.
     """
     data = read_bytes(table_path, RecordError, "TOML file")
     folder = table_path.parent.resolve()
@@ -256,9 +255,8 @@ def require_unchanged(table_path: Path) -> tuple[str, ...]:
 def read_tables(path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]:
     """Checked tables of a TOML file, and one sentence for each unknown key that was ignored.
 
-    An unknown key that looks like a misspelt one is refused.
-    Raises RecordError, in one sentence with line and column, if the file cannot be read, or is not valid for this
-    model.
+    Raises RecordError, in one sentence with line and column, if the file cannot be read or is not valid for this model,
+    or an unknown key looks like a misspelt one.
     """
     text = read_text(path, RecordError, "TOML file")
     data = parsed_toml(text, str(path), RecordError)

@@ -42,13 +42,14 @@ def of_equal_times(loops: Iterable[MeasuredLoop]) -> list[list[MeasuredLoop]]:
 
 @dataclass(frozen=True, eq=False)
 class LoopStatistics:
-    """Statistics with one entry for each loop, in the record's order; NaN for loops with too few samples.
+    """Statistics of n loops, each field (n,) in the record's order; NaN for loops with too few samples.
 
-    `time_errors` counts samples whose time does not increase; `period_s` is the duration of a cycle. Amplitudes are
-    half the distance between the 1 % and 99 % quantiles, offsets the middle between them. `*_gap` is the share of the
-    range by which a loop fails to close, beyond noise and the usual step; `displacement_jump` is the largest step over
-    the range. `outliers` counts samples of either channel. `force_folded` is 1 if the force never changes sign but
-    falls to zero and rises again twice in a cycle.
+    samples, missing: complete samples, and samples that lack a channel. time_errors: samples whose time does not
+    increase. period_s: duration of the cycle. *_amplitude, *_offset: half the distance between the 1 % and 99 %
+    quantiles, and the middle between them. *_noise: standard deviation of one sample. *_gap: share of the range by
+    which a loop fails to close, beyond noise and the usual step. displacement_jump: largest step over the range.
+    *_saturated: 1 if clipped. force_folded: 1 if the force never changes sign but falls to zero and rises again twice
+    in a cycle. normal_force_N: median. outliers: samples that stand out in either channel.
     """
 
     repeat: IntArray
@@ -76,7 +77,7 @@ class LoopStatistics:
 
 
 def loop_statistics(loops: Sequence[MeasuredLoop]) -> LoopStatistics:
-    """Statistics of all these loops."""
+    """Statistics of these loops, in their order."""
     complete = [loop.complete for loop in loops]
     samples = np.array([loop.time_s.size for loop in complete], dtype=np.int64)
     columns = {name: np.full(len(loops), np.nan) for name in _COMPUTED}
@@ -189,7 +190,7 @@ def _saturated(channels: Iterable[Array | None], beside: Array) -> Array:
 
 
 def coarse_step_of(values: Array) -> float:
-    """Reading step of a channel (n,); 0 if more than a third of its samples differ."""
+    """Reading step of a channel (n,) in its unit; 0 if more than a third of its samples differ."""
     known = values[np.isfinite(values)]
     return step_of(known) if 3 <= np.unique(known).size <= known.size / 3 else 0.0
 
@@ -211,12 +212,12 @@ def _rises(share: Array) -> int:
 
 
 def plural(count: int, noun: str) -> str:
-    """Number with its noun: ``1 loop``, ``3 loops``."""
+    """Number with its noun: "1 loop", "3 loops"."""
     return f"{counted(count)} {noun}{'' if count == 1 else 's'}"
 
 
 def listed(values: Sequence[int]) -> str:
-    """Numbers as text, shortened: ``1, 2, 3 and 12 more``."""
+    """Numbers as text, shortened: "1, 2, 3 and 12 more"."""
     shown = ", ".join(counted(value) for value in values[:MOST_LISTED])
     more = len(values) - MOST_LISTED
     return f"{shown} and {more} more" if more > 0 else shown
@@ -227,7 +228,8 @@ def unlike_conditions(
 ) -> str | None:
     """Sentence on the conditions in which a run and a record differ; None if they are of the same test.
 
-    pairs: values of run and record by key, None where unstated.  cycles: of run and record; the run may be longer.
+    pairs: values of run and record by key, None for unstated ones. cycles: length of the run and of the record's test;
+    the run may be longer.
     """
     differ = [
         f"{key} is {own:.4g} in the run and {other:.4g} in the record"
@@ -241,17 +243,23 @@ def unlike_conditions(
 
 @dataclass(frozen=True)
 class Remark:
-    """Finding of a check: a `problem` makes dependent figures unreliable, a `note` is for information."""
+    """Finding of a check: a "problem" makes figures unreliable, a "note" is for information; topic: a heading, text: a
+    sentence.
+    """
 
     level: Literal["problem", "note"]
     topic: str
     text: str
-    refuses: bool = False  #: True if the record allows no conclusion because of this.
+    refuses: bool = False  #: True if the record therefore allows no conclusion.
 
 
 @dataclass(frozen=True)
 class RecordReport:
-    """Result of a check: remarks on a record, and sentences on the conclusions that it supports and cannot support."""
+    """Result of a check.
+
+    repeats, cycles: their numbers. loops, samples: counts. supports, cannot: sentences on conclusions that the record
+    supports and cannot support. metadata: lines "key: value".
+    """
 
     name: str
     repeats: tuple[int, ...]
@@ -275,8 +283,8 @@ class RecordReport:
 
 @dataclass(frozen=True, eq=False)
 class CheckedRecord:
-    """Record with statistics of all loops; for loops analysed in full, by (repeat, cycle), figures or reason of
-    refusal.
+    """A record with statistics of all its loops; by (repeat, cycle), figures of those analysed in full, or the reason
+    why one cannot be.
     """
 
     record: AnyRecord
@@ -286,7 +294,7 @@ class CheckedRecord:
 
 
 def where(checked: CheckedRecord, wrong: BoolArray) -> str:
-    """Text that says which loops are marked: "3 of 21 loops (first: repeat 1, cycle 100)"."""
+    """Text on the loops marked in `wrong` (n,): "3 of 21 loops (first: repeat 1, cycle 100)"."""
     first = int(np.argmax(wrong))
     s = checked.statistics
     return (

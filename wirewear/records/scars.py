@@ -22,11 +22,11 @@ FEWEST_LEVELLED, OFF_ZERO = 100, 0.1  #: Fewer points show no zero, nor is it kn
 
 @dataclass(frozen=True, eq=False)
 class MeasuredScar:
-    """Worn depths (n_x, n_y) of one repeat's body at the end, over `x_um` (n_x,) along the motion and `y_um` (n_y,)
-    across.
+    """Worn depths (n_x, n_y) in µm of one repeat's body at the end, over x_um (n_x,) along the motion and y_um (n_y,)
+    across; NaN where the map has no point.
 
-    NaN stands where the map has no point. `spikes_um` (n_x, n_y) holds the measured depths of spikes, NaN elsewhere;
-    None if there are none. `levelling_notes` are sentences on how the map was levelled.
+    spikes_um: (n_x, n_y) measured depths of spikes, NaN elsewhere; None if there are none. levelling_notes: sentences
+    on how the map was levelled.
     """
 
     repeat: int
@@ -69,7 +69,9 @@ class MeasuredScar:
 
     @classmethod
     def of_run(cls, scar: Scar, repeat: int, noise_um: float, random: np.random.Generator) -> "MeasuredScar":
-        """Map of a simulated scar as a profilometer with this noise would measure it, in the test's frame."""
+        """Map of a simulated scar with the noise of a profilometer, `noise_um` as standard deviation, in the test's
+        frame.
+        """
         x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
         worn = scar.depth_um > 0.01 * scar.max_depth_um
         if not worn.any():
@@ -86,9 +88,8 @@ class MeasuredScar:
         return cls(repeat, scar.body, lines[0], lines[1], depth + noise_um * random.standard_normal(depth.shape))
 
     def turned(self, angle_deg: float) -> "MeasuredScar":
-        """Map turned about its origin, on lines along the new x and y with the old spacing.
-
-        Quarter turns keep every point. A remaining angle that moves no point by half a line's spacing is neglected.
+        """Map turned counter-clockwise about its origin, on lines along the new x and y with the old spacing. Quarter
+        turns keep every point. A remaining angle that moves no point by half a line's spacing is neglected.
         """
         quarters, rest_deg = divmod(angle_deg + 45.0, 90.0)
         x, y, depth, spikes = self.x_um, self.y_um, self.depth_um, self.spikes_um
@@ -112,7 +113,7 @@ class MeasuredScar:
 
     @property
     def border_note(self) -> str:
-        """Sentence if the border of the map holds much of the worn volume, see `border_text`; "" otherwise."""
+        """Sentence if the border of the map holds much of the worn volume, see `border_text`; else ""."""
         known = np.isfinite(self.depth_um)
         border = np.zeros_like(known)
         for axis in (0, 1):
@@ -124,7 +125,9 @@ class MeasuredScar:
         return border_text(share, f"the {called(self.body)}'s map of repeat {self.repeat}")
 
     def bridged(self) -> "tuple[MeasuredScar, str]":
-        """Map with gaps of up to WIDEST points interpolated, and a sentence on them ("" if there are none)."""
+        """Copy of the map with gaps of up to WIDEST points interpolated, and a sentence on them; the map itself and ""
+        if there are none.
+        """
         depth = self._filled(WIDEST)
         fill = np.isfinite(depth) & ~np.isfinite(self.depth_um)
         if not fill.any():
@@ -145,7 +148,7 @@ class MeasuredScar:
 
     @cached_property
     def ground_um(self) -> float:
-        """Depth in µm that the map shows where nothing is worn; 0 if it is not clear."""
+        """Depth in µm that the map shows where nothing is worn; 0 if it cannot be distinguished from 0."""
         known = np.isfinite(self.depth_um)
         if np.count_nonzero(known) < FEWEST_LEVELLED:
             return 0.0
@@ -169,7 +172,7 @@ class MeasuredScar:
         return f"{self.figures['depth']:.3g} µm deep, {1e6 * self.volume_mm3:.4g}·10⁻⁶ mm³"
 
     def volume_of(self, _length_mm: float | None) -> float:
-        """Worn volume in mm³; a map covers the whole contact, so that the length is ignored."""
+        """Worn volume in mm³; the length has no effect, as a map covers the whole contact."""
         return self.volume_mm3
 
     @property
@@ -178,7 +181,7 @@ class MeasuredScar:
 
     @property
     def rim_um(self) -> Array:
-        """Depths (n,) at the map's edge: the first and last known one of every line along x and along y."""
+        """Depths (n,) in µm at the map's edge: the first and last known one of every line along x and along y."""
         known = np.isfinite(self.depth_um)
         ends = [depth[has][[0, -1]] for depth, has in zip(self.depth_um, known, strict=True) if has.any()]
         ends += [depth[has][[0, -1]] for depth, has in zip(self.depth_um.T, known.T, strict=True) if has.any()]
@@ -199,10 +202,7 @@ class MeasuredScar:
 
 def grid_of(repeat: int, x_um: Array, y_um: Array, level_um: Array) -> tuple[Array, Array, Array]:
     """Lines x (n_x,), y (n_y,) and levels (n_x, n_y) of points (n,) on a grid, in any order; NaN where there is no
-    point.
-
-    Raises RecordError if they lie on no grid.
-    repeat: for the message.
+    point. repeat: for the message. Raises RecordError if the points lie on no grid.
     """
     lines = np.unique(x_um).size, np.unique(y_um).size
     # Before a grid is made of them: points at random would need a huge one, of which they fill hardly any.

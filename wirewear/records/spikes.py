@@ -31,9 +31,8 @@ def noise_um(levels: Array) -> float:
 
 
 def without_spikes(levels: Array) -> tuple[Array, BoolArray]:
-    """Levels (n_x, n_y) in µm with spikes replaced by interpolation between neighbours, and marks of the spikes.
-
-    Missing points are NaN. A profile has n_y = 1.
+    """Levels (n_x, n_y) in µm with spikes replaced by interpolation between neighbours, and marks (n_x, n_y) of the
+    spikes. Missing points are NaN and stay so. A profile has n_y = 1.
     """
     least, spikes = FAR * noise_um(levels), np.zeros(levels.shape, dtype=bool)
     candidates = np.argwhere(_beyond_lines(levels, least))
@@ -65,12 +64,14 @@ def without_spikes(levels: Array) -> tuple[Array, BoolArray]:
 
 
 def as_measured(depth_um: Array, spikes_um: Array | None) -> Array:
-    """Depths with the measured values of spikes put back; `spikes_um` is NaN where there is no spike."""
+    """Depths in µm with the measured values of spikes put back; spikes_um: NaN where there is no spike, or None."""
     return depth_um if spikes_um is None else np.where(np.isfinite(spikes_um), spikes_um, depth_um)
 
 
 def border_text(share: float, where: str) -> str:
-    """Sentence on the share of the worn volume along the border, negative if raised; "" if it is small."""
+    """Sentence on the share of the worn volume that lies along the border, negative if piled up; "" if it is small.
+    where: names the surface.
+    """
     if abs(share) < MOST_AT_BORDER:
         return ""
     what = f"{share:.1%} of what is worn lies" if share > 0.0 else f"{-share:.1%} of what is worn is piled up"

@@ -59,7 +59,7 @@ _AREA = 30.0  # A worn area may differ from what is stated by this factor before
 
 @dataclass(frozen=True)
 class ScarSize:
-    """Depth in µm of a scar, and its second moments in µm²: along the motion, across it, and mixed."""
+    """Depth of a scar, and its second moments about its centre: along the motion, across it, and mixed."""
 
     depth_um: float
     along_um2: float
@@ -68,7 +68,7 @@ class ScarSize:
 
     @classmethod
     def of(cls, scar: MeasuredScar) -> "ScarSize | None":
-        """Size of a map's scar; None if it does not stand out from the map."""
+        """Size of a map's scar; None if it does not stand out from the map's noise."""
         lowest, depth = float(np.percentile(scar.worn_um, 0.5)), scar.figures["depth"]
         if depth <= CLEAR * max(-lowest, 0.0) or depth <= 0.0:
             return None
@@ -82,7 +82,9 @@ class ScarSize:
 
 
 def unlike_sizes(record: ExperimentRecord) -> Iterator[str]:
-    """Sentences on scars of a repeat whose sizes do not fit together."""
+    """Sentences on scars of a repeat whose sizes do not fit together; none for bodies that are curved along the
+    motion.
+    """
     driven, held = record.tables.bodies_of_test
     # What is curved along the motion carries the contact about on the held body; a pad's face has no radius.
     along_motion = driven.curvature_per_mm()[:, 0]
@@ -137,7 +139,7 @@ def _mirrored(scars: dict[str, ScarSize], spots_mm: Array) -> Iterator[str]:
 
 
 def scar_remarks(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on the scars of a record."""
+    """Remarks on missing, implausible, cut-off, copied or mismatched scars of a record."""
     record = checked.record
     diameter_um = 1e3 * min(min(body.diameters_mm) for body in record.tables.bodies_of_test)
     for body in record.tables.body_names:
@@ -210,7 +212,7 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
 
 
 def profile_remarks(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on friction, bodies and profiles of a line contact's record."""
+    """Remarks on implausible friction, assumed heights of bodies, and profiles of a line contact's record."""
     record: LineRecord = checked.record
     if (friction := record.tables.stated.friction) is not None:
         known = (one.friction_max.value for one in checked.figures.values() if one.friction_max is not None)
@@ -273,7 +275,7 @@ def _expected_area(record: LineRecord, body: str) -> float | None:
 
 
 def unlike_profiles(record: LineRecord) -> Iterator[str]:
-    """Sentences on profiles of a repeat whose sizes do not fit together."""
+    """Sentences on profiles of a repeat whose lengths do not fit together."""
     for repeat in record.repeats:
         of_repeat = [profile for profile in record.scars if profile.repeat == repeat]
         spreads = {profile.body: spread for profile in of_repeat if (spread := _spread_um2(profile)) is not None}

@@ -11,13 +11,13 @@ _REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
 
 @dataclass(frozen=True)
 class WornSurfaces:
-    """Names and columns of the worn surfaces of a kind of contact, and words on them for sentences."""
+    """One kind of worn surface in records: its names and columns, and words for sentences."""
 
-    name: str  #: Begins the names of files, which end with the body: scar_moving.
+    name: str  #: Begins the names of files, such as scar_moving; the body follows.
     noun: str  #: Noun for one surface in the summary of an import.
     columns: tuple[Column, ...]  #: Columns of such a file.
     surface: type[MeasuredScar] | type[MeasuredProfile]  #: Class of one surface.
-    support: str  #: Conclusions that surfaces support.
+    support: str  #: Sentence on the conclusions that surfaces support.
     fewest: int  #: Number of bodies whose surfaces are needed for that.
     lacking: str  #: Sentence on what is unknown without them, and how to measure them.
 

@@ -39,9 +39,7 @@ ROUNDS = 4  #: Rounds in which medians of repeats and of cycles settle.
 
 
 def renumbered(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on repeats whose loops have energies that belong to other cycles, by an evolution or the other
-    repeats.
-    """
+    """Remarks on repeats whose loops have the energies of other cycles, by their evolution or the other repeats."""
     s = checked.statistics
     evolutions = {part.repeat: part for part in checked.record.evolution}
     for repeat in checked.record.repeats:
@@ -70,7 +68,7 @@ def renumbered(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def exchanged_evolutions(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on repeats whose evolutions are exchanged, as the energies of their loops show."""
+    """Remarks on repeats that have the evolution of each other, by the energies of their loops."""
     s, owners = checked.statistics, {}
     for repeat in checked.record.repeats:
         own = np.flatnonzero((s.repeat == repeat) & (s.energy_mJ > 0.0))
@@ -212,7 +210,7 @@ def copied_evolution(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def copied_scars(scars: Iterable[MeasuredScar]) -> Iterator[str]:
-    """Sentences on maps equal to that of another repeat or body."""
+    """A sentence on two maps with equal depths, of other repeats or bodies; none if there are none."""
     if pair := _first_copy((f"the {called(scar.body)}'s of repeat {scar.repeat}", (scar.depth_um,)) for scar in scars):
         yield f"A scar stands twice: {pair[1]} is {pair[0]}, point by point, so that one is a copy, or without noise."
 

@@ -82,7 +82,7 @@ class StatedFriction(keys.Table):
 
 
 class StatedRig(HolderTable, StatedFriction):
-    """Rig and evolution over the cycles as its owner states them."""
+    """Rig, friction and evolution over the cycles as the rig's owner states them."""
 
     friction_evolution: StatedFrictionEvolution | None = Field(None, description="running-in of the friction")
     wear_rate_evolution: StatedWearRateEvolution | None = Field(None, description="running-in of the wear")
@@ -175,7 +175,7 @@ class Files(keys.Table):
 
 
 def known_of(table: type[keys.Table], values: Mapping[str, object]) -> dict[str, object]:
-    """Values whose keys this table has, except None."""
+    """Those of `values` whose keys the table has, without None."""
     return {key: values[key] for key in table.model_fields if values.get(key) is not None}
 
 
@@ -184,7 +184,7 @@ ALL_BODIES = frozenset(key.removeprefix(f"{SCARS.name}_") for key in Frames.mode
 
 
 def curved(bodies: Mapping[str, Mapping[str, object]]) -> dict[str, float]:
-    """Diameters and angles of bodies by keys that include the body's name."""
+    """Diameters and angles of bodies by key and body, such as "diameter_mm of the ball"; unstated ones are left out."""
     keys = ("diameter_mm", "diameter_along_mm", "axis_angle_deg")
     return {
         f"{key} of the {called(name)}": value
@@ -195,7 +195,7 @@ def curved(bodies: Mapping[str, Mapping[str, object]]) -> dict[str, float]:
 
 
 def each_wire(wires: Mapping[str, object]) -> dict[str, dict[str, object]]:
-    """Complete table of each wire by its name; common keys are taken from the table of both."""
+    """Complete table of each wire by its name; keys that it lacks come from the table of both."""
     return {name: {**wires, **table_of(wires, name)} for name in WIRES}
 
 
@@ -207,7 +207,7 @@ class PointTest(OfTest):
     @property
     @abstractmethod
     def bodies_of_test(self) -> tuple[Body, Body]:
-        """The driven body, which lies below, then the held one."""
+        """The driven body, which lies below, and the held one."""
 
     @property
     def crosses_askew(self) -> bool:
@@ -222,16 +222,17 @@ class PointTest(OfTest):
         """Key of the bodies that does not fit the others, with the reason; None if all fit."""
 
     def require_whole(self, where: str) -> None:
-        """Check that the bodies touch at a point. Raises RecordError if not, or if something is missing."""
+        """Raise RecordError if the bodies do not touch at a point, or have a measured surface; where: names the file in
+        the message.
+        """
         if (wrong := self.contradiction()) is not None:
             raise RecordError(f"{wrong.keys[-1]} in [{'.'.join(wrong.keys[:-1])}] of {where} {wrong.problem}.")
         if any(body.surface is not None for body in self.bodies_of_test):
             raise RecordError(f"{where} is of a measured surface, of whose tests no records are read yet.")
 
     def require_bodies(self, where: str, *given: keys.Table) -> None:
-        """Check that tables with a key for each possible body give only those of this test.
-
-        Raises RecordError if one belongs to another kind of contact.
+        """Raise RecordError if one of the tables `given`, which have a key for each possible body, states a body that
+        this kind of contact does not have.
         """
         for key in (key for table in given for key in table.model_fields_set):
             name = key.removeprefix(f"{SCARS.name}_")
@@ -265,7 +266,7 @@ class WiresTest(PointTest):
 
 
 class PointRecordTables(OfRecord, PointTest):
-    """Tables of any point contact's experiment.toml, besides those of its bodies."""
+    """Tables of the experiment.toml of any contact at a point, besides those of its bodies."""
 
     conditions: RecordConditions = Field(description="load, stroke, frequency and length of the test")
     stated: Stated = Field(Stated(), description="what the rig's owner states")
@@ -276,7 +277,9 @@ class PointRecordTables(OfRecord, PointTest):
     files: Files = Field(description="names of the data files")
 
     def require_whole(self, where: str) -> None:
-        """Check that the bodies touch at a point, and that all scars belong to them. Raises RecordError if not."""
+        """Raise RecordError if the bodies do not touch at a point, or a scar belongs to no body; where: names the file
+        in the message.
+        """
         super().require_whole(where)
         self.require_bodies(f"[files] of {where}", self.files, self.files.frames)
 
@@ -300,7 +303,7 @@ class PointRecordTables(OfRecord, PointTest):
         return unworn_stiffness_N_per_um(self.conditions.normal_load_N, *self.bodies_of_test)
 
     def placed(self, surface: MeasuredScar) -> MeasuredScar:
-        """The map turned from the axes it was measured in so that x runs along the motion."""
+        """The map turned from the axes it was measured in, so that x runs along the motion."""
         of_body = getattr(self.files.frames, f"{SCARS.name}_{surface.body}") == "wire"
         return surface.turned(self.body(surface.body).axis_angle_deg if of_body else 0.0)
 
@@ -314,7 +317,7 @@ class PointRecordTables(OfRecord, PointTest):
 
     @property
     def assumed(self) -> str:
-        """Assumptions about the bodies as the end of a sentence, after a semicolon; "" if all is stated."""
+        """Assumptions about the bodies as the end of a sentence, after a semicolon; "" if there are none."""
         return ""
 
 
@@ -336,7 +339,7 @@ class RecordTables(PointRecordTables, WiresTest):
         return {**super().of_study, **curved(each_wire(wires)), **angles}
 
     def with_bodies(self, data: dict[str, object]) -> dict[str, object]:
-        """Study tables with both wires, and the angle of the motion to the moving wire."""
+        """Tables of a study with both wires, and the angle of the motion to the moving wire, added."""
         wires = self.wires.model_dump(mode="json", exclude_none=True)
         angle = {"motion_angle_deg": wires.pop("motion_angle_deg", 0.0)}
         return data | {
@@ -346,6 +349,6 @@ class RecordTables(PointRecordTables, WiresTest):
 
     @property
     def assumed(self) -> str:
-        """Assumption on how the wires are held, as the end of a sentence; "" if it is stated."""
+        """Assumption on how the wires are held, as the end of a sentence; "" if that is stated."""
         given = {*self.wires.model_fields_set, *self.wires.moving.model_fields_set, *self.wires.fixed.model_fields_set}
         return "" if "grip_angle_deg" in given else "; wires are held rigidly over 90° of their backs, all along"

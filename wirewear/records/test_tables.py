@@ -40,8 +40,8 @@ class OfTest(Table):
 
     @classmethod
     def known(cls, data: dict[str, object], where: str) -> dict[str, object]:
-        """A file's tables with other spellings replaced by these keys. Raises RecordError if something is
-        stated twice.
+        """A file's tables with other spellings replaced by the keys of this class; `where` names the file in messages.
+        Raises RecordError if something is stated twice.
         """
         del where
         return data
@@ -52,9 +52,7 @@ class OfTest(Table):
 
     @property
     def extent(self) -> Extent:
-        """Extent of the contact across its motion: one millimetre of a line contact is computed, a contact at a point
-        whole.
-        """
+        """Extent of the contact across its motion: the length of a line contact, the whole of a contact at a point."""
         return extent_of(self.length_mm)
 
     @property
@@ -64,14 +62,15 @@ class OfTest(Table):
 
     @property
     def depth_noise_um(self) -> float:
-        """Stated error in µm of one depth of a worn surface."""
+        """Stated error in µm of one depth of a worn surface; 0 if unstated."""
         return 0.0
 
     @classmethod
     def length_of(cls, study: Mapping[str, object], asked_mm: float | None, label: str) -> float | None:
-        """Length in mm of the contact for a record of a study's result; None for a contact at a point.
+        """Length in mm of the contact for a record of a study's result: None for a contact at a point.
 
-        Raises RecordError if a length is given for a contact at a point, or is missing for a line contact.
+        asked_mm: length that the user gives, None or 0 for none. label: names the result in messages. Raises
+        RecordError if a length is given for a contact at a point, or is missing for a line contact.
         """
         del study
         if asked_mm:
@@ -79,10 +78,10 @@ class OfTest(Table):
         return None
 
     def require_whole(self, where: str) -> None:
-        """Check that the tables say all that they must. Raises RecordError if not."""
+        """Raise RecordError if the tables lack or contradict something; where: names the file in the message."""
 
     def placed(self, surface: Any) -> Any:
-        """Worn surface of a file, turned so that x runs along the motion."""
+        """A worn surface of a file, turned so that x runs along the motion."""
         return surface
 
 
@@ -90,7 +89,9 @@ Model = TypeVar("Model", bound=OfTest)
 
 
 def of_kinds(*models: type[Model]) -> dict[str, type[Model]]:
-    """Class of tables for each kind of contact by its name, chosen from these models by how they state bodies."""
+    """The class of tables for each kind of contact by its name: the first of these models whose way of stating bodies
+    fits.
+    """
     found: dict[str, type[Model]] = {}
     for kind in KINDS.values():
         model: Any = next(own for own in models if issubclass(kind.bodies, own.of))
@@ -112,53 +113,53 @@ class OfRecord(OfTest, ABC):
 
     @property
     def predicted(self) -> str:
-        """Beginning of a sentence on the prediction by a study of the test."""
+        """Beginning of a sentence on the prediction of the test by a study."""
         return "A simulation"
 
     @property
     @abstractmethod
     def wear(self) -> Mapping[str, tuple[str, ...]]:
-        """Keys in `[stated]` of wear coefficients per friction energy, each with the bodies that wear by it."""
+        """Keys in `[stated]` of wear coefficients per friction energy, each with the names of the bodies that wear by
+        it.
+        """
 
     @property
     @abstractmethod
     def shares(self) -> Mapping[str, float]:
-        """Share of the worn volume that each body loses."""
+        """Share of the worn volume that each body loses, by body."""
 
     @classmethod
     @abstractmethod
     def bodies_of(cls, study: Mapping[str, object], label: str) -> dict[str, object]:
-        """Tables of bodies and contact from a resolved study; `label` names it in messages.
-
-        Raises RecordError if a record cannot describe them.
+        """Tables of bodies and contact from a resolved study; label: names it in messages. Raises RecordError if a
+        record cannot describe them.
         """
 
     @classmethod
     def stated_by(cls, study: Mapping[str, object]) -> dict[str, object]:
-        """Values of a study's conditions, friction, wear and rig by key."""
+        """Values by key of a study's conditions, friction, wear and rig."""
         parts = ("conditions", "contact", "wear", "holder")
         return {key: value for part in parts for key, value in table_of(study, part).items()}
 
     @property
     @abstractmethod
     def of_study(self) -> dict[str, float | None]:
-        """The record's stated values by the study keys that identify a test; None where a value is not stated."""
+        """The record's values by those keys of a study that identify a test; None for a value that is not stated."""
 
     @abstractmethod
     def with_bodies(self, data: dict[str, object]) -> dict[str, object]:
-        """Tables of a study with those of the bodies added.
-
-        Raises RecordError if the statements on bodies and rig are not consistent.
+        """Tables `data` of a study with those of the bodies added. Raises RecordError if the statements on bodies and
+        rig are not consistent.
         """
 
     @property
     def contact_stiffness_N_per_um(self) -> float | None:
-        """Tangential stiffness of the unworn contact in N/µm; None if there is no closed form."""
+        """Tangential stiffness of the unworn contact in N/µm; None without a closed form."""
         return None
 
     @property
     def doubts_bodies(self) -> bool:
-        """True if the compliance between rig and contact is uncertain."""
+        """True if the compliance of the bodies between rig and contact is uncertain."""
         return False
 
 
@@ -182,7 +183,7 @@ Roughness = Annotated[float, PlainValidator(Quantity("um", 0.0, 1000.0))]
 
 
 class Metadata(Table):
-    """Optional information that no computation uses."""
+    """Optional information on a test that no computation uses."""
 
     source: Annotated[Source, PlainValidator(one_of(*get_args(Source)))] | None = Field(
         None, description='whether the test was "measured" or "simulated"; unknown where nothing is said'
@@ -203,5 +204,5 @@ class Metadata(Table):
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """Known metadata as lines ``key: value``."""
+        """Known metadata as lines "key: value"."""
         return tuple(f"{key}: {value}" for key, value in self.model_dump(exclude_none=True).items())

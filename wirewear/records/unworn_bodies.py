@@ -1,6 +1,7 @@
 """Unworn surfaces of bodies, as they may lie under a map or profile of heights.
 
-A form is a deviation of the body's shape from the stated one; the crown is the highest line or point of a round body.
+A surface's parameters first give its position (placing), then its form: the deviation of the body's shape from the
+stated one. The crown is the highest line or point of a round body. Along and across are meant of the body's axis.
 """
 
 from dataclasses import dataclass
@@ -18,7 +19,7 @@ ALIKE = 1e-3  #: A radius that differs by less is the stated one.
 
 
 class Surface(Protocol):
-    """Unworn surfaces of a body: `placing` parameters give its position, `forms` further ones its deviation in shape.
+    """Unworn surface of a body with `placing` parameters for its position and `forms` further ones for its form.
 
     A parameter of 1 moves the border of the map by about 1 µm in height.
     """
@@ -29,15 +30,17 @@ class Surface(Protocol):
     def forms(self) -> int: ...
 
     def form_text(self, parameters: Array, body: str) -> str:
-        """Beginning of a sentence on how the body's shape differs from the stated one."""
+        """Beginning of a sentence on how the form at these parameters deviates from the stated shape; `body` names the
+        body.
+        """
 
     def height(self, parameters: Array, at: Array) -> Array:
-        """Heights (m,) in µm at places (2, m) in µm; parameters that are left out are 0."""
+        """Heights (m,) in µm at places (2, m) in µm; parameters that are left out at the end are 0."""
 
 
 @dataclass(frozen=True)
 class RoundSurface:
-    """Body that is round or straight along and across its axis, under a map of half sizes (2,) in µm.
+    """Body that is round or straight along and across its axis, under a map of half sizes `half_um`.
 
     Placing: level, shift (if round) or tilt (if straight) along and across, and rotation of an axis. Forms: curvature
     if round, for a ball also its change outwards and its difference along and across; bending if straight.
@@ -58,30 +61,32 @@ class RoundSurface:
 
     @cached_property
     def scales(self) -> Array:
-        """Level, shifts or tilts along and across, and rotation for parameters of 1."""
+        """Level in µm, shifts in µm or tilts along and across, and tangent of the rotation, each for a parameter of 1
+        (4,).
+        """
         k, half = 1e-3 * np.array(self.curvatures_per_mm), np.array(self.half_um)
         moves = np.where(k > 0.0, 1.0 / np.maximum(k * half, 1e-12), 1.0 / half)
         twist = abs(k[0] - k[1]) * half[0] * half[1]
         return np.array([1.0, *moves, 1.0 / max(twist, 1e-12)])
 
     def beside(self, parameters: Array, at: Array) -> Array:
-        """Coordinates (2, m) in µm along and across the axis of places (2, m), from the crown, or the map's middle if
-        straight.
+        """Coordinates (2, m) in µm, along and across the axis, of places (2, m) from the crown; from the map's middle
+        if straight.
         """
         _, along, across, turn = self._placed(parameters)
         moved = np.where(np.array(self.curvatures_per_mm) > 0.0, (along, across), 0.0)
         return np.asarray((at - turn * np.stack([-at[1], at[0]])) / np.sqrt(1.0 + turn**2) - moved[:, None])
 
     def turned_deg(self, parameters: Array) -> float:
-        """Angle in degrees by which the axis is rotated."""
+        """Angle in degrees by which the axis is rotated against the stated direction."""
         return float(np.degrees(np.arctan(self._placed(parameters)[3])))
 
     def moving(self, places_um: Array) -> Array:
-        """Parameters that put the crown of a round body at this place (2,)."""
+        """Position parameters that put the crown of a round body at `places_um` (2,); all others are 0."""
         return np.array([0.0, *places_um / self.scales[1:3], 0.0][: self.placing])
 
     def curvatures(self, parameters: Array) -> Array:
-        """Curvatures (2,) along and across in 1/mm, including the deviation in shape."""
+        """Curvatures (2,) in 1/mm along and across, with the form's."""
         k, half = np.array(self.curvatures_per_mm), np.array(self.half_um)
         form = np.zeros(4)
         form[: max(parameters.size - self.placing, 0)] = parameters[self.placing :]
@@ -90,7 +95,9 @@ class RoundSurface:
         return np.asarray(np.where(k > 0.0, k, 0.0) + 2e3 * form[:2] / half**2)
 
     def form_text(self, parameters: Array, body: str) -> str:
-        """Beginning of a sentence on the radius that differs most, or on a body that is not straight."""
+        """Beginning of a sentence on the radius that differs most from the stated one, or on a body that is not
+        straight.
+        """
         stated, near = np.array(self.curvatures_per_mm), np.array(parameters)
         if self.placing == 3 and stated.all() and near.size == self.placing + self.forms:
             # The radius that comes nearest over the map, not that of the crown.
@@ -132,7 +139,8 @@ class RoundSurface:
 class FaceSurface:
     """Face of a line contact's body under a profile of half length `half_um`.
 
-    Placing: level, tilt, and the shift of a face with edges (for a cylinder, a shift is a tilt). Forms: bending.
+    Placing: level, tilt and, if `shifts` is True as for a face with edges, a shift (for a cylinder, a shift is a tilt).
+    Forms: bending, if the face does not shift.
     """
 
     face: Face | Flat
@@ -151,7 +159,7 @@ class FaceSurface:
         return f"where it is unworn, the {body} bows"
 
     def height(self, parameters: Array, at: Array) -> Array:
-        """Heights (m,) in µm at places (2, m) in µm; the coordinate across has no effect."""
+        """Heights (m,) in µm at places (2, m) in µm; the second coordinate has no effect."""
         level, tilt, *more = parameters
         beside = at[0] - (self.half_um * 0.1 * more[0] if self.shifts else 0.0)
         shape = 1e3 * self.face.height(1e-3 * np.column_stack([beside, np.zeros_like(beside)]))
@@ -174,7 +182,9 @@ class LevelSurface:
 
 
 def jacobian(surface: Surface, parameters: Array, at: Array, size: int) -> tuple[Array, Array]:
-    """Heights (m,) of a surface at places (2, m), and their derivatives by its first `size` parameters (m, size)."""
+    """Heights (m,) in µm of a surface at places (2, m), and their derivatives (m, size) by its first `size`
+    parameters.
+    """
     whole = np.append(parameters, np.zeros(max(size - parameters.size, 0)))
     middle, steps = surface.height(parameters, at), 0.01 * np.eye(whole.size)[:size]
     return middle, np.stack([(surface.height(whole + step, at) - middle) / 0.01 for step in steps], axis=1)

@@ -41,9 +41,8 @@ _IN_TABLE = {"conditions": "conditions", "contact": "stated", "wear": "stated"}
 def stated_study(tables: AnyTables, more: Mapping[str, object] | None = None) -> Any:
     """Study of the record's test as its owner states it.
 
-    more: further tables of the study, such as log and mesh.
-    Raises RecordError if friction or wear is not stated, or friction is stated twice and differently; StudyError if the
-    statements do not fit together.
+    more: further tables of the study, such as log and mesh. Raises RecordError if friction or wear is not stated, or
+    friction is stated twice and differently; StudyError if the statements do not fit together.
     """
     friction = stated_friction(tables)
     for lacking in tables.missing:
@@ -71,7 +70,9 @@ def stated_friction(tables: AnyTables) -> float | None:
 
 
 def stated_tables(tables: AnyTables, friction: float) -> dict[str, object]:
-    """Tables of a study of the record's test with this friction; bodies with unstated wear do not wear."""
+    """Tables of a study of the record's test with this coefficient of friction; bodies with unstated wear do not
+    wear.
+    """
     stated = tables.stated.model_dump(mode="json", exclude_unset=True, exclude_none=True)
     rig = {key: stated[key] for key in StatedRig.model_fields if key in stated and key not in _OF_THE_CONTACT}
     wear = {key: stated[key] for key in (*type(tables.stated).WEAR, "law") if key in stated}
@@ -99,10 +100,10 @@ def _stated_block(block: CycleBlock) -> dict[str, Any]:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredLoop:
-    """Loop of one cycle of one repeat as the sensors read it, in the order of its samples.
+    """Loop of one cycle of one repeat as the sensors read it, in the order of its n samples; NaN is a missing sample.
 
-    Arrays have shape (n,); `time_s` counts from the start of the cycle, `tangential_force_N` is positive when it
-    resists motion in +x, `normal_force_N` is None if not measured. NaN is a missing sample.
+    time_s: from the start of the cycle. tangential_force_N: positive when it resists motion in +x. normal_force_N: None
+    if not measured.
     """
 
     repeat: int
@@ -119,7 +120,7 @@ class MeasuredLoop:
 
     @property
     def complete(self) -> "MeasuredLoop":
-        """Copy of the loop without samples that lack a channel."""
+        """Copy of the loop without the samples that lack a channel."""
         channels = [self.time_s, self.displacement_um, self.tangential_force_N]
         if self.normal_force_N is not None:
             channels.append(self.normal_force_N)
@@ -128,7 +129,7 @@ class MeasuredLoop:
 
     @property
     def begins_at_rest(self) -> bool:
-        """True if the loop goes from rest to one end first, as a test's first cycle may, and so does not close."""
+        """True if the loop goes from rest to one end first and so does not close, as a test's first cycle may."""
         whole = self.complete
         x, q = whole.displacement_um, whole.tangential_force_N
         if x.size < _FEWEST_SAMPLES:
@@ -145,7 +146,7 @@ class MeasuredLoop:
         return MeasuredLoop(self.repeat, self.cycle, *channels)
 
     def signals(self, period_s: float | None = None) -> LoopSignals:
-        """Channels of the loop, as input for a sensor model."""
+        """Channels of the loop as input for a sensor model; period_s: duration of the cycle, None if unknown."""
         return LoopSignals(self.time_s, self.displacement_um, self.tangential_force_N, self.normal_force_N, period_s)
 
     def read_as(self, signals: LoopSignals) -> "MeasuredLoop":
@@ -158,9 +159,8 @@ class MeasuredLoop:
         )
 
     def figures(self, normal_load_N: float | None = None) -> LoopFigures:
-        """Figures of the loop, computed once; `normal_load_N` replaces a normal force that was not measured.
-
-        Raises LoopError if the samples cannot be analysed.
+        """Figures of the loop, computed once; normal_load_N: stands in for a normal force that was not measured. Raises
+        LoopError if the samples cannot be analysed.
         """
         if normal_load_N not in self._analysed:
             loop = self.complete
@@ -172,7 +172,9 @@ class MeasuredLoop:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredEvolution:
-    """Figures of one repeat over the cycles, as columns (n,); `columns["cycle"]` increases, NaN is a missing value."""
+    """Figures of one repeat over the cycles, as columns (n,) by name; `columns["cycle"]` increases, NaN is a missing
+    value.
+    """
 
     repeat: int
     columns: Mapping[str, Array]
@@ -244,11 +246,11 @@ def _rows(evolution: MeasuredEvolution, schedule: Schedule[Any], block: int) -> 
 class ExperimentRecord(Generic[Tables, Surface]):
     """Experiment record of format 1.
 
-    `loops` are sorted by repeat and cycle. `scars` are the worn surfaces at the end: maps, or profiles of a line
-    contact, whose forces and energies are of the whole contact. `notes` are sentences on what was ignored in reading.
-    `path` is its folder, or None. `block` is the number of the chosen block of its programme, None for the whole test;
-    `worked` holds pairs of a cycle of the test and the number of cycles of that block that dissipate as much energy;
-    and `within_longer_strokes` is True if other blocks have longer strokes.
+    loops: sorted by repeat and cycle. scars: worn surfaces at the end, maps or profiles of a line contact, whose forces
+    and energies are of the whole contact. notes: sentences on what was ignored in reading. path: its folder, None if it
+    was not read. block: number of the chosen block of its programme, None for the whole test. worked: pairs of a cycle
+    of the test and of the number of that block's cycles that dissipate as much energy. within_longer_strokes: True if
+    other blocks have longer strokes.
     """
 
     tables: Tables
@@ -262,12 +264,11 @@ class ExperimentRecord(Generic[Tables, Surface]):
     within_longer_strokes: bool = False
 
     def of_block(self, number: int | None = None) -> "ExperimentRecord[Tables, Surface]":
-        """Part of the record measured under one block of its programme: loops, evolution, and scars unless a longer
-        stroke of another block shaped them.
+        """Part of the record measured under one block of its programme: loops, evolution, and the scars if no other
+        block has a longer stroke.
 
-        number: from 1; by default the block with the longest stroke and most loops. A record without a programme is
-        returned unchanged.
-        Raises RecordError if there is no such block, or no loop of it.
+        number: from 1; None for the block with the longest stroke and most loops. A record without a programme, or of
+        one block already, is returned unchanged. Raises RecordError if there is no loop of that block.
         """
         tables: Any = self.tables
         if not tables.programme or self.block is not None:
@@ -300,7 +301,7 @@ class ExperimentRecord(Generic[Tables, Surface]):
         )
 
     def working_cycles(self, cycles: Array) -> Array:
-        """Number of cycles (n,) of the chosen block that dissipate as much energy as these cycles (n,) of the test."""
+        """Numbers (n,) of the chosen block's cycles that dissipate as much energy as the test's first `cycles` (n,)."""
         return np.interp(cycles, *np.array(self.worked).T) if self.worked else cycles
 
     @property
@@ -313,7 +314,7 @@ class ExperimentRecord(Generic[Tables, Surface]):
 
     @property
     def repeats(self) -> tuple[int, ...]:
-        """Numbers of the repeats that have loops, or for records that may lack loops, any data."""
+        """Numbers of the repeats that have loops, or any data if the kind of record may lack loops."""
         parts: tuple[Any, ...] = (*self.loops, *(() if self.tables.needs_loops else (*self.evolution, *self.scars)))
         return tuple(sorted({one.repeat for one in parts}))
 
@@ -322,7 +323,7 @@ class ExperimentRecord(Generic[Tables, Surface]):
         return tuple(sorted({loop.cycle for loop in self.loops}))
 
     def loops_at(self, cycle: int) -> tuple[MeasuredLoop, ...]:
-        """Loops of a cycle, one for each repeat that has it."""
+        """Loops of a cycle, one for each repeat that has it; empty if none has."""
         return tuple(loop for loop in self.loops if loop.cycle == cycle)
 
     def loop(self, repeat: int, cycle: int) -> MeasuredLoop:
@@ -333,12 +334,12 @@ class ExperimentRecord(Generic[Tables, Surface]):
         raise RecordError(f"the record {self.name!r} has no loop of repeat {repeat} at cycle {cycle}.")
 
     def scars_of(self, body: str) -> tuple[Surface, ...]:
-        """Worn surfaces of a body in all repeats."""
+        """Worn surfaces of a body, one for each repeat that has it."""
         return tuple(scar for scar in self.scars if scar.body == body)
 
     @property
     def worn_volumes_mm3(self) -> dict[str, dict[int, float]]:
-        """Worn volumes in mm³ of the whole contact, by body and repeat."""
+        """Worn volumes in mm³ of the whole contact, by body and then by repeat."""
         length = self.tables.length_mm
         return {
             body: {one.repeat: one.volume_of(length) for one in self.scars_of(body)} for body in self.tables.body_names

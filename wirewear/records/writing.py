@@ -49,10 +49,9 @@ _MADE_OF = "# made of "  #: Before the path, from the record's folder, of the fi
 def require_place(folder: Path, *, made_of: Sequence[Path] = (), overwrite: bool = False) -> None:
     """Check that a record can be written to a folder; nothing is changed.
 
-    made_of: sources of the record; the mapping, run or record comes first.
-    overwrite: any record there may be replaced.
-    Raises RecordError if the folder is or holds a source of the record, or holds another record or a file that would be
-    lost; RunError if it cannot be written.
+    made_of: files that the record is made of, the mapping, run or record first. overwrite: any record there may be
+    replaced. Raises RecordError if the folder is or holds one of these files, or holds another record or a file that
+    would be lost; RunError if it cannot be written.
     """
     with writing(RecordError, f"cannot write the record to {folder}"):
         place = link_followed(folder).resolve()
@@ -104,10 +103,10 @@ def write_record(
 ) -> Path:
     """Write a record to `folder`, which is created if missing, and return it; numbers keep all their digits.
 
-    Files of an earlier record there are replaced, other files stay. At any moment others see the old or the new record.
-    `made_of` and `overwrite` are as in `require_place`.
-    Raises RecordError if the record lacks the loops that it must have, or holds nothing, has no place there, or a file
-    cannot be written; RunError if the folder cannot be created, or another command is writing to it.
+    made_of, overwrite: see `require_place`. Files of an earlier record there are replaced, other files stay; at any
+    moment others see the old or the new record. Raises RecordError if the record lacks the loops that it must have,
+    holds nothing or has no place there, or a file cannot be written; RunError if the folder cannot be created, or
+    another command is writing to it.
     """
     folder, tables = Path(folder), record.tables
     frames = {"loops": loops_frame(record.loops)} if record.loops else {}
@@ -143,7 +142,7 @@ def write_record(
 
 
 def loops_frame(loops: Sequence[MeasuredLoop]) -> "pl.DataFrame":
-    """Table of loops as it stands in a record."""
+    """Table of loops with the columns of a record's loops.csv; normal_force_N only if a loop has one."""
     sizes = [loop.time_s.size for loop in loops]
     columns: dict[str, Any] = {
         "repeat": np.repeat([loop.repeat for loop in loops], sizes),
@@ -166,14 +165,14 @@ def _write_surfaces(surfaces: Sequence[MeasuredScar | MeasuredProfile]) -> "pl.D
 
 
 def frame_of(columns: Mapping[str, ArrayLike]) -> "pl.DataFrame":
-    """Data frame of these columns, with NaN as empty fields."""
+    """Data frame of these columns (n,), with NaN as empty fields."""
     import polars as pl
 
     return pl.DataFrame(dict(columns)).with_columns(pl.selectors.float().fill_nan(None))
 
 
 def with_checksums(text: str, folder: Path, names: Iterable[object]) -> str:
-    """Text of experiment.toml followed by the checksums of these files in its folder, and its own."""
+    """`text` of experiment.toml followed by the SHA-256 of the files `names` in its folder, and of the text itself."""
     lines = [f"# sha256 {hashlib.sha256((folder / str(name)).read_bytes()).hexdigest()} {name}\n" for name in names]
     text += "\n# The files as wirewear wrote them. Whoever changes one on purpose deletes its line.\n" + "".join(lines)
     return text + f"# sha256 {hashlib.sha256(text.encode()).hexdigest()} of the text above\n"

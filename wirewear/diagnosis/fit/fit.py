@@ -74,6 +74,7 @@ class CheckedRun:
 
 def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: ObserverOf | None = None) -> CheckedRun:
     """Run the fitted study in `output` with this fidelity, and compare its loops with those of the record.
+
     observer_of: gives the observer of the run of a name. Raises StudyError, SolverError or RunError if the run cannot
     be made or written.
     """
@@ -101,13 +102,15 @@ def fit_record(
     observer_of: ObserverOf | None = None,
     stage: Stage = nullcontext,
 ) -> FittedTest:
-    """Fit the parameters of a test to its record. given: wear that is known otherwise than from scars. observer_of:
-    gives the observer of the run of a name. stage: entered for each step of the work. First estimates come from the
-    loops themselves; the fast model, on the wear states of one finite element run with these, then fits friction and
-    rig to the loops of all cycles. Wear coefficients are worn volumes over the friction energy of the whole test. If no
-    loop slides as a whole, friction and rig are bounded by energy, stiffness and shape of single loops. Raises
-    RecordError if the record is unsound, none of its loops bounds friction above, or a worn volume is given and neither
-    loops nor evolution show the energy; StudyError or SolverError if a nominal run of the fast model fails.
+    """Fit the parameters of a test to its record.
+
+    given: wear that is known otherwise than from scars. observer_of: gives the observer of the run of a name. stage:
+    entered for each step of the work. First estimates come from the loops themselves; the fast model, on the wear
+    states of one finite element run with these, then fits friction and rig to the loops of all cycles. Wear
+    coefficients are worn volumes over the friction energy of the whole test. If no loop slides as a whole, friction and
+    rig are bounded by energy, stiffness and shape of single loops.
+    Raises RecordError if the record is unsound, none of its loops bounds friction above, or a worn volume is given and
+    neither loops nor evolution show the energy; StudyError or SolverError if a nominal run of the fast model fails.
     """
     record = record.of_block()
     rigid, tables = kind_of(record).rigid_N_per_mm, record.tables
@@ -194,6 +197,7 @@ def _friction_of_loops(record: AnyRecord) -> float:
 def completed(record: AnyRecord) -> tuple[AnyRecord, dict[str, float]]:
     """Copy of the record with unstated friction and wear filled in from its loops and scars, and the relative standard
     deviations of these by the fast model's names; the record itself and {} if all is stated.
+
     If nothing shows the wear, bodies are taken to wear like steel on steel. Raises RecordError if friction is neither
     stated nor shown by the loops.
     """

@@ -27,6 +27,7 @@ class StickingFit:
 
 def fitted_sticking(record: AnyRecord, rigid_N_per_mm: float) -> StickingFit | None:
     """Friction and rig of a test none of whose loops slides as a whole; None if one does, or none can be analysed.
+
     rigid_N_per_mm: stiffness from which a rig counts as rigid. The compliance of the unworn contact, if it has a closed
     form, is taken as known in the first logged cycle. Raises RecordError if no loop bounds friction above.
     """

@@ -229,6 +229,7 @@ class Correction:
 
 def corrected_record(record: ExperimentRecord, polynomial: LoadPolynomial) -> Correction:
     """A record corrected to the near point: linear · Q + quadratic · Q² is subtracted from every displacement.
+
     Amplitudes of the evolution and the asked amplitude are lowered by linear · Q at the tips, as the quadratic part
     moves both tips alike. Slip amplitudes, energies and scars stay (Q = 0, and ∮Q df(Q) = 0), as do missing samples.
     Raises RecordError if the correction is no smaller than the motion itself.

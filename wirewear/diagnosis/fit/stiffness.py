@@ -35,6 +35,7 @@ def with_spring(
 ) -> tuple[WearStates, dict[str, FittedParameter]]:
     """Wear states whose load falls as the record's does, and the stiffness of the spring that presses the bodies, by
     name; the states as they were and {} if no spring is seen.
+
     The bodies approach by the sum of both largest depths. As a load may also drift with the cycles, the spring must fit
     better than that by `EVIDENCE`, with an interval above zero.
     """
@@ -101,8 +102,8 @@ class ContactStiffness:
 
 
 def contact_stiffness(record: AnyRecord, friction: float, some_wear: Mapping[str, float]) -> ContactStiffness:
-    """Stiffness of the unworn contact by closed form or else from a simulated loop on a rigid rig.
-    friction, some_wear: coefficient and wear coefficients by key for that simulation.
+    """Stiffness of the unworn contact by closed form or else from a simulated loop on a rigid rig. friction, some_wear:
+    coefficient and wear coefficients by key for that simulation.
     """
     tables = record.tables
     if tables.contact_stiffness_N_per_um is not None:

@@ -28,9 +28,11 @@ class FittedParameter:
 
     @classmethod
     def of_repeats(cls, values: ArrayLike, unit: str, deviation: float = 0.0) -> FittedParameter:
-        """Mean of one value for each test, with an interval by Student's t for their scatter. deviation: known standard
-        deviation of an error that all tests share, added to the interval in squares. For positive values the interval
-        is that of the logarithm, so that both ends are positive. A single value has no scatter.
+        """Mean of one value for each test, with an interval by Student's t for their scatter.
+
+        deviation: known standard deviation of an error that all tests share, added to the interval in squares. For
+        positive values the interval is that of the logarithm, so that both ends are positive. A single value has no
+        scatter.
         """
         found = np.atleast_1d(np.asarray(values, dtype=np.float64))
         count, mean = found.size, float(found.mean())

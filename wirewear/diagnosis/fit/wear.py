@@ -123,6 +123,7 @@ def wear_given(
     given: GivenWear, tables: AnyTables, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
 ) -> Worn:
     """Wear parameters by name as the user gives them, and sentences on their source.
+
     worn, found: the first two results of `fitted_wear`; scars then only determine the bodies' shares. Raises
     RecordError if a volume is given, but the energy that wore it is unknown.
     """

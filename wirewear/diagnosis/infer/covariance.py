@@ -86,8 +86,8 @@ def solver_covariance(states: WearStates, setup: SurrogateInputs, layout: Layout
 
 
 def tolerated(states: WearStates, setup: SurrogateInputs, layout: Layout, tolerance: Mapping[str, float]) -> Array:
-    """Covariance (n, n) of differences within a record's tolerance, of any smooth shape.
-    tolerance: relative differences that count as equal, by the names of `[tolerance]`; 0 if missing.
+    """Covariance (n, n) of differences within a record's tolerance, of any smooth shape. tolerance: relative
+    differences that count as equal, by the names of `[tolerance]`; 0 if missing.
     """
     size = whole_sizes(setup, layout, np.nan_to_num(layout.computed(states, setup)[0]))
     for part in layout:
@@ -120,8 +120,8 @@ def moved(setup: SurrogateInputs, name: str, size: float) -> SurrogateInputs:
 
 def derivatives(states: WearStates, setup: SurrogateInputs, layout: Layout, sizes: Mapping[str, float]) -> Array:
     """Change of the observables (n, k) by one standard deviation of each of k scatters or freedoms, by central
-    differences.
-    sizes: these standard deviations by name, in the unit of `moved`. Observables that are not defined change by 0.
+    differences. sizes: these standard deviations by name, in the unit of `moved`. Observables that are not defined
+    change by 0.
     """
     both = layout.computed(
         states, *(moved(setup, name, side * size) for side in (0.5, -0.5) for name, size in sizes.items())
@@ -136,6 +136,7 @@ def remainder(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Arr
 
 def components(states: WearStates, setup: SurrogateInputs, layout: Layout) -> dict[str, Array]:
     """Parts (n, n) of the covariance of `remainder`: of each observable by its name, `HOOKS` and `OWN`.
+
     An observable's part is smooth over sites and cycles. `HOOKS`: hooks, which differ as a whole. `OWN`: what the
     reading of a loop leaves uncertain.
     """
@@ -212,8 +213,8 @@ class NoiseEvidence:
 
 
 def noise_factors(observed: Observations, scattered: Array) -> Array:
-    """Estimated factor (n,) on each number's noise variance, the same for all numbers of an observable.
-    scattered: as in `noise_evidence`.
+    """Estimated factor (n,) on each number's noise variance, the same for all numbers of an observable. scattered: as
+    in `noise_evidence`.
     """
     evidence = noise_evidence(observed, scattered)
     factors = [np.repeat(evidence[part.observable.name].factor, len(part.sites)) for part in observed.layout]
@@ -223,6 +224,7 @@ def noise_factors(observed: Observations, scattered: Array) -> Array:
 def noise_evidence(observed: Observations, scattered: Array) -> dict[str, NoiseEvidence]:
     """Evidence on each observable's noise variance from the differences of repeats, by the observable's name; empty
     evidence for a single repeat.
+
     scattered: (n, n) covariance of one repeat's specimens and zeros. The difference of a repeat from the mean of those
     before it is normal, of scatter and noise. Given all other numbers, one number has a variance of which the share s
     is noise; its squared deviate indicates a factor of 1 + (square − 1)/s on the noise variance, with weight s².

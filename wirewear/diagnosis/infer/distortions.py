@@ -105,8 +105,8 @@ def _explained(residual: Array, columns: Array) -> tuple[float, float]:
 
 
 def gains_of(found: Sequence[Distortion]) -> dict[tuple[str, ...], list[float]]:
-    """Log evidence that families of distortions add, as a list for each explanation, by its effects' names.
-    Families with `counts` False are left out.
+    """Log evidence that families of distortions add, as a list for each explanation, by its effects' names. Families
+    with `counts` False are left out.
     """
     gains: dict[tuple[str, ...], list[float]] = {}
     for one in found:

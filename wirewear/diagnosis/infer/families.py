@@ -107,6 +107,7 @@ class Branches:
 
     def sliding_under(self, added_N: Array, load_share: Array | None = None) -> PredictedLoops:
         """The loops of a contact that resists sliding by `added_N` (n, 2, m) more, in the direction of travel.
+
         load_share: relative change (n, 2, m) of the normal force along with it; None for no change. The stick branch
         then begins where the other branch ends, rises to the new onset of sliding, and travels in proportion to its
         rise.
@@ -215,8 +216,8 @@ def force_after_play() -> Shape:
 
 
 def displacement_after_play(*, held: bool) -> Shape:
-    """Shape of a displacement channel with free play; the size is half the play over the amplitude.
-    held: True if the drive holds the amplitude that is read, so that the true one is larger by what the play takes.
+    """Shape of a displacement channel with free play; the size is half the play over the amplitude. held: True if the
+    drive holds the amplitude that is read, so that the true one is larger by what the play takes.
     """
 
     def shape(b: Branches, size: float) -> PredictedLoops:
@@ -244,8 +245,8 @@ def between_ends(power: int) -> Callable[[Array], Array]:
 
 def in_travel(power: int) -> Share:
     """The function u^power less its mean over the stroke, u the displacement in the direction of travel over the
-    amplitude.
-    As added friction, an odd power acts against the motion at one end of each stroke and with it at the other.
+    amplitude. As added friction, an odd power acts against the motion at one end of each stroke and with it at the
+    other.
     """
     mean = 1.0 / (power + 1.0) if power % 2 == 0 else 0.0
     return lambda b: np.asarray(b.place**power - mean)

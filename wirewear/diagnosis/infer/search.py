@@ -151,6 +151,7 @@ def problem_around(
     before: Problem | None = None,
 ) -> tuple[Problem, Covariance]:
     """The problem of explaining a record from the nominal `setup`, and the covariance at the setup `around`.
+
     effects: those in `around`, whose model error is included. before: an earlier problem of the record, whose cached
     predictions are shared.
     """
@@ -339,8 +340,8 @@ def next_measurement(
 
 
 def masses(causes: Iterable[tuple[str, float]], equivalent: Iterable[Sequence[str]]) -> dict[tuple[str, ...], float]:
-    """Probability of each class, at most 1, from `causes`, pairs of an effect's name and probability.
-    equivalent: classes of several effects; every other effect is a class of its own.
+    """Probability of each class, at most 1, from `causes`, pairs of an effect's name and probability. equivalent:
+    classes of several effects; every other effect is a class of its own.
     """
     groups = {name: tuple(members) for members in equivalent for name in members}
     found: dict[tuple[str, ...], float] = {}

@@ -91,8 +91,8 @@ class HeldOutScores:
         return float(np.sqrt(np.nanmean(squares)))
 
     def interval(self, squares: dict[str, Array], seed: int) -> tuple[float, float]:
-        """95 % interval of the shrink by bootstrap over repeats and cycles.
-        squares: squared residuals (r, f) by "before", "after" and "floor". seed: of the random draws.
+        """95 % interval of the shrink by bootstrap over repeats and cycles. squares: squared residuals (r, f) by
+        "before", "after" and "floor". seed: of the random draws.
         """
         random = np.random.default_rng(seed)
         cycles = np.unique(self.features.cycle)
@@ -130,8 +130,8 @@ class HeldOutScores:
 
 def held_out_cycles(loop_cycles: IntArray) -> list[tuple[int, ...]]:
     """Sets of cycles to leave out, best first: the last third, then every second one; empty if there are fewer than two
-    cycles, one set for two.
-    A change that only shows early in a test cannot be predicted from the cycles before it, but from its neighbours.
+    cycles, one set for two. A change that only shows early in a test cannot be predicted from the cycles before it, but
+    from its neighbours.
     """
     cycles = [int(cycle) for cycle in np.unique(loop_cycles)]
     if len(cycles) < 2:
@@ -237,8 +237,8 @@ class Shrink:
 def shrink_of(
     problem: Problem, covariance: Covariance, observed: Observations, best: Fit, wrong: Fit | None, seed: int
 ) -> Shrink:
-    """The shrink by the best explanation, and by placebos: the fit `wrong` (None for none) and a free smooth fit.
-    seed: of the bootstrap's draws. Explanations are fitted again without the held-out observables.
+    """The shrink by the best explanation, and by placebos: the fit `wrong` (None for none) and a free smooth fit. seed:
+    of the bootstrap's draws. Explanations are fitted again without the held-out observables.
     """
     left_out = _LeftOut.of(problem, covariance, observed)
     again = left_out.refit(best)
@@ -357,8 +357,8 @@ def physical_gap(
     states: WearStates, observed: Observations, before: SurrogateInputs, after: SurrogateInputs, cycles: tuple[int, ...]
 ) -> Mapping[str, tuple[float, float]]:
     """Mean distances of measured and computed loops over the given cycles, (before, after) adding effects, by name and
-    unit.
-    before, after: setups. If no loop is of these cycles, all loops count; a distance that no loop shows is left out.
+    unit. before, after: setups. If no loop is of these cycles, all loops count; a distance that no loop shows is left
+    out.
     """
     profiles = _profiles(states, observed, before, after)
     if not observed.loops:

@@ -131,6 +131,7 @@ class Weighed:
 def distances(problem: Problem, fits: Sequence[Fit], known: Sequence[Fit] = ()) -> Array:
     """Distances (k, k) between k fits: χ, in standard deviations, that the effects of one leave at best of the
     prediction of the other; the larger of both directions.
+
     Infinite for fits that do not differ in exactly one effect. known: fits to another record, whose distributions are
     the priors of the effects' coordinates; by default their expected sizes.
     """
@@ -167,6 +168,7 @@ def _differing(one: Fit, other: Fit) -> tuple[str, str] | None:
 
 def classes_of(fits: Sequence[Fit], matrix: Array) -> tuple[tuple[str, ...], ...]:
     """Classes of effects by complete linkage: all members of one are closer to each other than `SEPARABLE`.
+
     fits: single effects and pairs. matrix: (k, k), their `distances`. Distances between pairs that share an effect
     count before those between the effects alone.
     """
@@ -197,6 +199,7 @@ def weigh(
     gains: Mapping[tuple[str, ...], Sequence[float]] | None = None,
 ) -> Weighed:
     """Probabilities of all explanations, and of a cause outside the library.
+
     none, singles, joint: fits without effects, of single effects and of pairs. dispersion: misfit of the best, by which
     log evidences are divided beside `TEMPERATURE`: it estimates by how much all variances are larger or smaller than
     expected, as in a quasi-likelihood (McCullagh and Nelder, Generalized Linear Models, 1989, section 9.2).
@@ -276,6 +279,7 @@ def force_zero(problem: Problem, covariance: Covariance, one: Fit, repeats: int)
 
 def log_surprise(p_value: float) -> float:
     """Log of the largest Bayes factor with which a p-value speaks for something else being at work; 0 if p ≥ 1/e.
+
     −e p ln p is the least probability that it leaves of a hypothesis (Sellke, Bayarri and Berger, Am. Stat. 55 (2001)
     62, eq. 2).
     """

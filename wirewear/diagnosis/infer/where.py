@@ -97,8 +97,8 @@ def places(problem: Problem, covariance: Covariance, setup: SurrogateInputs) -> 
 
 def changes(problem: Problem, covariance: Covariance, setup: SurrogateInputs) -> list[Place]:
     """Change that the explanation `setup` makes in each zone and cycle; flagged if it is at least half of the largest,
-    in standard deviations of one test.
-    The fields of a `Place` are of this change in place of a difference from the measurement.
+    in standard deviations of one test. The fields of a `Place` are of this change in place of a difference from the
+    measurement.
     """
     nominal = problem.predicted(replace(problem.setup, **{name: getattr(setup, name) for name in problem.free}))
     change = problem.predicted(setup) - nominal

@@ -117,8 +117,8 @@ class Stick(observable.ByLocalLines):
 
 
 def has_few_samples(branches: list[ObservedBranch], force_N: float) -> bool:
-    """True if a repeat's stick branch has at most `FEW_SAMPLES` samples, so that branches are read at these.
-    branches: the same branch of each repeat. force_N: force at mid-stroke.
+    """True if a repeat's stick branch has at most `FEW_SAMPLES` samples, so that branches are read at these. branches:
+    the same branch of each repeat. force_N: force at mid-stroke.
     """
     return min(q.size for q in _samples(branches, force_N)) <= FEW_SAMPLES
 
@@ -210,8 +210,8 @@ def travel_between(branch: ObservedBranch, level_N: float) -> tuple[float, float
 
 
 def displacement_at(branch: ObservedBranch, level_N: float, window_N: float, loop: ReducedLoop) -> LocalLine | None:
-    """Displacement in µm at which the stick branch reaches a force; None if it does not reach it.
-    window_N: samples within this distance of the force are used. loop: gives the noise.
+    """Displacement in µm at which the stick branch reaches a force; None if it does not reach it. window_N: samples
+    within this distance of the force are used. loop: gives the noise.
     """
     x, q = branch.displacement_um, branch.force_N
     end = min(branch.knee + 2, x.size - 1)
@@ -339,8 +339,8 @@ class KneePeak(observable.OfLoops):
 
 def peak_N(past_um: Array, force_N: Array, amplitude_um: float, correlation: float = 0.0) -> tuple[float, float]:
     """Mean force in N of a branch (m,) in the window `PEAK` less that in `BEYOND`, and the ratio of its error to the
-    noise of one sample; both NaN if a window holds too few samples.
-    past_um: (m,) displacement from the knee. correlation: of the noise of neighbouring samples.
+    noise of one sample; both NaN if a window holds too few samples. past_um: (m,) displacement from the knee.
+    correlation: of the noise of neighbouring samples.
     """
     near, far = ((past_um >= low * amplitude_um) & (past_um <= high * amplitude_um) for low, high in (PEAK, BEYOND))
     counts = int(near.sum()), int(far.sum())

@@ -226,6 +226,7 @@ class EvolutionFigure(Observable):
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
         """Standard deviation (n,) of the error that all repeats share, in the column's unit.
+
         Its parts: another definition of the figure by another program (`ERROR` of its usual size), and half the
         variance of `missed`, whose other half is taken to differ from repeat to repeat.
         """
@@ -304,8 +305,8 @@ class LargestForce(EvolutionFigure):
 
 def own_noise(cycles: Array, figures: Array) -> tuple[float | None, BoolArray]:
     """Relative noise of figures (n,), and marks (n,) of those that are sound: positive and near the line between their
-    neighbours over log cycle; the noise is None if there are too few.
-    A figure far off that line is unsound, as a loop's largest force may be an outlying sample.
+    neighbours over log cycle; the noise is None if there are too few. A figure far off that line is unsound, as a
+    loop's largest force may be an outlying sample.
     """
     sound = np.isfinite(figures) & (figures > 0.0) & (cycles > 0.0)
     places = np.flatnonzero(sound)

@@ -82,6 +82,7 @@ class ObservedBranch:
 
 def knee_index(travel_um: Array, force_N: Array, top_N: float, amplitude_um: float, reversal_N: float = np.inf) -> int:
     """Index of the knee on a branch (m,): where the force, as a share of its rise, leads the travel most.
+
     travel_um: (m,) from the reversal. top_N: force at mid-stroke. reversal_N: force at which the other branch ends, as
     a sharp reversal has risen far by this branch's first sample; infinite if unknown.
     """
@@ -129,6 +130,7 @@ def force_at(
     branch: ObservedBranch, at_um: float, window_um: float, sample_noise_N: float = 1.0, correlation: float = 0.0
 ) -> LocalLine | None:
     """Force in N while sliding at a displacement, by a local line or parabola; None if no samples are near.
+
     at_um: displacement in the branch's direction. window_um: samples within this distance are used. sample_noise_N:
     noise of one force sample. correlation: of the noise of neighbouring samples.
     """

@@ -70,8 +70,8 @@ DRIVE_HARMONICS = _OF_NOISE.count("drive_harmonics")
 
 
 def harmonics_of(time_s: Array, period_s: float, displacement_um: Array) -> ComplexArray:
-    """Complex harmonics (k,) of one cycle's displacement (n,) over the size of the first, which becomes a sine.
-    time_s: (n,). period_s: duration of the cycle.
+    """Complex harmonics (k,) of one cycle's displacement (n,) over the size of the first, which becomes a sine. time_s:
+    (n,). period_s: duration of the cycle.
     """
     count = max(1, min(MOST_HARMONICS, time_s.size // SAMPLES_A_HARMONIC))
     turns = np.exp(2j * np.pi * np.outer(time_s / period_s, np.arange(1, count + 1)))
@@ -84,6 +84,7 @@ def harmonics_of(time_s: Array, period_s: float, displacement_um: Array) -> Comp
 
 def motion_of(loops: Sequence[ComplexArray], noise: float) -> FastMotion:
     """Common motion of a drive: median of the harmonics (k,) of several loops; a sine if there are none.
+
     noise: standard deviation of one harmonic of one loop. Harmonics within their noise are dropped; a median scatters
     by √(π/2) more than the mean.
     """

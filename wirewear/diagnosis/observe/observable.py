@@ -272,8 +272,8 @@ class Observable(ABC):
     @property
     def tolerance(self) -> str:
         """Key of the record's table `[tolerance]` by which differences are judged: force, displacement, energy or
-        volume.
-        The angle of a skew scar counts as a displacement: the scar's ends are off by that share of half its length.
+        volume. The angle of a skew scar counts as a displacement: the scar's ends are off by that share of half its
+        length.
         """
         of_loops = {"N": "force", "um": "displacement", "mJ": "energy"}
         return ({"rad": "displacement"} if self.of_scars else of_loops).get(self.unit, "volume")

@@ -105,8 +105,8 @@ class Reading:
 
 
 def read(record: AnyRecord) -> Reading:
-    """Prepare loops, evolution and worn surfaces of a record for reading; profiles alone suffice.
-    Raises RecordError if no loop can be read, and no profiles replace them.
+    """Prepare loops, evolution and worn surfaces of a record for reading; profiles alone suffice. Raises RecordError if
+    no loop can be read, and no profiles replace them.
     """
     notes: list[str] = []
     loops = list(_loops(record, notes))
@@ -219,9 +219,11 @@ def read_at_corners(record: AnyRecord) -> tuple[AnyRecord, str | None]:
 
 def corners_of(loops: Sequence[MeasuredLoop], frequency_Hz: float) -> int | None:
     """Number of points in a cycle between which loops, all sampled at the same times, are straight lines; None for
-    curves. Corners are at even times from the beginning of the cycle. In the mean of all loops noise is small enough:
-    lines with the right corners leave noise alone, and must fit the displacement better than lines shifted by half a
-    line, which fit a smooth curve equally well.
+    curves.
+
+    Corners are at even times from the beginning of the cycle. In the mean of all loops noise is small enough: lines
+    with the right corners leave noise alone, and must fit the displacement better than lines shifted by half a line,
+    which fit a smooth curve equally well.
     """
     if not loops or loops[0].time_s.size < FEWEST_CORNERS * SAMPLES_A_LINE:
         return None

@@ -262,8 +262,8 @@ class Observations:
 
 
 def reduce(record: AnyRecord, observables: Sequence[Observable] | None = None) -> Observations:
-    """Read all observables, or the given ones, from a record; numbers that no repeat gives are left out.
-    Raises RecordError if no loop can be read and the record has no profiles in place of loops.
+    """Read all observables, or the given ones, from a record; numbers that no repeat gives are left out. Raises
+    RecordError if no loop can be read and the record has no profiles in place of loops.
     """
     reading = read(record)
     known = all_observables() if observables is None else observables
@@ -314,8 +314,8 @@ def _stated_scatter(record: AnyRecord) -> dict[str, float]:
 
 
 def all_observables() -> tuple[Observable, ...]:
-    """One instance of each observable, of this program and of installed packages.
-    Raises WirewearError if a package's entry point is not an observable, or its name or zone is already used.
+    """One instance of each observable, of this program and of installed packages. Raises WirewearError if a package's
+    entry point is not an observable, or its name or zone is already used.
     """
     return _all_observables()
 

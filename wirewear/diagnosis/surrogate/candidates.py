@@ -54,6 +54,7 @@ class Candidate:
         contact: str = kinds.CROSSED_WIRES,
     ) -> Candidate:
         """The effect of this class as a candidate for a test, its parameters and forms as they are expected there.
+
         stated: values of the test, from which parameters may be scaled. chosen: words by their names; defaults if None.
         scales: factors on expected sizes by unit; 1 if missing. contact: kind of contact.
         """

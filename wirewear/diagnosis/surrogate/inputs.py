@@ -162,6 +162,7 @@ class SurrogateInputs:
     @property
     def scales(self) -> Mapping[str, float]:
         """Factors by unit on the sizes of parameters that effects state for the article's test of wires.
+
         Stiffnesses grow with the friction force over the amplitude, compliances fall with it, and cycles go with the
         length of the test.
         """
@@ -184,9 +185,11 @@ class SurrogateInputs:
 
     def chain(self, radius_um: float, fresh_area_um2: float, cycles: Array, energy_J: Array, worn_um3: Array) -> Chain:
         """The test as a chain from drive to sensors at n moments, with all effects and the factors of the specimen
-        applied. radius_um: of the sphere (or cylinder) that has the bodies' gap to a flat. fresh_area_um2: of the
-        contact before any wear. cycles, energy_J, worn_um3: (n,) cycles done, friction energy and worn volume of both
-        bodies. Raises UnforeseenError if an effect changes something that fast models do not know.
+        applied.
+
+        radius_um: of the sphere (or cylinder) that has the bodies' gap to a flat. fresh_area_um2: of the contact before
+        any wear. cycles, energy_J, worn_um3: (n,) cycles done, friction energy and worn volume of both bodies. Raises
+        UnforeseenError if an effect changes something that fast models do not know.
         """
         stated = {
             "amplitude_um": np.nan if self.held else self.amplitude_um,

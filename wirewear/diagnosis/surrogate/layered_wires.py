@@ -292,6 +292,7 @@ def flattened_wires(
     fresh_radius: float, stroke: float, deepest: float, moving_share: float = 0.5, along: float = 1.0
 ) -> FlattenedWires:
     """Table of changes by flattenings h R/δ² from 0 to `deepest`.
+
     fresh_radius, stroke: radius of the unworn contact and stroke to either side, in slip amplitudes. moving_share:
     share of the wear that the moving wire loses. along: curvature of the gap along the motion over that across.
     """

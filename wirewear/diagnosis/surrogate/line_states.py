@@ -98,6 +98,7 @@ class LineStates(WearStates):
     @classmethod
     def of_line(cls, result: RunResult, face: Face, length_mm: float) -> LineStates:
         """States of a run of a line contact with this face of the pad, for a contact of `length_mm`.
+
         Raises RunError if no loop of the run carries a force, none of those in gross slip can be read, or the face
         differs from side to side.
         """

@@ -184,8 +184,8 @@ def _half_width(x: Array, values: Array) -> float:
 
 
 def between(known: Array, rows: Array, at: float, most: float) -> Array:
-    """Row (m,) at `at`, linear between rows (k, m) at increasing coordinates `known` (k,).
-    Beyond the last row it goes on from the last but one by at most `most` times the difference of both.
+    """Row (m,) at `at`, linear between rows (k, m) at increasing coordinates `known` (k,). Beyond the last row it goes
+    on from the last but one by at most `most` times the difference of both.
     """
     after = int(np.clip(np.searchsorted(known, at), 1, known.size - 1))
     share = (at - known[after - 1]) / (known[after] - known[after - 1])

@@ -60,9 +60,11 @@ _AT_REST = _MOTION.number("at_rest")
 
 def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:
     """Skew ∫d x y / ∫d y² in rad of depths d (n_x, n_y) about their centre, x along the motion; NaN of a map without a
-    scar. A cylinder whose axis is turned by ε from the normal to the motion leaves d = h − y²/2R − (x + ε y − s)²/2R on
-    one along the motion, whatever its position s: every scar that is swept by it is sheared by x → x − ε y, and the
-    skew is −tan ε on both wires (geometry).
+    scar.
+
+    A cylinder whose axis is turned by ε from the normal to the motion leaves d = h − y²/2R − (x + ε y − s)²/2R on one
+    along the motion, whatever its position s: every scar that is swept by it is sheared by x → x − ε y, and the skew is
+    −tan ε on both wires (geometry).
     """
     depth = np.where(depth_um > _SKEW_EDGE * float(np.max(depth_um)), depth_um, 0.0)
     volume = float(depth.sum())
@@ -76,8 +78,8 @@ def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:
 
 def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float) -> tuple[object, ...] | None:
     """The row of `WearStates` that a loop gives, from worn volume in µm³ to scars and their skews; None if it does not
-    travel far beyond the onset of gross slip.
-    friction: coefficient of the run. fresh_stiffness: of the unworn contact in N/µm.
+    travel far beyond the onset of gross slip. friction: coefficient of the run. fresh_stiffness: of the unworn contact
+    in N/µm.
     """
     row = result.evolution.at(loop.cycle)
     volume = 1e9 * sum(row[f"worn_volume_{body}_mm3"] for body in result.bodies)
@@ -139,6 +141,7 @@ def states_of(
     result: RunResult, load_N: float, volume: Array, similarity: Array, scars: Array, *columns: Array
 ) -> StatesOfLoops:
     """Fields of `WearStates` of a sliding contact, smoothed over the worn volume.
+
     load_N: load before any wear. volume, similarity, scars: (n,), (n,) and (n, 2, 4). columns: slip, slope, angle,
     stiffness, load in mid-stroke and its rest, each (n, …) as in `state_of`.
     """
@@ -159,6 +162,7 @@ def states_of(
 
 def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:
     """Load in N in mid-stroke, and coefficients (2,) over `LIFT_POWERS` of what it is more elsewhere, by least squares.
+
     u, load_N: positions s/δ and loads, both (n,). Walls lift the bodies against the spring that presses them by less
     than their slopes say, as the contact gives way.
     """
@@ -168,8 +172,8 @@ def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:
 
 
 def travelled(x: Array) -> tuple[Array, BoolArray]:
-    """Distance in µm (n,) of each sample from the reversal before it, and marks (n,) of the branch towards +x.
-    x: (n,) displacements of one closed loop in µm.
+    """Distance in µm (n,) of each sample from the reversal before it, and marks (n,) of the branch towards +x. x: (n,)
+    displacements of one closed loop in µm.
     """
     n, top, low = x.size, int(np.argmax(x)), int(np.argmin(x))
     forward = (np.arange(n) - low) % n <= (top - low) % n
@@ -177,8 +181,8 @@ def travelled(x: Array) -> tuple[Array, BoolArray]:
 
 
 def fitted_angles(u: Array, psi: Array, friction: float) -> tuple[Array, Array]:
-    """Coefficients of θ over `ODD_POWERS` (5,) and of φ − atan µ over `EVEN_POWERS` (2,), by least squares.
-    u: (n,) positions s/δ. psi: (n,) angles of the force in rad, both with the branch towards −x mirrored. friction: µ.
+    """Coefficients of θ over `ODD_POWERS` (5,) and of φ − atan µ over `EVEN_POWERS` (2,), by least squares. u: (n,)
+    positions s/δ. psi: (n,) angles of the force in rad, both with the branch towards −x mirrored. friction: µ.
     """
     powers = (*ODD_POWERS, *EVEN_POWERS)
     design = np.stack([u**power for power in powers], axis=1)

@@ -90,8 +90,8 @@ def kept_or_made(
 
 
 def nominal_study(record: AnyRecord) -> Any:
-    """Study of the test as the record states it; a rig property that is not stated is taken to be ideal.
-    Raises RecordError if friction or wear is not stated, or if friction is stated twice and differently.
+    """Study of the test as the record states it; a rig property that is not stated is taken to be ideal. Raises
+    RecordError if friction or wear is not stated, or if friction is stated twice and differently.
     """
     return stated_study(record.tables)
 
@@ -145,11 +145,12 @@ def line_run(study: LineStudy) -> NominalRun:
 def nominal_run(
     study: AnyStudy, observer_of: ObserverOf | None = None, asked: Callable[[Any], NominalRun] = point_run
 ) -> RunResult:
-    """The nominal run of a study without its effects, in quick fidelity, from the cache or made now. It is the run with
-    the first margin that completes or, if none does, the one with most logged loops, whose status and message say why
-    it ended. Of a programme it has only the loops of the study's own block. observer_of: gives the observer of the run
-    of a name; None for none. asked: how the run is to be made. Raises StudyError if the study cannot be meshed;
-    SolverError if the contact did not converge before enough loops were logged.
+    """The nominal run of a study without its effects, in quick fidelity, from the cache or made now.
+
+    It is the run with the first margin that completes or, if none does, the one with most logged loops, whose status
+    and message say why it ended. Of a programme it has only the loops of the study's own block. observer_of: gives the
+    observer of the run of a name; None for none. asked: how the run is to be made. Raises StudyError if the study
+    cannot be meshed; SolverError if the contact did not converge before enough loops were logged.
     """
     # Effects of the model enter the fast model; the wear states are those without.
     nominal = asked(study.with_effects())
@@ -196,6 +197,7 @@ def _apart(cycle: int, other: int) -> float:
 
 def wearing(study: Study) -> Study:
     """The study itself or, if it does not wear, a copy with a wear coefficient by which V = δ⁴/R is worn in the end.
+
     Scars begin to change loops at that volume, so that wear states can be made; the fast model still wears as the study
     does.
     """

@@ -56,6 +56,7 @@ class PointModel:
 
     def states(self, _tables: object, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
         """Wear states of the study's nominal run, made now or kept from before, and sentences on what limits them.
+
         observer_of: see `nominal_run`. Raises StudyError or SolverError if the study cannot be run; RunError if its
         loops give no states, its drive holds a force that slides the bodies, or it sticks in its middle under a load
         that varies.
@@ -70,8 +71,8 @@ class PointModel:
         return nominal_inputs(self.study, tables.conditions.drive)
 
     def with_effects(self, effects: Sequence[AnyEffect], amplitude_um: float, increments: int) -> Study:
-        """The study with effects added to its own and another amplitude in µm.
-        increments: of a loop in quick runs, used if the study states none.
+        """The study with effects added to its own and another amplitude in µm. increments: of a loop in quick runs,
+        used if the study states none.
         """
         stated = self.study.fidelity("quick").increments_per_cycle or increments
         return self.study.with_effects(*self.study.effects, *effects).changed(

@@ -92,6 +92,7 @@ def loop_energy(contact: SlidingContact, slip: Array) -> Array:
 
 def slip_amplitude(contact: SlidingContact, slip: Array) -> Array:
     """Slip amplitude (n,) in µm as loops show it: half their width at their mean force, without the springs.
+
     slip: (n,) largest sliding positions in µm. If a contact slides before its force passes the mean, the width is that
     at the onset of sliding.
     """
@@ -113,6 +114,7 @@ def micro_slip(contact: SlidingContact) -> Array:
 
 def branches_of(contact: SlidingContact, chain: Chain, slip: Array) -> tuple[Array, Array]:
     """True displacement in µm and force in N, each (n, 2, m), along both branches from reversal to reversal.
+
     slip: (n,) sliding amplitudes in µm. Micro-slip takes n Q/K (1 − (1 − Q/µP)^(1/n)) of travel: Mindlin's with n =
     3/2, softer knees with higher orders. A contact that sticks in its middle goes only as far along it as its `share`;
     the points of its sliding part then all lie at the tip.
@@ -204,6 +206,7 @@ def shares_at(x: Array, load: LoadCycle, motion: FastMotion) -> Array:
 
 def late_places(setup: SurrogateInputs, read: Array, lag: float) -> Array:
     """Displacements (n, 2, m) in µm that a first-order filter reads when the true reading is `read` (n, 2, m).
+
     lag: the filter's time constant times angular frequency, in rad. A sensor drive moves farther, by as much as the
     filter shrinks its stroke.
     """
@@ -217,8 +220,8 @@ def late_places(setup: SurrogateInputs, read: Array, lag: float) -> Array:
 
 
 def late_forces(q: Array, x: Array, lag: Array, motion: FastMotion = SINE) -> Array:
-    """Forces (n, 2, m) in N that first-order filters read of q (n, 2, m) at displacements x (n, 2, m).
-    lag: (n,) the filters' time constants times angular frequency, in rad.
+    """Forces (n, 2, m) in N that first-order filters read of q (n, 2, m) at displacements x (n, 2, m). lag: (n,) the
+    filters' time constants times angular frequency, in rad.
     """
     delays = 1j * lag[:, None] * HARMONICS
     return q + filtered(_phases_and_half(x, motion)[0], q, -delays / (1.0 + delays))

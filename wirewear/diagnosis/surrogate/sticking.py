@@ -57,6 +57,7 @@ class StickingStates(StatesOfLoops):
 
 def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -> StickingStates:
     """Fields of `WearStates` from a run's loops, one row for each; two equal rows if there is only one.
+
     friction: coefficient of the run. has_maps: True if scars are read from maps; False for profiles, whose figures are
     0. Raises RunError if no loop carries a force.
     """

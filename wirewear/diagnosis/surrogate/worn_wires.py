@@ -48,8 +48,8 @@ class WornWires:
 
     @classmethod
     def unworn(cls, count: int, extent: float, along: float = 1.0) -> WornWires:
-        """`count` pairs of unworn wires on a grid that reaches `extent` across from the middle.
-        along: curvature of the gap along the motion over that across.
+        """`count` pairs of unworn wires on a grid that reaches `extent` across from the middle. along: curvature of the
+        gap along the motion over that across.
         """
         places = max(round(16 / extent * max(along, 1.0) ** 0.5), 4)
         step = 1.0 / places
@@ -89,8 +89,8 @@ class WornWires:
         return replace(self, x=self.x[x], y=self.y[rows], fixed=fixed, moving=moving)
 
     def worn(self, pressure: Array, moving_share: float, volume: float) -> None:
-        """Wear both wires in place by `volume` for each pair, distributed as `pressure` (k, y, s, x) is.
-        moving_share: share of the volume that the moving wire loses.
+        """Wear both wires in place by `volume` for each pair, distributed as `pressure` (k, y, s, x) is. moving_share:
+        share of the volume that the moving wire loses.
         """
         weights = np.full(self.s.size, volume / (self.s.size - 1))
         weights[[0, -1]] *= 0.5
@@ -134,6 +134,7 @@ def wearing(
     least_growth: float = 0.0,
 ) -> Iterator[Worn]:
     """Wear k pairs of wires in place, and yield their state when each of the increasing `volumes` is worn.
+
     fresh_radius: of the unworn contact. approach: (k, s) first guess. moving_share: share of the wear that the moving
     wire loses. pressing: makes the function from overlaps to pressures from stiffnesses (k,). least_growth: share of
     the volume by which each step may at least grow; foundations are softened as far as stability needs for it.

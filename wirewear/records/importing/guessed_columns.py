@@ -46,7 +46,11 @@ SURFACE_KEYS = {"x_um": "x", "y_um": "y", "depth_um": "depth", "height_um": "hei
 
 @dataclass(frozen=True)
 class GuessedFile:
-    """A laboratory's file with the layout of its text and the columns recognised in it."""
+    """A laboratory's file with the layout of its text and the columns recognised in it.
+
+    holds: "loops", "evolution", "surface", "channel" (displacement or force alone) or "unknown". units: of the columns,
+    "" if unstated. remarks: sentences for the user.
+    """
 
     path: Path
     holds: str
@@ -68,11 +72,15 @@ class GuessedFile:
         return any(self.titles)
 
     def unit(self, place: int, channel: str) -> str:
-        """Unit of the column of this index, from its title or as the file states it; "" if unstated."""
+        """Unit of the column with the index `place` as this channel, from its title or as the file states it; "" if
+        unstated.
+        """
         return stem_and_unit(self.titles[place], units_of(channel))[1] or self.units[place]
 
     def read(self, columns: dict[str, dict[str, object]], length_mm: float | None = None) -> dict[str, Array]:
-        """Columns by key, read as a mapping with these columns would; open values are ignored."""
+        """Columns (n,) by key, read as a mapping with the tables `columns` would; open values are ignored. length_mm:
+        of a line contact; None for contacts at a point.
+        """
         wanted = {key: ColumnMapping(**shut(own)) for key, own in columns.items()}
         return read_source(self.path, Source(files=(self.path.name,), **self.spelling), wanted, length_mm)
 
@@ -99,13 +107,13 @@ class GuessedFile:
 
 
 def shut(column: dict[str, object]) -> dict[str, object]:
-    """Known entries of a mapping's column, without open ones, and without the unit of volts that lack a factor."""
+    """A mapping's column without open entries, and without the unit of volts that lack a factor."""
     unscaled = column.get("factor") == OPEN
     return {word: one for word, one in column.items() if one != OPEN and not (unscaled and word == "unit")}
 
 
 def loop_columns(file: GuessedFile) -> dict[str, tuple[str | int, str]]:
-    """Column and unit of each recognised channel of a loop, by key."""
+    """Reference and unit of the column of each channel of a loop that is recognised, by key."""
     loops = taken_columns(file, LOOP_KEYS)
     if "tangential_force_N" not in loops and "normal_force_N" in loops:
         values = file.read({"any": {"column": loops["normal_force_N"][0]}})["any"]
@@ -117,9 +125,8 @@ def loop_columns(file: GuessedFile) -> dict[str, tuple[str | int, str]]:
 
 
 def taken_columns(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[str | int, str]]:
-    """Column and unit of each recognised channel, by key; no column is used twice, and one that varies is preferred.
-
-    keys: channel by key of the record.
+    """Reference and unit of the column of each channel that is recognised, by key; no column is used twice, and of
+    several candidates one that varies is taken. keys: channel by key of the record.
     """
     columns: dict[str, tuple[str | int, str]] = {}
     free = list(range(len(file.titles)))
@@ -143,8 +150,8 @@ def taken_columns(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[st
 
 
 def rivals(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> dict[str, str]:
-    """Sentences, by key, on columns with equally good names and other values that were passed over for those in
-    `columns`.
+    """Sentences, by key, on columns that fit a channel as well as the one in `columns` by name, but hold other
+    values.
     """
     sentences = {}
     taken = {file.references.index(reference) for reference, _ in columns.values() if reference in file.references}
@@ -165,7 +172,9 @@ def rivals(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> d
 
 
 def unread(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> list[str]:
-    """Sentences on unused columns that state a factor, or that seem to number the samples by words or counts."""
+    """Sentences on columns, not among `columns`, that state a factor, or seem to number the samples by words or
+    counts.
+    """
     taken, sentences = {reference for reference, _ in columns.values()}, []
     for place, (reference, title) in enumerate(zip(file.references, file.titles, strict=True)):
         if reference in taken or not title or place >= MOST_LABELS:
@@ -208,7 +217,7 @@ def _of_another_kind(unit: str, channel: str) -> bool:
 
 
 def values_of(file: GuessedFile, place: int, key: str = "time_s") -> Array:
-    """Numbers of the column of this index, read as the given key; empty if it cannot be read."""
+    """Numbers (n,) of the column with the index `place`, read as the given key; empty if it cannot be read."""
     try:
         return file.read({key: {"column": file.references[place]}})[key]
     except RecordError:

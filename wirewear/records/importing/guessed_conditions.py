@@ -60,11 +60,12 @@ def conditions_of(
     *,
     of_joint: bool = False,
 ) -> tuple[dict[str, object], dict[str, float], list[str]]:
-    """Conditions that the first file shows (others are open), signs of forces by key, and sentences on assumptions.
+    """Conditions by key that the first file shows (others are open), signs of forces by key, and sentences on
+    assumptions.
 
-    source: table `[loops]` of the mapping, whose columns may be changed in place.
-    known: conditions that the user states.  of_joint: an unknown load is replaced by the friction force of the loops.
-    Raises RecordError if the file holds too few samples, or its loops cannot be distinguished.
+    source: table `[loops]` of the mapping, whose columns may be changed in place. known: conditions that the user
+    states. length_mm: of a line contact. of_joint: True if an unknown load is replaced by the friction force of the
+    loops. Raises RecordError if the file holds too few samples, or its loops cannot be distinguished.
     """
     closed = {key: own for key, own in source["columns"].items() if own["column"] != OPEN}
     columns = text.read(closed, length_mm) if closed else {}
@@ -143,9 +144,9 @@ def _loops(text: GuessedFile, source: dict[str, Any], frequency: object, length_
 
 
 def frequency_of(columns: dict[str, Array], source: dict[str, Any], doubt_s: float = 0.0) -> tuple[float | None, str]:
-    """Frequency in Hz, None if no times are stated, and a reason against numbering cycles by it ("" if there is none).
-
-    doubt_s: uncertainty of times across gaps in the log.
+    """Frequency of the drive in Hz, None if no times are stated, and a reason against numbering cycles by it ("" if
+    there is none). columns: read columns by key. source: table `[loops]` of the mapping. doubt_s: uncertainty of times
+    across gaps in the log.
     """
     x = columns["displacement_um"]
     time = columns.get("time_s")
@@ -258,7 +259,7 @@ def _last_cycle(source: dict[str, Any], loops: Sequence[MeasuredLoop]) -> int:
 
 @dataclass(frozen=True)
 class Touching:
-    """Bodies in contact: their names, and what options state of them."""
+    """Bodies in contact: their names, and what the user's options state of them."""
 
     names: tuple[str, ...]
     stated: BodiesByOptions
@@ -267,23 +268,21 @@ class Touching:
     def of(
         cls, kind: str, known: Mapping[str, object], elastic: Mapping[str, object], of_other: Mapping[str, object]
     ) -> Self:
-        """Bodies of a kind of contact from options; `elastic` and `of_other` are elastic constants of both, and of pad
-        or ball.
-
-        Raises RecordError, in one sentence, if something is missing that no file states.
+        """Bodies of a kind of contact from options by key. elastic, of_other: elastic constants of both bodies, and of
+        pad or ball. Raises RecordError, in one sentence, if something is missing that no file states.
         """
         return cls(KINDS[kind].body_names, KINDS[kind].bodies.by_options(known, elastic, of_other))
 
     @property
     def bodies(self) -> Mapping[str, Body]:
-        """Known bodies by name."""
+        """Bodies that the options describe, by name."""
         return {body.name: body for body in self.stated.bodies}
 
 
 def scars_of(
     points: Sequence[GuessedFile], maps: Sequence[Path], touching: Touching
 ) -> tuple[dict[str, object], list[str]]:
-    """Tables `[scars.*]` of a mapping for these files of points and of maps, and sentences on assumptions."""
+    """Tables `[scars.*]` of a mapping, by body, for texts with points and for maps, and sentences on assumptions."""
     scars: dict[str, Any] = {}
     remarks = [f"{text.path.name} was left out: there are no bodies" for text in points if not touching.names]
     for text in points if touching.names else ():
@@ -331,9 +330,8 @@ def _add_maps(scars: dict[str, Any], maps: Sequence[Path], touching: Touching, r
 
 
 def map_source(path: Path, remarks: list[str]) -> tuple[StatedMap, dict[str, object]] | None:
-    """Map of a file, and the mapping's keys to read it, with open ones if the file does not state its scale.
-
-    None if it cannot be read. A sentence is appended to `remarks` in either case.
+    """The map of a file, and a mapping's keys to read it, open if the file does not state its scale; None if it cannot
+    be read. A sentence on what is missing is appended to `remarks`.
     """
     try:
         surface = stated_map(path)
@@ -358,8 +356,8 @@ def listed(files: str | list[str]) -> list[str]:
 
 
 def body_of(path: Path, names: Sequence[str], otherwise: str, remarks: list[str]) -> str:
-    """Name of the body whose surface a file holds, by words in its name; else `otherwise`, with a sentence added to
-    `remarks`.
+    """Name of the body whose surface a file holds, by words in the file's name; else `otherwise`, and a sentence is
+    appended to `remarks`. names: of the bodies in contact.
     """
     name = path.stem.lower()
     for body in names:
@@ -399,7 +397,9 @@ def along_x(path: Path, name: str, touching: Touching, later: str) -> tuple[dict
 def laid(
     path: Path, name: str, touching: Touching, surface: tuple[Array, Array, Array]
 ) -> tuple[dict[str, object], str]:
-    """Keys of a mapping for how a body lies in a map of heights, the nearest of the possible ways, and a remark."""
+    """Keys of a mapping for how the body `name` lies in a map of heights, the nearest of the possible ways, and a
+    sentence. surface: lines x (n_x,), y (n_y,) and heights (n_x, n_y) in µm.
+    """
     if (body := touching.bodies.get(name)) is None:
         return along_x(path, name, touching, "with --diameter its heights show it")
     if not body.has_axis:

@@ -44,7 +44,9 @@ _NEEDED = frozenset(("displacement_um", "tangential_force_N"))
 
 
 def looked_into(path: Path) -> GuessedFile:
-    """File with its recognised contents. Raises RecordError if it cannot be read, or holds no table of numbers."""
+    """A file with its recognised contents. Raises RecordError if it cannot be read, holds no table of numbers, or has
+    no columns for a displacement and a force.
+    """
     file = table_of(path)
     if not file.named:
         return _line_of_heights(file) or _points_without_names(file)
@@ -71,9 +73,8 @@ def looked_into(path: Path) -> GuessedFile:
 
 
 def table_of(path: Path, layout: GuessedLayout | None = None) -> GuessedFile:
-    """Columns of a file before their contents are recognised; `layout` is that of a text, guessed by default.
-
-    Raises RecordError if it cannot be read, or holds no table of numbers.
+    """A file with its columns before their contents are recognised; layout: of a text, None to guess it. Raises
+    RecordError if it cannot be read, or holds no table of numbers.
     """
     kind = kind_of(path)
     if kind == TextReader.kind:
@@ -131,7 +132,9 @@ def _in_groups(
 
 
 def joined(channels: Sequence[GuessedFile]) -> tuple[GuessedFile, ...]:
-    """A tuple of one file that combines two files with displacement and force; empty if they do not belong together."""
+    """One file that combines two files, of a displacement and of its force, as a tuple; empty if they do not belong
+    together.
+    """
     pairs = [
         (first, second)
         for first, second in permutations(channels, 2)
@@ -171,7 +174,7 @@ def _that_moves(files: Sequence[GuessedFile], tables: Sequence[DelimitedLayout])
 
 
 def spelling_of(layout: DelimitedLayout) -> dict[str, object]:
-    """Keys of a mapping that describe a text's layout."""
+    """Keys of a mapping that describe a text's layout; defaults are left out."""
     delimiter = next(name for name, sign in DELIMITERS.items() if sign == layout.delimiter)
     spelled: dict[str, Any] = {"encoding": layout.encoding, "delimiter": delimiter, "decimal": layout.decimal}
     if layout.header_lines:
@@ -234,11 +237,10 @@ def _on_grid(x: Array, y: Array) -> bool:
 
 
 def mapped_columns(text: GuessedFile, *, per_length: bool = False) -> tuple[dict[str, dict[str, object]], list[str]]:
-    """Tables for the columns of a guessed file as a mapping states them, by key, and sentences on what the user must
-    look at.
+    """Tables of a mapping for the columns of a guessed file, by key, and sentences on what the user must look at.
 
-    A unit that the file does not state is left open for the user, with a sentence, except that times are taken for
-    seconds. per_length: the units of forces and energies may be per millimetre of a line contact.
+    A unit that the file does not state is left open, with a sentence, except that times are taken for seconds.
+    per_length: units of forces and energies may be per millimetre of a line contact.
     """
     columns: dict[str, Any] = {}
     remarks = [*text.remarks]
@@ -272,6 +274,6 @@ def _since_an_epoch(text: GuessedFile, name: str | int) -> bool:
 
 
 def listed_once(files: Sequence[Path]) -> str | list[str]:
-    """Names of the files, sorted, without repetition: a single name or a list."""
+    """Names of the files, sorted, without repetition: a text if there is one, else a list."""
     names = sorted({path.name for path in files})
     return names if len(names) > 1 else names[0]

@@ -1,4 +1,7 @@
-"""Guess of a mapping from a laboratory's files: which hold loops and worn surfaces, and how they are to be read."""
+"""Guess of a mapping from a laboratory's files: which hold loops and worn surfaces, and how they are to be read.
+
+A value of a mapping is open if the files do not show it, so that the user must fill it in.
+"""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -42,7 +45,7 @@ def asked_of(known: Mapping[str, object]) -> dict[str, object]:
 def profiles_of(
     texts: Sequence[GuessedFile], maps: Sequence[Path], touching: Touching
 ) -> tuple[dict[str, object], list[str]]:
-    """Tables `[profiles.*]` of a mapping for these files of profiles and maps, and sentences on assumptions."""
+    """Tables `[profiles.*]` of a mapping, by body, for texts and maps with profiles, and sentences on assumptions."""
     found: dict[str, Any] = {}
     files: dict[str, list[str]] = {}
     remarks: list[str] = []
@@ -86,18 +89,17 @@ _WORN = {"scars": scars_of, "profiles": profiles_of}
 
 @dataclass(frozen=True)
 class GuessedMapping:
-    """Guessed tables of a mapping, and sentences on what should be checked."""
+    """Guessed tables of a mapping by name, and sentences on what should be checked."""
 
     tables: dict[str, Any]
     remarks: tuple[str, ...]
 
 
 def guessed_mapping(files: Sequence[Path], known: Mapping[str, object], touching: Touching) -> GuessedMapping:
-    """Guess a mapping from files of one folder.
+    """Guess a mapping from files of one folder: of loops, and possibly of an evolution and worn surfaces.
 
-    files: of loops, and possibly of an evolution and scars.
-    known: keys of `[conditions]` and `name` as the user states them.  touching: bodies as the user states them.
-    Raises RecordError, in one sentence, if no file holds loops, or one of them cannot be read.
+    known: keys of `[conditions]` and `name` as the user states them. touching: bodies as the user states them. Raises
+    RecordError, in one sentence, if no file holds loops, or one of them cannot be read.
     """
     found, stated = recognised_files(files), touching.stated
     extent = extent_of(stated.length_mm)
@@ -123,7 +125,9 @@ def guessed_mapping(files: Sequence[Path], known: Mapping[str, object], touching
 
 @dataclass(frozen=True)
 class RecognisedFiles:
-    """A laboratory's files by what they hold: loops, evolutions, worn surfaces in texts, unknown tables, maps."""
+    """A laboratory's files by what they hold; surfaces are worn surfaces as columns of a text, maps those of a
+    profilometer.
+    """
 
     loops: tuple[GuessedFile, ...]
     evolution: tuple[GuessedFile, ...]
@@ -134,9 +138,8 @@ class RecognisedFiles:
 
 
 def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
-    """Recognise files of one folder; those that cannot be read are left out with a sentence.
-
-    Raises RecordError if they lie in several folders, or do not exist.
+    """Files of one folder by what they hold; for those that cannot be read there is a sentence. Raises RecordError if
+    they lie in several folders, or do not exist.
     """
     if any(path.parent != files[0].parent for path in files):
         raise RecordError("the files of a mapping must lie in one folder; copy them into one.")
@@ -167,22 +170,22 @@ def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
 
 
 def left_out(unknown: Sequence[GuessedFile]) -> list[str]:
-    """Sentences on tables whose contents were not recognised."""
+    """A sentence for each table whose contents were not recognised."""
     return [f"{one.path.name} was left out: what its columns hold is not recognised" for one in unknown]
 
 
 def name_of_folder(files: Sequence[Path]) -> str:
-    """Name of the files' folder, as a title for the test."""
+    """Name of the folder of the first file, as a title for the test; "test" if it has none."""
     return files[0].parent.resolve().name or "test"
 
 
 def loop_source(
     loops: Sequence[GuessedFile], known: Mapping[str, object], length_mm: float | None = None, *, of_joint: bool = False
 ) -> tuple[dict[str, object], dict[str, object], list[str]]:
-    """Table `[loops]` of a mapping, the conditions that the loops show, and sentences on assumptions.
+    """Table `[loops]` of a mapping, the conditions by key that the loops show, and sentences on assumptions.
 
-    length_mm: of a line contact, whose forces may be given per millimetre.  of_joint: see `conditions_of`.
-    Raises RecordError, in one sentence, if something is missing that no file states.
+    known: conditions that the user states. length_mm: of a line contact, whose forces may be given per millimetre.
+    of_joint: see `conditions_of`. Raises RecordError, in one sentence, if something is missing that no file states.
     """
     first = loops[0]
     columns, remarks = mapped_columns(first, per_length=bool(extent_of(length_mm).units({"N": 1.0})))
@@ -213,7 +216,9 @@ def loop_source(
 
 
 def evolution_source(tables: Sequence[GuessedFile], *, per_length: bool = False) -> tuple[dict[str, object], list[str]]:
-    """Table `[evolution]` of a mapping and sentences on assumptions; empty if no file holds an evolution."""
+    """Table `[evolution]` of a mapping and sentences on assumptions; both empty without tables. per_length: forces and
+    energies may be per millimetre of a line contact.
+    """
     if not tables:
         return {}, []
     columns, remarks = mapped_columns(tables[0], per_length=per_length)
@@ -224,9 +229,8 @@ def evolution_source(tables: Sequence[GuessedFile], *, per_length: bool = False)
 
 
 def with_files_from(guess: GuessedMapping, home: Path, folder: Path) -> GuessedMapping:
-    """Mapping to be stored in `folder`, with file names relative to it; `home` is the files' folder.
-
-    Raises RecordError if `home` is not inside `folder`.
+    """Copy of a mapping to be stored in `folder`, with file names relative to it; home: the files' folder. Raises
+    RecordError if `home` is not inside `folder`.
     """
     try:
         relative = home.resolve().relative_to(folder.resolve())

@@ -47,8 +47,8 @@ _ZYGO_LAYOUT = DelimitedLayout(delimiter=None, names_line=False)
 
 @dataclass(frozen=True)
 class MapScale:
-    """Scale of a map as a mapping states it: spacing of points along x, and along y if different, and unit of
-    heights.
+    """Scale of a map as a mapping states it: spacing of points along x, and along y if different, and unit of heights;
+    None if unstated.
     """
 
     step_um: float | None = None
@@ -67,13 +67,14 @@ class StatedMap:
 
     @property
     def left_open(self) -> list[str]:
-        """Keys of a mapping that must give what the file does not state."""
+        """Keys that a mapping must give, as the file does not state them."""
         return ["step_um"] * (self.step_um is None) + ["height_unit"] * (self.unit_um is None)
 
     def scaled(self, file: Path, stated: MapScale) -> Map:
         """Map in µm with its origin in the middle; the mapping's scale takes precedence over the file's.
 
-        Raises RecordError, in one sentence, if neither states the scale, or the size is not plausible.
+        file: names the map in messages. Raises RecordError, in one sentence, if neither states the scale, or the size
+        is not plausible.
         """
         step = self.step_um if stated.step_um is None else (stated.step_um, stated.step_y_um or stated.step_um)
         unit = self.unit_um if stated.height_unit is None else FIELD_UNITS["um"][stated.height_unit]
@@ -92,7 +93,7 @@ class StatedMap:
 
 
 def positive(text: str) -> float | None:
-    """Positive number with a decimal point or comma; None for any other text."""
+    """Positive number in a text with a decimal point or comma; None for any other text."""
     try:
         value = float(text.replace(",", "."))
     except ValueError:
@@ -105,8 +106,8 @@ Pair = tuple[float, float]
 
 @dataclass(frozen=True)
 class Matrix:
-    """Text with a matrix of heights: its layout, its whole size or the size of a point, and the unit of heights, if
-    stated.
+    """Text with a matrix of heights: its layout and, None if unstated, its whole size or the distance of points along x
+    and y, and the unit of heights.
     """
 
     guessed: GuessedLayout
@@ -115,7 +116,7 @@ class Matrix:
     unit_um: float | None = None
 
     def read(self, file: Path) -> StatedMap:
-        """Map of the heights. Raises RecordError if a field is not a number."""
+        """The map of the text. Raises RecordError if a field is not a number."""
         layout = (self.guessed.tables or (self.guessed.layout,))[0]
         text = read_delimited(file, layout)
         # Numbers need no quotation marks, and are read fast without.
@@ -131,7 +132,7 @@ class Matrix:
 
 
 def matrix_of(file: Path) -> Matrix | None:
-    """Matrix in a text file; None if there is none. Raises RecordError if the file cannot be read."""
+    """The matrix of heights in a text file; None if it holds none, or cannot be read as a text."""
     try:
         guessed = guessed_layout(file)
     except RecordError:
@@ -222,7 +223,7 @@ def _even_step(places: Array) -> float | None:
 
 
 def is_map(path: Path) -> bool:
-    """True if a file is a height map, by the ending of its name or as a matrix in a text that states its scale."""
+    """True if a file is a height map: by the end of its name, or as a matrix in a text that states its scale."""
     if path.suffix.lower() in MAPS:
         return True
     try:
@@ -235,15 +236,16 @@ def is_map(path: Path) -> bool:
 
 
 def height_map(file: Path, stated: MapScale | None = None) -> Map:
-    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y) in µm; NaN where nothing was measured.
-
-    Raises RecordError if the file cannot be read, or neither it nor `stated` gives size and unit.
+    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y) of a file in µm; NaN where nothing was measured. stated: scale by
+    the mapping. Raises RecordError if the file cannot be read, or neither it nor `stated` gives size and unit.
     """
     return stated_map(file).scaled(file, stated or MapScale())
 
 
 def stated_map(file: Path) -> StatedMap:
-    """Map with the scale that its file states. Raises RecordError, in one sentence, if the file cannot be read."""
+    """The map of a file, with the scale that it states. Raises RecordError, in one sentence, if the file cannot be
+    read.
+    """
     if file.is_file() and file.read_bytes()[: len(_ZYGO)] == _ZYGO:
         return _zygo(file)
     if file.suffix.lower() not in MAPS and (matrix := matrix_of(file)) is not None:

@@ -41,10 +41,8 @@ _NO_CYCLE = -1.0  #: In place of the number of a cycle where a sample belongs to
 
 
 def import_record(mapping_path: str | Path) -> AnyRecord:
-    """Record that a mapping file describes; file names in it are relative to its folder.
-
-    Raises RecordError, in one sentence, if the mapping or a file cannot be read, or files do not hold what the mapping
-    says.
+    """The record that a mapping file describes; file names in it are relative to its folder. Raises RecordError, in one
+    sentence, if the mapping or a file cannot be read, or files do not hold what it says.
     """
     path = Path(mapping_path)
     mapping, notes = _mapping_of(path)
@@ -104,10 +102,12 @@ def _files_of(mapping: Any, home: Path) -> Iterator[tuple[Any, Path]]:
 def mapped_loops(
     source: LoopSource, mapping_path: Path, frequency_Hz: float, length_mm: float | None = None
 ) -> tuple[tuple[MeasuredLoop, ...], tuple[str, ...]]:
-    """Loops of a source, sorted, with forces that resist the motion, and notes on changes.
+    """Loops of a source, sorted by repeat and cycle, with forces that resist the motion, and sentences on changed signs
+    and times.
 
-    length_mm: of a line contact, whose forces may be given per millimetre.
-    Raises RecordError if a file cannot be read or lacks something, or a loop occurs twice.
+    frequency_Hz: of the test, by which files are cut into cycles if nothing else numbers these. length_mm: of a line
+    contact, whose forces may be given per millimetre. Raises RecordError if a file cannot be read or lacks something,
+    or a loop occurs twice.
     """
     home = mapping_path.parent
     loops, loop_notes = list[MeasuredLoop](), list[str]()
@@ -130,9 +130,7 @@ def mapped_loops(
 
 
 def drives_motion(loop: MeasuredLoop) -> bool:
-    """True if the force of a complete loop acts with the motion, which friction never does, so that its sign
-    is wrong.
-    """
+    """True if the force of a complete loop acts with the motion, which friction never does: its sign is wrong."""
     x, force = loop.displacement_um, loop.tangential_force_N
     box = float(np.ptp(x) * np.ptp(force)) if x.size else 0.0
     if not box:
@@ -146,9 +144,8 @@ def drives_motion(loop: MeasuredLoop) -> bool:
 def loops_of(
     file: Path, source: LoopSource, frequency: float, length_mm: float | None = None
 ) -> tuple[list[MeasuredLoop], tuple[str, ...]]:
-    """Loops of one file with unchanged signs, and notes; `length_mm` as for `mapped_loops`.
-
-    Raises RecordError if the file cannot be read or lacks something.
+    """Loops of one file with the file's signs, and sentences on its times; arguments as of `mapped_loops`. Raises
+    RecordError if the file cannot be read or lacks something.
     """
     named = sources.numbers_in_name(file, source)
     columns = in_rows(file, sources.read_source(file, source, sources.wanted_columns(source.columns), length_mm))
@@ -202,10 +199,8 @@ def loops_of(
 
 
 def in_rows(file: Path, columns: dict[str, Array]) -> dict[str, Array]:
-    """Columns of equal length (n,); matrices (samples, cycles) are joined end to end, with a column `cycles` counted
-    from 0.
-
-    Raises RecordError if the columns do not fit together.
+    """Columns of equal length (n,); matrices (samples, cycles) are joined end to end, with a column "cycles" counted
+    from 0. Raises RecordError, whose message begins with `file`, if the columns do not fit together.
     """
     columns = _samples_first(columns)
     shape = columns["displacement_um"].shape

@@ -51,9 +51,8 @@ ENTRY_POINT_GROUP = "wirewear.readers"  #: Entry point group in which a package 
 
 
 def require_room_for(path: Path) -> None:
-    """Check that the arrays of a MATLAB file are plausible and fit into memory; other files pass.
-
-    Raises RecordError if not.
+    """Raise RecordError if the arrays of a MATLAB file are implausibly large or do not fit into memory; other files
+    pass.
     """
     data = path.read_bytes()
     order = _ORDER.get(data[124:_HEAD])
@@ -107,7 +106,9 @@ def _taken(head: bytes, whole: int, order: str) -> float:
 
 
 class MatlabReader(Reader):
-    """Reader of a MATLAB file's variables by their paths, ``Loops.force``, or of a matrix's column, ``hyst(:,2)``."""
+    """Reader of a MATLAB file's variables by their paths, such as Loops.force, or of a matrix's column, such as
+    hyst(:,2).
+    """
 
     kind = "matlab"
 
@@ -116,7 +117,7 @@ class MatlabReader(Reader):
         return head.startswith(b"MATLAB ") or _of_version_4(head)
 
     def channels(self, path: Path) -> tuple[Channel, ...]:
-        """Numeric variables, with columns or rows of long and narrow matrices."""
+        """Numeric variables of more than one number, and the columns or rows of long and narrow matrices."""
         return tuple(Channel(name) for own in _arrays(path, _contents(path)) for name in _parts(*own))
 
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Wanted) -> dict[str, Array]:  # noqa: ARG002
@@ -257,8 +258,8 @@ def _numeric(path: Path, name: str, value: object) -> Array:
 
 
 class TdmsReader(Reader):
-    """Reader of a TDMS file's channels, named by group and channel, ``Loops/Force``, or by the channel alone
-    if unique.
+    """Reader of a TDMS file's channels, named by group and channel, such as Loops/Force, or by the channel alone if
+    unique.
     """
 
     kind = "tdms"
@@ -335,9 +336,8 @@ def readers() -> Mapping[str, Reader]:
 
 
 def kind_of(path: Path) -> str:
-    """Kind of reader for a file, by its first bytes; text if no other reader recognises them.
-
-    Raises RecordError if the file cannot be read, or is not an ordinary one.
+    """Kind of the reader for a file, by its first bytes: "text" if no other reader recognises them. Raises RecordError
+    if the file cannot be read, or is not an ordinary one.
     """
     # A pipe or a device may have no end.
     if is_special(path):

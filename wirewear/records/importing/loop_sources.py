@@ -51,9 +51,8 @@ SPLIT = (
 
 @dataclass(frozen=True, eq=False)
 class SampledLoop:
-    """Samples (n,) of one cycle; `normal_load_N` may be a single number or None, `time_s` may be None.
-
-    `notes` say how the cycle was found.
+    """Samples (n,) of one cycle; normal_load_N: (n,), one number or None; time_s: None if unknown; notes: sentences on
+    how the cycle was found.
     """
 
     repeat: int
@@ -73,10 +72,7 @@ class SampledLoop:
 
 @dataclass(frozen=True)
 class Spelling:
-    """Stated parts of a text's layout; the rest is guessed from its first lines.
-
-    `delimiter` is a name in DELIMITERS.
-    """
+    """Stated parts of a text's layout; None is guessed from its first lines. delimiter: a name in DELIMITERS."""
 
     encoding: str | None = None
     delimiter: str | None = None
@@ -85,9 +81,8 @@ class Spelling:
     lines_after_names: int | None = None
 
     def layout(self, path: Path) -> GuessedLayout | None:
-        """Layout of a file, guessed and then replaced by what is stated; None if nothing is stated.
-
-        Raises RecordError if the file cannot be read, or no line names its columns.
+        """Layout of a file, guessed except for the stated parts; None if nothing is stated. Raises RecordError if the
+        file cannot be read, or no line names its columns.
         """
         given = {key: value for key, value in vars(self).items() if value is not None}
         if not given:
@@ -114,11 +109,10 @@ def logged_loops(
 ) -> tuple[SampledLoop, ...]:
     """Loops of a logger's file, split by its columns of repeat and cycle, or else at the drive's reversals.
 
-    path: a text, or MATLAB's or LabVIEW's file.
-    displacement, force: "COLUMN" or "COLUMN:UNIT", the column by its name or number; None to recognise it.
-    normal_load: a column as above, or a number in N; None to recognise a column, if there is one.
-    spelling: known encoding, delimiter, decimal sign and header of a text; None to guess all of it.
-    Raises RecordError if the file cannot be read, or a column or its unit cannot be identified.
+    path: a text, or a file of MATLAB or LabVIEW. displacement, force: "COLUMN" or "COLUMN:UNIT", the column by its name
+    or number; None to recognise it. normal_load: a column in this form, or a number in N; None to recognise a column,
+    if there is one. spelling: known parts of a text's layout; None to guess it. Raises RecordError if the file cannot
+    be read, or a column or its unit cannot be identified.
     """
     file = table_of(path, spelling.layout(path) if spelling else None)
     constant = _number(normal_load)
@@ -236,12 +230,11 @@ def read_loops(
     normal_load: str | None = None,
     spelling: Spelling | None = None,
 ) -> tuple[SampledLoop, ...]:
-    """Loops of a logger's file (see `logged_loops`), a record's folder, a result file or a run's folder.
+    """Loops of a logger's file, a record's folder, a result file or a run's folder.
 
-    cycle: the only cycle wanted; None for all.  variant: which run, if a folder holds several.
-    displacement, force, normal_load, spelling: for a logger's file, as in `logged_loops`.
-    Raises RecordError if the source cannot be read, has no loop of that cycle, or an option does not apply to it;
-    ResultError if the result cannot be read.
+    cycle: the only cycle wanted; None for all. variant: which run, if a folder holds several. displacement, force,
+    normal_load, spelling: for a logger's file, see `logged_loops`. Raises RecordError if the source cannot be read, has
+    no loop of that cycle, or an option does not apply to it; ResultError if the result cannot be read.
     """
     if not path.exists():
         raise RecordError(f"there is no file or folder {path}.")

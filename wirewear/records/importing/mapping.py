@@ -77,7 +77,7 @@ def _checked_column(value: object) -> str | int:
 
 
 class ColumnMapping(Table):
-    """Source of a record's column: value = raw · unit · factor + offset."""
+    """Where a record's column comes from: value = raw · unit · factor + offset."""
 
     column: Annotated[str | int, PlainValidator(_checked_column)] = Field(
         description="name or number of the column in the file, or path of the MATLAB variable", examples=["Force"]
@@ -119,7 +119,7 @@ class EvolutionColumns(Table):
 
 
 class PointColumns(Table):
-    """Columns of a scar map given as points."""
+    """Columns of a scar's map given as points."""
 
     x_um: Column = Field(description="position along the motion")
     y_um: Column = Field(description="position across the motion")
@@ -129,7 +129,7 @@ class PointColumns(Table):
 
 
 class Source(Table):
-    """Files and how they are spelled (encoding, delimiter, header)."""
+    """Files of one kind of data, and how they are spelled (encoding, delimiter, header)."""
 
     files: Annotated[tuple[str, ...], PlainValidator(_checked_files)] = Field(
         description="file, pattern or list of them, beside the mapping", examples=["cycle_*.csv"]
@@ -233,7 +233,9 @@ class PointMapping(PointTest):
         return self.scars
 
     def require_whole(self, where: str) -> None:
-        """Check that all scars belong to bodies of the test. Raises RecordError if not."""
+        """Raise RecordError if the bodies do not touch at a point, or a scar belongs to no body; where: names the file
+        in the message.
+        """
         super().require_whole(where)
         self.require_bodies(f"[scars] of {where}", self.scars)
 
@@ -249,7 +251,7 @@ class BodiesMapping(PointMapping, BodiesTest[Bodies], Generic[Bodies]):
 def unit_factor(name: str, mapping: ColumnMapping, length_mm: float | None = None) -> float:
     """Factor from the file's unit and calibration to the unit of the record's column `name`.
 
-    length_mm: of a line contact; units per length then stand for the whole contact's values.
+    length_mm: of a line contact, for whose whole length units per length then stand; None for contacts at a point.
     Raises ValueError, naming the known units, if the unit is unknown for this column.
     """
     suffix = name.rpartition("_")[2]

@@ -39,7 +39,9 @@ def import_text(record: AnyRecord) -> str:
 
 
 def loop_lines(loop: MeasuredLoop, normal_load_N: float) -> list[str]:
-    """Lines of text with the first samples of a loop and its figures."""
+    """Lines of text with the first samples of a loop and its figures; normal_load_N: stands in for a normal force that
+    was not measured.
+    """
     lines = [
         f"first loop: {loop.name}, {plural(loop.time_s.size, 'sample')}",
         f"{'time_s':>12} {'displacement_um':>16} {'tangential_force_N':>19} {'normal_force_N':>15}",
@@ -60,10 +62,8 @@ def loop_lines(loop: MeasuredLoop, normal_load_N: float) -> list[str]:
 
 
 def draw_import(record: AnyRecord, output: Path) -> list[Path]:
-    """Draw the first loop, and up to three worn surfaces of each body, as they would be imported; return the pictures'
-    paths.
-
-    They are placed beside `output`, whose folder is created if missing.
+    """Draw the first loop and up to three worn surfaces of each body as they would be imported; return the pictures'
+    paths. The pictures' names begin with `output`, whose folder is created if missing.
     """
     prepared_folder(output.parent)
     drawn = []
@@ -146,7 +146,9 @@ def _picture(loop: MeasuredLoop) -> Figure:
 
 
 def mark_motion(axes: Axes, loop: MeasuredLoop) -> None:
-    """Draw an arrow on the branch where the displacement grows, with a note on the sign of the force there."""
+    """Draw an arrow into `axes` on the branch where the displacement grows, with a note on the sign of the force there;
+    nothing if it grows nowhere.
+    """
     x, q = loop.displacement_um, loop.tangential_force_N
     steps = np.nan_to_num(np.gradient(x))
     if not (growing := np.flatnonzero(steps > 0.5 * steps.max(initial=0.0))).size:

@@ -45,7 +45,7 @@ FEWEST_ON_LINE = 20  #: Fewer points show no face.
 
 @dataclass(frozen=True)
 class MapOfBody:
-    """Map file of a body's surface in one repeat, and how the mapping says that the body lies in it."""
+    """Map file of a body's surface in one repeat, with the mapping's statement of how the body lies in it."""
 
     file: Path
     source: ScarSource
@@ -54,18 +54,20 @@ class MapOfBody:
 
     @property
     def axis_deg(self) -> float:
-        """Angle of the body's axis from the map's x, as the mapping says."""
+        """Angle of the body's axis from the map's x, by the mapping."""
         if self.source.frame == "test":
             return self.body.axis_angle_deg
         return 90.0 if self.source.axis == "y" else 0.0
 
     @property
     def crown_unknown(self) -> bool:
-        """True if only the scar shows where a body was touched, as a tilt moves the crown of any but thin wires far."""
+        """True if only the scar shows where the body was touched: for any but wires, a small tilt moves the crown
+        far.
+        """
         return not isinstance(self.body, Wire)
 
     def require_direction(self, x: Array, y: Array, height: Array) -> None:
-        """Check that the body lies in its map (n_x, n_y) as the mapping says. Raises RecordError if not."""
+        """Raise RecordError if the body lies in its map (n_x, n_y), in µm, at another angle than the mapping says."""
         found = direction_deg(x, y, height, self.body.curvatures_per_mm)
         askew = (found - self.axis_deg + 90.0) % 180.0 - 90.0
         if abs(askew) > ASKEW_deg:
@@ -77,9 +79,8 @@ class MapOfBody:
 
 
 def grid_of_points(file: Path, points: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y) of points (n,) in µm, interpolated if they lie on no grid.
-
-    Raises RecordError if the points are too few.
+    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y) in µm of points, each (n,); interpolated if they lie on no grid.
+    Raises RecordError, whose message begins with `file`, if there are fewer than FEWEST_POINTS points.
     """
     x, y, height = (values[np.isfinite(points[0] + points[1])] for values in points)
     if x.size < FEWEST_POINTS:
@@ -103,10 +104,10 @@ def _gridded(x: Array, y: Array, height: Array) -> tuple[Array, Array, Array]:
 
 
 def scar_of(of: MapOfBody, x: Array, y: Array, height: Array, *, form: bool = True) -> MeasuredScar:
-    """Scar from a map of heights (n_x, n_y) over lines x (n_x,), y (n_y,) in µm, with its origin in the scar's middle.
+    """Scar in a map of heights (n_x, n_y) over lines x (n_x,), y (n_y,) in µm, with its origin in the scar's middle.
 
-    form: subtract the body's form as well.
-    Raises RecordError if the points are too few, or lie beyond the body or at another angle than the mapping says.
+    form: True to subtract the body's form with the unworn surface. Raises RecordError if the points are too few, or lie
+    beyond the body or at another angle than the mapping says.
     """
     x, y = x - 0.5 * (x[0] + x[-1]), y - 0.5 * (y[0] + y[-1])
     crown, axis_deg, notes = None if of.crown_unknown else 0.0, of.axis_deg, tuple[str, ...]()
@@ -178,7 +179,8 @@ def surfaces_of(
 ) -> Iterator[MeasuredScar | MeasuredProfile]:
     """Worn surfaces of a body in the files of a source: maps with x along the motion, or profiles.
 
-    Raises RecordError if a file cannot be read or lacks something, or a repeat occurs twice.
+    home: folder of the mapping. tables: the mapping's. Raises RecordError if a file cannot be read or lacks something,
+    or a repeat occurs twice.
     """
     seen: dict[int, Path] = {}
     for place, file in enumerate(files_of(source, home)):
@@ -232,7 +234,7 @@ def levelled(
 ) -> MeasuredProfile:
     """Profile of worn depths from positions and heights, both (n,) in µm, with its origin in the scar's middle.
 
-    subtract: fit and subtract the unworn face.  form: subtract the body's form as well.
+    subtract: fit and subtract the unworn face; else depths are heights below 0. form: subtract the body's form with it.
     Raises RecordError if there are too few points.
     """
     x, height = heights

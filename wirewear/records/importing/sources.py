@@ -26,9 +26,8 @@ Wanted = Mapping[str, ColumnMapping]
 
 
 def files_of(source: Source, home: Path) -> list[Path]:
-    """Files that a source names, each once; matches of a pattern in natural order (2 before 10).
-
-    Raises RecordError if there is none.
+    """Files that a source names, each once; names are relative to `home`, matches of a pattern in natural order (2
+    before 10). Raises RecordError if a name or pattern matches no file.
     """
     found: list[Path] = []
     for name in source.files:
@@ -45,9 +44,8 @@ def files_of(source: Source, home: Path) -> list[Path]:
 
 
 def file_of(column: ColumnMapping, path: Path) -> Path:
-    """File of a column: its own one beside the source's file `path` if it names one, else `path`.
-
-    Raises RecordError if it does not exist, is not an ordinary file, or lies outside the folder.
+    """File of a column: the one that it names, beside the source's file `path`, or else `path`. Raises RecordError if
+    it does not exist, is not an ordinary file, or lies outside the folder.
     """
     if column.file is None:
         return path
@@ -63,7 +61,9 @@ def _natural(path: Path) -> list[tuple[int, str]]:
 
 
 def numbers_in_name(path: Path, source: Source) -> dict[str, int]:
-    """Cycle and repeat from a file's name, by key. Raises RecordError if the name does not match the pattern."""
+    """Cycle and repeat in a file's name by the source's pattern, by key; empty without a pattern. Raises RecordError if
+    the name does not match it.
+    """
     if source.name_pattern is None:
         return {}
     try:
@@ -83,9 +83,9 @@ def numbers_in_name(path: Path, source: Source) -> dict[str, int]:
 
 
 def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | None = None) -> dict[str, Array]:
-    """Wanted columns of one file in the record's units: (n,), or (samples, cycles) from MATLAB.
+    """Wanted columns of one file by name in the record's units: (n,), or (samples, cycles) for matrices.
 
-    length_mm: of a line contact, whose forces and energies may be given per millimetre.
+    length_mm: of a line contact, whose forces and energies may be given per millimetre; None for contacts at a point.
     Raises RecordError if the file cannot be read, lacks a column or holds text for a number.
     """
     factors = {}
@@ -126,7 +126,9 @@ def wanted_columns(columns: Table) -> dict[str, ColumnMapping]:
 
 
 def equal_rows(file: Path, columns: dict[str, Array], first: str) -> dict[str, Array]:
-    """Columns as arrays (n,). Raises RecordError if their lengths differ from that of the column `first`."""
+    """The columns, each flattened to (n,). Raises RecordError, whose message begins with `file`, if one has another
+    number of values than the column `first`.
+    """
     count = columns[first].size
     for name, values in columns.items():
         if values.size != count:
@@ -137,11 +139,12 @@ def equal_rows(file: Path, columns: dict[str, Array], first: str) -> dict[str, A
 def columns_of_levels(
     file: Path, source: Source, columns: Table | None, table: str, repeat: int, step_um: float | None = None
 ) -> tuple[str, dict[str, Array]]:
-    """The key that a file of worn surfaces gives, depth_um or height_um, and its columns (n,) including "repeat".
+    """The key that a file of worn surfaces gives, depth_um or height_um, and its columns (n,) by name, "repeat" among
+    them.
 
-    columns: as in the mapping's `table`.  repeat: for files without a column of repeats.
-    step_um: spacing of rows, if there is no column of positions.
-    Raises RecordError if the mapping gives no columns, or not exactly one of both keys, or columns do not fit together.
+    columns, table: the columns' mapping, and the name of its table for messages. repeat: for files without a column of
+    repeats. step_um: spacing of rows, if there is no column of positions. Raises RecordError if the mapping gives no
+    columns, or not exactly one of both keys, or columns do not fit together.
     """
     if columns is None:
         raise RecordError(f'{file}: [{table}] must give columns, or kind = "{PROFILOMETER}".')
@@ -160,7 +163,9 @@ def columns_of_levels(
 
 
 def require_recorded(file: Path, **columns: Array) -> None:
-    """Check that columns hold values that a record's columns of these names may have. Raises RecordError if not."""
+    """Raise RecordError if a column holds a value that a record's column of its name may not have; unknown names
+    pass.
+    """
     for name, values in columns.items():
         column = RECORD_COLUMNS.get(name)
         place = None if column is None else column.first_wrong(values)
@@ -171,9 +176,10 @@ def require_recorded(file: Path, **columns: Array) -> None:
 
 
 def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
-    """Regular expression for the numbers (cycle, repeat) that differ between file names; None for a single name.
+    """Regular expression for the numbers, cycle and repeat, in which file names differ; None for a single name.
 
-    Raises RecordError if the names differ by more than numbers.
+    has_cycle: True if a column counts the cycles, so that only the repeat is looked for. Raises RecordError if the
+    names differ by more than numbers.
     """
     if len(names) < 2:
         return None
@@ -199,10 +205,8 @@ def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
 
 @contextmanager
 def within(seconds: float) -> Iterator[None]:
-    """Raise TimeoutError in the enclosed work after this much processor time in s; does nothing outside the main
-    thread.
-
-    Only time on a processor counts, so that a busy machine makes nothing late. Signals go to the main thread only.
+    """Context that raises TimeoutError in its work after this much processor time in s; without effect outside the main
+    thread. Processor time counts, so that a busy machine does not cut work short; signals reach the main thread only.
     """
     if current_thread() is not main_thread():
         yield

@@ -53,7 +53,7 @@ def open_lines(text: str) -> list[tuple[int, str]]:
 
 
 def lines_to_fill_in(text: str) -> str:
-    """Text naming the open lines of a mapping: ``line 6 (diameter_mm) and line 14 (displacement_um)``; "" if there are
+    """Text naming the open lines of a mapping: "line 6 (diameter_mm) and line 14 (displacement_um)"; "" if there are
     none.
     """
     *most, last = [f"line {number} ({key})" for number, key in open_lines(text)] or [""]
@@ -61,9 +61,8 @@ def lines_to_fill_in(text: str) -> str:
 
 
 def require_mapping(path: Path) -> None:
-    """Check that a file is not of another kind, such as a study or a record, and has no open lines.
-
-    Raises RecordError, in one sentence, if not.
+    """Raise RecordError, in one sentence, if a file is of another kind, such as a study or a record, or has open
+    lines.
     """
     require_no_other(path, RecordError, Held.MAPPING)
     if path.is_file() and (left := lines_to_fill_in(read_text(path, RecordError))):
@@ -77,7 +76,9 @@ def reason_of(problem: Exception) -> str:
 
 @dataclass(frozen=True)
 class Channel:
-    """Column that a file offers: its name for a mapping, and its unit and samples per second if stated."""
+    """Column that a file offers: its name for a mapping, and its unit ("" if unstated) and samples per second (None if
+    unstated).
+    """
 
     name: str
     unit: str = ""
@@ -85,18 +86,18 @@ class Channel:
 
 
 class Reader(ABC):
-    """Base class of readers of columns from one kind of file, chosen in a mapping by ``kind``."""
+    """Base class of readers of columns from one kind of file, chosen in a mapping by `kind`."""
 
     #: Name in a mapping's ``kind = "..."``.
     kind: ClassVar[str]
 
     @abstractmethod
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
-        """Wanted columns as they stand in the file: (n,), or (samples, cycles) for matrices.
+        """Wanted columns by the record's names as they stand in the file: (n,), or (samples, cycles) for matrices.
 
-        layout: layout of delimited text by the mapping, for readers that need it.
-        wanted: name or number (from 1) of the file's column, by the record's column.
-        Raises RecordError, in one sentence, if the file cannot be read, lacks a column or holds text for a number.
+        layout: layout of delimited text by the mapping, for readers that need it. wanted: name or number (from 1) of
+        the file's column, by the record's column. Raises RecordError, in one sentence, if the file cannot be read,
+        lacks a column or holds text for a number.
         """
 
     def reads(self, head: bytes) -> bool:  # noqa: ARG002
@@ -112,7 +113,7 @@ class Reader(ABC):
 
 
 class TextReader(Reader):
-    """Reader of delimited text; the column ``"2:129"`` is a group of columns with one cycle in each row or column."""
+    """Reader of delimited text; the column "2:129" is a group of columns with one cycle in each row or column."""
 
     kind = "text"
 

@@ -24,8 +24,7 @@ _DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 
 
 def read_x3p(file: Path) -> tuple[Array, tuple[float | None, float | None]]:
-    """Heights (n_x, n_y) in metres, NaN where invalid, and the steps along x and y in metres, None if unstated.
-
+    """Heights (n_x, n_y) in metres, NaN where invalid, and the steps along x and y in metres, each None if unstated.
     Raises RecordError, in one sentence, if the file holds no matrix of heights, and zipfile's errors if it is damaged.
     """
     with zipfile.ZipFile(file) as parts:
