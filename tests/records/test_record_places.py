@@ -16,7 +16,8 @@ from wirewear import RecordError, read_record, write_record, write_result
 from wirewear.records.importing import import_record
 from wirewear.results.flat import write_flat_tables
 
-HAND_WRITTEN = Path(__file__).parents[2] / "studies" / "steel_wires" / "example_records" / "no_gap"
+STUDIES = Path(__file__).parents[2] / "studies"
+HAND_WRITTEN, SWEEP = STUDIES / "steel_wires" / "example_records" / "no_gap", STUDIES / "rig_sensitivity" / "sweep.toml"
 LOOPS = """[loops]
 files = "raw.csv"
 [loops.columns]
@@ -118,6 +119,27 @@ def test_tables_and_heights_are_exported_over_none_that_are_there(home: Path) ->
         assert "loops.csv exists already" in wirewear("export", "run.h5", option, "data", code=2).stderr
         assert contents(home / "data") == {"loops.csv": b"raw"}
     wirewear("export", "run.h5", "--as-tables", "data", "--overwrite")
+
+
+@pytest.mark.parametrize(
+    ("command", "file"),
+    [
+        ("run steel_wires", "loops.csv"),
+        ("run steel_wires", "rigid/evolution.csv"),
+        ("run steel_wires --resume", "rigid/loops.csv"),
+        ("run steel_wires", "result.h5"),
+        (f"sweep {SWEEP}", "table.csv"),
+        (f"sweep {SWEEP}", "rows.jsonl"),
+        ("fit by_hand", "stated.toml"),
+    ],
+)
+def test_runs_sweeps_and_fits_replace_nothing_that_they_have_not_written(home: Path, command: str, file: str) -> None:
+    place = home / "data" / file
+    place.parent.mkdir(parents=True)
+    place.write_text("raw", encoding="utf-8")
+    assert "not overwritten" in wirewear(*command.split(), "--output", "data", code=2).stderr
+    assert contents(home / "data") == {file: b"raw"}
+    assert "without a name" in wirewear(*command.split(), "--output", "", code=2).stderr
 
 
 def test_a_fit_replaces_no_study_that_was_not_fitted(home: Path) -> None:

@@ -278,10 +278,13 @@ def _exchange(new: Path, old: Path) -> None:
     aside.rename(new)
 
 
-def require_absent(paths: Iterable[Path], kind: type[WirewearError]) -> None:
-    """Check that none of these paths exists. Raises an error of class `kind` if one does."""
-    if (there := next((path for path in paths if path.exists()), None)) is not None:
-        raise kind(f"{there} exists already, and is not overwritten unasked: choose another folder, or --overwrite.")
+def require_absent(paths: Iterable[Path], kind: type[WirewearError], otherwise: str = ", or --overwrite") -> None:
+    """Check that none of these paths exists. Raises an error of class `kind` if one does.
+
+    otherwise: what can be done besides choosing another folder.
+    """
+    if (there := next((path for path in paths if os.path.lexists(path)), None)) is not None:
+        raise kind(f"{there} exists already, and is not overwritten unasked: choose another folder{otherwise}.")
 
 
 def is_special(path: Path) -> bool:

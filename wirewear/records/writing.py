@@ -59,6 +59,8 @@ def require_place(folder: Path, *, made_of: Sequence[Path] = (), overwrite: bool
     usable_folder(place.parent)
     with writing(RecordError, f"cannot write the record to {folder}"):
         put_back(place)
+    if place.is_mount():
+        raise RecordError(f"a disk is mounted at {folder}, which no record can replace: choose a folder in it.")
     for path in made_of:
         if path.resolve().is_relative_to(place):
             raise RecordError(f"{folder} holds {path}, which the record is made of: choose another folder.")

@@ -107,6 +107,10 @@ def _deliver(mailbox: Queue[Any], observers: Sequence[Observer]) -> None:
         return
 
 
+#: Patterns of the files that runs write or remove.
+FILES_OF_RUNS = (RESULT_FILE_NAME, *PointRun.derived, *LineRun.derived)
+
+
 @dataclass(frozen=True)
 class Task:
     """One run of a study: its label, its folder, and how it is prepared and simulated. simulate: from folder, observer

@@ -45,6 +45,8 @@ class Journal:
         note, rows = "", {}
         lines = self._lines()
         head = next(lines, None)
+        if head is None and self.path.exists():
+            raise RunError(f"{self.path} is no journal of a sweep, and is not overwritten: choose another --output.")
         if head is not None:
             known = Identity.of_text(head.get("sweep"))
             if known.asked != self._identity.asked:

@@ -10,7 +10,7 @@ from wirewear.base.errors import RecordError
 from wirewear.base.files import TABLE_FILE_NAME, parsed_toml, read_text, table_of, toml_text
 from wirewear.base.units import UNIT_SYMBOLS
 from wirewear.base.words import counted
-from wirewear.base.writing import prepared_folder, write_text
+from wirewear.base.writing import prepared_folder, require_absent, write_text
 from wirewear.diagnosis.fit.fit import CheckedRun, stated_by
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
 from wirewear.records.writing import with_checksums
@@ -130,9 +130,11 @@ def _json(found: FittedParameter) -> dict[str, object]:
 
 
 def require_no_other_study(folder: Path) -> None:
-    """Raise RecordError if the folder holds a study.toml that was not written by a fit."""
+    """Raise RecordError if the folder holds a study.toml, or a stated.toml alone, that was not written by a fit."""
     path = folder / "study.toml"
-    if path.exists() and _HEAD not in read_text(path, RecordError, "study file"):
+    if not path.exists():
+        require_absent([folder / "stated.toml"], RecordError, "")
+    elif _HEAD not in read_text(path, RecordError, "study file"):
         raise RecordError(f"{path} is a study that was not fitted, and is not overwritten: choose another folder.")
 
 

@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.base import frame
-from wirewear.base.errors import ResultError
+from wirewear.base.errors import ResultError, RunError
 from wirewear.base.frame import figure as written
 from wirewear.base.units import unit_of, words_of
 from wirewear.base.words import counted
-from wirewear.base.writing import in_one_step, write_csv, write_text, writing
+from wirewear.base.writing import in_one_step, require_absent, write_csv, write_text, writing
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, svg
 from wirewear.sweeps.indices import Index, indices
-from wirewear.sweeps.running import SweepResult
+from wirewear.sweeps.running import JOURNAL, SweepResult
 from wirewear.sweeps.sweep import DEPTH, Sweep, SweepRow, VariedInput
 from wirewear.views.fretting_map import draw_fretting_map, is_map
 
@@ -203,6 +203,13 @@ def table_of(sweep: Sweep, rows: Mapping[int, SweepRow]) -> pl.DataFrame:
         **{name: pl.Series(values, dtype=pl.Float64) for name, values in figures.items()},
     }
     return pl.DataFrame(columns)
+
+
+def require_no_others_tables(folder: Path) -> None:
+    """Raise RunError if the folder holds a file that a sweep would write or remove, but no sweep."""
+    if not (folder / JOURNAL).exists():
+        names = (f"{TABLE}.parquet", f"{TABLE}.csv", FAILURES, PAGE)
+        require_absent([folder / name for name in names], RunError, "")
 
 
 def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, SweepRow]) -> list[Path]:

@@ -98,7 +98,9 @@ class OutputFolder(click.Path):
         self.of_record = of_record
 
     def convert(self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Path of the folder. Raises RunError if no files can be written to it, or it is a record."""
+        """Path of the folder. Raises RunError if it has no name, no files can be written to it, or it is a record."""
+        if not os.fspath(value):
+            raise RunError("the output folder is given without a name: a point stands for the folder that you are in.")
         path = usable_folder(Path(os.fsdecode(super().convert(value, param, ctx))))
         if not self.of_record and (path / TABLE_FILE_NAME).exists():
             raise RunError(f"{path} is a record, whose files are not to be mixed with others: choose another folder.")

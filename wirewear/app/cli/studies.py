@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wirewear.app.cli.group import Given, OutputFolder, busy, cli, default_output, given, most_memory, paper
-from wirewear.base.errors import StudyError, WirewearError
-from wirewear.base.writing import json_text, usable_folder
+from wirewear.base.errors import RunError, StudyError, WirewearError
+from wirewear.base.writing import json_text, require_absent, usable_folder
 from wirewear.test import FIDELITIES
 
 if TYPE_CHECKING:
@@ -210,6 +210,8 @@ def run(
         study = study.variant(variant)
     if record_path is not None:
         study = study.logging(_cycles_of(record_path, study.conditions.cycles))
+    if not overwrite:
+        _require_no_others_files(folder, study, resume=resume)
     contacts = contacts_of(study)
     results = run_study(
         study,
@@ -269,6 +271,17 @@ def _require_nothing_lost(folder: Path) -> None:
             f"{path} is {what}, and is not overwritten: choose another --output, {then} it with --resume, or replace "
             "it with --overwrite.",
         )
+
+
+def _require_no_others_files(folder: Path, study: Any, *, resume: bool) -> None:
+    """Raise RunError if a file that the runs would write or remove stands where no result does."""
+    from wirewear.results import RESULT_FILE_NAME
+    from wirewear.simulation import FILES_OF_RUNS
+
+    places = [folder / name for name in study.variant_names] or [folder]
+    places = [place for place in places if not (place / RESULT_FILE_NAME).exists()] if resume else [folder, *places]
+    for place in places:
+        require_absent((path for pattern in FILES_OF_RUNS for path in sorted(place.glob(pattern))), RunError)
 
 
 def _status_of(path: Path) -> str | None:

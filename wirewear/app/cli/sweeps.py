@@ -70,11 +70,12 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
     from wirewear.base.engine import engine_of
     from wirewear.comparison.mapped_tests import fretting_tests
     from wirewear.sweeps import load_sweep, run_sweep
-    from wirewear.views.sweep_page import write_sweep
+    from wirewear.views.sweep_page import require_no_others_tables, write_sweep
 
     asked = load_sweep(sweep_path)
     tests = [test for path in test_paths for test in fretting_tests(path)]
     folder = output or Path("runs") / sweep_path.resolve().stem
+    require_no_others_tables(folder)
     with observer_of(len(asked)) as observer:
         result = run_sweep(asked, folder, engine_of(jobs, scheduler), observer, only_pilots=estimate)
     if estimate and not result.whole:
