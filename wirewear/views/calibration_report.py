@@ -12,7 +12,9 @@ from wirewear.views.loops_report import rounded
 
 
 def calibration_json(study: str, calibration: Calibration, correction: "Correction | None") -> dict[str, object]:
-    """Calibration as plain values for JSON; `record` is null if no record was corrected."""
+    """Calibration as plain values for JSON; study: its name; correction: None if no record was corrected, "record" is
+    then null.
+    """
     polynomial = calibration.polynomial
     return {
         "format": 1,
@@ -52,8 +54,8 @@ def _measured_json(measured: Measured) -> dict[str, object]:
 
 
 def calibration_text(calibration: Calibration, correction: "Correction | None") -> RenderableType:
-    """Table of the compliance under each load, the fitted polynomial with its error, and the correction of a record, if
-    any.
+    """Table of the compliance under each load, the fitted polynomial with its error and, if there is one, the
+    correction of a record, to be printed with rich.
     """
     polynomial = calibration.polynomial
     table = Table(box=box.SIMPLE, pad_edge=False, title="Remote minus near displacement", title_justify="left")

@@ -66,9 +66,8 @@ def differences_table(comparison: RecordComparison) -> Table:
 
 
 def write_comparison(comparison: RecordComparison, folder: Path) -> list[Path]:
-    """Write one self-contained HTML page, its pictures, and the table as CSV and JSON; return their paths.
-
-    Raises RecordError if the folder cannot be written to.
+    """Write comparison.html, its pictures, and the table of differences as CSV and JSON; return their paths. Raises
+    RecordError if the folder cannot be written to.
     """
     from wirewear.pictures.style import save, svg
     from wirewear.views import comparison_pictures as drawn
@@ -95,7 +94,7 @@ def write_comparison(comparison: RecordComparison, folder: Path) -> list[Path]:
 
 
 def page(comparison: RecordComparison, maps: Sequence[bytes]) -> str:
-    """HTML page of a comparison; `maps` are SVG pictures of the registered scars."""
+    """Self-contained HTML page of a comparison; maps: SVG pictures of the registered scars."""
     worst = worst_differences(comparison.differences)
     return frame.rendered(
         HERE / "comparison_page.html",
@@ -118,7 +117,7 @@ def page(comparison: RecordComparison, maps: Sequence[bytes]) -> str:
 
 
 def sentence(worst: Sequence[Difference]) -> str:
-    """Summary in one or two sentences, from the worst difference of each quantity."""
+    """Summary in one or two sentences; worst: the largest difference of each quantity, largest first."""
     judged = [row for row in worst if row.in_scatter is not None and row.basis == REPEATS]
     beyond = [row for row in judged if _beyond(row)]
     if not judged:
@@ -136,7 +135,7 @@ def sentence(worst: Sequence[Difference]) -> str:
 
 
 def page_data(comparison: RecordComparison) -> dict[str, object]:
-    """Loops, evolution, friction and scar sections as plain values for the page."""
+    """Loops, evolution, friction and sections of the scars as plain values for the page."""
     return {
         "loops": [_loop(pair) for pair in comparison.loops],
         "evolution": {

@@ -1,4 +1,6 @@
-"""Pictures of a comparison: loops, evolution, scars. Measured is grey with the range of repeats, simulated is blue."""
+"""Pictures of a comparison: loops, evolution, scars. Measured values are black with a grey range of repeats, simulated
+ones blue.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -37,7 +39,9 @@ FRICTION = (
 
 
 def loops_picture(pairs: Sequence[LoopPair]) -> Figure:
-    """Loops of up to six matched cycles, one panel each, all on the same axes."""
+    """Figure with the loops of up to six matched cycles, one panel each, all on the same axes; needs at least one
+    pair.
+    """
     chosen = chosen_cycles([pair.cycle for pair in pairs], MOST_PANELS)
     shown = [pair for pair in pairs if pair.cycle in chosen]
     columns = 2 if len(shown) == 4 else min(len(shown), COLUMNS)
@@ -74,7 +78,9 @@ def _draw_pair(axes: Axes, pair: LoopPair) -> None:
 
 
 def evolution_picture(result: RunResult, record: AnyRecord, pairs: Sequence[LoopPair]) -> Figure:
-    """Four panels over the cycles: amplitudes, energy, largest force and friction measures, simulated and measured."""
+    """Figure of amplitudes, energy, largest force and friction over the cycles, simulated and measured. pairs: matched
+    loops, which show friction, and stand in for columns that the record's evolution lacks.
+    """
     figure = style.new_figure(5.6)
     grid = figure.subplots(2, 2)
     names = {name: quantity for quantity, _, name in EVOLUTION_FIGURES}
@@ -161,7 +167,11 @@ def _friction(pair: LoopPair, attribute: str) -> tuple[float, Array]:
 
 @dataclass(frozen=True, eq=False)
 class DepthMap:
-    """One depth map of a comparison in µm with its colours, and the half extents in µm common to all maps."""
+    """One depth map of a comparison with its colours.
+
+    what: "measured", "simulated" or "difference". label: of the colour scale. half_um: half extents in x and y, common
+    to all maps.
+    """
 
     pair: ScarPair
     what: str
@@ -173,8 +183,8 @@ class DepthMap:
 
 
 def depth_maps(pairs: Sequence[ScarPair]) -> list[list[DepthMap]]:
-    """One list for each body with its measured mean, simulated depth and their difference; each kind has one colour
-    scale.
+    """For each body's scars, maps of the measured mean, the simulated depth and their difference; each kind has one
+    colour scale. pairs: at least one.
     """
     colours, norm = style.depth_scale(depth for pair in pairs for depth in (pair.mean, pair.simulated))
     worst = max(float(np.nanmax(np.abs(pair.simulated - pair.mean))) for pair in pairs) or 1e-3
@@ -192,12 +202,12 @@ def depth_maps(pairs: Sequence[ScarPair]) -> list[list[DepthMap]]:
 
 
 def every_map(pairs: Sequence[ScarPair]) -> list[DepthMap]:
-    """Depth maps of all pairs of scars, in one list."""
+    """The maps of `depth_maps` in one list; empty without pairs."""
     return [shown for row in depth_maps(pairs) for shown in row] if pairs else []
 
 
 def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
-    """All maps in one figure, one row for each body."""
+    """Figure of the maps of `depth_maps`, one row for each body; needs at least one pair."""
     rows = depth_maps(pairs)
     half_x, half_y = rows[0][0].half_um
     panel_in = 0.80 * style.WIDTH_in / 3
@@ -219,7 +229,7 @@ def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
 
 
 def map_picture(shown: DepthMap) -> Figure:
-    """One map as a figure of its own."""
+    """Figure of one depth map."""
     half_x, half_y = shown.half_um
     figure = style.new_figure(MAP_in * min(max(half_y / half_x, 0.4), 1.6) + 0.9, MAP_in)
     axes = figure.subplots()
@@ -236,8 +246,8 @@ def _draw_map(axes: Axes, shown: DepthMap) -> None:
 
 
 def sections_picture(pairs: Sequence[ScarPair]) -> Figure:
-    """Depth along the motion through the origin, and for maps also across it; one row for each body, one scale
-    for all.
+    """Figure of depths along the motion through the origin and, for maps, also across it; one row for each body, all to
+    one scale; needs at least one pair.
     """
     figure = style.new_figure(2.1 * len(pairs) + 0.7)
     grid = figure.subplots(len(pairs), 2 if pairs[0].is_map else 1, sharex=True, sharey=True, squeeze=False)

@@ -23,7 +23,7 @@ _HEADINGS = {
 
 
 def sentence(shared: SharedLoad) -> str:
-    """Sentence on the shares of the load at the start and at the end."""
+    """Sentences on the shares of the load in N at the start and at the end, and on how well they are known."""
     first, last = ("; ".join(written(each) for each in shared.load_N[:, block]) for block in (0, -1))
     then = f", after {shared.ends[-1]} cycles {last}" if len(shared.ends) > 1 else ""
     return (
@@ -33,7 +33,9 @@ def sentence(shared: SharedLoad) -> str:
 
 
 def write_contacts(shared: SharedLoad, folder: Path) -> Path:
-    """Write table, picture and page; return the page. ResultError if the folder cannot be written to."""
+    """Write contacts.csv, loads.png and contacts.html; return the path of the last. Raises ResultError if the folder
+    cannot be written to.
+    """
     drawn = partial(draw_loads, shared)
     rows = shared.rows
     with writing(ResultError, f"cannot write to {folder}"):
@@ -54,7 +56,7 @@ def write_contacts(shared: SharedLoad, folder: Path) -> Path:
 
 
 def draw_loads(shared: SharedLoad) -> Figure:
-    """Load of each contact over the cycles, constant within each block."""
+    """Figure of the load of each contact over the cycles, constant within each block."""
     figure = new_figure(3.2)
     axes = figure.subplots()
     starts = [0, *shared.ends]

@@ -1,8 +1,8 @@
 """A diagnosis as a self-contained HTML page with its drawings, and as ten lines of text.
 
 A zone is a part of the measurements, such as a stretch of the loop or a scar's depth; a scatter is the standard
-deviation of one test; explained values include the effects of the best explanation. A bowl is a paraboloid with a
-scar's depth and length.
+deviation of one test. Nominal values are those of the model without effects, explained ones include the effects of the
+best explanation. A bowl is a paraboloid with a scar's depth and length.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
 
 
 def page(diagnosed: Diagnosed) -> str:
-    """HTML page of a diagnosis."""
+    """Self-contained HTML page of a diagnosis."""
     diagnosis, found = diagnosed.diagnosis, diagnosed.search
     drawn = loops(diagnosed)
     filters: dict[str, frame.Filter] = {
@@ -124,7 +124,7 @@ def _with_unit(name: str) -> str:
 
 
 def ten_lines(diagnosis: Diagnosis) -> str:
-    """Answer of a diagnosis in at most ten lines of text, for a terminal."""
+    """The answer of a diagnosis in at most ten lines of text, for a terminal."""
     lines = [f"{diagnosis.record}: {diagnosis.sentence}"]
     for one in worth_telling(diagnosis)[:3]:
         values = "; ".join(filter(None, map(parameters_in_words, one.causes)))
@@ -157,13 +157,11 @@ Bar = tuple[str, float, float, str]  #: Name, value, per cent of the longest, co
 def residuals(
     loops: tuple[ReducedLoop, ...], course: PredictedLoops, row: int, scatter: Mapping[str, float], load_N: float
 ) -> list[dict[str, Array]]:
-    """Measured less computed force for the forward and the backward branch of one cycle's loop.
+    """Measured less computed force along the forward and the backward branch of one cycle's loop.
 
-    Each is a table of arrays (n,): `displacement_um`, `force_N` (mean over the repeats less the computed force), and
-    `band_N`, the half-width of the band in which 95 % of tests lie.
-
-    loops: measured loops of this cycle.  course: computed loops, of which `row` is the index of the cycle.
-    scatter: standard deviations between tests by name.
+    Each is a table of arrays (n,): displacement_um; force_N, mean over the repeats less the computed force; band_N,
+    half-width of the band in which 95 % of tests lie. loops: measured loops of this cycle. course: computed loops, with
+    this cycle at the index `row`. scatter: standard deviations between tests by name. load_N: normal load.
     """
     found = []
     for place, sign in enumerate(DIRECTIONS):
@@ -207,7 +205,9 @@ def _band(at_um: Array, force_N: Array, scatter: Mapping[str, float], load_N: fl
 
 
 def measured_section(scars: Iterable[MeasuredScar]) -> list[tuple[Array, Array]]:
-    """Distance in µm along the motion from the scar's middle, and depth in µm, for each map with enough points."""
+    """For each map with enough points, distances in µm along the motion from the scar's middle, and depths in µm, both
+    (n,).
+    """
     found = []
     for scar in scars:
         if scar.depth_um.size < FEWEST_POINTS:
@@ -227,10 +227,10 @@ def measured_section(scars: Iterable[MeasuredScar]) -> list[tuple[Array, Array]]
 
 
 def bowl(figures: Array, places: int = 41) -> tuple[Array, Array]:
-    """Section of a paraboloid with the depth and length of a scar's figures (4,): distances and depths in µm.
+    """Section of a paraboloid with the depth and length of a scar: distances and depths (places,) in µm.
 
-    A paraboloid's section, averaged over its width, goes as (1 − x²/a²)^(3/2), so that the length, measured where that
-    is `SCAR_EDGE` of its largest, is 2 a √(1 − SCAR_EDGE^(2/3)).
+    figures: (4,) `SCAR_FIGURES`. A paraboloid's section, averaged over its width, goes as (1 − x²/a²)^(3/2), so that
+    the length, measured where that is `SCAR_EDGE` of its largest, is 2 a √(1 − SCAR_EDGE^(2/3)).
     """
     depth, length = (float(figures[SCAR_FIGURES.index(name)]) for name in ("depth", "length"))
     half = 0.5 * length / np.sqrt(1.0 - SCAR_EDGE ** (2.0 / 3.0))
@@ -239,7 +239,7 @@ def bowl(figures: Array, places: int = 41) -> tuple[Array, Array]:
 
 
 def loops(diagnosed: Diagnosed) -> dict[str, object]:
-    """Measured and computed loops as plain values for the page."""
+    """Measured and computed loops, their differences and sections of the scars, as plain values for the page."""
     known = sorted({loop.cycle for loop in diagnosed.observed.loops})
     kept = np.unique(np.linspace(0, len(known) - 1, min(MOST_LOOPS, len(known))).round().astype(int))
     cycles = [known[place] for place in kept]
@@ -309,7 +309,7 @@ def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, PredictedLo
 
 
 def gap_map(diagnosed: Diagnosed) -> tuple[list[int], list[tuple[str, list[tuple[Place, str, str] | None]]]]:
-    """Cycles, and for each zone its label and cells: difference, colour and ink at each cycle, or None if not
+    """Cycles, and for each measured zone its label and its cells: difference, colour and ink at each cycle, None if not
     measured.
     """
     found = places(diagnosed.search.problem, diagnosed.search.covariance, diagnosed.setup)
@@ -321,8 +321,8 @@ def gap_map(diagnosed: Diagnosed) -> tuple[list[int], list[tuple[str, list[tuple
 
 
 def zone_bars(diagnosed: Diagnosed) -> list[tuple[str, bool, list[Bar]]]:
-    """The five zones that differ most: label, whether beyond chance, and rms difference in scatters, nominal and
-    explained.
+    """For the five zones that differ most: label, whether beyond chance, and bars of the root mean square of the
+    difference in scatters, nominal and explained.
     """
     found = diagnosed.search
     setups = [diagnosed.setup, *([found.best.setup] if _explains(diagnosed) else [])]
@@ -342,7 +342,7 @@ def zone_bars(diagnosed: Diagnosed) -> list[tuple[str, bool, list[Bar]]]:
 
 
 def shows_in_scar(diagnosed: Diagnosed) -> bool:
-    """True if the gap is largest in scars, or there are no loops."""
+    """True if the largest gap is in a scar, or there are no loops."""
     words = {part.observable.words for part in diagnosed.search.problem.layout if part.observable.of_scars}
     largest = [finding.observable for finding in diagnosed.diagnosis.where[:1]]
     return not diagnosed.observed.loops or not words.isdisjoint(largest)
@@ -355,7 +355,7 @@ def _explains(diagnosed: Diagnosed) -> bool:
 
 
 def gap_bars(diagnosed: Diagnosed) -> list[Bar]:
-    """Bars of the gap before, after, after a full simulation if there was one, and of the floor that chance leaves."""
+    """Bars of the gap: nominal, explained, by a full simulation if there was one, and the floor that chance leaves."""
     shrink, confirmed = diagnosed.diagnosis.shrink, diagnosed.diagnosis.confirmed
     values = [
         (*CURVES[0], shrink.before),

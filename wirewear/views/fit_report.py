@@ -55,7 +55,7 @@ _HEAD = "Fitted to the record "  #: How the remark above a fitted study begins.
 
 
 def fit_table(fitted: FittedTest) -> Table:
-    """Table of the fitted parameters and the figures behind them, to be printed with rich."""
+    """Table of the fitted parameters and of the further figures found, to be printed with rich."""
     table = Table(box=box.SIMPLE_HEAD, title=f"Fit of {fitted.record.name}", title_justify="left", pad_edge=False)
     for heading in ("", "value", "95 % interval", "tests"):
         table.add_column(heading, justify="left" if not heading else "right")
@@ -84,7 +84,9 @@ def _number(value: float) -> str:
 
 
 def check_table(checked: CheckedRun) -> Table:
-    """Table of the figures of record and checking run at the first and the last common cycle."""
+    """Table of the figures of record and checking run, at the first and the last cycle that has both, to be printed
+    with rich.
+    """
     table = Table(box=box.SIMPLE_HEAD, title="Checked by a run", title_justify="left", pad_edge=False)
     for heading in ("", "cycle", "record", "run", "difference", "one test scatters"):
         table.add_column(heading, justify="left" if not heading else "right")
@@ -105,8 +107,8 @@ def check_table(checked: CheckedRun) -> Table:
 
 
 def fit_json(fitted: FittedTest, checked: CheckedRun | None) -> dict[str, object]:
-    """Fit as plain values: record, parameters and further figures (value, 95 % interval, unit, repeats),
-    check, notes.
+    """Plain values for JSON: record, parameters and further figures (value, 95 % interval, unit, repeats), check and
+    notes. checked: None if no run checked the fit.
     """
     check = None
     if checked is not None:
@@ -130,7 +132,9 @@ def _json(found: FittedParameter) -> dict[str, object]:
 
 
 def require_no_other_study(folder: Path) -> None:
-    """Raise RecordError if the folder holds a study.toml, or a stated.toml alone, that was not written by a fit."""
+    """Raise RecordError if the folder holds a study.toml that no fit has written, or a stated.toml without a
+    study.toml.
+    """
     path = folder / "study.toml"
     if not path.exists():
         require_absent([folder / "stated.toml"], RecordError, "")
@@ -157,7 +161,6 @@ def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
 
 def write_stated(fitted: FittedTest) -> Path:
     """Write the fitted values into `[stated]` of the record's table file, keep its other tables, and return its path.
-
     Raises RecordError if the record was not read from a folder, or its table cannot be written.
     """
     if fitted.record.path is None:

@@ -34,13 +34,13 @@ COLOURED = ("dissipated_energy_mJ", VOLUME, LIFE)  #: Figures that are drawn ove
 
 
 def is_map(result: SweepResult) -> bool:
-    """True if load and stroke are both varied and at least one run has figures."""
+    """True if load and stroke are both varied and at least one run succeeded."""
     return {LOAD, STROKE} <= set(result.sweep.design.keys) and len(result.rows) > len(result.failures)
 
 
 def regime_of_run(figures: Mapping[str, float | None], amplitude_um: float) -> str | None:
-    """Regime of a run by its first and last cycle: "mixed" if only one of them is in gross slip; None if a figure is
-    missing.
+    """Regime of a run by its first and last cycle: "mixed" if only one of them is in gross slip, else as in `MARKS`;
+    None if a figure is missing. figures: results of the run by name. amplitude_um: its displacement amplitude.
     """
     found = []
     for first in (FIRST, ""):
@@ -59,8 +59,8 @@ def regime_of_run(figures: Mapping[str, float | None], amplitude_um: float) -> s
 
 
 def draw_fretting_map(result: SweepResult, tests: Sequence[MappedTest] = ()) -> Figure:
-    """Figure of regimes, and of energy, wear and life where they vary, over stroke and load, with closed-form
-    boundaries.
+    """Figure of regimes, and of energy, wear and life where they vary, over stroke and load, with the closed-form
+    transition to gross slip. tests: measured tests that are drawn, too.
     """
     design = result.sweep.design
     stroke, load = (design.points[:, design.keys.index(key)] for key in (STROKE, LOAD))

@@ -1,5 +1,6 @@
-"""Lives of bodies as sentences, JSON, pictures and an HTML page. The sum is Miner's sum of damage. A crack
-begins at 1.
+"""Lives of bodies as sentences, JSON, pictures and an HTML page.
+
+The sum is Miner's sum of damage; a crack begins where it reaches 1.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ def _cycles(*lives: float) -> list[str]:
 
 
 def notes(life: BodyLife) -> list[str]:
-    """Sentences on the limits of a life."""
+    """Sentences on what limits a life's validity; empty if nothing does."""
     found = [] if life.averaged else [NOT_AVERAGED]
     if life.course.not_reached and any(one is None or one.beyond for one in (life.initiation, life.high)):
         names = " and ".join(life.course.not_reached)
@@ -75,7 +76,7 @@ def notes(life: BodyLife) -> list[str]:
 
 
 def life_json(lives: Sequence[BodyLife]) -> str:
-    """JSON of lives; infinite values become null."""
+    """JSON of lives; infinite values are null."""
     return json_text({"lives": [_plain(life) for life in lives]})
 
 
@@ -111,10 +112,8 @@ def _plain(life: BodyLife) -> dict[str, object]:
 
 def write_lives(lives: Sequence[BodyLife], name: str, folder: Path, cycle: float | None = None) -> list[Path]:
     """Write life.json, life.csv (largest sum over the cycles), a picture of each body and life.html; return their
-    paths.
-
-    cycle: of the damage maps; by default when the crack begins, or when the sum is largest.
-    Raises ResultError if the folder cannot be written to.
+    paths. name: of the run. cycle: of the damage maps; None for the one at which the crack begins or, without one, the
+    sum is largest. Raises ResultError if the folder cannot be written to.
     """
     rows = [
         {"body": life.body, "cycle": float(at), "largest_sum": float(largest)}
@@ -132,7 +131,7 @@ def write_lives(lives: Sequence[BodyLife], name: str, folder: Path, cycle: float
 
 
 def page(lives: Sequence[BodyLife], name: str, cycle: float | None = None) -> str:
-    """Self-contained HTML page of the lives of a run's bodies; name: of the run; cycle: of the maps that are drawn."""
+    """Self-contained HTML page of the lives of a run's bodies; name and cycle as in `write_lives`."""
     shown = [
         {
             "name": life.called,
@@ -155,9 +154,8 @@ def page(lives: Sequence[BodyLife], name: str, cycle: float | None = None) -> st
 
 
 def draw_life(life: BodyLife, cycle: float | None = None) -> Figure:
-    """Growth of the largest sum, and maps of the sum at one cycle from above and in a section.
-
-    cycle: by default when the crack begins, or when the sum is largest.
+    """Figure of the largest sum over the cycles, and maps of the sum at one cycle from above and in a section. cycle:
+    as in `write_lives`.
     """
     cycles, largest = life.growth
     default = life.cycles if life.cycles < life.damage.end else float(cycles[largest.argmax()])

@@ -1,4 +1,6 @@
-"""Figures of loops as tables, as JSON, and as a picture with the fitted lines."""
+"""Figures of loops, the numbers that `analyse_loop` gives, as tables, as JSON, and as a picture with the fitted
+lines.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -58,7 +60,7 @@ LOOP, FIT, WIDTH = INK, VARIANT_COLOURS[1], VARIANT_COLOURS[0]
 
 @dataclass(frozen=True, eq=False)
 class AnalysedLoop:
-    """A loop with its figures; if it cannot be analysed, `figures` is None and `refusal` the reason."""
+    """A loop with its figures; if it cannot be analysed, figures are None and `refusal` is the reason."""
 
     loop: SampledLoop
     figures: LoopFigures | None
@@ -66,9 +68,8 @@ class AnalysedLoop:
 
 
 def analyse_loops(loops: Iterable[SampledLoop]) -> tuple[AnalysedLoop, ...]:
-    """Analyse loops, keeping those that cannot be analysed with the reason.
-
-    Raises LoopError if none of them can be analysed.
+    """Analyse loops; those that cannot be analysed keep the reason. Raises LoopError if there are none, or none of them
+    can be analysed.
     """
     analysed = [_analysed(loop) for loop in loops]
     if analysed and all(item.figures is None for item in analysed):
@@ -94,9 +95,8 @@ def _analysed(loop: SampledLoop) -> AnalysedLoop:
 
 
 def loops_json(source: str, analysed: Sequence[AnalysedLoop]) -> dict[str, object]:
-    """Figures of loops for JSON: ``{"source", "regime", "loops": [{"repeat", "cycle", figures, "notes", …}]}``.
-
-    A figure is ``{"value", "interval95"}``, or None.
+    """Plain values for JSON: {"source", "regime", "loops": [{"repeat", "cycle", figures by name, "notes", …}]}. source:
+    name of the data. A figure is {"value", "interval95"} or None; a loop that cannot be analysed has "refused".
     """
     regime = regime_of(item.figures for item in analysed if item.figures is not None)
     return {"source": source, "regime": regime, "loops": [_json(item) for item in analysed]}
@@ -145,7 +145,7 @@ def _measured_json(measured: Measured | None) -> dict[str, object] | None:
 
 
 def loops_table(analysed: Sequence[AnalysedLoop]) -> Table:
-    """Table with one row for each loop, to be printed with rich; ± is half of the 95 % interval."""
+    """Table with one row for each loop, to be printed with rich; ± is half the 95 % interval."""
 
     def cells(figures: LoopFigures) -> list[str]:
         return [figures.regime.removesuffix(" slip"), *(_cell(getattr(figures, name), f) for name, _, f in FIGURES)]
@@ -230,9 +230,8 @@ def _cell(measured: Measured | None, factor: float) -> str:
 
 
 def rounded(measured: Measured, factor: float = 1.0) -> tuple[str, str]:
-    """Value × factor and half its 95 % interval as text, both rounded to the first significant digit of the latter.
-
-    If the interval is no wider than round-off, the value keeps four digits.
+    """Texts of value × factor and of half its 95 % interval, both rounded to the first significant digit of the latter;
+    four digits if the interval is no wider than round-off.
     """
     value, half = measured.value * factor, 0.5 * (measured.interval95[1] - measured.interval95[0]) * factor
     if not max(1e-5 * abs(value), 1e-9) < half < math.inf:
@@ -242,7 +241,7 @@ def rounded(measured: Measured, factor: float = 1.0) -> tuple[str, str]:
 
 
 def remarks(analysed: Sequence[AnalysedLoop]) -> list[str]:
-    """Notes and refusals, each once, with the number of loops they concern unless that is all of them."""
+    """Notes and refusals of loops, each once, with the number of loops concerned unless that is all."""
     often: dict[str, int] = {}
     for item in analysed:
         found = item.figures.notes if item.figures else (f"refused: {item.refusal}",)
@@ -269,8 +268,8 @@ def course_of_regimes(analysed: Sequence[AnalysedLoop]) -> str | None:
 
 
 def draw_loops(analysed: Sequence[AnalysedLoop], path: Path) -> Path:
-    """Draw up to six loops of the first repeat to a picture file, creating its folder if missing, and return
-    its path.
+    """Draw up to six loops of the first repeat to a picture file, creating its folder if missing, and return its
+    path.
     """
     shown = [item for item in analysed if item.figures is not None]
     shown = [item for item in shown if item.loop.repeat == shown[0].loop.repeat]

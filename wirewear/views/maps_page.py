@@ -57,13 +57,13 @@ NEAR = 0.06  #: Tests nearer to one another than this, relative to displacement 
 
 
 def columns_of(tests: Sequence[MappedTest]) -> tuple[tuple[str, str, int], ...]:
-    """Columns of the table, as name, heading and digits, for tests that are all of one kind of contact."""
+    """Columns of the table as (name, heading, digits), for tests that are all of one kind of contact."""
     named = PER[tests[0].extent.per]
     return tuple((*named.get(name, (name, heading)), digits) for name, heading, digits in COLUMNS)
 
 
 def row_of(test: MappedTest) -> dict[str, object]:
-    """Row of one test by column names, with slip and criteria of the last cycle; None for unknown values."""
+    """Row of one test by column name, with slip and criteria of the last cycle; None for unknown values."""
     last = test.sliding[-1]
     row = {
         "test": test.name,
@@ -107,7 +107,9 @@ def _shown(value: Any, digits: int) -> str:
 
 
 def sentences(tests: Sequence[MappedTest]) -> list[str]:
-    """Summary: how many tests are in which regime, and the regression lines of wear."""
+    """Summary: how many tests are in which regime, and the regression lines of worn volume over energy if there are
+    any.
+    """
     counts = {regime: sum(test.regime == regime for test in tests) for regime in REGIMES}
     named = [
         f"{count} in {regime}" if regime != "mixed" else f"{count} mixed" for regime, count in counts.items() if count
@@ -132,7 +134,9 @@ def _interval(line: RegressionLine) -> str:
 
 
 def maps_json(tests: Sequence[MappedTest]) -> dict[str, object]:
-    """``{"tests": [row_of(test), ...], "through_origin": {...}, "with_threshold": {...}}``; a missing line is None."""
+    """Plain values for JSON: {"tests": rows of `row_of`, "through_origin", "with_threshold"}; a line that cannot be
+    fitted is None.
+    """
     through, threshold = lines_of(tests)
     return {
         "tests": [row_of(test) for test in tests],
@@ -158,8 +162,9 @@ def _line_json(line: RegressionLine | None) -> dict[str, object] | None:
 def write_maps(tests: Sequence[MappedTest], folder: Path, fatigue_limit_MPa: float | None = None) -> list[Path]:
     """Write maps.html and tests.csv into a folder, which is created if missing, and return their paths.
 
-    fatigue_limit_MPa: tension at which the material cracks, drawn as the only line; by default several lines are drawn.
-    Raises ResultError if there is no test, tests are of both wires and line contacts, or a file cannot be written.
+    fatigue_limit_MPa: tension at which the material cracks, drawn as the only line; None for lines at round values.
+    Raises ResultError if there is no test, tests are of both contacts at a point and line contacts, or a file cannot be
+    written.
     """
     if not tests:
         raise ResultError("there is no test to draw.")
@@ -176,7 +181,7 @@ def write_maps(tests: Sequence[MappedTest], folder: Path, fatigue_limit_MPa: flo
 
 
 def maps_page(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = None) -> str:
-    """Self-contained HTML page of the maps."""
+    """Self-contained HTML page of the maps; fatigue_limit_MPa: as in `write_maps`."""
     through, threshold = lines_of(tests)
     return frame.rendered(
         HERE / "maps_page.html",
@@ -197,7 +202,7 @@ def maps_page(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = Non
 
 
 def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = None) -> dict[str, object]:
-    """All that the page draws, as plain values."""
+    """All that the page draws, as plain values; fatigue_limit_MPa: as in `write_maps`."""
     through, threshold = lines_of(tests)
     contacts = groups(tests)
     reach, loads = _extent(tests, contacts)
@@ -214,7 +219,7 @@ def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = Non
 
 
 def groups(tests: Iterable[MappedTest]) -> list[FreshContact]:
-    """One fresh contact for all tests of the same bodies, with their median friction and rig compliance."""
+    """One fresh contact for all tests of the same bodies, with the medians of their friction and rig compliance."""
     found: dict[tuple[Any, ...], list[FreshContact]] = {}
     for contact in (test.contact for test in tests if test.contact is not None):
         found.setdefault((contact.bodies, contact.gap_per_mm), []).append(contact)
@@ -240,8 +245,8 @@ def _extent(
 
 
 def labels_of(places: Sequence[tuple[float, float]]) -> list[str]:
-    """Label of each test: its number; tests at nearly the same place share one such as "1–3, 5" at the first, others
-    get "".
+    """Label of each test, its number from 1; tests at nearly the same place share one such as "1–3, 5" at the first,
+    others get "". places: displacement amplitude and load of each test, both positive.
     """
     logs = np.log(np.array(places))
     free, labels = list(range(len(places))), [""] * len(places)

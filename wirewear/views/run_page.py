@@ -60,8 +60,8 @@ _SCRIPTS = ("fretting_log", "slider", "run")
 
 
 def pressure_courses(evolution: Mapping[str, Array], settings: Mapping[str, object]) -> tuple[Course, ...]:
-    """Columns for the largest pressure of the cycle and that at mid-stroke, averaged over a length if the run has such
-    means.
+    """Columns of the evolution for the largest pressure of a cycle and for the pressure at mid-stroke, averaged over a
+    length if the run has such means. settings: of the run.
     """
     if PRESSURE_LENGTH not in settings:
         return _OF_NODES
@@ -79,7 +79,7 @@ def page_data(results: Iterable[RunResult]) -> dict[str, object]:
 
 
 def friction_log(loops: Iterable[Loop]) -> list[tuple[int, LoopFigures]]:
-    """Cycle and figures of each loop that can be analysed."""
+    """Cycle and figures of each loop that can be analysed; others are left out."""
     found = []
     for loop in loops:
         try:
@@ -93,7 +93,7 @@ def friction_log(loops: Iterable[Loop]) -> list[tuple[int, LoopFigures]]:
 
 
 def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
-    """Slope in mm³/J of the least-squares line of volume over energy through the origin; NaN if nothing was
+    """Slope of the least-squares line through the origin of worn volumes (n,) over energies (n,); NaN if nothing was
     dissipated.
     """
     dissipated = np.max(energy_J, initial=0.0) > np.finfo(np.float64).tiny
@@ -253,7 +253,7 @@ def sentence(result: RunResult) -> str:
 
 
 def beyond_strength(result: RunResult) -> str:
-    """Sentence saying that the pressure exceeds what any body bears; "" if it does not, or the result does not tell."""
+    """Sentence if the pressure exceeds what any body bears; "" if it does not, or the result does not say."""
     ratio = result.quality.get("pressure_against_strength", 0.0)
     if ratio <= limit_of("pressure_against_strength"):
         return ""
@@ -266,9 +266,8 @@ def beyond_strength(result: RunResult) -> str:
 
 
 def taken_by_rig(label: str, amplitude_um: float, settings: Mapping[str, SupportsFloat]) -> str:
-    """Sentence saying that rig and play take up the whole stroke before friction is overcome; "" if they do not.
-
-    settings: of a result; those of older versions do not contain the needed values.
+    """Sentence if rig and play take up the whole stroke before friction is overcome; "" if they do not. label: names
+    the run. settings: of the result; those of older versions lack the values, which then count as 0.
     """
     springs, play = (float(settings.get(name, 0.0)) for name in (SPRING_TRAVEL, PLAY_TRAVEL))
     if springs + play < amplitude_um:
@@ -289,14 +288,13 @@ def length(value_um: float) -> str:
 
 
 def cycles_of(number: float) -> str:
-    """Number of cycles as text, such as 1 cycle, 10 000 cycles."""
+    """Number of cycles as text, such as "1 cycle" or "10 000 cycles"."""
     return f"{counted(number)} cycle{'' if round(number) == 1 else 's'}"
 
 
 def regime(result: RunResult) -> str:
-    """Gross slip, partial slip or mixed regime of a run's loops in words, or that the contact opens.
-
-    A loop counts as gross slip by its energy ratio, or by its width where scar slopes add to the force.
+    """Gross slip, partial slip or mixed regime of a run's cycles in words, or that the contact opens; for criteria see
+    `slides`.
     """
     if any(float(loop.normal_force_N.min()) <= 0.0 for loop in result.loops):
         return "a contact that opens within its cycles"
@@ -311,12 +309,14 @@ def regime(result: RunResult) -> str:
 
 
 def figure_volume(volume_mm3: float) -> str:
-    """Worn volume as text in µm³ or 10⁻³ mm³."""
+    """Worn volume as text: in µm³ below 10⁻⁶ mm³, else in 10⁻³ mm³."""
     return f"{1e9 * volume_mm3:.3g} µm³" if volume_mm3 < 1e-6 else f"{1e3 * volume_mm3:.3g}·10⁻³ mm³"
 
 
 def balance(result: RunResult) -> list[tuple[str, str]]:
-    """Rows (name, value) of a run's energy, worn volumes, and measured and stated wear coefficient."""
+    """Rows (name, value) of a run's friction energy, worn volumes, and measured and stated wear coefficient, as
+    texts.
+    """
     evolution, study = result.evolution, result.study
     energy = evolution["accumulated_energy_J"]
     volumes, both = {body: evolution[f"worn_volume_{body}_mm3"] for body in result.bodies}, result.worn_volume_mm3
@@ -335,7 +335,9 @@ def balance(result: RunResult) -> list[tuple[str, str]]:
 
 
 def settings_rows(values: Mapping[str, object], place: str = "") -> list[tuple[str, str]]:
-    """Rows (dotted name, value) of nested settings; numbers have six digits."""
+    """Rows (dotted name, value) of nested settings as texts, numbers with six digits; place: name of the table around
+    them.
+    """
     rows: list[tuple[str, str]] = []
     for key, value in values.items():
         name = f"{place}.{key}" if place else str(key)
@@ -347,7 +349,7 @@ def settings_rows(values: Mapping[str, object], place: str = "") -> list[tuple[s
 
 
 def runs_json(results: Sequence[RunResult]) -> str:
-    """JSON list with one object for each run: its sentence, last row of the evolution, quality measures and their
+    """JSON list with an object for each run: its sentence, last row of the evolution, and quality measures with their
     limits.
     """
     return json_text([_run(result) for result in results])
@@ -371,7 +373,7 @@ def _run(result: RunResult) -> dict[str, object]:
 
 
 def run_page(results: Sequence[RunResult]) -> str:
-    """HTML page of runs of one study. Raises ResultError if none has a measured cycle yet."""
+    """Self-contained HTML page of runs of one study. Raises ResultError if none has a measured cycle yet."""
     shown = [result for result in results if len(result.evolution["cycle"])]
     if not shown:
         raise ResultError("nothing is measured yet, so there is nothing to report")
@@ -397,9 +399,8 @@ def run_page(results: Sequence[RunResult]) -> str:
 
 
 def write_page(results: Sequence[RunResult], folder: Path) -> Path:
-    """Write the page of runs of one study as report.html into a folder and return its path.
-
-    Raises ResultError if no run has a measured cycle yet, or the page cannot be written.
+    """Write the page of runs of one study as report.html into a folder, created if missing, and return its path. Raises
+    ResultError if no run has a measured cycle yet, or the page cannot be written.
     """
     text = run_page(results)
     with writing(ResultError, f"cannot write the page to {folder}"):

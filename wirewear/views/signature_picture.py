@@ -39,13 +39,13 @@ _POINTS = 121
 
 
 def draw_signature(signature: Signature, path: Path) -> Path:
-    """Draw a signature as a PNG file and return its path."""
+    """Draw a signature to a PNG file and return its path."""
     return save(lambda: signature_figure(signature), path)
 
 
 def signature_figure(signature: Signature) -> Figure:
-    """Figure with first and last loop, force difference at equal phase, evolution, sections and outlines of
-    the scars.
+    """Figure with first and last loop, difference of the force at equal phase, evolution, sections and outlines of the
+    scars.
     """
     figure = new_figure(5.6)
     panels = list(figure.subplots(2, 3).flat)

@@ -1,4 +1,7 @@
-"""Contacts of a strand or rope as a cross-section, a table and a page. Members are the wires or strands of a layer."""
+"""Contacts of a strand or rope as a cross-section, a table and a page.
+
+Members are the wires or strands of a layer. Rows are those of the rope's contacts, the worst first.
+"""
 
 from __future__ import annotations
 
@@ -60,7 +63,7 @@ Place = tuple[float, float]
 
 
 def sentence(found: RopeContacts) -> str:
-    """Sentence on the worst contact."""
+    """Sentences on the rope's load and its worst contact."""
     worst, c = found.contacts[0], found.tables.conditions
     contact, life = worst.contact, worst.life_cycles
     load = f"{written(contact.load_N)} {'N/mm' if contact.is_line else 'N'}, p0 {counted(worst.peak_pressure_MPa)} MPa"
@@ -78,7 +81,7 @@ def _cycles(life: float) -> str:
 
 
 def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:
-    """Rows of the table and page: the given rows with stress amplitude and life of each contact added."""
+    """The rows of the table and page: those given, with stress amplitude and life of each contact added."""
     made = []
     for one, row in zip(found.contacts, rows, strict=True):
         swing = one.contact.upper.amplitude_MPa
@@ -87,7 +90,7 @@ def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> lis
 
 
 def strand_tables(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> list[Table]:
-    """Tables to be printed: estimates of all contacts, and results of those that were run, if any."""
+    """Tables to be printed with rich: estimates of all contacts and, if any were run, the results of the runs."""
     shown = shown_rows(found, rows)
     runs = [row for row in shown if row.get("run_friction_energy_mJ") is not None]
     tables = [_table(shown, _PRINTED)]
@@ -123,12 +126,14 @@ def _text(key: str, value: Any) -> str:
 
 
 def strand_json(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> str:
-    """JSON of the rope's figures and all rows; infinite or unknown values become null."""
+    """JSON of the rope's figures and all rows; infinite or unknown values are null."""
     return json_text({"name": found.name, **found.figures, "contacts": list(rows), "notes": found.notes})
 
 
 def write_strand(found: RopeContacts, rows: Sequence[Mapping[str, object]], folder: Path) -> list[Path]:
-    """Write table, picture and page and return their paths. Raises ResultError if the folder cannot be written to."""
+    """Write contacts.csv, section.png and strand.html, and return their paths. Raises ResultError if the folder cannot
+    be written to.
+    """
     with writing(ResultError, f"cannot write to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         return [
@@ -158,7 +163,7 @@ def page(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> str:
 
 
 def draw_section(found: RopeContacts) -> Figure:
-    """Cross-section with the places of each kind of contact; the legend lists the worst first."""
+    """Figure of the cross-section with the places of each kind of contact; the legend lists the worst first."""
     figure = new_figure(4.6)
     axes, legend = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
     reach = 0.5 * found.rope.diameter_mm

@@ -1,4 +1,7 @@
-"""HTML page of a sweep, and its table."""
+"""HTML page of a sweep, and its table.
+
+A key is a varied value of the study; a figure is a result of a run, by its column name, such as "slip_amplitude_um".
+"""
 
 from __future__ import annotations
 
@@ -47,26 +50,27 @@ HERE = Path(__file__).parent
 
 
 def depth_among(names: Iterable[str]) -> str:
-    """Name of the held body's depth, which is the last depth among the names; "" if there is none."""
+    """Name of the held body's depth, the last depth among the names; "" if there is none."""
     return next((name for name in reversed([*names]) if name.startswith(DEPTH)), "")
 
 
 def drawn_among(names: Iterable[str]) -> list[str]:
-    """Names of the figures that are drawn, in their order on the page."""
+    """Those of the names whose figures are drawn, in their order on the page."""
     known = [*names]
     return [name for name in (*_DRAWN[:3], depth_among(known), *_DRAWN[3:]) if name in known]
 
 
 def label_of(name: str) -> str:
-    """Column name in words with its unit: ``slip amplitude [µm]``."""
+    """Column name in words with its unit, such as "slip amplitude [µm]"."""
     unit = unit_of(name)
     words = words_of(name)
     return words if unit in ("", "1") else f"{words} [{unit}]"
 
 
 def draw_responses(factors: Sequence[VariedInput], points: Array, figures: dict[str, Array]) -> Figure:
-    """Figure of every result (rows) over every varied key (columns); dots are runs, lines connect runs that differ in
-    that key.
+    """Figure with a panel for every result (rows) and varied key (columns); dots are runs, lines connect runs that
+    differ in that key. points: (n, d) values of the d keys in n runs. figures: results (n,) by name, NaN where a run
+    failed.
     """
     rows = drawn_among(figures)
     figure = new_figure(1.5 * len(rows) + 0.8)
@@ -98,9 +102,7 @@ def _response(axes: Axes, factor: VariedInput, points: Array, column: int, y: Ar
 
 def lines_through(points: Array, column: int, y: Array) -> list[tuple[Array, Array]]:
     """Lines (x, y) through runs that differ in one key alone, as on a grid; else one line through medians of
-    neighbours.
-
-    points: (n, d) values of the keys.  column: index of the key.  y: results (n,).
+    neighbours. points: (n, d) values of the keys. column: index of the key. y: (n,) results.
     """
     others = np.delete(points, column, axis=1)
     alike = [np.flatnonzero((others == one).all(axis=1)) for one in np.unique(others, axis=0)] if others.size else []
@@ -119,7 +121,9 @@ def _medians(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def draw_indices(found: Sequence[Index]) -> Figure:
-    """Bar charts of first-order indices, and total ones where known, with 95 % intervals."""
+    """Figure of bars: first-order sensitivity indices, and total ones where known, with 95 % intervals; needs at least
+    one.
+    """
     names, keys = list(dict.fromkeys(i.figure for i in found)), list(dict.fromkeys(i.key for i in found))
     of = {(index.figure, index.key): index for index in found}
     figure = new_figure(1.1 * len(names) + 0.9)
@@ -157,10 +161,8 @@ def _bars(
 
 
 def draw_front(slip: Array, depth: Array, name: str) -> Figure:
-    """Figure of slip amplitude over depth of all runs, with the runs of which no other has both more slip and less
-    depth.
-
-    name: of the depth's column.
+    """Figure of slip amplitude over depth of all runs, and those runs of which no other has both more slip and less
+    depth. slip, depth: (n,) in µm. name: of the depth's column.
     """
     figure = new_figure(3.2)
     axes = figure.subplots()
@@ -174,7 +176,7 @@ def draw_front(slip: Array, depth: Array, name: str) -> Figure:
 
 def front(more: Array, less: Array) -> NDArray[np.intp]:
     """Indices of runs on the Pareto front, sorted by `less`: no other run has both a larger `more` and a smaller
-    `less`.
+    `less`, (n,).
     """
     order = np.lexsort([-more, less])
     chosen, best = [], -np.inf
@@ -186,7 +188,7 @@ def front(more: Array, less: Array) -> NDArray[np.intp]:
 
 
 def table_of(sweep: Sweep, rows: Mapping[int, SweepRow]) -> pl.DataFrame:
-    """Table of all runs by number: varied keys, how each ended, figures."""
+    """Table with a row for each run that is done, by number: varied keys, "complete" or "failed", figures."""
     import polars as pl
 
     numbers = sorted(rows)
@@ -213,9 +215,8 @@ def require_no_others_tables(folder: Path) -> None:
 
 
 def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, SweepRow]) -> list[Path]:
-    """Write table.parquet, table.csv and, if runs failed, failures.csv; return the paths.
-
-    Raises ResultError if a file cannot be written.
+    """Write table.parquet, table.csv and, if runs failed, failures.csv; return their paths. Raises ResultError if a
+    file cannot be written.
     """
     table = table_of(sweep, rows)
     parquet, text = folder / f"{TABLE}.parquet", folder / f"{TABLE}.csv"
@@ -238,9 +239,8 @@ def _write_failures(path: Path, sweep: Sweep, failed: Sequence[SweepRow]) -> Pat
 
 
 def write_sweep(folder: Path, result: SweepResult, tests: Sequence[MappedTest] = ()) -> list[Path]:
-    """Write the table and, if a run is complete, the page with measured tests on its fretting map; return the paths.
-
-    Raises ResultError if a file cannot be written.
+    """Write the table and the page; return their paths. tests: measured tests for the fretting map. Raises ResultError
+    if a file cannot be written.
     """
     written = write_table(folder, result.sweep, result.rows)
     with writing(ResultError, f"cannot write {folder / PAGE}"):
@@ -248,7 +248,7 @@ def write_sweep(folder: Path, result: SweepResult, tests: Sequence[MappedTest] =
 
 
 def page(result: SweepResult, tests: Sequence[MappedTest] = ()) -> str:
-    """Self-contained HTML page of a sweep."""
+    """Self-contained HTML page of a sweep; tests: measured tests for the fretting map."""
     figures = varying_figures(result)
     found = [i for name in drawn_among(figures) for i in indices(result.sweep.design, result.rows, name)]
     return frame.rendered(
@@ -269,7 +269,9 @@ def page(result: SweepResult, tests: Sequence[MappedTest] = ()) -> str:
 
 
 def varying_figures(result: SweepResult) -> dict[str, Array]:
-    """Results of all runs (n,) by name, for those that vary among runs; NaN where a run failed."""
+    """Results (n,) of all planned runs by name, of those that vary among them; NaN where a run failed or is not
+    done.
+    """
     rows = [result.rows.get(number) for number in range(1, len(result.sweep) + 1)]
     found = {}
     for name in (*drawn_among(result.sweep.figures), "worn_volume_mm3", "max_mean_pressure_MPa"):
@@ -283,7 +285,9 @@ def varying_figures(result: SweepResult) -> dict[str, Array]:
 
 
 def sentences(result: SweepResult, found: list[Index]) -> list[str]:
-    """Summary: how many runs are done, and which key causes most of each result's variance."""
+    """Summary: how many runs are done, and which key causes most of each result's variance; found: the sensitivity
+    indices.
+    """
     done, failed = len(result.rows), len(result.failures)
     said = [f"{counted(done)} of {counted(len(result.sweep))} runs are done, {counted(failed)} of them failed."]
     for name in dict.fromkeys(index.figure for index in found):

@@ -1,4 +1,6 @@
-"""Intervals from the scatter of inputs: a table for the terminal, CSV, and a page with bands of the loops."""
+"""Intervals of results from the scatter of inputs: a table for the terminal, CSV, and a page with bands of the
+loops.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,9 @@ def write_uncertainty(folder: Path, found: Uncertainty) -> list[Path]:
 
 
 def sentence(found: Uncertainty) -> str:
-    """Summary of the scattering inputs and the 95 % intervals of slip and depth."""
+    """Summary: the scattering inputs with their standard deviations, the 95 % intervals of slip and depth, and failed
+    runs.
+    """
     inputs = ", ".join(f"{one.key} ± {frame.figure(one.deviation)}" for one in found.inputs)
     wanted = (SLIP, depth_among(one.figure for one in found.intervals))
     shown = [one for one in found.intervals if one.figure in wanted]
@@ -43,7 +47,7 @@ def sentence(found: Uncertainty) -> str:
 
 
 def name_of(interval: Interval) -> str:
-    """Name of an interval's figure in words, with a remark if it is of the first cycle."""
+    """Words and unit for the result that an interval is of, with a remark if it is of the first cycle."""
     if interval.figure.startswith(FIRST):
         return f"{label_of(interval.figure.removeprefix(FIRST))}, first cycle"
     return label_of(interval.figure)
@@ -76,7 +80,7 @@ def page(found: Uncertainty) -> str:
 
 
 def draw_bands(loops: tuple[LoopBand, ...]) -> Figure:
-    """Nominal loop of each cycle with the band in which 95 % of tests lie."""
+    """Figure with the nominal loop of each cycle and the band in which 95 % of tests lie; needs at least one loop."""
     figure = new_figure(3.2)
     panels = figure.subplots(1, len(loops), squeeze=False, sharey=True)[0]
     for axes, loop in zip(panels, loops, strict=True):

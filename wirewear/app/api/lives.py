@@ -20,10 +20,10 @@ def lives(
     wear_states: int | None = None,
     tell: Callable[[str, int], None] = lambda _body, _cycle: None,
 ) -> tuple[BodyLife, ...]:
-    """Fatigue lives of the bodies of a run, both by default, by [life] of its study with `values` replacing its keys.
+    """Fatigue lives of the bodies of a run, both by default, by [life] of its study.
 
-    bodies: their names, or lower and upper.  wear_states: most wear states looked at in each block of cycles.
-    tell: called with each body and cycle before it is computed.
+    bodies: their names, or "lower" and "upper". values: replace keys of [life]. wear_states: most wear states used in
+    each block of cycles. tell: called with each body and cycle before it is computed.
     Raises StudyError if a value is not allowed, or data are lacking; ResultError if the run has recorded no contact
     forces; GeometryError if wear distorts a mesh too much.
     """

@@ -30,7 +30,7 @@ class NotebookBar(Observer):
     """Progress bar that is redrawn in place in a notebook. Use as a context manager."""
 
     def __init__(self, label: str) -> None:
-        """Prepare a bar with a label; it appears on entering the context."""
+        """Prepare a bar with this label; it appears when the context is entered."""
         self._label, self._notes = label, list[str]()
         self._handle: DisplayHandle | None = None
         self._drawn = -LEAST_PAUSE_s
@@ -48,12 +48,12 @@ class NotebookBar(Observer):
         self._draw()
 
     def stage(self, text: str) -> None:
-        """Show what is being prepared."""
+        """Show a text on what is being prepared, with the bar at 0."""
         self._last = (0.0, text)
         self._draw()
 
     def moved(self, moment: Moment) -> None:
-        """Show cycle, energy and depth, at most every LEAST_PAUSE_s seconds."""
+        """Show cycle, energy and depth, at most once in LEAST_PAUSE_s."""
         depth = f"{moment.max_depth_um:.2f} µm deep"
         self._last = (
             moment.fraction,
@@ -86,7 +86,9 @@ class NotebookBar(Observer):
 
 @contextmanager
 def watched(label: str, *, shown: bool) -> Iterator[Observer]:
-    """Context that yields an observer of a run: a notebook's or terminal's progress bar, or one that shows nothing."""
+    """Context that yields the observer of a run: a notebook's or a terminal's progress bar, or one that shows nothing
+    if not `shown`.
+    """
     if not shown:
         yield Observer()
     elif in_notebook():

@@ -31,14 +31,12 @@ class Run(RunResult):
 
     @classmethod
     def of(cls, result: RunResult) -> Run:
-        """Run with the contents of this result."""
+        """The run with the contents of this result."""
         return cls(**{field.name: getattr(result, field.name) for field in fields(RunResult) if field.init})
 
     def plot(self, what: str = "overview", *, beside: Sequence[RunResult] = ()) -> Figure:
-        """Figure named "overview", or as one of the pictures of `wirewear show`; `beside` holds runs to draw with this
-        one.
-
-        Raises ResultError if there is no such picture, or the run has recorded nothing to be drawn in it.
+        """Figure named "overview", or like one of the pictures of `wirewear show`; beside: runs that are drawn with
+        this one. Raises ResultError if there is no such picture, or the run has recorded nothing that it shows.
         """
         from wirewear.kinds import contacts_of
         from wirewear.pictures.style import styled
@@ -69,8 +67,8 @@ class Run(RunResult):
     def surface(self, wire: str | None = None, cycle: float | None = None) -> pyvista.StructuredGrid:
         """Worn surface of a body as a mesh in µm, with depth, pressure, slip and energy at its points.
 
-        wire: name of the body, by default the held one.  cycle: by default the last one with scars.
-        Raises ResultError if no scar is recorded near that cycle, there is no such body, or it is a line contact.
+        wire: name of the body; None for the held one. cycle: None for the last one with scars. Raises ResultError if no
+        scar is recorded near that cycle, there is no such body, or it is a line contact.
         """
         self.with_maps()
         body = wire or self.bodies[1]
@@ -81,10 +79,9 @@ class Run(RunResult):
     ) -> pyvista.UnstructuredGrid:
         """Hexahedral mesh of a body in µm, with displacements and stresses at one position of a cycle.
 
-        wire: name of the body, by default the held one.  cycle: by default the last one.
-        at: "mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back", or the number
-        of a recorded position.
-        worn: the mesh follows the worn surface.
+        wire: name of the body; None for the held one. cycle: None for the last one with scars. at: "mid-forward",
+        "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back", or the number of a recorded
+        position. worn: True if the mesh follows the worn surface.
         Raises ResultError if no contact forces are recorded near that cycle, there is no such body or position, or it
         is a line contact; GeometryError if wear distorts the mesh too much.
         """
@@ -142,7 +139,7 @@ class Run(RunResult):
 
 
 def distinguished(results: Sequence[RunResult]) -> list[RunResult]:
-    """Copies of the results with distinct labels: equal labels are extended by differing keys of the studies, or a
+    """Copies of the results with distinct labels; equal labels are extended by keys in which the studies differ, or a
     number.
     """
     labels = [result.label for result in results]
@@ -192,9 +189,8 @@ def one_run(path: Path) -> RunResult:
 
 
 def read_results(path: str | Path) -> tuple[Run, ...]:
-    """All runs at `path`: a result file, a run's folder, or a folder of variants' folders; sorted by variant.
-
-    Raises ResultError if nothing is found there, or a file found cannot be read.
+    """All runs at `path`, sorted by variant: a result file, a run's folder, or a folder of variants' folders. Raises
+    ResultError if nothing is found there, or a file found cannot be read.
     """
     return tuple(Run.of(result) for result in read_all_plain(Path(path)))
 

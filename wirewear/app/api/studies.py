@@ -34,7 +34,7 @@ class Record(ExperimentRecord[Any, Any]):
 
     @classmethod
     def of(cls, record: AnyRecord) -> Self:
-        """Record with the contents of this one."""
+        """The record with the contents of this one."""
         return cls(**{field.name: getattr(record, field.name) for field in fields(record)})
 
     def __repr__(self) -> str:
@@ -50,7 +50,7 @@ class Record(ExperimentRecord[Any, Any]):
         return notebook_table(f"record “{self.name}”", rows, note=" ".join(self.notes))
 
     def check(self) -> RecordReport:
-        """Report on the problems of the record and on what conclusions it supports."""
+        """Report on the problems of the record and on the conclusions that it supports."""
         return check_record(self)
 
     def compare(self, run: RunResult) -> RecordComparison:
@@ -69,11 +69,11 @@ class Record(ExperimentRecord[Any, Any]):
         worn_volume_mm3: float | None = None,
         progress: bool = True,
     ) -> FittedTest:
-        """Fit friction, rig stiffness, play and wear, each with its interval, and a study with these values.
+        """Fit friction, rig stiffness, play and wear, each with its interval, and make a study with these values.
 
-        Loops do not determine the worn volume: if no scars were measured, give the wear coefficient of both bodies
-        together, or the volume that both lost in a test.
-        Raises RecordError if the record is unsound, none of its loops slides as a whole, or none gives its energy;
+        wear_coefficient_mm3_per_J, worn_volume_mm3: coefficient of both bodies together, or the volume that both lost
+        in a test, where no scars were measured, as loops do not determine it. progress: show a progress bar.
+        Raises RecordError if the record is unsound, none of its loops bounds friction, or none gives its energy;
         StudyError or SolverError if the nominal run of the fast model fails.
         """
         from wirewear.diagnosis.fit import GivenWear, fit_record
@@ -93,9 +93,10 @@ class Record(ExperimentRecord[Any, Any]):
         without: Sequence[str] = (),
         progress: bool = True,
     ) -> Diagnosed:
-        """Diagnose why record and model disagree; by default the model is the study that the record states.
+        """Diagnose why record and model disagree; model: None for the study that the record states.
 
-        further: other records of the same rig that update the answer.  without: names of effects not to be considered.
+        further: other records of the same rig that update the answer. without: names of effects that are not
+        considered. progress: show a progress bar.
         Raises RecordError if the record states too little, has nothing to be diagnosed, or the model is of another
         test; StudyError or SolverError if the model cannot be run, or an effect in `without` does not exist.
         """
@@ -111,9 +112,8 @@ class Record(ExperimentRecord[Any, Any]):
 
 
 def read_record(folder: str | Path) -> Record:
-    """Read and check a record of any kind of contact; tolerable faults are reported in its `notes`.
-
-    Raises RecordError, in one sentence with file, line and column, if the record cannot be read.
+    """Read and check a record of any kind of contact; its `notes` state tolerable faults. Raises RecordError, in one
+    sentence with file, line and column, if the record cannot be read.
     """
     return Record.of(read_plain(folder))
 
@@ -140,11 +140,10 @@ def run(
 ) -> Run:
     """Simulate a study without variants, or one variant of it.
 
-    Without `output` no file is written. With it, the folder is filled as by `wirewear run`, and `resume` continues an
-    interrupted run there.
-    Raises StudyError if the study has variants, of which one must be chosen, or cannot be discretised or afforded;
-    RunError or ResultError if the folder holds another run, or cannot be written; SolverError if the contact did not
-    converge, or left the fine patch.
+    output: folder that is filled as by `wirewear run`; None to write no file. resume: continue an interrupted run
+    there. progress: show a progress bar. Raises StudyError if the study has variants, of which one must be chosen, or
+    cannot be discretised or afforded; RunError or ResultError if the folder holds another run, or cannot be written;
+    SolverError if the contact did not converge, or left the fine patch.
     """
     study = alone(study, 'run one, as in run(study.variant("{first}")), or all with run_variants(study)')
     label = study.variant_name or study.name
@@ -163,10 +162,8 @@ def run(
 def run_variants(
     study: Study | LineStudy, *, fidelity: str = "standard", output: str | Path | None = None, progress: bool = True
 ) -> dict[str, Run]:
-    """Simulate all variants of a study and return the runs by their names; with `output`, each is written to its own
-    folder.
-
-    Raises StudyError if the study has no variants, and whatever `run` raises.
+    """Simulate all variants of a study and return the runs by the variants' names. output: folder in which each gets a
+    folder of its own; None to write no file. Raises StudyError if the study has no variants, and whatever `run` raises.
     """
     if not study.variant_names:
         raise StudyError(f"the study {study.name!r} has no variants: take run(study).")

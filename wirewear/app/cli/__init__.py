@@ -50,7 +50,9 @@ _PLAIN = {
 
 
 def main() -> None:
-    """Run the command line: load the commands and execute the one asked for."""
+    """Run the command line: load the commands and execute the one asked for. Exits with 130 if interrupted while
+    loading, with 1 after a fault of the program.
+    """
     prepare_streams()
     # Whoever ends a command ends it as Ctrl-C does; one that is to outlive its terminal ignores that already.
     for name in (signal.SIGTERM, signal.SIGHUP):
@@ -85,10 +87,10 @@ def main() -> None:
 
 
 def speak_up(command: str, silence_s: float = SILENCE_s, *, only_once: bool = False) -> None:
-    """Print to standard error that the command is at work when nothing has been printed for `silence_s` seconds.
+    """Print to standard error that `command` is at work whenever nothing has been printed for `silence_s` seconds.
 
-    On a terminal that is a line which goes when something else is printed. Elsewhere it is printed again after pauses
-    that grow, so that logs stay short.
+    On a terminal that is a line which disappears when something else is printed; elsewhere it is printed again after
+    pauses that grow, so that logs stay short. only_once: never again once anything was printed.
     """
     started = last = monotonic()
     line, own, lasting = "", sys.stderr.write, sys.stderr.isatty() and not only_once
@@ -141,8 +143,8 @@ def _place_of(error: BaseException) -> str:
 
 
 def prepare_streams() -> None:
-    """Connect closed standard streams to the null device, and replace signs that output streams cannot show by plain
-    ones.
+    """Connect closed standard streams to the null device, and make output streams replace signs that they cannot show
+    by plain ones.
     """
     codecs.register_error("wirewear.plain", _plainly)
     for descriptor, name in enumerate(("stdin", "stdout", "stderr")):

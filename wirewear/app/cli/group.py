@@ -46,10 +46,10 @@ _SHOWS_HELP: tuple[type[Exception], ...] = tuple(
 
 
 class Finite(click.FloatRange):
-    """Type of an option: a finite number within a range, which excludes NaN."""
+    """Type of an option: a finite number within a range; NaN is refused."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Value of the option. Raises click.BadParameter if it is not a finite number in the range."""
+        """The number. Raises click.BadParameter if it is not finite or not in the range."""
         number = float(super().convert(value, param, ctx))
         if not isfinite(number):
             self.fail(f"{value} is not a finite number.", param, ctx)
@@ -57,7 +57,9 @@ class Finite(click.FloatRange):
 
 
 class StatedOption(click.types.FloatParamType):
-    """Type of an option: a number checked as a key of a study, with a hint if it seems to be in another unit."""
+    """Type of an option: a number with the unit and range of a study's key, with a hint if it seems to be in another
+    unit.
+    """
 
     name = "number"
 
@@ -66,7 +68,7 @@ class StatedOption(click.types.FloatParamType):
         self.quantity = quantity
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Value of the option. Raises click.BadParameter if it is not a number in the range."""
+        """The number. Raises click.BadParameter if it is not in the range."""
         try:
             return float(self.quantity(click.FLOAT.convert(value, param, ctx)))
         except ValueError as problem:
@@ -84,7 +86,7 @@ class Given(click.Path):
         super().__init__(path_type=Path)
 
     def convert(self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Path of the argument, or of the bundled example if no such file exists."""
+        """The path as it is if it exists, else that of the bundled example of this name, else the path."""
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
         return path if path.exists() else example(str(value)) or path
 
@@ -93,12 +95,14 @@ class OutputFolder(click.Path):
     """Type of an option: a folder to be written to, checked before anything is computed."""
 
     def __init__(self, *, of_record: bool = False) -> None:
-        """Accept any folder that is not a record, or with `of_record` also a record."""
+        """Accept folders; of_record: True to accept also one that is a record."""
         super().__init__(path_type=Path)
         self.of_record = of_record
 
     def convert(self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Path of the folder. Raises RunError if it has no name, no files can be written to it, or it is a record."""
+        """The folder's path. Raises RunError if it has no name, no files can be written to it, or it is a record and
+        must not be.
+        """
         if not os.fspath(value):
             raise RunError("the output folder is given without a name: a point stands for the folder that you are in.")
         path = usable_folder(Path(os.fsdecode(super().convert(value, param, ctx))))
@@ -115,7 +119,7 @@ class OutputFile(click.Path):
         super().__init__(dir_okay=False, path_type=Path)
 
     def convert(self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Path of the file. Raises RunError if it cannot be written."""
+        """The file's path. Raises RunError if it cannot be written."""
         return usable_file(Path(os.fsdecode(super().convert(value, param, ctx))))
 
 
@@ -192,18 +196,20 @@ class _Listed(click.Group):
 
 
 class Commands(_Listed):
-    """Group of commands that reports expected errors in one sentence with an exit code."""
+    """Group of commands that reports expected errors in one sentence, with exit code 2, and an interruption with
+    130.
+    """
 
     group_class = _Listed
     goes_on: Mapping[str, str] = GOES_ON
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Parse the arguments before the command."""
+        """Parse the arguments before the command, and return those left over."""
         with _misuse_reported(), _unwritten_reported():
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
-        """Run the command."""
+        """Run the command and return its result. Raises a click exception with one sentence for expected errors."""
         try:
             with warnings.catch_warnings(), _misuse_reported(), _unwritten_reported():
                 show_warnings_plainly()
@@ -296,9 +302,8 @@ overwrite_record = click.option("--overwrite", is_flag=True, help="Also in place
 
 
 def a_list(*names: str, form: str) -> Callable[[FC], FC]:
-    """Decorator that adds an option with a comma-separated list; repeated uses are joined to one text.
-
-    form: example in the help.
+    """Decorator that adds an option with a comma-separated list; repeated uses are joined to one text. form: the list's
+    form or an example, for the help.
     """
     joined, text = (lambda *given: ",".join(given[-1])), f"Separated by commas: {form}"
     return click.option(*names, metavar="LIST", multiple=True, callback=joined, help=text)
@@ -306,10 +311,8 @@ def a_list(*names: str, form: str) -> Callable[[FC], FC]:
 
 @contextmanager
 def busy(doing: str, *, long: bool = False) -> Iterator[None]:
-    """Context manager that shows on standard error what is being done: on a terminal meanwhile, elsewhere as a line if
-    `long`.
-
-    Runs show their own progress: `wirewear.simulation.ProgressBar`.
+    """Context that shows the text `doing` on standard error while its work is done: on a terminal as a status,
+    elsewhere, if `long`, as a line. Runs show their own progress: `wirewear.simulation.ProgressBar`.
     """
     from rich.console import Console
 
@@ -324,13 +327,13 @@ stage = partial(busy, long=True)  #: A stage of a command that takes long.
 
 
 def given(option: str) -> bool:
-    """True if an option of the present command was given; `option` is the name of its parameter."""
+    """True if an option of the present command was given on the command line; option: the name of its parameter."""
     return click.get_current_context().get_parameter_source(option) is ParameterSource.COMMANDLINE
 
 
 def default_output(study_path: Path) -> Path:
-    """Default folder for a study's results: runs/ with the file's name, or its folder's name if the file is
-    study.toml.
+    """Default folder for a study's results: runs/ with the name of the file or, if that is study.toml, of its
+    folder.
     """
     full = study_path.resolve()
     return Path("runs") / (full.parent.name if full.stem == "study" and full.parent.name else full.stem)

@@ -96,8 +96,8 @@ def fields(
 
 
 def asked_bodies(body: str, where: str, bodies: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of both bodies for "both", or of the one named. Raises ResultError, naming `where`, if there is no such
-    body.
+    """Names of both bodies for "both", else of the one named `body`, in a tuple; bodies: the known names. where: names
+    the run in messages. Raises ResultError if there is no such body.
     """
     from wirewear.results.scar import body_named
 

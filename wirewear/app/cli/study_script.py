@@ -16,20 +16,22 @@ from wirewear.base.writing import why_not_written
 
 
 class StudyScript(click.Command):
-    """Script whose expected errors end in one sentence, which begins with its file's name, and exit code 2."""
+    """Command of a script: expected errors of wirewear, click and files are printed as one sentence that begins with
+    the name of the script's file, with exit code 2.
+    """
 
     def __init__(self, name: str | None, *, callback: Callable[..., Any], **attributes: Any) -> None:
-        """Name the command after its file."""
+        """Name the command after the file of `callback`; `name` is used if there is none."""
         file = getsourcefile(unwrap(callback))
         super().__init__(Path(file).stem if file else name, callback=callback, **attributes)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Parse the arguments."""
+        """Parse the arguments, and return those left over."""
         with _one_sentence(ctx):
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
-        """Run the script."""
+        """Run the script and return its result."""
         with _one_sentence(ctx):
             return super().invoke(ctx)
 
@@ -61,10 +63,8 @@ def _one_sentence(context: click.Context) -> Iterator[None]:
 
 @contextmanager
 def understanding(path: Path, what: str) -> Iterator[None]:
-    """Convert missing or wrong entries of a file's tables inside this context to an error saying that the file is no
-    `what`.
-
-    Raises ResultError then.
+    """Context that converts missing or wrong entries of a file's tables to ResultError, which says that the file `path`
+    is no `what`.
     """
     try:
         yield
@@ -73,24 +73,22 @@ def understanding(path: Path, what: str) -> Iterator[None]:
 
 
 def wide_console(width: int = 116) -> Console:
-    """Console at least `width` characters wide."""
+    """A rich console at least `width` characters wide."""
     console = Console()
     console.width = max(console.width, width)
     return console
 
 
 def progress_bar(*columns: ProgressColumn) -> Progress:
-    """Progress bar on standard error that vanishes at its end, and shows nothing without a terminal; columns as in
-    rich.
+    """A rich progress bar on standard error that vanishes at its end, and shows nothing without a terminal; columns:
+    rich's.
     """
     console = Console(stderr=True)
     return Progress(*columns, console=console, transient=True, disable=not console.is_interactive)
 
 
 def comparison_command(compare: Callable[[Path, Path], None]) -> click.Command:
-    """Command with arguments RESULT_DIR [--output DIR] that calls a function with the result's and the pictures'
-    folder.
-    """
+    """The command RESULT_DIR [--output DIR] that calls `compare` with the result's folder and the pictures' folder."""
 
     @click.command(cls=StudyScript)
     @click.argument("result_dir", type=click.Path(path_type=Path))

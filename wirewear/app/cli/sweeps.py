@@ -92,7 +92,9 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
 
 
 def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | None) -> None:
-    """Run a study whose inputs scatter, print its intervals and write them to the folder."""
+    """Run a study whose inputs scatter, print its intervals and write them to `folder`. variant: None if the study has
+    none. jobs: runs side by side; None for one a core.
+    """
     from wirewear.app.cli.study_script import wide_console
     from wirewear.base.engine import engine_of
     from wirewear.sweeps.uncertainty import RUNS, run_uncertain
@@ -110,7 +112,9 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
 
 @contextmanager
 def observer_of(runs: int) -> Iterator[SweepObserver]:
-    """Observer of a sweep that moves a progress bar over `runs` runs and prints notes, as a context manager."""
+    """Context that yields the observer of a sweep: it moves a progress bar over `runs` runs, and prints notes to
+    standard error.
+    """
     from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
 
     from wirewear.app.cli.study_script import progress_bar

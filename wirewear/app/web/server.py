@@ -1,8 +1,8 @@
-"""`wirewear open`: pages of a workspace on this machine alone, for people who do not type.
+"""The server of `wirewear open`: pages of a workspace on this machine alone, for people who do not type.
 
-Other users of the machine reach the port too. What they do not know is the address, which stands on no command line:
-a browser is given a file that only its owner can read, and that leads there. Nothing is read of a request's body before
-its address is known to be right.
+Other users of the machine reach the port too. What they do not know is the address, as its path is a secret that stands
+on no command line: a browser is given a file that only its owner can read and that leads there. Nothing is read of a
+request's body before its address is known to be right.
 """
 
 import json
@@ -37,13 +37,13 @@ _HERE = Path(__file__).parent
 
 
 class WorkspaceServer(ThreadingHTTPServer):
-    """Serves one workspace on the loopback interface, below a path that only its owner knows."""
+    """Server of one workspace on the loopback interface, below a path that only its owner knows."""
 
     daemon_threads = True
     request_queue_size = 128
 
     def __init__(self, workspace: Workspace, port: int = 0) -> None:
-        """On a port, any free one by default. Raises RunError if it cannot be had."""
+        """Listen on a port, 0 for any free one. Raises RunError if it cannot be had."""
         self.workspace = workspace
         with writing(
             RunError, f"port {port} of this machine cannot be used", "without --port any that is free is taken"
@@ -60,8 +60,8 @@ class WorkspaceServer(ThreadingHTTPServer):
         return f"http://{LOOPBACK}:{self.server_address[1]}/{self.secret}/"
 
     def door(self) -> Path:
-        """A new file that leads a browser to the page, and that nobody else can read.
-        Raises OSError if it cannot be written.
+        """Write a file that leads a browser to the page, and that only its owner can read; return its path. Raises
+        OSError if it cannot be written.
         """
         path = self.workspace.folder / _DOOR
         path.unlink(missing_ok=True)
@@ -71,13 +71,15 @@ class WorkspaceServer(ThreadingHTTPServer):
         return path
 
     def server_close(self) -> None:
-        """Close the port and delete the file that leads the browser here."""
+        """Close the port and delete the file that leads a browser here."""
         super().server_close()
         with suppress(OSError):
             (self.workspace.folder / _DOOR).unlink(missing_ok=True)
 
     def process_request(self, request: Request, client_address: object) -> None:
-        """Answer a request, unless too many are answered already; who has long not said the address gives way."""
+        """Answer a request in a thread; if too many are being answered, the oldest that has not stated the address is
+        cut off, or this one is refused.
+        """
         if not self._free.acquire(blocking=False):
             for waiting in [*self.strangers][:1]:
                 waiting.cut()
@@ -87,14 +89,14 @@ class WorkspaceServer(ThreadingHTTPServer):
         super().process_request(request, client_address)
 
     def process_request_thread(self, request: Request, client_address: object) -> None:
-        """Answer a request in a thread of its own."""
+        """Answer a request, and then let another one be answered."""
         try:
             super().process_request_thread(request, client_address)
         finally:
             self._free.release()
 
     def handle_error(self, request: Request, client_address: object) -> None:
-        """Say in one sentence what is a fault of the program; a connection that broke is none."""
+        """Print a fault of the program in one sentence; a broken connection is not one."""
         del request, client_address
         error = sys.exception()
         if not isinstance(error, OSError):

@@ -1,8 +1,9 @@
-"""What `wirewear open` works on: a folder, the steps from a laboratory's files to an answer, and what they print.
+"""The workspace of `wirewear open`: a folder, and the steps from a laboratory's files to an answer with what they
+print.
 
-A step is one command of the command line, run as a process of its own in the folder. It is given what the steps before
-it left there; its options are those of the command. It ends with the workspace, however that ends: its standard
-input is a pipe that the system closes then.
+A step is one command of the command line, run in the folder as a process of its own. It reads what the steps before it
+left there; its options are those of the command. It ends with the workspace, however that ends: its standard input is a
+pipe that the system then closes.
 """
 
 import os
@@ -54,9 +55,11 @@ main()
 
 @dataclass(frozen=True)
 class Step:
-    """One command: its name there, arguments, what it needs beforehand, and what it leaves, as places in the folder.
+    """One step.
 
-    An argument in braces is a place that may have been opened elsewhere.
+    name, title: short, and for the page. command, arguments: of the command line; an argument in braces is a place that
+    may have been opened elsewhere. needs, leaves: places in the folder that must exist before, and that it makes (""
+    for none).
     """
 
     name: str
@@ -68,7 +71,7 @@ class Step:
 
     @property
     def options(self) -> list[dict[str, object]]:
-        """The command's options: flag, help, and a list of choices or a hint at the value; none for a mere switch."""
+        """The command's options: flag, help, and a list of choices or a hint at the value; both None for a switch."""
         return [_described(one) for one in _options_of(self.command)]
 
 
@@ -106,10 +109,12 @@ class _Job:
 
 
 class Workspace:
-    """The folder with its steps; `places` are where records and results lie that were opened and not made here."""
+    """A folder with its steps; `places` are the paths of a record and a result that were opened elsewhere, by "record"
+    and "result".
+    """
 
     def __init__(self, folder: Path) -> None:
-        """A folder that may hold what was done before."""
+        """Use this folder, which is created if missing and may hold the files of earlier work."""
         self.folder = prepared_folder(folder.resolve())
         self.places: dict[str, Path] = {}
         for left in self.folder.glob(f"{_COMING}*"):
@@ -118,7 +123,9 @@ class Workspace:
         self._lock = RLock()
 
     def take(self, path: Path) -> None:
-        """Open what lies at a path. Raises RunError unless it is a record, a result, or a file of measured numbers."""
+        """Open the record or result at a path, or keep a copy of a file of measured numbers. Raises RunError if it is
+        none of these.
+        """
         match recognised(path):
             case Held.RECORD:
                 self.places[RECORD] = path.resolve() if path.is_dir() else path.resolve().parent
@@ -131,9 +138,10 @@ class Workspace:
                 raise RunError(f"{path} is no record, result or file of measured numbers.")
 
     def add(self, name: str, content: bytes | Iterable[bytes]) -> None:
-        """Keep a file under its own name, which names no other folder; another of that name is put aside.
+        """Keep a file under its own name, without any folder; an earlier file of that name is put aside.
 
-        Nothing is changed unless all of the content comes. Raises RunError if it is no name of a file.
+        Nothing is changed unless all of the content arrives. Raises RunError if it is not a name of a file; ValueError
+        if it is too long.
         """
         own = Path(name.replace("\\", "/")).name
         if not own or own.startswith(".") or not own.isprintable():
@@ -143,12 +151,14 @@ class Workspace:
         self._keep(self.folder / FILES / own, [content] if isinstance(content, bytes) else content)
 
     def write_mapping(self, text: str) -> None:
-        """Keep a mapping as it was edited; the one before is put aside."""
+        """Keep an edited mapping; the earlier one is put aside."""
         self._keep(self.folder / MAPPING, [text.encode("utf-8")])
 
     def start(self, name: str, chosen: Mapping[str, object]) -> None:
-        """Begin a step with options by their flags.
-        Raises RunError while another runs, or what it needs is missing; ValueError if an option is none of the step's.
+        """Start the step `name`; chosen: values of its options by their flags, True for a switch.
+
+        Raises RunError if there is no such step, another one is running, or something that it needs is missing;
+        ValueError if a value is not allowed.
         """
         step = next((one for one in STEPS if one.name == name), None)
         if step is None:
@@ -183,7 +193,7 @@ class Workspace:
         Thread(target=self._follow, args=(step, self._jobs[name]), daemon=True).start()
 
     def stop(self) -> None:
-        """End what runs, as Ctrl-C does."""
+        """End the running step as Ctrl-C does; nothing happens if none is running."""
         with self._lock:
             for job in self._jobs.values():
                 # Once it is reaped, the system may give its number to a group of somebody else.
@@ -191,7 +201,9 @@ class Workspace:
                     os.killpg(job.process.pid, signal.SIGINT)
 
     def state(self) -> dict[str, object]:
-        """All that a page shows: files, mapping, and of each step whether it can begin, what it said and left."""
+        """Plain values for the page: files, mapping, and for each step whether it can start, its state, output, and
+        files left.
+        """
         mapping = self.folder / MAPPING
         return {
             "folder": str(self.folder),
@@ -202,7 +214,9 @@ class Workspace:
         }
 
     def served(self, name: str) -> Path | None:
-        """The file of the folder that a page asks for; None for what lies outside, or is none."""
+        """Path of the file in the folder that a page asks for by its relative name; None if it lies outside or does not
+        exist.
+        """
         with suppress(OSError, RuntimeError):  # names too long, links in a circle
             place = (self.folder / name).resolve()
             return place if place.is_relative_to(self.folder) and place.is_file() else None
@@ -314,7 +328,7 @@ def _typed(step: Step, chosen: Mapping[str, object]) -> list[str]:
 
 
 def end_with_input() -> None:
-    """Have this process and its group end when standard input does."""
+    """End this process and its group when standard input ends; returns at once."""
     Thread(target=_wait_and_end, daemon=True).start()
 
 
