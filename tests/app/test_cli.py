@@ -90,8 +90,8 @@ def test_errors_of_ours_end_in_a_sentence_and_code_2(study_file: Path, asked: di
 
 
 def test_what_is_interrupted_within_a_compiled_function_is_interrupted(study_file: Path, asked: dict[str, Any]) -> None:
-    fault = SystemError("CPUDispatcher returned a result with an exception set")
-    fault.__cause__ = KeyboardInterrupt()
+    fault, within = (SystemError("CPUDispatcher returned a result with an exception set") for _ in range(2))
+    fault.__cause__, within.__context__ = within, KeyboardInterrupt()
     asked["raises"] = fault
     stopped = wirewear("run", study_file, code=130)
     assert (stopped.exit_code, stopped.stderr.count("\n")) == (130, 1)

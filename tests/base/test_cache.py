@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from threading import Timer
 
 import numpy as np
 import pytest
@@ -66,6 +67,7 @@ def test_a_link_in_a_shared_folder_is_not_followed(home: Path, tmp_path: Path) -
 CLOSED = """
 import sys
 from pathlib import Path
+from threading import Timer
 from tests.robustness.forked import give_up_capabilities
 from wirewear.base.cache import cache_directory
 
@@ -230,11 +232,22 @@ def test_every_task_is_handed_over_once_with_what_it_returned_or_raised(engine: 
         results_of(engine, tasks)
 
 
+@pytest.mark.seconds
+def test_an_interruption_waits_for_no_task_of_this_machine() -> None:
+    interruption = Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    interruption.start()
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        list(engine_of(1).done([partial(time.sleep, 60.0)]))
+    assert time.monotonic() - began < 30.0
+
+
 # In a process of its own, so that what dies with it takes no other test along.
 LOSING = """
 import operator, sys
 from functools import partial
 from pathlib import Path
+from threading import Timer
 from tests.base.test_cache import killed, killed_the_first_time
 from wirewear.base import engine as engines
 from wirewear.base.engine import engine_of

@@ -8,13 +8,14 @@ import sys
 import time
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence, Set
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf
 from multiprocessing import connection
+from multiprocessing.process import BaseProcess
 from secrets import token_hex
 from threading import Thread
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -73,8 +74,8 @@ class Engine(ABC):
         """Yield each task once it has ended, in the order of their ends; no task starts after the time `until` (of
         time.monotonic).
 
-        If the caller stops iterating, running tasks end and no other starts. Raises EngineError if the cluster cannot
-        be reached, or runs another program.
+        If the caller stops iterating, running tasks end and no other starts; an interruption ends those of this machine
+        at once. Raises EngineError if the cluster cannot be reached, or runs another program.
         """
 
 
@@ -127,7 +128,8 @@ class LocalProcesses(Engine):
             pool = ProcessPoolExecutor(
                 jobs, context, _begin, (frozenset(WARNED),), max_tasks_per_child=self._tasks_per_process
             )
-        with pool:
+        others = set(multiprocessing.active_children())
+        with pool, _ended_if_interrupted(others):
             lost: list[int] = []
             while (waiting or running) and not lost:
                 while waiting and len(running) < jobs and time.monotonic() < until:
@@ -153,6 +155,17 @@ class LocalProcesses(Engine):
                 else:
                     yield Done(place, None if error else future.result(), error)
             return lost
+
+
+@contextmanager
+def _ended_if_interrupted(others: Set[BaseProcess]) -> Iterator[None]:
+    """End this process' children but `others` if the enclosed work is interrupted: nobody waits for what they make."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        for process in set(multiprocessing.active_children()) - others:
+            process.terminate()
+        raise
 
 
 def _begin(warned: frozenset[str]) -> None:

@@ -216,12 +216,19 @@ class Commands(_Listed):
                 return super().invoke(ctx)
         except (KeyboardInterrupt, SystemError) as error:
             # What is interrupted within a compiled function comes as a fault of the interpreter's.
-            if not isinstance(error.__cause__ or error, KeyboardInterrupt):
+            if not _interrupted(error):
                 raise
             click.echo(f"wirewear: interrupted; {self.goes_on.get(ctx.invoked_subcommand or '', WHOLE)}.", err=True)
             ctx.exit(130)  # what shells report for a program ended by Ctrl-C
         except WirewearError as error:
             raise _OneSentence(str(error)) from error
+
+
+def _interrupted(error: BaseException | None) -> bool:
+    """True if an error is, or follows from, an interruption, however many compiled functions it passed through."""
+    return error is not None and (
+        isinstance(error, KeyboardInterrupt) or _interrupted(error.__cause__ or error.__context__)
+    )
 
 
 def _give_up_unwritten() -> None:
