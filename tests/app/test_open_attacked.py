@@ -101,6 +101,12 @@ def test_a_name_of_nothing_replaces_no_folder(server: WorkspaceServer, name: str
     assert kept(server.workspace) == [b"whole"]
 
 
+def test_what_a_system_hides_among_the_files_is_no_measurement(workspace: Workspace) -> None:
+    workspace.add("a.csv", b"whole")
+    (workspace.folder / "files" / ".DS_Store").write_bytes(b"Bud1")
+    assert workspace.state()["files"] == ["a.csv"]
+
+
 def test_a_mapping_that_does_not_fit_on_the_disk_leaves_the_one_before_in_its_place(
     workspace: Workspace, monkeypatch: pytest.MonkeyPatch
 ) -> None:

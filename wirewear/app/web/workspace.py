@@ -262,7 +262,8 @@ class Workspace:
         return all((self.places.get(one) or self.folder / one).exists() for one in step.needs)
 
     def _files(self) -> list[Path]:
-        return sorted((self.folder / FILES).glob("*"))
+        # What systems keep in folders that they show, such as .DS_Store, is nobody's measurement.
+        return sorted(path for path in (self.folder / FILES).glob("*") if not path.name.startswith("."))
 
     def _left(self, step: Step) -> Iterator[Path]:
         place = self.folder / step.leaves
