@@ -59,7 +59,9 @@ tensile_strength_MPa = 800.0
 
 
 @pytest.mark.seconds
-def test_the_page_of_a_run_says_where_a_pulled_flat_cracks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_page_of_a_run_says_where_a_pulled_flat_cracks_and_which_lives_count_as_endless(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "pulled.toml").write_text(PULLED)
     assert "specimen: " in wirewear("life", "pulled.toml", "--body", "specimen", "--output", "out").output
