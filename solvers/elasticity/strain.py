@@ -9,7 +9,7 @@ a brick has. scikit-fem assembles the stiffness.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -31,14 +31,19 @@ def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
 
     The displacement of node i in direction k is unknown 3 i + k. Poisson's ratio must be below 0.5.
     """
-    points, cells, n = integration_points(mesh), mesh.cells, len(mesh.points)
-    # Each pair of nodes that share cells has one block.
-    pairs, place = np.unique(cells[:, :, None] * n + cells[:, None, :], return_inverse=True)
+    points, n, (pairs, place) = integration_points(mesh), len(mesh.points), _node_pairs(mesh)
     blocks = np.zeros((len(pairs), 3, 3))
-    place = place.reshape(*cells.shape, -1)
     _add_stiffness(blocks, place, points.gradients, points.volumes, material.lame_MPa, material.shear_modulus_MPa)
     starts = np.searchsorted(pairs, n * np.arange(n + 1))
     return bsr_matrix((blocks, pairs % n, starts), shape=(3 * n, 3 * n)).tocsr()
+
+
+def _node_pairs(mesh: HexMesh | QuadMesh) -> tuple[IntArray, IntArray]:
+    """Pairs (p,) of nodes that share cells, each as its first number times n plus its second one, in ascending order,
+    and which of them each two nodes of a cell are (m, c, c).
+    """
+    pairs, place = np.unique(mesh.cells[:, :, None] * len(mesh.points) + mesh.cells[:, None], return_inverse=True)
+    return pairs, place.reshape(*mesh.cells.shape, -1)
 
 
 @compiled
@@ -116,20 +121,6 @@ class IntegrationPoints:
                 stress[..., k] += trace
         return stress
 
-    def around(self, nodes: IntArray) -> IntegrationPoints:
-        """The integration points of the cells within eight layers of cells around the nodes of index (k,).
-
-        These suffice for `at_nodes` to give at these nodes what it gives with all cells.
-        """
-        cells, near = self.mesh.cells, np.zeros(len(self.mesh.points), dtype=bool)
-        near[nodes] = True
-        # What a projection takes from cells farther away falls to a quarter with each layer of them.
-        for _ in range(8):
-            chosen = near[cells].any(axis=1)
-            near[cells[chosen]] = True
-        mesh = replace(self.mesh, cells=cells[chosen])
-        return replace(self, mesh=mesh, gradients=self.gradients[chosen], volumes=self.volumes[chosen])
-
     def internal_forces(self, stresses: Array) -> Array:
         """Nodal forces (n, 3) in N (planar: N per mm) in equilibrium with stresses (m, q, 6) in MPa at the points."""
         tensor = tensors(stresses) * self.volumes[..., None, None]
@@ -140,8 +131,7 @@ class IntegrationPoints:
         """Nodal fields (n, k) closest in the mean square to values (m, q, k) at the integration points; 0 at nodes
         without cells.
 
-        `solvers.stress.interior.all_at_nodes` projects many such fields at once. Raises SolverError when the projection
-        does not converge.
+        Raises SolverError when the projection does not converge.
         """
         from scipy.sparse.linalg import cg
 
@@ -214,6 +204,52 @@ def _cofactors(matrix: Array, cofactor: Array) -> float:
         i, j = k // 3 - 2, k % 3 - 2
         cofactor[i + 2, j + 2] = matrix[i, j] * matrix[i + 1, j + 1] - matrix[i, j + 1] * matrix[i + 1, j]
     return float(matrix[0, 0] * cofactor[0, 0] + matrix[0, 1] * cofactor[0, 1] + matrix[0, 2] * cofactor[0, 2])
+
+
+@dataclass(frozen=True, eq=False)
+class Projection:
+    """Integrals (n, n) over a mesh of n nodes by which stresses are projected to the nodes.
+
+    mass: of products of shape functions. slopes: of each shape function times the derivatives of each along x, y and z.
+    """
+
+    mass: csr_matrix
+    slopes: tuple[csr_matrix, ...]
+
+    @classmethod
+    def of(cls, mesh: HexMesh | QuadMesh) -> Projection:
+        """The integrals of a mesh."""
+        points, n, (pairs, place) = integration_points(mesh), len(mesh.points), _node_pairs(mesh)
+        values = np.zeros((4, len(pairs)))
+        _add_products(values, place, points.gradients, points.volumes, points.shapes)
+        starts = np.searchsorted(pairs, n * np.arange(n + 1))
+        mass, *slopes = (csr_matrix((each, pairs % n, starts), shape=(n, n)) for each in values)
+        return cls(mass, tuple(slopes))
+
+    def loads(self, material: Elastic, displacements: Array) -> Array:
+        """Integrals (n, s, 6) of shape functions times the stresses in MPa of displacements (s, n, 3) in mm."""
+        moved = np.ascontiguousarray(np.swapaxes(displacements, 0, 1))
+        change = [(each @ moved.reshape(len(moved), -1)).reshape(moved.shape) for each in self.slopes]
+        result = np.empty((*moved.shape[:2], 6))
+        for k, (i, j) in enumerate(TENSOR_PLACES):
+            result[..., k] = material.shear_modulus_MPa * (change[j][..., i] + change[i][..., j])
+        result[..., :3] += material.lame_MPa * sum(change[i][..., i, None] for i in range(3))
+        return result
+
+
+@compiled
+def _add_products(values: Array, place: IntArray, gradients: Array, volumes: Array, shapes: Array) -> None:
+    """Add the cells' integrals of a `Projection`, mass first, to values (4, p) of pairs; place: (m, c, c) as of
+    `_node_pairs`.
+    """
+    for m in range(len(place)):
+        for c in range(place.shape[1]):
+            for d in range(place.shape[2]):
+                for q in range(volumes.shape[1]):
+                    share = volumes[m, q] * shapes[q, c]
+                    values[0, place[m, c, d]] += share * shapes[q, d]
+                    for a in range(3):
+                        values[a + 1, place[m, c, d]] += share * gradients[m, q, d, a]
 
 
 def interpolation(mesh: HexMesh | QuadMesh, places: Array) -> csr_matrix:

@@ -10,7 +10,6 @@ Appl. Mech. 20 (1953) 327). For a small step the contact is then a joint over th
 problem is linear.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
@@ -26,11 +25,12 @@ from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
 from solvers.elasticity import condensation, elimination
 from solvers.elasticity.embedding import Joined
-from solvers.elasticity.strain import TENSOR_PLACES, IntegrationPoints, stiffness_matrix
+from solvers.elasticity.strain import TENSOR_PLACES, Projection, stiffness_matrix
 from solvers.errors import SolverError
 
-_ROUND_OFF = 1e-14  #: Forces of a symmetry below this share of the largest are round-off of none.
-_ALIKE = 1e-12  #: States whose forces differ by no more than this share of the largest are one state.
+#: A contact is solved less exactly: forces of a symmetry below this share of the largest are none, and states whose
+#: forces differ by no more are one state.
+_ALIKE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -75,18 +75,6 @@ def factorised(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int, held
     fronts: list[list[elimination.Front]] = [[] for _ in held]
     elimination.eliminate(tree, elimination.System(matrix, graph, rank, d, held), fronts)
     return tuple(Factor(matrix.shape[0], tuple(each)) for each in fronts)
-
-
-def all_at_nodes(points: IntegrationPoints, values: Iterable[Array]) -> Array:
-    """Nodal fields (s, n, k) closest in the mean square to each of s `values` (m, q, k): `points.at_nodes` of each, by
-    one factor for all.
-    """
-    mass, used = points.mass
-    loads = np.stack([points.loads(one) for one in values], axis=1)
-    (factor,) = factorised(mass, np.arange(len(used)), 1, np.zeros((1, len(used)), dtype=bool))
-    result = np.zeros((loads.shape[1], len(points.mesh.points), loads.shape[2]))
-    result[:, used] = np.moveaxis(factor.solved(loads.reshape(len(used), -1)).reshape(loads.shape), 0, 1)
-    return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,6 +132,10 @@ class Interior:
         self._images = {axis: image for axis, image in images.items() if image is not None}
         self._piece, self._number = condensation.one_side(self.mesh, self.planes)
         self._nodes = np.flatnonzero(self._number >= 0)[np.argsort(self._number[self._number >= 0])]
+        #: For each node of the body the one of the piece whose image it is.
+        self._own = self._number.copy()
+        for image in self._images.values():
+            self._own = np.where(self._own < 0, self._own[image], self._own)
         self._on_planes = sum(
             ((self._piece.points[:, axis] == 0.0).astype(int) for axis in self.planes), np.zeros(len(self._nodes), int)
         )
@@ -165,7 +157,7 @@ class Interior:
         parts = {}
         for odd in product((False, True), repeat=len(self.planes)):
             part = self._of_parity(near, loaded, odd)[:, own >= 0]
-            if np.abs(part).max() > _ROUND_OFF * np.abs(forces).max():
+            if np.abs(part).max() > _ALIKE * np.abs(forces).max():
                 parts[odd] = np.zeros((len(forces), len(self._nodes), 3))
                 parts[odd][:, own[own >= 0]] = part
         with threadpool_limits(limits=1, user_api="blas"):
@@ -173,6 +165,42 @@ class Interior:
             for odd, part in parts.items():
                 self._spread(result, self._moved(part, odd), odd)
         return result
+
+    def stresses(self, displacements: Array, nodes: IntArray) -> Array:
+        """Stresses (s, k, 6) in MPa at nodes (k,), of displacements (s, n, 3) in mm of all nodes: of the nodal field
+        closest in the mean square to those inside the elements.
+        """
+        projection, factors = self._projection
+        everywhere, own = np.arange(len(self.mesh.points)), self._own[nodes]
+        result = np.zeros((len(displacements), len(nodes), 6))
+        for odd in product((False, True), repeat=len(self.planes)):
+            part = self._of_parity(displacements, everywhere, odd)[:, self._nodes]
+            if np.abs(part).max() <= _ALIKE * np.abs(displacements).max():
+                continue
+            loads = projection.loads(self.material, part)
+            # Of each component its sign in the mirror image about each plane, on which it is zero where that is -1.
+            signs = [
+                np.array([(-1.0 if is_odd else 1.0) * side[i] * side[j] for i, j in TENSOR_PLACES])
+                for side, is_odd in zip(map(_signs, self.planes), odd, strict=True)
+            ]
+            images = np.ones((len(nodes), 6))
+            for axis, sign in zip(self.planes, signs, strict=True):
+                images[self.mesh.points[nodes, axis] < 0.0] *= sign
+            for zero, factor in factors.items():
+                like = np.ones(6, dtype=bool)
+                for sign, is_zero in zip(signs, zero, strict=True):
+                    like &= (sign < 0.0) == is_zero
+                found = factor.solved(loads[..., like].reshape(len(loads), -1)).reshape(*loads.shape[:2], -1)
+                result[..., like] += images[:, like] * np.swapaxes(found[own], 0, 1)
+        return result
+
+    @cached_property
+    def _projection(self) -> tuple[Projection, dict[tuple[bool, ...], Factor]]:
+        """The projection of stresses in the piece, and its factors for components that are zero on these planes."""
+        projection, every = Projection.of(self._piece), list(product((False, True), repeat=len(self.planes)))
+        on_planes = np.array([self._piece.points[:, axis] == 0.0 for axis in self.planes]).reshape(-1, len(self._nodes))
+        held = np.array([on_planes[list(zero)].any(axis=0) for zero in every])
+        return projection, dict(zip(every, factorised(projection.mass, np.arange(held.shape[1]), 1, held), strict=True))
 
     def cycle_image(self, nodes: IntArray, forces: Array, further: Array) -> CycleImage:
         """The mirror by which most of s states are images of others, so that the fewest need be computed. The states
@@ -262,9 +290,6 @@ class EmbeddedInterior(Interior):
 
     joined: Joined = field(kw_only=True)
 
-    def __post_init__(self) -> None:
-        self._images = {}
-
     def displacements(self, nodes: IntArray, forces: Array) -> Array:
         size = self.joined.stiffness.shape[0]
         with threadpool_limits(limits=1, user_api="blas"):
@@ -275,6 +300,9 @@ class EmbeddedInterior(Interior):
             loads[:, nodes] = forces
             moved = self._factors[()].solved(loads.reshape(len(forces), -1).T)
         return np.ascontiguousarray(moved.T.reshape(loads.shape)[:, : self.joined.block])
+
+    def _image(self, axis: int) -> None:
+        """None: the host need not be its own mirror image."""
 
 
 def forces_on_bodies(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:

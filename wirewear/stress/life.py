@@ -90,7 +90,7 @@ def wear_state(
     nodes = np.unique(taken.indices)
     kernel = kernel_of(table, plane=plane)
     mean = averaging((axial, transverse, depths_mm), (*wide, fine), kernel) @ taken[:, nodes]
-    history = np.array([mean @ one[nodes] for one in stresses_of(states, nodes)])
+    history = np.array([mean @ one for one in stresses_of(states, nodes)])
     damage = criterion.damage(history)
     shape = (len(axial), len(transverse), len(depths_mm))
     share, normal = damage.share.reshape(shape), damage.normal.reshape(*shape, 3)

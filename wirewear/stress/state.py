@@ -127,29 +127,33 @@ class InnerState(Generic[B]):
 
     @cached_property
     def stress_at_points(self) -> Array:
-        """Stresses (m, q, 6) at the q integration points of each of m elements."""
-        return self.stress_at(self.body.points)
+        """Stresses (m, q, 6) at the integration points of the m elements."""
+        points = self.body.points
+        found = points.stresses(self.body.material, self.displacement)
+        return found + self.besides(points.positions.reshape(-1, points.positions.shape[-1])).reshape(found.shape)
 
-    def stress_at(self, points: IntegrationPoints) -> Array:
-        """Stresses (m, q, 6) at some of the body's integration points: those of the contact's forces by finite
-        elements, residual stress, and the bulk stress of a bar whose axis lies in the middle of the body's height.
+    def besides(self, places_mm: Array) -> Array:
+        """Stresses (k, 6) at places (k, d) of the mesh besides those by the contact's forces: residual stress, and the
+        bulk stress of a bar whose axis lies at the middle of the body's height.
         """
-        found, bulk = points.stresses(self.body.material, self.displacement), self.forces.bulk_stress_MPa
-        mesh, places = self.body.mesh, points.positions.reshape(-1, points.mesh.points.shape[1])
+        found, bulk = np.zeros((len(places_mm), 6)), self.forces.bulk_stress_MPa
+        mesh = self.body.mesh
         if self.residual is not None:
-            found += self.residual.at(places, self.body.patch).reshape(found.shape)
+            found += self.residual.at(places_mm, self.body.patch)
         if bulk is None:
             return found
         across = 0.0
         if isinstance(mesh, QuadMesh):
-            places, across = _beneath(places), self.body.material.poissons_ratio
+            places_mm, across = _beneath(places_mm), self.body.material.poissons_ratio
         depth = -0.5 * float(mesh.points[:, -1].min())
-        return found + section_stress(bulk[self.position], places, depth, across).reshape(found.shape)
+        return found + section_stress(bulk[self.position], places_mm, depth, across)
 
     @cached_property
     def stress(self) -> Array:
-        """Stresses (n, 6) at the nodes, projected from the integration points."""
-        return self.body.points.at_nodes(self.stress_at_points)
+        """Stresses (n, 6) at the nodes, those by the contact's forces projected to them."""
+        points = self.body.mesh.points
+        (found,) = self.body.interior.stresses(self.displacement[None], np.arange(len(points)))
+        return np.asarray(found + self.besides(points))
 
     @cached_property
     def applied(self) -> Array:

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from geometry import Elastic
 from geometry.arrays import Array, IntArray
 from solvers.elasticity.strain import von_mises
-from solvers.stress.interior import CycleImage, Interior, all_at_nodes
+from solvers.stress.interior import CycleImage, Interior
 from wirewear.base.errors import ResultError
 from wirewear.base.words import counted
 from wirewear.results import RunResult
@@ -54,11 +54,11 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> Mater
         image.completed(np.array([one.correction(at) for one in loaded]), of_each)
         for at, of_each in ((grid, number[image.node[on_patch]]), (edges, of_edges))
     )
-    stresses = stresses_of(states, np.append(nodes, states[0].loaded_nodes))
-    history = stresses[:, nodes]
-    history[:, on_surface] += at_nodes[:, number[nodes[on_surface]]]
     corners, weights, _ = patch.locate(edges)
-    at_edges += np.einsum("kc,skcv->skv", weights, stresses[:, on_patch[corners]])
+    stresses = stresses_of(states, np.append(nodes, on_patch[corners]))
+    history, around = stresses[:, : len(nodes)], stresses[:, len(nodes) :]
+    history[:, on_surface] += at_nodes[:, number[nodes[on_surface]]]
+    at_edges += np.einsum("kc,skcv->skv", weights, around.reshape(*around.shape[:1], *corners.shape, 6))
     nearest = cKDTree(grid[number[nodes[on_surface]]]).query(edges)[1]
     return MaterialPoints(
         np.vstack([places[nodes], np.column_stack([edges, patch.height(edges)])]),
@@ -68,12 +68,12 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> Mater
 
 
 def stresses_of(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
-    """Stresses (s, n, 6) in MPa of a body over a cycle at all n nodes; only those at `nodes` (k,) and near them are
-    computed, the others are not to be used.
-    """
-    image = _image(states)
-    points = states[0].body.points.around(np.append(nodes, image.node[nodes]))
-    return image.completed(all_at_nodes(points, (states[k].stress_at(points) for k in image.computed)), image.node)
+    """Stresses (s, k, 6) of a body over a cycle at nodes (k,)."""
+    body, image = states[0].body, _image(states)
+    chosen, both = [states[k] for k in image.computed], np.append(nodes, image.node[nodes])
+    found = body.interior.stresses(np.array([one.displacement for one in chosen]), both)
+    found += [one.besides(body.mesh.points[both]) for one in chosen]
+    return image.completed(found, np.roll(np.arange(len(both)), len(nodes)))[:, : len(nodes)]
 
 
 def _image(states: Sequence[InnerState[Any]]) -> CycleImage:
@@ -250,9 +250,9 @@ def _averaged(states: Sequence[InnerState[Any]], nodes: IntArray, length_um: flo
     """Means over balls, or discs, about nodes. They keep the elements' means, so nothing is to be corrected."""
     first = states[0]
     mean = averaging(first.body.mesh.points, first.node_sizes, nodes, 1e-3 * length_um)
-    return MaterialPoints(
-        first.places_mm[nodes], np.array([mean @ one for one in stresses_of(states, mean.indices)]), nodes
-    )
+    taken = np.unique(mean.indices)
+    history = np.array([mean[:, taken] @ one for one in stresses_of(states, taken)])
+    return MaterialPoints(first.places_mm[nodes], history, nodes)
 
 
 def yield_sentence(course: Sequence[Strength]) -> str:
