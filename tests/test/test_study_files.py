@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.studies import MINIMAL, minimal
+from tests.studies import MINIMAL, WEARING, minimal
 from wirewear import StudyError
 from wirewear.app.cli import cli
 from wirewear.kinds import load_any_study
@@ -320,6 +320,11 @@ PULLED = "[wires.fixed.bulk]\naxial_stress_MPa = 40\nphase_deg = 90\n"
             MINIMAL + "[mesh]\nmove_nodes_at_stages = true\nmove_nodes_every_um = 1.0\n",
             MINIMAL + "[mesh]\nmove_nodes_at_stages = true\n",
             "move_nodes_at_stages in [mesh]",
+        ),
+        (
+            MINIMAL + "[stop]\naccumulated_energy_J = 3\n",
+            MINIMAL + WEARING + "[stop]\naccumulated_energy_J = 3\n",
+            "accumulated_energy_J in [stop]",
         ),
         (
             MINIMAL + "[life]\naveraging_length_um = 20\ncritical_distance_um = 10\n",

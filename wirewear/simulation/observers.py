@@ -87,10 +87,10 @@ class ProgressBar(Observer):
 
     def moved(self, moment: Moment) -> None:
         left = _time_left(moment)
+        worn = f"  {moment.energy_J:.3g} J  {moment.max_depth_um:.2f} µm deep" if moment.energy_J > 0.0 else ""
         self._update(
             moment.fraction,
-            f"cycle {counted(moment.cycle)} of {counted(moment.cycles)}  {moment.energy_J:.3g} J  "
-            f"{moment.max_depth_um:.2f} µm deep{f'  {left} left' if left else ''}",
+            f"cycle {counted(moment.cycle)} of {counted(moment.cycles)}{worn}{f'  {left} left' if left else ''}",
         )
 
     def logged(self, result: object) -> None:  # noqa: ARG002

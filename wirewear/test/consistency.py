@@ -255,6 +255,15 @@ def _phases(tables: CommonTables) -> Iterator[Inconsistency]:
             )
 
 
+def _stops(tables: CommonTables) -> Iterator[Inconsistency]:
+    coefficients = () if tables.wear is None else (value for key, value in tables.wear if "wear_coefficient" in key)
+    if tables.stop is None or any(coefficients) or tables.contact.friction_law.remembers:
+        return
+    for key in ("depth_um", "worn_volume_mm3", "accumulated_energy_J"):
+        if getattr(tables.stop, key) is not None:
+            yield Inconsistency(("stop", key), "is given, but without [wear] nothing changes that it could wait for")
+
+
 def _inner(tables: Table, kind: type[Any], *above: str) -> Iterator[tuple[tuple[str, ...], Any]]:
     """All tables of the class `kind` nested in `tables`, each with the keys that lead to it, which begin with
     `above`.
@@ -266,4 +275,4 @@ def _inner(tables: Table, kind: type[Any], *above: str) -> Iterator[tuple[tuple[
             yield from _inner(value, kind, *above, key)
 
 
-_RULES: Sequence[Rule] = (_taken_over, _shapes, _phases)
+_RULES: Sequence[Rule] = (_taken_over, _shapes, _phases, _stops)
