@@ -182,8 +182,8 @@ def worst_differences(rows: Sequence[Difference]) -> list[Difference]:
 
 
 def loop_differences(pairs: Sequence[LoopPair]) -> list[Difference]:
-    """Differences of the figures of each pair of loops, and root mean square of the difference in force at equal
-    phase.
+    """Rows for the differences of each figure of each pair of loops, and for the root mean square of the difference in
+    force at equal phase.
     """
     rows: list[Difference] = []
     for quantity, unit, attribute, factor in _FIGURES:
@@ -226,7 +226,9 @@ def _distances(pairs: Sequence[LoopPair]) -> list[Difference]:
 
 
 def evolution_differences(result: RunResult, record: AnyRecord) -> list[Difference]:
-    """Root mean square, over the cycles common to all repeats, of the difference in each column of the evolution."""
+    """Rows for the root mean square, over the cycles common to all repeats, of the difference in each column of the
+    evolution.
+    """
     rows = []
     for quantity, unit, name in EVOLUTION_FIGURES:
         cycles, tests = common_evolution(record, name)
@@ -268,8 +270,8 @@ def simulated_evolution(result: RunResult, name: str, cycles: Array) -> Array:
 
 
 def scar_differences(pairs: Iterable[ScarPair]) -> list[Difference]:
-    """Differences in worn volume, depth and lengths of each body's scar, and root mean square of the difference in
-    depth.
+    """Rows for the differences in worn volume, depth and lengths of each body's scar, and for the root mean square of
+    the difference in depth.
     """
     rows = []
     for pair in pairs:

@@ -84,7 +84,9 @@ class RunningConditions:
 
 
 def fresh_contact(study: Mapping[str, object]) -> FreshContact | None:
-    """The unworn contact of a resolved study; None if the study states too little, has no friction, or is of a pad."""
+    """The unworn contact of a study, given by its resolved tables; None if it states too little, has no friction, or is
+    of a pad.
+    """
     try:
         stated = point_study(study, "the study")
     except StudyError:
@@ -103,7 +105,9 @@ def fresh_contact(study: Mapping[str, object]) -> FreshContact | None:
 
 
 def running_conditions(study: Mapping[str, object]) -> RunningConditions | None:
-    """Transition to gross slip of a resolved study at LOADS times its load; None if `fresh_contact` gives None."""
+    """Transition to gross slip of a study, given by its resolved tables, at LOADS times its load; None without
+    `fresh_contact`.
+    """
     contact = fresh_contact(study)
     return None if contact is None else transition(contact, contact.normal_load_N * LOADS)
 
@@ -116,8 +120,8 @@ def transition(contact: FreshContact, loads_N: ArrayLike) -> RunningConditions:
 
 
 def energy_ratio(energy_mJ: Array, amplitude_um: Array, force_N: Array) -> Array:
-    """Ratio A = E_d/(4 δa Q*), (n,): 1 for a rectangular loop, 0.2 at the transition to gross slip, 0 for a line; NaN
-    if δa or Q* is 0.
+    """Ratio A = E_d/(4 δa Q*) (n,) of loops from energy, displacement amplitude and largest force: 1 for a rectangular
+    loop, 0.2 at the transition to gross slip, 0 for a line; NaN if δa or Q* is 0.
     """
     box = 4e-3 * amplitude_um * force_N
     return np.divide(energy_mJ, box, out=np.full_like(energy_mJ, np.nan), where=box > 0.0)

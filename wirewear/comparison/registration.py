@@ -55,7 +55,7 @@ def register(measured: MeasuredScar | MeasuredProfile, simulated: Scar) -> Regis
     """Least-squares registration of a measured map of depths, or a profile along x only, to the simulated scar.
 
     The search starts from the maps as they are, from coinciding centroids and from several rotations; the best result
-    is taken.
+    is taken. Missing depths do not count.
     """
     lines_x, lines_y, field = measured.field
     x, y = (grid.ravel() for grid in np.meshgrid(lines_x, lines_y, indexing="ij"))

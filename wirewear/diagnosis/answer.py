@@ -88,7 +88,7 @@ class Cause:
 
 @dataclass(frozen=True)
 class Confirmed:
-    """Result of the full simulation with the leading effects: shrink of the gap, and the gap after it in standard
+    """Result of the full simulation with the leading `effects`: shrink of the gap, and the gap after it in standard
     deviations of one test.
     """
 
@@ -99,9 +99,9 @@ class Confirmed:
 
 @dataclass(frozen=True)
 class Partial:
-    """Effects that remove most of a misfit without explaining it.
+    """Effects that remove at least a stated share of a misfit without explaining it.
 
-    misfit_removed: share of χ² that they take. remains: zones where the rest lies.
+    misfit_removed: share of χ² that they remove. remains: zones where the rest lies.
     """
 
     causes: tuple[Cause, ...]
@@ -122,13 +122,15 @@ class Remaining:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The answer of a diagnosis.
+    """The answer of a diagnosis; record, model: names.
 
-    physical: distances of loops and profiles from the record before and after adding the best effects, by name and
-    unit. confirmed: None if not asked for. where: zones that differ. equivalent: groups of effects that cannot be
-    distinguished. undetectable: effects that the record would not show. notes: sentences on what limits the answer.
-    resembles: what a gap of unknown cause behaves like. plausible: classes of effects among which the cause is in nine
-    records of ten. updated_by: names of further records. checked: remarks of `wirewear check`.
+    sentence: the answer for readers. physical: distances of loops and profiles from the record before and after adding
+    the best effects, by name and unit. confirmed: None if not asked for. where: zones that differ. equivalent: groups
+    of effects that cannot be distinguished. undetectable: effects that the record would not show. next_measurement:
+    "what" to measure, "why", and the effects that it "splits"; None if none would help. notes: sentences on what limits
+    the answer. resembles: what a gap of unknown cause behaves like. partial, remainder: None if no effects explain a
+    part only. plausible: classes of effects among which the cause is in nine records of ten. updated_by: names of
+    further records. checked: remarks of `wirewear check`.
     """
 
     record: str
@@ -202,7 +204,9 @@ class Diagnosis:
 
 
 def program() -> dict[str, str]:
-    """Version of this program, and hashes of its sources and fitted constants, which identify an answer's origin."""
+    """The origin of an answer: "version" of this program, and hashes of its "sources" and fitted constants
+    ("calibration").
+    """
     return {"version": version("wirewear"), "sources": code_hash(), "calibration": digest()}
 
 

@@ -34,8 +34,8 @@ _UP_TO_ONE = {"correlation", "probability", "share of the variance"}
 
 @dataclass(frozen=True)
 class Constant:
-    """One entry of the file: a number or several, their unit, the source that set them, and the commit that introduced
-    them.
+    """One entry of the file: one or several numbers, their unit, the source that set them (a key of `sources`, or of
+    `UNTUNED`), and the commit that introduced them; name: with its table, such as "wording.as_much".
     """
 
     name: str
@@ -52,27 +52,30 @@ class Constant:
 
 @dataclass(frozen=True)
 class Constants:
-    """The constants of one table of the file, by name."""
+    """The constants of one table of the file, by name.
+
+    Methods raise KeyError for a name that is not there, and TypeError if its value is not of the kind asked for.
+    """
 
     table: str
     known: Mapping[str, Constant]
 
     def number(self, name: str) -> float:
-        """The value of `name`, a number."""
+        """The single number `name`."""
         value = self.known[name].value
         if isinstance(value, tuple):
             raise TypeError(f"{self.table}.{name} in {FILE_NAME} must be one number")
         return float(value)
 
     def count(self, name: str) -> int:
-        """The value of `name`, a whole number."""
+        """The whole number `name`."""
         value = self.number(name)
         if not value.is_integer():
             raise TypeError(f"{self.table}.{name} in {FILE_NAME} must be a whole number")
         return int(value)
 
     def numbers(self, name: str) -> tuple[float, ...]:
-        """The values of `name`, a list of numbers."""
+        """The list of numbers `name`."""
         value = self.known[name].value
         if not isinstance(value, tuple):
             raise TypeError(f"{self.table}.{name} in {FILE_NAME} must be a list of numbers")
@@ -124,7 +127,9 @@ def digest() -> str:
 
 
 def scale(name: str, factor: float) -> None:
-    """Multiply a constant in this process, for modules that are imported from now on; correlations stay below one."""
+    """Multiply the constant `name`, with its table, in this process for modules that are imported from now on. Counts
+    stay whole; correlations and probabilities stay at most 1.
+    """
     item = _at(name)
     most = 1.0 - 1e-6 if item["unit"] in _UP_TO_ONE else inf
     values = np.minimum(np.multiply(item["value"], factor), most).tolist()

@@ -48,8 +48,8 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
     none.
 
     Loops are compared, and profiles of line contacts. If the gap of wires shows in scars alone, or there are no bodies
-    to simulate, a note says so. observer_of: gives the observer of the run of a name. Raises StudyError or SolverError
-    if the simulation with the effects cannot be run.
+    to simulate, a note says so. observer_of: makes the observer of a run from its name. Raises StudyError or
+    SolverError if the simulation with the effects cannot be run.
     """
     best = diagnosed.search.best
     if diagnosed.diagnosis.verdict == "no_gap" or not best.candidates:

@@ -60,7 +60,7 @@ class PreparedRecord:
     def nominal(self, observer_of: ObserverOf | None = None) -> tuple[WearStates, SurrogateInputs, tuple[str, ...]]:
         """Wear states of the study's nominal run, its inputs of the fast model, and sentences on what limits both.
 
-        observer_of: gives the observer of the run of a name. Raises StudyError or SolverError if the study cannot be
+        observer_of: makes the observer of a run from its name. Raises StudyError or SolverError if the study cannot be
         run.
         """
         tables, model = self.record.tables, nominal_model(self.study)
@@ -79,7 +79,7 @@ class PreparedRecord:
     def reduced(self, observer_of: ObserverOf | None = None, stage: Stage = nullcontext) -> ReducedRecord:
         """Observables of the record, and its nominal model under the drive's measured motion.
 
-        observer_of: gives the observer of the run of a name. stage: entered for each step of the work. Raises
+        observer_of: makes the observer of a run from its name. stage: entered for each step of the work. Raises
         RecordError if nothing can be concluded from the record, or no loop can be read; StudyError or SolverError if
         the study cannot be run.
         """

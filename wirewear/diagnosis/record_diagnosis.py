@@ -71,8 +71,8 @@ def diagnose(
 ) -> Diagnosed:
     """Diagnose a record against the model built from it, or against `model`.
 
-    further: other records of the same rig, which update the answer to the first one. observer_of: gives the observer of
-    the run of a name. left_out: names of effects that are not considered. stage: entered for each step of the work,
+    further: other records of the same rig, which update the answer to the first one. observer_of: makes the observer of
+    a run from its name. left_out: names of effects that are not considered. stage: entered for each step of the work,
     with its name. Raises RecordError if a record states too little or has no loops that can be read, if the model is of
     another test, or if a further record is of another kind of contact or holds the first one's own loops; StudyError or
     SolverError if a nominal model cannot be run, or an effect left out is unknown.

@@ -102,7 +102,8 @@ def _with_unit(name: str, estimate: Estimate) -> str:
 class Explanation:
     """Causes that act alone or together, as one explanation with all that cannot be distinguished from it.
 
-    words: for readers. causes: the likeliest ones. is_effect: False for no gap and for a cause outside the library.
+    words: for readers. causes: the likeliest ones. probability: of all together. is_effect: False for no gap and for a
+    cause outside the library.
     """
 
     words: str
@@ -287,7 +288,7 @@ def of_zero(zero: ForceZero) -> tuple[str, ...]:
 
 
 def of_scatter(contradicted: Sequence[str]) -> tuple[str, ...]:
-    """A sentence for each of the named scatters, which are stated and contradicted by the repeats."""
+    """A sentence for each of the scatters named, that are stated and contradicted by the repeats."""
     return tuple(
         f"the repeats scatter more in {plain(name)} than [scatter] states; both were pooled" for name in contradicted
     )

@@ -366,7 +366,7 @@ class JointTest(OfRecord):
         return {"normal_load_N": asked.normal_load_N, "displacement_amplitude_um": asked.displacement_amplitude_um}
 
     def with_bodies(self, data: dict[str, object]) -> dict[str, object]:
-        """Study tables with the stiffness of the joint added."""
+        """Tables of a study with the stiffness of the joint added."""
         own = self.contact.model_dump(include={*JointStiffness.model_fields})
         return data | {"contact": {**table_of(data, "contact"), **own}}
 

@@ -164,7 +164,7 @@ def repeats(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def evolution(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on missing evolutions, on figures with another definition, and on energies unlike the loop's area."""
+    """Remarks on missing evolutions, on columns with another definition, and on energies unlike the loop's area."""
     record = checked.record
     without = sorted(set(record.repeats) - {part.repeat for part in record.evolution})
     if record.evolution and without:

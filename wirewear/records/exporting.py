@@ -82,8 +82,8 @@ def profile_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str,
 
 
 def surface_of_body(scar: Scar, noise_um: float, random: np.random.Generator) -> Surface:
-    """A function that gives the heights of a worn body with new noise, in the body's frame: x along its axis, y
-    across.
+    """A function that gives the heights of a worn body with new noise, in the body's frame: x along its axis, y across.
+    noise_um: standard deviation of one height. random: source of the noise.
     """
     worn = scar.depth_um > 0.01 * scar.max_depth_um
     axial, transverse = (
@@ -107,8 +107,10 @@ def surface_of_body(scar: Scar, noise_um: float, random: np.random.Generator) ->
 def surface_of_profile(
     x_um: Array, depth_um: Array, face: Profile, noise_um: float, random: np.random.Generator
 ) -> Surface:
-    """A function that gives the heights of a line contact's worn body along the motion with new noise; face: its unworn
-    shape. x_um, depth_um: (n,) positions and worn depths.
+    """A function that gives the heights of a line contact's worn body along the motion with new noise.
+
+    x_um, depth_um: (n,) positions and worn depths. face: unworn shape. noise_um: standard deviation of one height.
+    random: source of the noise.
     """
     x = _lines(float(np.abs(x_um[depth_um > 0.01 * depth_um.max()]).max(initial=SCAR_STEP_um)), SCAR_STEP_um / 5.0)
     plane_mm = np.column_stack([1e-3 * x, np.zeros_like(x)])
@@ -135,10 +137,11 @@ def record_of_result(
     """The record that a laboratory would have made of a simulated test, with sensors that have the effects of its
     study.
 
-    length_mm: length of a line contact for which forces and their noise are given, by default the study's. sensor: read
-    with, besides the effects. repeats: the same test read again with new noise. samples: number to which each loop is
-    resampled evenly; None for the simulation's increments. Figures of the evolution are the true ones times the ratio
-    of read to true figures of the logged loops, interpolated over log cycle.
+    length_mm: length of a line contact for which forces and their noise are given, by default the study's. sensor: its
+    errors and noise, besides the effects. depth_noise_um: standard deviation of one depth. repeats: number of times
+    that the same test is read with new noise. seed: of the noise. samples: number to which each loop is resampled
+    evenly; None for the simulation's increments. Figures of the evolution are the true ones times the ratio of read to
+    true figures of the logged loops, interpolated over log cycle.
     Raises RecordError if the result began with a measured surface, is of a pin in a bore or has logged no loops, its
     study says too little or has unequal wires, or the length of a line contact is missing or given for another contact.
     """

@@ -82,10 +82,10 @@ class Unworn:
         return self.above > MOST_ABOVE or self.border_above > MOST_AT_BORDER
 
     def remarks(self, where: str, depth: Array, places: Array, surface: Surface, body: str) -> tuple[str, ...]:
-        """Sentences on doubts about the surface found in a file; empty if there are none.
+        """Sentences on doubts about the surface found in a file, and on a subtracted form; empty if there are none.
 
-        where: names the file. depth: (n_x, n_y) below the surface at places (2, n_x, n_y), in µm. body: whose worn
-        volume is wanted without its form; "" if the form counts as depth.
+        where: names the file. depth: (n_x, n_y) below the surface at places (2, n_x, n_y), in µm. surface: gives words
+        for the form. body: whose worn volume is wanted without its form; "" if the form counts as depth.
         """
         said = []
         if self._raised:

@@ -69,8 +69,8 @@ class MeasuredScar:
 
     @classmethod
     def of_run(cls, scar: Scar, repeat: int, noise_um: float, random: np.random.Generator) -> "MeasuredScar":
-        """Map of a simulated scar with the noise of a profilometer, `noise_um` as standard deviation, in the test's
-        frame.
+        """Map of a simulated scar with x along the motion, as a profilometer reads it; noise_um: standard deviation of
+        one depth.
         """
         x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
         worn = scar.depth_um > 0.01 * scar.max_depth_um
@@ -159,7 +159,7 @@ class MeasuredScar:
 
     @cached_property
     def worn_um(self) -> Array:
-        """Depths (n_x, n_y) below the unworn surface, interpolated where no point is known."""
+        """Depths (n_x, n_y) in µm below the unworn surface (`ground_um`), interpolated where no point is known."""
         return np.nan_to_num(self._filled(max(self.depth_um.shape)) - self.ground_um)
 
     @cached_property
@@ -189,7 +189,7 @@ class MeasuredScar:
 
     @property
     def gaps(self) -> float:
-        """Share of missing points among those with known points on all four sides."""
+        """Share of missing points among those with known points on all four sides; 0 without any."""
         known = np.isfinite(self.depth_um)
         within = np.ones_like(known)
         for axis in (0, 1):

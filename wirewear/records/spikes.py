@@ -64,7 +64,9 @@ def without_spikes(levels: Array) -> tuple[Array, BoolArray]:
 
 
 def as_measured(depth_um: Array, spikes_um: Array | None) -> Array:
-    """Depths in µm with the measured values of spikes put back; spikes_um: NaN where there is no spike, or None."""
+    """Depths in µm with the measured values of spikes put back. spikes_um: as large as depth_um, NaN where there is no
+    spike; None for none at all.
+    """
     return depth_um if spikes_um is None else np.where(np.isfinite(spikes_um), spikes_um, depth_um)
 
 
@@ -82,7 +84,9 @@ def border_text(share: float, where: str) -> str:
 
 
 def spikes_text(spikes_um: Array | None, depth_um: Array, where: str) -> str:
-    """Sentence on how many spikes stand out of a surface and by how much; "" if none do."""
+    """Sentence on how many spikes stand out of a surface and by how much; "" if spikes_um is None. spikes_um, depth_um:
+    as in `as_measured`. where: names the surface.
+    """
     if spikes_um is None:
         return ""
     count = int(np.isfinite(spikes_um).sum())

@@ -68,7 +68,7 @@ class ScarSize:
 
     @classmethod
     def of(cls, scar: MeasuredScar) -> "ScarSize | None":
-        """Size of a map's scar; None if it does not stand out from the map's noise."""
+        """Size of a map's scar; None if it is less than CLEAR times as deep as the map falls below zero."""
         lowest, depth = float(np.percentile(scar.worn_um, 0.5)), scar.figures["depth"]
         if depth <= CLEAR * max(-lowest, 0.0) or depth <= 0.0:
             return None

@@ -23,7 +23,7 @@ FRICTION_FORCE = "friction_force_N"  #: Key in `[stated]` of a joint's friction 
 
 
 class OfTest(Table):
-    """File that describes a test of any kind of contact."""
+    """Tables of a file that describes a test of any kind of contact: a record's or a mapping's."""
 
     of: ClassVar[type[StatedBodies]]  #: Class of the tables of its bodies.
     contact_kind: ClassVar[str]  #: Name of its kind of contact.
@@ -52,7 +52,9 @@ class OfTest(Table):
 
     @property
     def extent(self) -> Extent:
-        """Extent of the contact across its motion: the length of a line contact, the whole of a contact at a point."""
+        """Extent of the contact across its motion: the length of a line contact, or the whole of a contact at a point;
+        it converts figures that are computed per millimetre.
+        """
         return extent_of(self.length_mm)
 
     @property
@@ -89,8 +91,8 @@ Model = TypeVar("Model", bound=OfTest)
 
 
 def of_kinds(*models: type[Model]) -> dict[str, type[Model]]:
-    """The class of tables for each kind of contact by its name: the first of these models whose way of stating bodies
-    fits.
+    """The class of tables for each kind of contact by its name: the first of `models` that states bodies as this kind
+    does.
     """
     found: dict[str, type[Model]] = {}
     for kind in KINDS.values():
@@ -113,7 +115,7 @@ class OfRecord(OfTest, ABC):
 
     @property
     def predicted(self) -> str:
-        """Beginning of a sentence on the prediction of the test by a study."""
+        """Beginning of a sentence on the prediction of the test by a study, such as "A simulation"."""
         return "A simulation"
 
     @property

@@ -40,7 +40,8 @@ class Surface(Protocol):
 
 @dataclass(frozen=True)
 class RoundSurface:
-    """Body that is round or straight along and across its axis, under a map of half sizes `half_um`.
+    """Body that is round or straight along and across its axis, under a map of half sizes `half_um`, both along and
+    across.
 
     Placing: level, shift (if round) or tilt (if straight) along and across, and rotation of an axis. Forms: curvature
     if round, for a ball also its change outwards and its difference along and across; bending if straight.
@@ -86,7 +87,7 @@ class RoundSurface:
         return np.array([0.0, *places_um / self.scales[1:3], 0.0][: self.placing])
 
     def curvatures(self, parameters: Array) -> Array:
-        """Curvatures (2,) in 1/mm along and across, with the form's."""
+        """Curvatures (2,) along and across in 1/mm, the stated ones plus the form's."""
         k, half = np.array(self.curvatures_per_mm), np.array(self.half_um)
         form = np.zeros(4)
         form[: max(parameters.size - self.placing, 0)] = parameters[self.placing :]
@@ -169,7 +170,7 @@ class FaceSurface:
 
 @dataclass(frozen=True)
 class LevelSurface:
-    """Horizontal plane at some height."""
+    """Horizontal plane; its only parameter is its height in µm."""
 
     placing: int = 1
     forms: int = 0

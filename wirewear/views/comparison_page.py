@@ -94,7 +94,7 @@ def write_comparison(comparison: RecordComparison, folder: Path) -> list[Path]:
 
 
 def page(comparison: RecordComparison, maps: Sequence[bytes]) -> str:
-    """Self-contained HTML page of a comparison; maps: SVG pictures of the registered scars."""
+    """Self-contained HTML page of a comparison; maps: SVG pictures of the registered scars, as bytes."""
     worst = worst_differences(comparison.differences)
     return frame.rendered(
         HERE / "comparison_page.html",

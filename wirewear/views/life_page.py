@@ -34,7 +34,7 @@ NOT_AVERAGED = (
 
 
 def sentence(life: BodyLife) -> str:
-    """Sentence that says when and where a crack begins in a body, or why none does."""
+    """Sentence on when and where a crack begins in a body, or why none does."""
     end = life.damage.end
     if life.initiation is None:
         peak = float(life.growth[1].max())

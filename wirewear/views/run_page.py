@@ -60,8 +60,8 @@ _SCRIPTS = ("fretting_log", "slider", "run")
 
 
 def pressure_courses(evolution: Mapping[str, Array], settings: Mapping[str, object]) -> tuple[Course, ...]:
-    """Columns of the evolution for the largest pressure of a cycle and for the pressure at mid-stroke, averaged over a
-    length if the run has such means. settings: of the run.
+    """Columns of the evolution for the largest pressure of a cycle and for the pressure at mid-stroke, each with words
+    and dashes; averaged over a length if the run has such means. evolution, settings: of the run.
     """
     if PRESSURE_LENGTH not in settings:
         return _OF_NODES
@@ -93,8 +93,8 @@ def friction_log(loops: Iterable[Loop]) -> list[tuple[int, LoopFigures]]:
 
 
 def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
-    """Slope of the least-squares line through the origin of worn volumes (n,) over energies (n,); NaN if nothing was
-    dissipated.
+    """Slope in mm³/J of the least-squares line through the origin of worn volumes (n,) over energies (n,); NaN if
+    nothing was dissipated.
     """
     dissipated = np.max(energy_J, initial=0.0) > np.finfo(np.float64).tiny
     return line_through_origin(energy_J, volume_mm3).slope_mm3_per_J if dissipated else float("nan")

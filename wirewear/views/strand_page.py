@@ -81,7 +81,9 @@ def _cycles(life: float) -> str:
 
 
 def shown_rows(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:
-    """The rows of the table and page: those given, with stress amplitude and life of each contact added."""
+    """The rows of table and page: those given, one for each contact in the order of `found`, with stress amplitude and
+    life added.
+    """
     made = []
     for one, row in zip(found.contacts, rows, strict=True):
         swing = one.contact.upper.amplitude_MPa
@@ -126,7 +128,7 @@ def _text(key: str, value: Any) -> str:
 
 
 def strand_json(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> str:
-    """JSON of the rope's figures and all rows; infinite or unknown values are null."""
+    """JSON of the rope's figures and the given rows, one for each contact; infinite or unknown values are null."""
     return json_text({"name": found.name, **found.figures, "contacts": list(rows), "notes": found.notes})
 
 
@@ -144,7 +146,7 @@ def write_strand(found: RopeContacts, rows: Sequence[Mapping[str, object]], fold
 
 
 def page(found: RopeContacts, rows: Sequence[Mapping[str, object]]) -> str:
-    """Self-contained HTML page of a rope's contacts."""
+    """Self-contained HTML page of a rope's contacts; rows: one for each contact in the order of `found`."""
     headings, shown = _PRINTED | _run_headings(rows), shown_rows(found, rows)
     values = {
         "name": found.name,

@@ -176,7 +176,7 @@ def draw_front(slip: Array, depth: Array, name: str) -> Figure:
 
 def front(more: Array, less: Array) -> NDArray[np.intp]:
     """Indices of runs on the Pareto front, sorted by `less`: no other run has both a larger `more` and a smaller
-    `less`, (n,).
+    `less`. more, less: (n,) results of all runs.
     """
     order = np.lexsort([-more, less])
     chosen, best = [], -np.inf
@@ -215,8 +215,8 @@ def require_no_others_tables(folder: Path) -> None:
 
 
 def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, SweepRow]) -> list[Path]:
-    """Write table.parquet, table.csv and, if runs failed, failures.csv; return their paths. Raises ResultError if a
-    file cannot be written.
+    """Write table.parquet, table.csv and, if runs failed, failures.csv; return their paths. rows: runs that are done,
+    by number. Raises ResultError if a file cannot be written.
     """
     table = table_of(sweep, rows)
     parquet, text = folder / f"{TABLE}.parquet", folder / f"{TABLE}.csv"
@@ -285,8 +285,8 @@ def varying_figures(result: SweepResult) -> dict[str, Array]:
 
 
 def sentences(result: SweepResult, found: list[Index]) -> list[str]:
-    """Summary: how many runs are done, and which key causes most of each result's variance; found: the sensitivity
-    indices.
+    """Summary: how many runs are done, and which key causes most of each result's variance. found: the sensitivity
+    indices; empty if they are not known.
     """
     done, failed = len(result.rows), len(result.failures)
     said = [f"{counted(done)} of {counted(len(result.sweep))} runs are done, {counted(failed)} of them failed."]

@@ -54,7 +54,7 @@ def name_of(interval: Interval) -> str:
 
 
 def table(found: Uncertainty) -> Table:
-    """Table of intervals, to be printed with rich."""
+    """Table of the results' nominal values, medians and 95 % intervals, to be printed with rich."""
     made = Table("figure", box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in ("nominal", "2.5 %", "median", "97.5 %", "surrogate's error"):
         made.add_column(heading, justify="right", no_wrap=True)

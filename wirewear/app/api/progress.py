@@ -27,7 +27,9 @@ def in_notebook() -> bool:
 
 
 class NotebookBar(Observer):
-    """Progress bar that is redrawn in place in a notebook. Use as a context manager."""
+    """Observer that shows a run's progress as a bar that is redrawn in place in a notebook; used as a context
+    manager.
+    """
 
     def __init__(self, label: str) -> None:
         """Prepare a bar with this label; it appears when the context is entered."""
@@ -63,7 +65,7 @@ class NotebookBar(Observer):
             self._draw()
 
     def logged(self, result: object) -> None:
-        """Ignore a logged result."""
+        """Do nothing: logged results are not shown."""
 
     def note(self, sentence: str) -> None:
         """Add a sentence below the bar."""

@@ -139,7 +139,7 @@ class Run(RunResult):
 
 
 def distinguished(results: Sequence[RunResult]) -> list[RunResult]:
-    """Copies of the results with distinct labels; equal labels are extended by keys in which the studies differ, or a
+    """Copies of the results with distinct labels; equal ones are extended by keys in which the studies differ, or by a
     number.
     """
     labels = [result.label for result in results]
@@ -176,7 +176,9 @@ def read_result(path: str | Path) -> Run:
 
 
 def one_run(path: Path) -> RunResult:
-    """Result of the only run in a file or folder. Raises ResultError if there is none, or several."""
+    """Result of the only run in a file or folder. Raises ResultError if there is none, or several, or it cannot be
+    read.
+    """
     if not path.is_dir():
         return read_plain(path)
     runs = read_all_plain(path)

@@ -80,8 +80,8 @@ def wide_console(width: int = 116) -> Console:
 
 
 def progress_bar(*columns: ProgressColumn) -> Progress:
-    """A rich progress bar on standard error that vanishes at its end, and shows nothing without a terminal; columns:
-    rich's.
+    """A rich progress bar on standard error that vanishes at its end, and shows nothing without a terminal. columns: of
+    the bar; rich's own if none are given.
     """
     console = Console(stderr=True)
     return Progress(*columns, console=console, transient=True, disable=not console.is_interactive)

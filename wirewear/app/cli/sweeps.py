@@ -92,8 +92,8 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
 
 
 def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | None) -> None:
-    """Run a study whose inputs scatter, print its intervals and write them to `folder`. variant: None if the study has
-    none. jobs: runs side by side; None for one a core.
+    """Run a study whose inputs scatter, print the intervals of its results and write them to `folder`. variant: name of
+    the study's variant; None if it has none. jobs: runs side by side; None for one a core.
     """
     from wirewear.app.cli.study_script import wide_console
     from wirewear.base.engine import engine_of

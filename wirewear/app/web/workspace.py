@@ -155,10 +155,10 @@ class Workspace:
         self._keep(self.folder / MAPPING, [text.encode("utf-8")])
 
     def start(self, name: str, chosen: Mapping[str, object]) -> None:
-        """Start the step `name`; chosen: values of its options by their flags, True for a switch.
+        """Start the step `name`; its output and files follow in `state`.
 
-        Raises RunError if there is no such step, another one is running, or something that it needs is missing;
-        ValueError if a value is not allowed.
+        chosen: values of its options by their flags, True for a switch. Raises RunError if there is no such step,
+        another one is running, or something that it needs is missing; ValueError if a value is not allowed.
         """
         step = next((one for one in STEPS if one.name == name), None)
         if step is None:

@@ -70,7 +70,7 @@ class LoopsOfTests:
 
 
 def loops_of_tests(record: AnyRecord, *, sliding: bool = True) -> LoopsOfTests:
-    """Figures of the loops at up to MOST_CYCLES cycles, spread evenly over their logarithm.
+    """Figures of the record's loops at up to MOST_CYCLES cycles, spread evenly over their logarithm.
 
     sliding: True to use only loops that slide as a whole, False for those in partial slip, too. Raises RecordError if
     it is True and no loop shows friction: none can be analysed, slides as a whole, or is sampled densely enough.

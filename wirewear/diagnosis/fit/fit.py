@@ -64,9 +64,7 @@ class CheckedRun:
 
     @property
     def scatters(self) -> float | None:
-        """Root mean square of all differences over the standard deviations of one test; None if there are no common
-        figures.
-        """
+        """Root mean square of all differences over the standard deviations of one test; None if no figure is common."""
         both = np.isfinite(self.simulated - self.measured)
         off = (self.simulated - self.measured)[both] / self.deviations[both]
         return float(np.sqrt(np.mean(off**2))) if both.any() else None
@@ -75,7 +73,7 @@ class CheckedRun:
 def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: ObserverOf | None = None) -> CheckedRun:
     """Run the fitted study in `output` with this fidelity, and compare its loops with those of the record.
 
-    observer_of: gives the observer of the run of a name. Raises StudyError, SolverError or RunError if the run cannot
+    observer_of: makes the observer of a run from its name. Raises StudyError, SolverError or RunError if the run cannot
     be made or written.
     """
     tests = loops_of_tests(fitted.record, sliding=False)
@@ -104,7 +102,7 @@ def fit_record(
 ) -> FittedTest:
     """Fit the parameters of a test to its record.
 
-    given: wear that is known otherwise than from scars. observer_of: gives the observer of the run of a name. stage:
+    given: wear that is known otherwise than from scars. observer_of: makes the observer of a run from its name. stage:
     entered for each step of the work. First estimates come from the loops themselves; the fast model, on the wear
     states of one finite element run with these, then fits friction and rig to the loops of all cycles. Wear
     coefficients are worn volumes over the friction energy of the whole test. If no loop slides as a whole, friction and

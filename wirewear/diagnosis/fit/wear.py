@@ -25,8 +25,8 @@ Worn = tuple[dict[str, FittedParameter], list[str]]  #: Fitted wear: parameters,
 
 @dataclass(frozen=True)
 class GivenWear:
-    """Wear known without measured scars: the coefficient of both bodies together, or the volume that both lost in a
-    test.
+    """Wear known without measured scars, one of the two: coefficient of both bodies together, or volume that both lost
+    in a test.
     """
 
     coefficient_mm3_per_J: float | None = None
@@ -34,8 +34,10 @@ class GivenWear:
 
 
 def fitted_wear(record: AnyRecord) -> tuple[dict[str, FittedParameter], dict[str, FittedParameter], list[str]]:
-    """Three results: fitted wear parameters by name; energies in J and worn volumes in mm³ by name; sentences on what
-    is missing.
+    """Fitted wear parameters by name, further figures by name, and sentences on what is missing.
+
+    The further figures are the friction energy of a test in J and the worn volume of each body in mm³; a name is
+    missing if the record does not show it.
     """
     energies = {repeat: accumulated_energy_J(record, repeat) for repeat in record.repeats}
     known = {repeat: energy for repeat, energy in energies.items() if energy}
@@ -81,8 +83,8 @@ def _worn(tables: AnyTables, volumes: Mapping[str, Mapping[int, float]], energie
 
 
 def parted(tables: AnyTables, total: FittedParameter) -> Worn:
-    """Wear parameters of each body by key, from the coefficient of both together in the stated proportion, and a
-    sentence on it.
+    """Wear parameters by key from the coefficient of both bodies together, and a list with a sentence on the
+    proportion. If each body has its own coefficient they are in the stated proportion; else the list is empty.
     """
     shares = {key: sum(tables.shares[body] for body in bodies) for key, bodies in tables.wear.items()}
     low, high = total.interval95

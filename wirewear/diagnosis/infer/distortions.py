@@ -132,7 +132,7 @@ class FreeInTime:
         return None
 
     def changed(self, described: object, _age: Age) -> object:
-        """The description as it was."""
+        """The description as it was, as no seam is changed."""
         return described
 
     def predicted(self, chain: Chain) -> Chain:

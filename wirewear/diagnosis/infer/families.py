@@ -50,8 +50,8 @@ class Family:
     name: str  #: Description for readers.
     shapes: tuple[Shape, ...] = ()  #: Shapes, each with a size of its own; empty for changes over the test.
     column: str = ""  #: Column of the chain that changes over the test; empty for shapes.
-    #: Unit of what is added to the column: "" multiplies it, "compliance" is amplitude over plateau force, "force" that
-    #: force.
+    #: Unit of what is added to the column: "compliance" for amplitude over plateau force, "force" for the plateau
+    #: force; "" if the column is multiplied by 1 + change.
     scale: str = ""
     develops: bool = False  #: Whether its sizes may change over the cycles.
     allowed: float = 0.0  #: Log evidence that friction laws and solvers alone add for it, which is subtracted.
@@ -239,23 +239,22 @@ def cubic(u: Array) -> Array:
 
 
 def between_ends(power: int) -> Callable[[Array], Array]:
-    """The function u^power − u^(power − 2), which is 0 at both ends, u = ±1."""
+    """A function of u that gives u^power − u^(power − 2), which is 0 at both ends, u = ±1."""
     return lambda u: np.asarray(u**power - u ** (power - 2))
 
 
 def in_travel(power: int) -> Share:
-    """The function u^power less its mean over the stroke, u the displacement in the direction of travel over the
-    amplitude. As added friction, an odd power acts against the motion at one end of each stroke and with it at the
-    other.
+    """A function of branches that gives u^power less its mean over the stroke (n, 2, m), u = y/amplitude. As added
+    friction, an odd power acts against the motion at one end of each stroke and with it at the other.
     """
     mean = 1.0 / (power + 1.0) if power % 2 == 0 else 0.0
     return lambda b: np.asarray(b.place**power - mean)
 
 
 def on_the_rig(power: int) -> Share:
-    """The function ± u^power, u the displacement in the direction of travel over the amplitude, − on the branch towards
-    −x. As added friction it acts along a direction fixed in the rig: an odd power depends on the place along the stroke
-    alone, an even one has opposite signs on both branches.
+    """A function of branches that gives u^power on the branch towards +x and −u^power on the other (n, 2, m), u =
+    y/amplitude. As added friction it acts along a direction fixed in the rig: an odd power depends on the place along
+    the stroke alone, an even one has opposite signs on both branches.
     """
     return lambda b: np.asarray(_DIRECTIONS * b.place**power)
 
@@ -362,12 +361,14 @@ def worn(share: Callable[[Array], Array]) -> Shape:
 
 
 def middle(width: float) -> Callable[[Array], Array]:
-    """The function exp(−(u/width)²), a bump about u = 0."""
+    """A function of u that gives exp(−(u/width)²), a bump about u = 0."""
     return lambda u: np.asarray(np.exp(-((u / width) ** 2)))
 
 
 def aside(power: int) -> Callable[[Array], Array]:
-    """The function u^power (1 − u²), 0 beyond |u| = 1; with an odd power of opposite sign on either side."""
+    """A function of u that gives u^power (1 − u²), 0 beyond |u| = 1; with an odd power of opposite sign on either
+    side.
+    """
     return lambda u: np.asarray(u**power * np.maximum(1.0 - u**2, 0.0))
 
 

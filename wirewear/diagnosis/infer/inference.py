@@ -183,7 +183,7 @@ def fit(
     iterations: int = ITERATIONS,
     known: Fit | None = None,
 ) -> Fit:
-    """The best fit of several effects together; arguments as of `sought`, which it runs."""
+    """The best fit of several effects together; arguments as of `sought`."""
     return together(problem, [sought(problem, candidates, starts, iterations, known)])[0]
 
 
@@ -194,12 +194,13 @@ def sought(
     iterations: int = ITERATIONS,
     known: Fit | None = None,
 ) -> Asking[Fit]:
-    """Search for the best coordinates of several effects together, by Levenberg–Marquardt from several starts.
+    """A search, to be run by `together`, for the best coordinates of several effects, by Levenberg–Marquardt from
+    several starts.
 
-    starts: coordinates (p,) of the effects, or (p + k,) with those of the freedoms, else 0; by default the candidates'
-    own. iterations: most steps from each start. known: a fit of the same effects to another record, whose distribution
-    of the coordinates is the prior in place of the expected one; the evidence is then that of this record given the
-    other.
+    candidates: the effects; empty for the numerical freedoms alone. starts: coordinates (p,) of the effects, or (p +
+    k,) with those of the freedoms, else 0; None for the candidates' own. iterations: most steps from each start. known:
+    a fit of the same effects to another record, whose distribution of the coordinates is the prior in place of the
+    expected one; the evidence is then that of this record given the other.
     """
     candidates, free = tuple(candidates), len(problem.free)
     low, high = np.vstack([np.zeros((0, 2)), *(candidate.bounds() for candidate in candidates)]).T

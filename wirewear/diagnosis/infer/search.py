@@ -80,7 +80,7 @@ class Search:
 
     @property
     def removed(self) -> float:
-        """Share of the χ² without effects that the best explanation removes."""
+        """Share of the χ² without effects that the best explanation removes; 0 if that χ² is 0."""
         return 1.0 - self.best.distance2 / self.none.distance2 if self.none.distance2 > 0.0 else 0.0
 
     def left(self, one: Fit) -> float:
@@ -100,7 +100,9 @@ class Search:
 
 
 def search(states: WearStates, setup: SurrogateInputs, observed: Observations, left_out: Sequence[str] = ()) -> Search:
-    """All explanations of a record's observables; left_out: names of effects that are not considered."""
+    """Search for the causes of the differences between a record's observables and its nominal model. setup, states:
+    nominal inputs and wear states. left_out: names of effects that are not considered.
+    """
     effects = [effect for effect in library(setup) if effect.kind.name not in left_out]
     problem, covariance = problem_around(states, setup, setup, observed)
     none, *singles = together(problem, [sought(problem, own) for own in ((), *((effect,) for effect in effects))])
@@ -136,7 +138,7 @@ def search(states: WearStates, setup: SurrogateInputs, observed: Observations, l
 
 def leading(none: Fit, others: Sequence[Fit]) -> tuple[Fit, tuple[Fit, ...]]:
     """The fit of largest evidence among `none` and `others`, and the fits beside which distortions are tried: `none`
-    and the best of `others`.
+    and the `_DISTORTED` best of `others`.
     """
     ordered = sorted(others, key=lambda one: -one.merit)
     return max((none, *ordered[:1]), key=lambda one: one.merit), (none, *ordered[:_DISTORTED])
@@ -317,8 +319,10 @@ Classes = tuple[tuple[str, ...], ...]
 def next_measurement(
     probabilities: Mapping[str, float], unclear: Sequence[Sequence[str]], available: frozenset[Measurement]
 ) -> tuple[Measurement, tuple[str, ...]] | None:
-    """The measurement that removes most expected confusion per cost, and the names of the effects that it
-    distinguishes; None if none distinguishes any. Confusion of a pair is the product of its probabilities. unclear:
+    """The measurement that removes most expected confusion per day, and the names of the effects that it distinguishes;
+    None if none distinguishes any.
+
+    Confusion of a pair is the product of its probabilities. probabilities: by effect, "none" for no gap. unclear:
     classes, whose members count as equally probable. available: measurements that the record has.
     """
     pairs: dict[tuple[str, str], float] = {}

@@ -323,8 +323,10 @@ def achieved(
     before: Shrink,
     course_at: Callable[[Array], PredictedLoops],
 ) -> tuple[float, float]:
-    """Shrink and gap after it on the held-out cycles by another simulation. before: shrink by the fast model, which
-    says what is held out. course_at: gives the simulation's loops at cycles (c,).
+    """Shrink on the held-out cycles by another simulation, and the gap after it in standard deviations of one test.
+
+    before: shrink by the fast model, which says what is held out. course_at: gives the simulation's loops at cycles
+    (c,).
     """
     layout = problem.layout
     loops = layout.marked(part for part in layout if part.observable.simulated)
@@ -356,9 +358,9 @@ def _free_prediction(problem: Problem, covariance: Covariance, train: BoolArray,
 def physical_gap(
     states: WearStates, observed: Observations, before: SurrogateInputs, after: SurrogateInputs, cycles: tuple[int, ...]
 ) -> Mapping[str, tuple[float, float]]:
-    """Mean distances of measured and computed loops over the given cycles, (before, after) adding effects, by name and
-    unit. before, after: setups. If no loop is of these cycles, all loops count; a distance that no loop shows is left
-    out.
+    """Mean distances of measured and computed loops over the given cycles, before and after adding effects, by a name
+    with its unit such as "slip_amplitude_um". before, after: setups. If no loop is of these cycles, all loops count; a
+    distance that no loop shows is left out.
     """
     profiles = _profiles(states, observed, before, after)
     if not observed.loops:

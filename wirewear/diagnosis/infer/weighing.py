@@ -268,8 +268,9 @@ class ForceZero:
 
 
 def force_zero(problem: Problem, covariance: Covariance, one: Fit, repeats: int) -> ForceZero:
-    """Mean zero error of the force channel, from the residuals that the explanation `one` leaves; repeats: their
-    number. It is a normal deviate beforehand, so that its mean afterwards is its variance times its column in Σ⁻¹ r.
+    """Mean zero error of the force channel, from the residuals that the explanation `one` leaves; repeats: how many the
+    record has. It is a normal deviate beforehand, so that its mean afterwards is its variance times its column in Σ⁻¹
+    r.
     """
     expected = hypot(SHARED["force_offset"], covariance.scatter["force_offset"] / sqrt(repeats))
     column = derivatives(problem.states, one.setup, problem.layout, {"force_offset": expected})[:, 0]

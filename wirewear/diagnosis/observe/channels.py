@@ -69,7 +69,7 @@ class _OfNormalForce(OfLoops):
 
 
 class NormalForce(_OfNormalForce):
-    """Mean normal force over both branches while sliding."""
+    """Mean normal force in N over both branches while sliding; NaN if it was not measured."""
 
     name = "normal"
     words, unit = "normal force", "N"
@@ -86,7 +86,9 @@ class NormalForce(_OfNormalForce):
 
 
 class NormalForceByDirection(_OfNormalForce):
-    """Mean normal force of the branch towards +x less that of the other, while sliding."""
+    """Mean normal force in N of the branch towards +x less that of the other, while sliding; NaN if it was not
+    measured.
+    """
 
     name = "normal_direction"
     words, unit = "normal force, forward less backward", "N"
@@ -155,7 +157,9 @@ def _medians(values: Array, chosen: BoolArray) -> Array:
 
 
 class NormalForceAtEnds(_AlongStroke):
-    """Normal force at both ends of the stroke less that in its middle."""
+    """Median normal force in N at both ends of the stroke less that in its middle, while sliding; mean of both
+    branches.
+    """
 
     name = "normal_ends"
     words = "normal force, ends of the stroke less its middle"
@@ -166,7 +170,9 @@ class NormalForceAtEnds(_AlongStroke):
 
 
 class NormalForceBySides(_AlongStroke):
-    """Normal force in N while sliding at the stroke's +x end, minus that at its −x end."""
+    """Median normal force in N on the +x side of the stroke less that on its −x side, while sliding; mean of both
+    branches.
+    """
 
     name = "normal_sides"
     words = "normal force, one side of the stroke less the other"
@@ -177,7 +183,7 @@ class NormalForceBySides(_AlongStroke):
 
 
 class Amplitude(OfLoops):
-    """Displacement amplitude, half of a loop's extent."""
+    """Displacement amplitude in µm: half of a loop's extent."""
 
     name = "amplitude"
     words, unit = "displacement amplitude", "um"

@@ -101,10 +101,11 @@ def motion_of(loops: Sequence[ComplexArray], noise: float) -> FastMotion:
 class ReducedLoop:
     """Measured loop as two branches, with its noise. Displacements are counted from the middle between both tips.
 
-    branches: towards +x, then −x. mid_force_N: mean force at mid-stroke. sample_noise_N, force_noise_N: noise of one
-    force sample, and the larger one that counts for means of correlated samples. normal_N, normal_error_N: mean normal
-    force of each branch while sliding, and its error; None and NaN if not measured. harmonics: (k,) of the
-    displacement.
+    branches: towards +x, then −x. mid_force_N: force at mid-stroke in each branch's direction, mean of both; in partial
+    slip half the range of the force. displacement_noise_um, sample_noise_N: of one sample. force_noise_N: that of the
+    force as it counts for means of correlated samples. normal_N, normal_error_N: mean normal force of each branch while
+    sliding, and its error; None and NaN if not measured. harmonics: (k,) complex, of the displacement, see
+    `harmonics_of`.
     """
 
     repeat: int
@@ -144,9 +145,10 @@ class ReducedLoop:
 
 
 def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) -> ReducedLoop:
-    """Prepare a measured loop; its noise comes from its samples, or as stated where samples are few.
+    """A measured loop split into branches, with its noise from its samples or, where they are few, as stated.
 
-    Raises LoopError if it cannot be read, or slides as a whole only at the ends of its stroke.
+    stated: noise of one sample. normal_load_N: stands in for a normal force that was not measured. Raises LoopError if
+    the loop cannot be read, or slides as a whole only at the ends of its stroke.
     """
     loop = measured.complete
     clean = clean_loop(loop.displacement_um, loop.tangential_force_N, None, time_s=loop.time_s)

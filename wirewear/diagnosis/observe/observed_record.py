@@ -86,12 +86,12 @@ class Reading:
 
     @cached_property
     def amplitude_um(self) -> float:
-        """Median displacement amplitude of the loops."""
+        """Median displacement amplitude of the loops in µm; `asked_um` without loops."""
         return float(np.median([loop.amplitude_um for loop in self.loops])) if self.loops else self.asked_um
 
     @cached_property
     def force_N(self) -> float:
-        """Median force of the loops at mid-stroke, in N."""
+        """Median force of the loops at mid-stroke in N; `asked_N` without loops."""
         return float(np.median([loop.mid_force_N for loop in self.loops])) if self.loops else self.asked_N
 
     @cached_property
@@ -132,7 +132,7 @@ def read(record: AnyRecord) -> Reading:
 
 
 def spread_cycles(cycles: Sequence[int], most: int) -> list[int]:
-    """At most `most` of the cycles, spread evenly over their logarithm, including the first and the last."""
+    """At most `most` of the increasing cycles, spread evenly over their logarithm, including the first and the last."""
     if len(cycles) <= most:
         return list(cycles)
     wanted = np.linspace(np.log(max(cycles[0], 1)), np.log(max(cycles[-1], 1)), most)

@@ -195,7 +195,7 @@ class Layout:
         return Layout.of((part.observable, part.sites.taken(keep[part.rows])) for part in self)
 
     def zones(self, amplitude_um: float) -> NDArray[np.str_]:
-        """Name (n,) of each number's zone."""
+        """Name (n,) of each number's zone; amplitude_um: displacement amplitude, the unit of places in a loop."""
         return np.concatenate([part.observable.zone(part.sites, amplitude_um) for part in self])
 
     def observed(self, course: PredictedLoops) -> Array:

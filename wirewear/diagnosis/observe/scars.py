@@ -179,9 +179,7 @@ class ReadProfile:
 
 
 def read_profile(profile: MeasuredProfile) -> ReadProfile:
-    """Profile centred on its scar; its zero is uncertain by the mean depth of the flat beside the scar, at least by a
-    share of the largest depth.
-    """
+    """Prepare a profile: centred on its scar; as uncertain in its zero as the flat beside the scar lies off 0."""
     x, depth = profile.x_um, profile.depth_um
     smooth = _smoothed(x, depth)
     deepest = max(float(smooth.max()), 1e-6)
@@ -286,7 +284,9 @@ class ProfileDepths(observable.Observable):
         return replace(observable.Smoothness.of_whole_loops(len(sites)), along=along, family=family)
 
     def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
-        """Standard deviation (n,) in µm of the profiles' zero."""
+        """Standard deviation (n,) in µm of the profiles' zero, the median of a body's profiles; 0 for a body without
+        any.
+        """
         off = np.zeros(len(sites))
         for body in BODIES:
             own = [read_profile(one).zero_um for one in reading.profiles if one.body == body and _holds_enough(one)]

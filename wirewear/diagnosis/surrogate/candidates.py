@@ -109,7 +109,9 @@ class Candidate:
         return np.array([item.bounds() for item in self.unknowns.values()]).reshape(-1, 2)
 
     def starts(self) -> list[Array]:
-        """Coordinates (p,) from which searches begin: forms at 0, parameters on a grid."""
+        """Coordinates (p,) from which searches begin: forms at 0, first and last parameter on a grid, others at 0; for
+        changes over time also small early, middle and late ones.
+        """
         own = np.zeros(len(self.forms))
         if len(self.parameters) == 1:
             return [np.array([z, *own]) for z in (-1.6, -0.8, 0.0, 0.8, 1.6)]

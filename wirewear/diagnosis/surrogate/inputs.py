@@ -77,9 +77,9 @@ class SurrogateInputs:
     #: Quantity that the drive holds in place of the amplitude: "slip", "motion", "energy" or "tangential"; "" for none.
     held: str = ""
     held_share: float = 1.0  #: The value that is held (µm, mJ or N) over amplitude_um.
-    compliance_um_per_N: float = 0.0  #: Of the holder along the motion, rotation about a pivot included.
-    normal_spring_N_per_um: float = 0.0  #: Of the loading train.
-    crossing_error_rad: float = 0.0  #: Of the wires' axes; by what other bodies' scars are sheared alike.
+    compliance_um_per_N: float = 0.0  #: Compliance of the holder along the motion, with rotation about a pivot.
+    normal_spring_N_per_um: float = 0.0  #: Stiffness of the spring that presses the bodies.
+    crossing_error_rad: float = 0.0  #: Angle whose tangent shears scars; of wires, their axes' deviation from 90°.
     effects: tuple[AtWork, ...] = ()  #: Effects and free changes at work, applied in this order.
     length_mm: float = 0.0  #: Length of a line contact; zero for contacts at a point.
     contact_kind: str = kinds.CROSSED_WIRES
@@ -91,8 +91,8 @@ class SurrogateInputs:
     wear_factor: float = 1.0
     load_factor: float = 1.0
     added_compliance_um_per_N: float = 0.0  #: Beside the rig's own, as solvers hold the bodies differently.
-    displacement_offset_um: float = 0.0  #: Zero of the sensor, as the next.
-    force_offset_N: float = 0.0
+    displacement_offset_um: float = 0.0  #: Zero error of the displacement channel.
+    force_offset_N: float = 0.0  #: Zero error of the force channel.
     slope_factor: float = 1.0  #: Factor on the slopes of the worn surface.
     tip_factor: float = 0.0  #: Added to that factor towards the stroke's ends, at a similarity of one.
     tip_trend: float = 0.0  #: Change of tip_factor per decade of similarity.
@@ -161,7 +161,7 @@ class SurrogateInputs:
 
     @property
     def scales(self) -> Mapping[str, float]:
-        """Factors by unit on the sizes of parameters that effects state for the article's test of wires.
+        """Factors by unit on sizes of parameters that effects state for the wires of a reference article.
 
         Stiffnesses grow with the friction force over the amplitude, compliances fall with it, and cycles go with the
         length of the test.

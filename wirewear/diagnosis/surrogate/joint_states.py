@@ -23,7 +23,7 @@ class JointStates(WearStates):
     """States of a joint, which does not wear: two equal rows, as interpolation needs two."""
 
     has_layers = False
-    stiffening: ClassVar[float] = 0.0  #: What is stated of a joint holds at any load.
+    stiffening: ClassVar[float] = 0.0  #: 0: a joint's stiffness is stated for any load.
     sliding_freedoms: ClassVar[Mapping[str, float]] = FREEDOMS
 
     @classmethod

@@ -86,8 +86,7 @@ class LineStates(WearStates):
     """
 
     has_layers = False
-    #: None: the bodies as a whole give way, whatever the load.
-    stiffening: ClassVar[float] = 0.0
+    stiffening: ClassVar[float] = 0.0  #: 0: the bodies as a whole give way, independently of the load.
     sliding_freedoms = LINE_FREEDOMS
 
     length_um: float = 0.0

@@ -129,7 +129,9 @@ class NominalRun:
 
 
 def point_run(study: Study) -> NominalRun:
-    """How the nominal run of a contact at a point is to be made. Runs nothing."""
+    """How the nominal run of a contact at a point is to be made: with a wear that gives wear states, and enough
+    increments in a loop. Runs nothing.
+    """
     increments = study.fidelity("quick").increments_per_cycle or INCREMENTS_PER_CYCLE
     return NominalRun(wearing(study), _WEAR_MARGINS, {"fidelity": {"quick": {"increments_per_cycle": increments}}})
 
@@ -148,8 +150,8 @@ def nominal_run(
     """The nominal run of a study without its effects, in quick fidelity, from the cache or made now.
 
     It is the run with the first margin that completes or, if none does, the one with most logged loops, whose status
-    and message say why it ended. Of a programme it has only the loops of the study's own block. observer_of: gives the
-    observer of the run of a name; None for none. asked: how the run is to be made. Raises StudyError if the study
+    and message say why it ended. Of a programme it has only the loops of the study's own block. observer_of: makes the
+    observer of a run from its name; None for none. asked: how the run is to be made. Raises StudyError if the study
     cannot be meshed; SolverError if the contact did not converge before enough loops were logged.
     """
     # Effects of the model enter the fast model; the wear states are those without.

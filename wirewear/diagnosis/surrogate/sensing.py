@@ -82,7 +82,7 @@ def elastic_of(contact: SlidingContact) -> Array:
 
 
 def loop_energy(contact: SlidingContact, slip: Array) -> Array:
-    """Friction energy (n,) of loops in mJ, by sliding and by micro-slip; slip: (n,) slip amplitudes in µm."""
+    """Friction energy (n,) of loops in mJ, by sliding and by micro-slip; slip: (n,) largest sliding positions in µm."""
     sliding = 2.0 * slip * np.trapezoid(contact.force_N, POSITIONS, axis=2).mean(axis=1)
     # Twice what the branch of micro-slip (`branch_of`) encloses with its chord.
     power, left = 1.0 / contact.order, 1.0 - contact.share
@@ -115,9 +115,9 @@ def micro_slip(contact: SlidingContact) -> Array:
 def branches_of(contact: SlidingContact, chain: Chain, slip: Array) -> tuple[Array, Array]:
     """True displacement in µm and force in N, each (n, 2, m), along both branches from reversal to reversal.
 
-    slip: (n,) sliding amplitudes in µm. Micro-slip takes n Q/K (1 − (1 − Q/µP)^(1/n)) of travel: Mindlin's with n =
-    3/2, softer knees with higher orders. A contact that sticks in its middle goes only as far along it as its `share`;
-    the points of its sliding part then all lie at the tip.
+    chain: gives the free play. slip: (n,) largest sliding positions in µm. Micro-slip takes n Q/K (1 − (1 −
+    Q/µP)^(1/n)) of travel: Mindlin's with n = 3/2, softer knees with higher orders. A contact that sticks in its middle
+    goes only as far along it as its `share`; the points of its sliding part then all lie at the tip.
     """
     force, share = contact.force_N, contact.share[:, None, None]
     # Each begins with the force that the other one ends with.
@@ -200,15 +200,16 @@ def read_by_sensors(
 
 
 def shares_at(x: Array, load: LoadCycle, motion: FastMotion) -> Array:
-    """Normal load over its reference (n, 2, m) at the moments when a motion passes displacements x (n, 2, m)."""
+    """Normal load over its reference (n, 2, m) at the moments when a motion passes displacements x (n, 2, m) in µm.
+    load: course of the load within a cycle.
+    """
     return load.shares(((_phases_and_half(x, motion)[0] - motion.top) / (2.0 * np.pi)) % 1.0)
 
 
 def late_places(setup: SurrogateInputs, read: Array, lag: float) -> Array:
-    """Displacements (n, 2, m) in µm that a first-order filter reads when the true reading is `read` (n, 2, m).
-
-    lag: the filter's time constant times angular frequency, in rad. A sensor drive moves farther, by as much as the
-    filter shrinks its stroke.
+    """Displacements (n, 2, m) in µm that a first-order filter reads at the moments when the true reading is `read` (n,
+    2, m). setup: drive and its motion. lag: the filter's time constant times angular frequency, in rad. A sensor drive
+    moves farther, by as much as the filter shrinks its stroke.
     """
     before = setup.motion.before(lag)
     after = before.behind(lag)
@@ -220,8 +221,8 @@ def late_places(setup: SurrogateInputs, read: Array, lag: float) -> Array:
 
 
 def late_forces(q: Array, x: Array, lag: Array, motion: FastMotion = SINE) -> Array:
-    """Forces (n, 2, m) in N that first-order filters read of q (n, 2, m) at displacements x (n, 2, m). lag: (n,) the
-    filters' time constants times angular frequency, in rad.
+    """Forces (n, 2, m) in N that first-order filters read of true forces q (n, 2, m) at displacements x (n, 2, m). lag:
+    (n,) the filters' time constants times angular frequency, in rad. motion: of the drive, which gives the times.
     """
     delays = 1j * lag[:, None] * HARMONICS
     return q + filtered(_phases_and_half(x, motion)[0], q, -delays / (1.0 + delays))

@@ -81,7 +81,9 @@ class WornWires:
         return sliding_window_view(moving, self.x.size, axis=-1)[:, :, self.s.size - 1 :]
 
     def within(self, reach: float) -> WornWires:
-        """The part of the grid up to `reach` across from the middle; arrays are views of these."""
+        """The part of the grid up to `reach` across from the middle; its depths are views, so that they wear with
+        these.
+        """
         cut = max(self.x.size // 2 - int(reach / self.along**0.5 / self.step) - 2, 0)
         x, further = slice(cut, self.x.size - cut), slice(cut, self.moving.shape[-1] - cut)
         rows = slice(0, int(reach / self.step) + 3)

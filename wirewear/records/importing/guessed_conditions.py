@@ -145,8 +145,8 @@ def _loops(text: GuessedFile, source: dict[str, Any], frequency: object, length_
 
 def frequency_of(columns: dict[str, Array], source: dict[str, Any], doubt_s: float = 0.0) -> tuple[float | None, str]:
     """Frequency of the drive in Hz, None if no times are stated, and a reason against numbering cycles by it ("" if
-    there is none). columns: read columns by key. source: table `[loops]` of the mapping. doubt_s: uncertainty of times
-    across gaps in the log.
+    there is none). columns: those read, in the record's units. source: table `[loops]` of the mapping. doubt_s:
+    uncertainty of times across gaps in the log.
     """
     x = columns["displacement_um"]
     time = columns.get("time_s")
@@ -268,8 +268,8 @@ class Touching:
     def of(
         cls, kind: str, known: Mapping[str, object], elastic: Mapping[str, object], of_other: Mapping[str, object]
     ) -> Self:
-        """Bodies of a kind of contact from options by key. elastic, of_other: elastic constants of both bodies, and of
-        pad or ball. Raises RecordError, in one sentence, if something is missing that no file states.
+        """Bodies of the contact `kind` from options by key. elastic, of_other: elastic constants of both bodies, and of
+        the pad or ball. Raises RecordError, in one sentence, if something is missing that no file states.
         """
         return cls(KINDS[kind].body_names, KINDS[kind].bodies.by_options(known, elastic, of_other))
 
@@ -282,7 +282,9 @@ class Touching:
 def scars_of(
     points: Sequence[GuessedFile], maps: Sequence[Path], touching: Touching
 ) -> tuple[dict[str, object], list[str]]:
-    """Tables `[scars.*]` of a mapping, by body, for texts with points and for maps, and sentences on assumptions."""
+    """Tables `[scars.*]` of a mapping, by body, for texts with points and for maps, and sentences on assumptions and on
+    files left out.
+    """
     scars: dict[str, Any] = {}
     remarks = [f"{text.path.name} was left out: there are no bodies" for text in points if not touching.names]
     for text in points if touching.names else ():
@@ -398,7 +400,7 @@ def laid(
     path: Path, name: str, touching: Touching, surface: tuple[Array, Array, Array]
 ) -> tuple[dict[str, object], str]:
     """Keys of a mapping for how the body `name` lies in a map of heights, the nearest of the possible ways, and a
-    sentence. surface: lines x (n_x,), y (n_y,) and heights (n_x, n_y) in µm.
+    sentence. path: names the map. touching: the bodies. surface: lines x (n_x,), y (n_y,) and heights (n_x, n_y) in µm.
     """
     if (body := touching.bodies.get(name)) is None:
         return along_x(path, name, touching, "with --diameter its heights show it")

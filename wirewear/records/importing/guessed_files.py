@@ -132,8 +132,8 @@ def _in_groups(
 
 
 def joined(channels: Sequence[GuessedFile]) -> tuple[GuessedFile, ...]:
-    """One file that combines two files, of a displacement and of its force, as a tuple; empty if they do not belong
-    together.
+    """One file, in a tuple, that combines the two given files of a displacement and of its force; empty if there are
+    others or they do not belong together.
     """
     pairs = [
         (first, second)
@@ -274,6 +274,6 @@ def _since_an_epoch(text: GuessedFile, name: str | int) -> bool:
 
 
 def listed_once(files: Sequence[Path]) -> str | list[str]:
-    """Names of the files, sorted, without repetition: a text if there is one, else a list."""
+    """Names of the files, sorted, without repetition: one as a text, several as a list."""
     names = sorted({path.name for path in files})
     return names if len(names) > 1 else names[0]

@@ -35,7 +35,9 @@ _HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unk
 
 
 def asked_of(known: Mapping[str, object]) -> dict[str, object]:
-    """Conditions of a test without loops, by key, from options `known`. Raises RecordError if an option is missing."""
+    """Conditions by key of a test without loops, from the user's options `known`. Raises RecordError if one is
+    missing.
+    """
     missing = [option for key, option in _OPTIONS.items() if known.get(key) is None]
     if missing:
         raise RecordError(f"no file holds loops, so that only options can state the test: give {', '.join(missing)}.")
@@ -45,7 +47,9 @@ def asked_of(known: Mapping[str, object]) -> dict[str, object]:
 def profiles_of(
     texts: Sequence[GuessedFile], maps: Sequence[Path], touching: Touching
 ) -> tuple[dict[str, object], list[str]]:
-    """Tables `[profiles.*]` of a mapping, by body, for texts and maps with profiles, and sentences on assumptions."""
+    """Tables `[profiles.*]` of a mapping, by body, for these texts and maps of profiles, and sentences on assumptions
+    and on files left out.
+    """
     found: dict[str, Any] = {}
     files: dict[str, list[str]] = {}
     remarks: list[str] = []
@@ -89,7 +93,7 @@ _WORN = {"scars": scars_of, "profiles": profiles_of}
 
 @dataclass(frozen=True)
 class GuessedMapping:
-    """Guessed tables of a mapping by name, and sentences on what should be checked."""
+    """Guessed tables of a mapping by name, such as "loops", and sentences on what the user should check."""
 
     tables: dict[str, Any]
     remarks: tuple[str, ...]
@@ -229,8 +233,8 @@ def evolution_source(tables: Sequence[GuessedFile], *, per_length: bool = False)
 
 
 def with_files_from(guess: GuessedMapping, home: Path, folder: Path) -> GuessedMapping:
-    """Copy of a mapping to be stored in `folder`, with file names relative to it; home: the files' folder. Raises
-    RecordError if `home` is not inside `folder`.
+    """Copy of a guessed mapping for a file in `folder`, with the data files' names relative to it; home: these files'
+    folder. Raises RecordError if `home` is not inside `folder`.
     """
     try:
         relative = home.resolve().relative_to(folder.resolve())

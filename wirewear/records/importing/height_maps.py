@@ -71,10 +71,9 @@ class StatedMap:
         return ["step_um"] * (self.step_um is None) + ["height_unit"] * (self.unit_um is None)
 
     def scaled(self, file: Path, stated: MapScale) -> Map:
-        """Map in µm with its origin in the middle; the mapping's scale takes precedence over the file's.
-
-        file: names the map in messages. Raises RecordError, in one sentence, if neither states the scale, or the size
-        is not plausible.
+        """Lines x, y and heights in µm, x and y counted from the middle; the mapping's scale takes precedence over the
+        file's. file: names the map in messages. Raises RecordError, in one sentence, if neither states the scale, or
+        the size is not plausible.
         """
         step = self.step_um if stated.step_um is None else (stated.step_um, stated.step_y_um or stated.step_um)
         unit = self.unit_um if stated.height_unit is None else FIELD_UNITS["um"][stated.height_unit]
@@ -116,7 +115,9 @@ class Matrix:
     unit_um: float | None = None
 
     def read(self, file: Path) -> StatedMap:
-        """The map of the text. Raises RecordError if a field is not a number."""
+        """The map in the text file; its scale is None where the text does not state it. Raises RecordError if a field
+        is not a number.
+        """
         layout = (self.guessed.tables or (self.guessed.layout,))[0]
         text = read_delimited(file, layout)
         # Numbers need no quotation marks, and are read fast without.

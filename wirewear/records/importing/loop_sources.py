@@ -51,8 +51,10 @@ SPLIT = (
 
 @dataclass(frozen=True, eq=False)
 class SampledLoop:
-    """Samples (n,) of one cycle; normal_load_N: (n,), one number or None; time_s: None if unknown; notes: sentences on
-    how the cycle was found.
+    """Samples (n,) of one cycle of a repeat.
+
+    normal_load_N: (n,), one number or None if unknown. time_s: (n,), or None if unknown. notes: sentences on how the
+    cycle was found.
     """
 
     repeat: int
@@ -65,7 +67,7 @@ class SampledLoop:
 
     @classmethod
     def of(cls, loop: MeasuredLoop, load_N: float | None) -> "SampledLoop":
-        """Loop of a record; `load_N` is used if no normal force was measured."""
+        """A loop of a record; load_N: stands in for a normal force that was not measured."""
         normal = load_N if loop.normal_force_N is None else loop.normal_force_N
         return cls(loop.repeat, loop.cycle, loop.displacement_um, loop.tangential_force_N, normal, loop.time_s)
 

@@ -245,7 +245,7 @@ class Mapping(PointMapping, WiresTest):
 
 
 class BodiesMapping(PointMapping, BodiesTest[Bodies], Generic[Bodies]):
-    """All tables of a mapping file for two bodies."""
+    """All tables of a mapping file for two bodies that touch at a point."""
 
 
 def unit_factor(name: str, mapping: ColumnMapping, length_mm: float | None = None) -> float:

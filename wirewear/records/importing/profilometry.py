@@ -45,7 +45,9 @@ FEWEST_ON_LINE = 20  #: Fewer points show no face.
 
 @dataclass(frozen=True)
 class MapOfBody:
-    """Map file of a body's surface in one repeat, with the mapping's statement of how the body lies in it."""
+    """Map file of a body's surface in one repeat; source: the mapping's table on it, which states how the body lies in
+    it.
+    """
 
     file: Path
     source: ScarSource
