@@ -243,6 +243,11 @@ def test_a_record_is_not_put_in_place_of_the_folder_that_the_command_runs_in(
     assert "was started in" in wirewear("import", "../mapping.toml", "--output", ".", code=2).stderr
 
 
+def test_a_record_is_not_put_in_place_of_a_mounted_disk(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Path, "is_mount", lambda path: path.name == "disk")
+    assert "a disk is mounted at disk" in wirewear("import", "mapping.toml", "--output", "disk", code=2).stderr
+
+
 def test_names_that_are_no_text_in_utf_8_are_names_of_outputs_and_inputs(home: Path) -> None:
     folder = Path(os.fsdecode(b"bad\xff"))
     folder.mkdir()
