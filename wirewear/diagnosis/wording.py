@@ -161,9 +161,9 @@ def steps(diagnosis: Diagnosis) -> list[tuple[str, str]]:
 
 
 def next_measurement(diagnosis: Diagnosis, least: float = 0.02) -> tuple[str, list[tuple[str, float, str]]] | None:
-    """The next measurement for readers, and for each effect that it distinguishes its name, probability and what it
-    would show, most probable first. None if no two of these effects have at least the probability `least` each, apart
-    from effects that act together.
+    """Words on the next measurement (what, why, and its cost in time), and for each effect that it distinguishes its
+    name, probability and what it would show, most probable first. None if no two of these effects have at least the
+    probability `least` each, apart from effects that act together.
     """
     asked, causes = diagnosis.next_measurement, diagnosis.causes
     known = {cause.effect: cause.probability for cause in causes}

@@ -222,7 +222,9 @@ def check_record(record: AnyRecord) -> RecordReport:
 
 
 def looked_at(record: AnyRecord) -> CheckedRecord:
-    """The record with statistics of all its loops, and figures of at most MOST_ANALYSED of them."""
+    """The record with statistics of all its loops, and figures of at most MOST_ANALYSED of them, or why one has
+    none.
+    """
     figures: dict[tuple[int, int], LoopFigures] = {}
     refused: dict[tuple[int, int], str] = {}
     for loop in analysed(record.loops):

@@ -237,7 +237,7 @@ Bodies = TypeVar("Bodies", bound=TwoBodies)
 
 
 class ContactAtAPoint(Table):
-    """Kind of a contact at a point."""
+    """What touches at a point: the name of the kind, such as "ball-on-flat"."""
 
     kind: Annotated[str, PlainValidator(one_of(*kinds.AT_A_POINT[1:]))] = Field(
         description="kind of contact", examples=[kinds.BALL_ON_FLAT]
@@ -285,7 +285,7 @@ class BodiesRecord(PointRecordTables, BodiesTest[Bodies], Generic[Bodies]):
 
 
 class ContactOfJoint(JointStiffness):
-    """Kind and stiffness of a joint."""
+    """What touches, a joint, and its own stiffness, rigid if unstated."""
 
     kind: Annotated[Literal["joint"], PlainValidator(keys.one_of(kinds.JOINT))] = Field(
         description="kind of contact", examples=[kinds.JOINT]

@@ -91,7 +91,7 @@ def _largest(values: Array) -> float:
 
 
 def folded(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on forces recorded without their sign."""
+    """Remark on forces recorded as absolute values, which fall to zero and rise again twice a cycle."""
     wrong = checked.statistics.force_folded > 0.0
     if wrong.any():
         text = (
@@ -153,7 +153,9 @@ def normal_force(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def outlying_samples(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on outlying samples."""
+    """Remark on the number of outlying samples: a problem if they are more than the share `OUTLIER_SHARE` of all, else
+    a note.
+    """
     s = checked.statistics
     count, all_samples = float(np.nansum(s.outliers)), max(int(s.samples.sum()), 1)
     if count:

@@ -77,7 +77,7 @@ class LoopStatistics:
 
 
 def loop_statistics(loops: Sequence[MeasuredLoop]) -> LoopStatistics:
-    """Statistics of these loops, in their order."""
+    """Statistics of each loop, in the order of `loops`, from its samples that lack no channel."""
     complete = [loop.complete for loop in loops]
     samples = np.array([loop.time_s.size for loop in complete], dtype=np.int64)
     columns = {name: np.full(len(loops), np.nan) for name in _COMPUTED}
@@ -273,11 +273,11 @@ class RecordReport:
 
     @property
     def problems(self) -> tuple[Remark, ...]:
-        """Remarks that are problems."""
+        """Those remarks that make figures unreliable, without the notes."""
         return tuple(remark for remark in self.remarks if remark.level == "problem")
 
     def to_json(self) -> dict[str, object]:
-        """Report as plain values for JSON."""
+        """The report as dicts, lists, texts and numbers by its fields' names."""
         return asdict(self)
 
 

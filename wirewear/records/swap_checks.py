@@ -183,7 +183,7 @@ def _other_order(energies: Array, expected: dict[str, Array]) -> str | None:
 
 
 def copied_loops(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on loops with a channel equal to that of another loop."""
+    """Remark on the first loop with a channel equal, sample by sample, to that of another loop."""
     record, noise = checked.record, checked.record.tables.noise
     for name, stated in (
         ("displacement_um", noise.displacement_um),
@@ -199,7 +199,7 @@ def copied_loops(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def copied_evolution(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on repeats with equal evolutions."""
+    """Remark on the first repeat whose evolution equals that of another, figure by figure."""
     parts = ((f"repeat {part.repeat}", tuple(part.columns.values())) for part in checked.record.evolution)
     if pair := _first_copy(parts):
         tables = checked.record.tables

@@ -30,12 +30,14 @@ class Surface(Protocol):
     def forms(self) -> int: ...
 
     def form_text(self, parameters: Array, body: str) -> str:
-        """Beginning of a sentence on how the form at these parameters deviates from the stated shape; `body` names the
-        body.
+        """Beginning of a sentence on how the form at these parameters, as of `height`, deviates from the stated shape;
+        "" for a plane. body: its name.
         """
 
     def height(self, parameters: Array, at: Array) -> Array:
-        """Heights (m,) in µm at places (2, m) in µm; parameters that are left out at the end are 0."""
+        """Heights (m,) in µm at places (2, m) in µm. parameters: (placing + forms,), or fewer, of which the missing
+        last ones are 0.
+        """
 
 
 @dataclass(frozen=True)

@@ -150,7 +150,7 @@ class MeasuredLoop:
         return LoopSignals(self.time_s, self.displacement_um, self.tangential_force_N, self.normal_force_N, period_s)
 
     def read_as(self, signals: LoopSignals) -> "MeasuredLoop":
-        """Copy of the loop with the displacements and forces of `signals`."""
+        """Copy of the loop with the displacements, tangential and normal forces of `signals`, at the same times."""
         return replace(
             self,
             displacement_um=signals.displacement_um,

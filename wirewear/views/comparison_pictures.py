@@ -229,7 +229,7 @@ def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
 
 
 def map_picture(shown: DepthMap) -> Figure:
-    """Figure of one depth map."""
+    """Figure of one map alone, in its colours, with its colour scale."""
     half_x, half_y = shown.half_um
     figure = style.new_figure(MAP_in * min(max(half_y / half_x, 0.4), 1.6) + 0.9, MAP_in)
     axes = figure.subplots()

@@ -223,7 +223,9 @@ def _heights(scar: Scar, x: Array, y: Array) -> Array:
 
 
 def sentence(result: RunResult) -> str:
-    """Outcome of a run in a few sentences."""
+    """What a run came to, in a few sentences: slip and regime, energy, worn volume and depths, or why no cycle is
+    measured yet.
+    """
     evolution = result.evolution
     if not evolution["cycle"].size:
         return f"{result.label}: no cycle is measured yet ({result.message})."

@@ -31,7 +31,7 @@ class Run(RunResult):
 
     @classmethod
     def of(cls, result: RunResult) -> Run:
-        """The run with the contents of this result."""
+        """A `Run` with the same fields as a result that has no methods to draw or save it."""
         return cls(**{field.name: getattr(result, field.name) for field in fields(RunResult) if field.init})
 
     def plot(self, what: str = "overview", *, beside: Sequence[RunResult] = ()) -> Figure:

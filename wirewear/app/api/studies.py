@@ -34,7 +34,7 @@ class Record(ExperimentRecord[Any, Any]):
 
     @classmethod
     def of(cls, record: AnyRecord) -> Self:
-        """The record with the contents of this one."""
+        """An object of this class with the same fields as a record that was read."""
         return cls(**{field.name: getattr(record, field.name) for field in fields(record)})
 
     def __repr__(self) -> str:

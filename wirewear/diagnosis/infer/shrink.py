@@ -64,7 +64,9 @@ class HeldOutScores:
 
     @classmethod
     def of(cls, observed: Observations, covariance: Covariance, test: BoolArray) -> HeldOutScores:
-        """Scores of the observables that `test` (n,) marks as held out."""
+        """Scores of held-out observables, which `test` (n,) marks in the layout of `observed`. covariance: see
+        `Covariance`, of `observed`.
+        """
         return cls(observed, covariance, Features.of(observed.layout, test))
 
     def squares(self, predicted: Array) -> Array:
@@ -72,8 +74,8 @@ class HeldOutScores:
         return self._scaled(self.observed.values - predicted)
 
     def floor(self) -> Array:
-        """Squared residuals (r, f) that a perfect model would leave: of each repeat from the mean of all with the
-        solvers' differences, or 1 if it is the only one.
+        """Squared residuals (r, f) that a perfect model would leave: those of each repeat from the mean of all, plus
+        what solvers differ; 1 for a repeat that has no other beside it.
         """
         values = self.observed.values
         count = np.isfinite(values).sum(axis=0)

@@ -65,8 +65,8 @@ class Weighed:
     """Probabilities of the explanations, and of a cause outside the library (`outside`); together they are 1.
 
     A cause of no library that acts just like a known effect has no share of its own: how often such causes occur, no
-    record shows. classes: of effects. beside: part of `outside` in which an explanation acts together with such a
-    cause, by explanation.
+    record shows. classes: of effects that the record cannot tell apart. beside: part of `outside` in which an
+    explanation acts together with such a cause, by explanation.
     """
 
     probabilities: Mapping[tuple[str, ...], float]
@@ -124,7 +124,9 @@ class Weighed:
         return replace(self, probabilities={names: float(not names) for names in self.probabilities}, outside=0.0)
 
     def class_of(self, name: str) -> tuple[str, ...]:
-        """The class of the effect `name`; the name alone if it is in none."""
+        """The class, of effects that the record cannot tell apart, to which the effect `name` belongs; the name alone
+        if none has it.
+        """
         return next((members for members in self.classes if name in members), (name,))
 
 

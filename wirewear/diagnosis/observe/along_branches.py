@@ -95,8 +95,8 @@ class Stick(observable.ByLocalLines):
         return sites.branch * read_along(np.maximum.accumulate(q, axis=1), x, row, sites.level)
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        """Solver differences in µm: shift of the branch by another force at its reversal, and of readings on a shelf by
-        an error of the force's zero.
+        """Solver differences in µm. Smooth: the shift of the branch by another force at its reversal. Of each number,
+        and common to all: the shift of readings on a shelf by an error of the force's zero.
         """
         turned = observable.SLOPE_SHARE * loops.rise_N(sites) * loops.stick_compliance_um_per_N(sites)
         unsure_N = observable.FORCE_ERROR * loops.scale.force_N

@@ -124,7 +124,7 @@ class ReducedLoop:
 
     @property
     def correlation(self) -> float:
-        """Correlation of the noise of neighbouring samples."""
+        """Correlation of the force noise of neighbouring samples."""
         return correlation_of(self.force_noise_N / self.sample_noise_N)
 
     @property
@@ -199,7 +199,9 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) ->
 
 
 def common_motion(loops: Sequence[ReducedLoop]) -> FastMotion:
-    """Motion of the drive that these loops have in common; a sine if there are none."""
+    """Motion of the drive over a cycle by the harmonics of these loops; a sine if there are none, or noise explains all
+    but the first harmonic.
+    """
     if not loops:
         return SINE
     samples, noise = (

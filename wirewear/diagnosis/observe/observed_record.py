@@ -100,7 +100,7 @@ class Reading:
         return float(np.median([loop.sample_noise_N for loop in self.loops])) if self.loops else 0.0
 
     def at(self, cycle: int) -> list[ReducedLoop]:
-        """Loops of all repeats at this cycle."""
+        """The loops at a cycle, one for each repeat that has it."""
         return [loop for loop in self.loops if loop.cycle == cycle]
 
 

@@ -97,7 +97,7 @@ class Candidate:
         return {**found, **{name: p.value(0.0) for name, p in self.held.items()}}
 
     def effect(self, coordinates: Array) -> AnyEffect:
-        """The effect with its numbers at coordinates (p,)."""
+        """The effect with the numbers that belong to coordinates (p,), and the candidate's choices."""
         return self.kind(**self.values(coordinates), **self.chosen)
 
     def applied(self, setup: SurrogateInputs, coordinates: Array) -> SurrogateInputs:

@@ -69,7 +69,7 @@ class WornLine:
         return between(self.area_mm2, self.depth_mm, area_mm2, 1.5)
 
     def half_width_at(self, area_mm2: float) -> float:
-        """Half-width of the scar in mm at this worn area."""
+        """Half-width of the scar in mm at a worn area, linear between those computed and constant beyond them."""
         return float(np.interp(area_mm2, self.area_mm2, self.half_width_mm))
 
     def factor_at(self, area_mm2: Array) -> Array:

@@ -57,7 +57,7 @@ class SlidingContact:
     share: Array  #: (n,) force reached over friction, 0 to 1; 1 if the contact slides.
 
     def taken(self, moments: NDArray[np.intp]) -> "SlidingContact":
-        """The contact at the moments of these indices only."""
+        """A copy with only those of its n moments whose indices are given, in their order."""
         return SlidingContact(*(column[moments] for column in vars(self).values()))
 
     @property

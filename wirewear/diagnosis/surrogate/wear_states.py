@@ -259,7 +259,7 @@ class WearStates:
         return flattened_wires(radius, stroke, round(deepest, 2), share, round(self.along, 3))
 
     def layered(self) -> LayeredWires:
-        """Table of the changes of these states that a rough layer between the bodies makes."""
+        """Table of what a rough layer between the bodies changes of their loops and scars."""
         slip = float(self.slip_um[0])
         radius, stroke, share = self._proportions
         return layered_wires(

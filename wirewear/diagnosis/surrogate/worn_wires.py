@@ -91,8 +91,8 @@ class WornWires:
         return replace(self, x=self.x[x], y=self.y[rows], fixed=fixed, moving=moving)
 
     def worn(self, pressure: Array, moving_share: float, volume: float) -> None:
-        """Wear both wires in place by `volume` for each pair, distributed as `pressure` (k, y, s, x) is. moving_share:
-        share of the volume that the moving wire loses.
+        """Wear both wires in place. pressure: (k, y, s, x), under a load of 1. volume: that each pair loses, in δ⁴/R.
+        moving_share: share of it that the moving wire loses.
         """
         weights = np.full(self.s.size, volume / (self.s.size - 1))
         weights[[0, -1]] *= 0.5

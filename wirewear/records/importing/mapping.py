@@ -108,7 +108,7 @@ class LoopColumns(Table):
 
 
 class EvolutionColumns(Table):
-    """Columns of the evolution."""
+    """Where the columns of the evolution come from; None for those that the files lack."""
 
     cycle: Column = Field(description="number of the cycle")
     displacement_amplitude_um: OptionalColumn = Field(None, description="displacement amplitude")
@@ -168,7 +168,7 @@ class LoopSource(Source):
 
 
 class EvolutionSource(Source):
-    """Files of the evolution."""
+    """Files of the evolution over the cycles, each with one row for a cycle."""
 
     columns: EvolutionColumns = Field(description="columns of the evolution")
 
@@ -186,7 +186,7 @@ class MapSource(Source):
 
     @property
     def scale(self) -> MapScale:
-        """Scale of maps as the mapping states it."""
+        """The step and the unit of heights that the mapping states, for maps that do not; None for unstated ones."""
         return MapScale(self.step_um, self.step_y_um, self.height_unit)
 
 
@@ -207,7 +207,7 @@ class ScarSource(MapSource):
 
 
 class Scars(Table):
-    """Sources of scars for each body."""
+    """Where the scar maps of each body are; None for bodies without scars."""
 
     moving: ScarSource | None = Field(None, description="scars of the moving wire")
     fixed: ScarSource | None = Field(None, description="scars of the fixed wire")
@@ -290,7 +290,7 @@ class ProfileSource(MapSource):
 
 
 class Profiles(Table):
-    """Worn profiles at the end of the test."""
+    """Where the worn profiles at the end of the test are; None for a body without one."""
 
     pad: ProfileSource | None = Field(None, description="profiles of the pad")
     specimen: ProfileSource | None = Field(None, description="profiles of the specimen")

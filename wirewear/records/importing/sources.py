@@ -45,7 +45,7 @@ def files_of(source: Source, home: Path) -> list[Path]:
 
 def file_of(column: ColumnMapping, path: Path) -> Path:
     """File of a column: the one that it names, beside the source's file `path`, or else `path`. Raises RecordError if
-    it does not exist, is not an ordinary file, or lies outside the folder.
+    the one named does not exist, is not an ordinary file, or lies outside the folder of `path`.
     """
     if column.file is None:
         return path
@@ -107,7 +107,9 @@ def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | N
 
 
 def layout_of(source: Source) -> DelimitedLayout:
-    """Layout of a source's texts."""
+    """How the texts of a source are spelled (delimiter, decimal sign, encoding, lines of the header), for readers of
+    columns.
+    """
     return DelimitedLayout(
         delimiter=DELIMITERS[source.delimiter],
         decimal=source.decimal,
