@@ -40,12 +40,12 @@ class Registration:
     rotation_held: bool
 
     def measured_point(self, x_um: Array, y_um: Array) -> tuple[Array, Array]:
-        """Coordinates in µm in the measured map of points given in the simulated frame."""
+        """Coordinates x and y (...) in µm in the measured map of points (...) given in the simulated frame."""
         cosine, sine = np.cos(np.radians(self.rotation_deg)), np.sin(np.radians(self.rotation_deg))
         return x_um * cosine - y_um * sine + self.shift_x_um, x_um * sine + y_um * cosine + self.shift_y_um
 
     def simulated_point(self, x_um: Array, y_um: Array) -> tuple[Array, Array]:
-        """Coordinates in µm in the simulated frame of points given in the measured map."""
+        """Coordinates x and y (...) in µm in the simulated frame of points (...) given in the measured map."""
         cosine, sine = np.cos(np.radians(self.rotation_deg)), np.sin(np.radians(self.rotation_deg))
         x, y = x_um - self.shift_x_um, y_um - self.shift_y_um
         return x * cosine + y * sine, y * cosine - x * sine

@@ -199,8 +199,8 @@ def sentence_of(
     relevance: Relevance | None = None,
     behind: Sequence[Cause] = (),
 ) -> str:
-    """The answer of a diagnosis in one or two sentences; arguments as the fields of `Diagnosis`. behind: causes of a
-    difference that lies within the tolerance.
+    """The answer of a diagnosis in one or two sentences. Arguments: as the fields of `Diagnosis`, None and empty ones
+    where nothing is known. behind: causes of a difference that lies within the tolerance, of which the first is named.
     """
     if verdict == "no_gap":
         return _agreement(relevance, behind[0] if behind else None)

@@ -122,8 +122,8 @@ class LineTest(OfRecord):
 
     @classmethod
     def length_of(cls, study: Mapping[str, object], asked_mm: float | None, label: str) -> float:
-        """Length in mm that is asked for, or else the study's. Raises RecordError if the study's is 1 mm, as forces are
-        then per millimetre, and none is asked for.
+        """Length in mm that the user asks for, or else the study's. asked_mm: None or 0 for none asked. Raises
+        RecordError if the study's is 1 mm, as forces are then per millimetre, and none is asked for.
         """
         if not asked_mm and (own := stated_length_mm(study)) == 1.0:
             raise RecordError(f"the forces of {label} are per millimetre: give its --length for a record.")

@@ -42,10 +42,9 @@ _IDEAL = Sensor()
 def write_as_heights(
     folder: Path, loops: Sequence[MeasuredLoop], surfaces: Mapping[str, Surface], repeats: int, *, overwrite: bool
 ) -> list[Path]:
-    """Write loops.csv and one file of heights for each surface and repeat to `folder`; return their paths.
-
-    surfaces: by file name. repeats: their number. Raises RecordError if a file cannot be written, or exists and must
-    not be overwritten.
+    """Write loops.csv and one file of heights for each surface and repeat to `folder`; return their paths. surfaces: by
+    file name. repeats: their number. overwrite: True to replace existing files. Raises RecordError if a file cannot be
+    written, or exists and must not be overwritten.
     """
     frames = {"loops": loops_frame(loops)}
     frames |= {f"{n}_{r}": frame_of(own()) for n, own in surfaces.items() for r in range(1, repeats + 1)}

@@ -81,7 +81,7 @@ class RoundSurface:
         return np.asarray((at - turn * np.stack([-at[1], at[0]])) / np.sqrt(1.0 + turn**2) - moved[:, None])
 
     def turned_deg(self, parameters: Array) -> float:
-        """Angle in degrees by which the axis is rotated against the stated direction."""
+        """Angle in degrees by which, at these parameters, the axis is rotated against the stated direction."""
         return float(np.degrees(np.arctan(self._placed(parameters)[3])))
 
     def moving(self, places_um: Array) -> Array:

@@ -163,7 +163,8 @@ def run_variants(
     study: Study | LineStudy, *, fidelity: str = "standard", output: str | Path | None = None, progress: bool = True
 ) -> dict[str, Run]:
     """Simulate all variants of a study and return the runs by the variants' names. output: folder in which each gets a
-    folder of its own; None to write no file. Raises StudyError if the study has no variants, and whatever `run` raises.
+    folder of its own; None to write no file. progress: True to show it. Raises StudyError if the study has no variants,
+    and whatever `run` raises.
     """
     if not study.variant_names:
         raise StudyError(f"the study {study.name!r} has no variants: take run(study).")

@@ -382,8 +382,8 @@ def widened(b: Branches, size: float) -> PredictedLoops:
 
 
 def half_width(x_um: Array, depth_um: Array) -> float:
-    """Largest |x| in µm at which a profile, x counted from its middle, is deeper than the share `EDGE` of its largest
-    depth; at least 1e-6.
+    """Largest |x| in µm at which a profile is deeper than the share `EDGE` of its largest depth; at least 1e-6. x_um,
+    depth_um: (m,), x counted from the profile's middle.
     """
     over = np.flatnonzero(depth_um > EDGE * depth_um.max(initial=0.0))
     return max(float(np.abs(x_um[over]).max(initial=0.0)), 1e-6)

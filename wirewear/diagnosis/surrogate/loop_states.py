@@ -109,8 +109,9 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
 
 
 def sliding(result: RunResult, row_of: Callable[[Loop], tuple[object, ...] | None]) -> list[Array]:
-    """Columns of the rows that `row_of` gives for a run's loops; of several loops before any wear only the last counts.
-    row_of: the row of a loop, None if it does not slide. Raises RunError if no loop slides as a whole.
+    """Columns of the rows that `row_of` gives for a run's loops; of several loops before any wear only the last counts,
+    but all if nothing wears. row_of: the row of a loop, None if it does not slide. Raises RunError if no loop slides as
+    a whole.
     """
     known = [(loop.cycle, row) for loop in result.loops if (row := row_of(loop)) is not None]
     if not known:
@@ -123,7 +124,7 @@ def sliding(result: RunResult, row_of: Callable[[Loop], tuple[object, ...] | Non
 
 
 class StatesOfLoops(TypedDict):
-    """Fields of `WearStates` that all contacts have, one row for each logged loop."""
+    """Fields of `WearStates` that all contacts have; each array has one row for each wear state."""
 
     volume_um3: Array
     similarity: Array

@@ -199,8 +199,9 @@ def loops_of(
 
 
 def in_rows(file: Path, columns: dict[str, Array]) -> dict[str, Array]:
-    """Columns of equal length (n,); matrices (samples, cycles) are joined end to end, with a column "cycles" counted
-    from 0. Raises RecordError, whose message begins with `file`, if the columns do not fit together.
+    """Columns of equal length (n,); matrices, of cycles by samples either way round, are joined cycle by cycle, with a
+    column "cycles" counted from 0. Raises RecordError, whose message begins with `file`, if the columns do not fit
+    together.
     """
     columns = _samples_first(columns)
     shape = columns["displacement_um"].shape

@@ -121,7 +121,7 @@ class MatlabReader(Reader):
         return tuple(Channel(name) for own in _arrays(path, _contents(path)) for name in _parts(*own))
 
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Wanted) -> dict[str, Array]:  # noqa: ARG002
-        """Variables by the names in `wanted`; `layout` has no effect."""
+        """Variables of the file by the names in `wanted`, (n,) or matrices; `layout` has no effect."""
         contents = _contents(path, {_whole(column) for column in wanted.values()})
         _require_one_channel_each(path, contents, wanted)
         return {name: _variable(path, contents, str(column)) for name, column in wanted.items()}
@@ -276,7 +276,7 @@ class TdmsReader(Reader):
         )
 
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:  # noqa: ARG002
-        """Channels by the names in `wanted`; `layout` has no effect."""
+        """Channels (n,) of the file by the names in `wanted`; `layout` has no effect."""
         channels = _channels(path)
         return {name: _numbers(path, channels, str(column)) for name, column in wanted.items()}
 

@@ -83,7 +83,7 @@ def numbers_in_name(path: Path, source: Source) -> dict[str, int]:
 
 
 def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | None = None) -> dict[str, Array]:
-    """Wanted columns of one file by name in the record's units: (n,), or (samples, cycles) for matrices.
+    """Wanted columns of one file by name in the record's units: (n,), or matrices as `Reader.columns` gives them.
 
     length_mm: of a line contact, whose forces and energies may be given per millimetre; None for contacts at a point.
     Raises RecordError if the file cannot be read, lacks a column or holds text for a number.

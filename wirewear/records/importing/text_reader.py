@@ -93,7 +93,8 @@ class Reader(ABC):
 
     @abstractmethod
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
-        """Wanted columns by the record's names as they stand in the file: (n,), or (samples, cycles) for matrices.
+        """Wanted columns by the record's names as they stand in the file: (n,), or matrices of cycles by samples either
+        way round.
 
         layout: layout of delimited text by the mapping, for readers that need it. wanted: name or number (from 1) of
         the file's column, by the record's column. Raises RecordError, in one sentence, if the file cannot be read,
@@ -118,7 +119,9 @@ class TextReader(Reader):
     kind = "text"
 
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
-        """Columns of the text; rows that end early give NaN, times of day become seconds."""
+        """Wanted columns of the text (n,); rows that end early give NaN, times of day become seconds. A group of
+        columns such as "1:128" gives a matrix (columns, n).
+        """
         text = read_delimited(path, layout)
         start = text.layout.lines_before_rows
         if next(text.rows(), None) is None:
