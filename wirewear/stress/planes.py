@@ -14,6 +14,7 @@ import numpy as np
 from geometry import Elastic
 from geometry.arrays import Array
 from solvers.elasticity.strain import tensors
+from solvers.jit_cache import compiled
 
 _DIRECTIONS = 240
 
@@ -72,15 +73,31 @@ def crossland(history: Array) -> Crossland:
     path[..., :3] -= pressure[..., None]
     # Shears count twice in the norm of the tensor.
     path[..., 3:] *= np.sqrt(2.0)
-    centre = 0.5 * (path.max(axis=0) + path.min(axis=0))
-    radius = np.full(path.shape[1], np.inf)
-    for k in range(60):
-        distance = np.linalg.norm(path - centre, axis=-1)
-        farthest = distance.argmax(axis=0)
-        points = np.arange(path.shape[1])
-        radius = np.minimum(radius, distance[farthest, points])
-        centre = centre + (path[farthest, points] - centre) / (k + 2.0)
-    return Crossland(radius / np.sqrt(2.0), pressure.max(axis=0))
+    return Crossland(_least_radii(path) / np.sqrt(2.0), pressure.max(axis=0))
+
+
+@compiled
+def _least_radii(path: Array) -> Array:
+    """Radii (n,) of the smallest balls about n paths (s, n, 6)."""
+    radii, centre = np.full(path.shape[1], np.inf), np.zeros(6)
+    for point in range(path.shape[1]):
+        for c in range(6):
+            low, high = np.inf, -np.inf
+            for s in range(len(path)):
+                low, high = min(low, path[s, point, c]), max(high, path[s, point, c])
+            centre[c] = 0.5 * (low + high)
+        for k in range(60):
+            most, farthest = -1.0, 0
+            for s in range(len(path)):
+                square = 0.0
+                for c in range(6):
+                    square += (path[s, point, c] - centre[c]) ** 2
+                if square > most:
+                    most, farthest = square, s
+            radii[point] = min(radii[point], np.sqrt(most))
+            for c in range(6):
+                centre[c] += (path[farthest, point, c] - centre[c]) / (k + 2.0)
+    return radii
 
 
 def _critical(history: Array, on_planes: OnPlanes) -> tuple[Array, Array]:
@@ -106,11 +123,25 @@ def _critical(history: Array, on_planes: OnPlanes) -> tuple[Array, Array]:
 
 def swt_on_planes(stress: Array, normals: Array, material: Elastic) -> Array:
     """σ_n,max Δε_n / 2 (n, k) in MPa of tensors (s, n, 3, 3) on planes (n, k, 3); 0 where a plane is never pulled."""
-    normal = normal_stresses(stress, normals)
-    nu, modulus = material.poissons_ratio, material.youngs_modulus_MPa
-    trace = np.trace(stress, axis1=-2, axis2=-1)[..., None]
-    strain = ((1.0 + nu) * normal - nu * trace) / modulus
-    return np.asarray(np.maximum(normal.max(axis=0), 0.0) * 0.5 * np.ptp(strain, axis=0))
+    return _swt_on_planes(stress, normals, material.youngs_modulus_MPa, material.poissons_ratio)
+
+
+@compiled
+def _swt_on_planes(stress: Array, normals: Array, modulus_MPa: float, nu: float) -> Array:
+    """The parameter (n, k) of `swt_on_planes`."""
+    found = np.zeros(normals.shape[:2])
+    for n in range(normals.shape[0]):
+        for k in range(normals.shape[1]):
+            x, y, z = normals[n, k]
+            pull, low, high = 0.0, np.inf, -np.inf
+            for s in range(len(stress)):
+                own = stress[s, n]
+                shear = x * y * own[0, 1] + y * z * own[1, 2] + x * z * own[0, 2]
+                normal = x * x * own[0, 0] + y * y * own[1, 1] + z * z * own[2, 2] + 2.0 * shear
+                strain = (1.0 + nu) * normal - nu * (own[0, 0] + own[1, 1] + own[2, 2])
+                pull, low, high = max(pull, normal), min(low, strain), max(high, strain)
+            found[n, k] = pull * 0.5 * (high - low) / modulus_MPa
+    return found
 
 
 def normal_stresses(stress: Array, normals: Array) -> Array:
