@@ -124,9 +124,9 @@ def test_tables_and_heights_are_exported_over_none_that_are_there(home: Path) ->
 @pytest.mark.parametrize(
     ("command", "file"),
     [
-        ("run steel_wires", "loops.csv"),
-        ("run steel_wires", "rigid/evolution.csv"),
-        ("run steel_wires --resume", "rigid/loops.csv"),
+        ("run cylinder_on_flat", "loops.csv"),
+        ("run steel_wires", "rigid/report.html"),
+        ("run steel_wires --resume", "rigid/report.html"),
         ("run steel_wires", "result.h5"),
         (f"sweep {SWEEP}", "table.csv"),
         (f"sweep {SWEEP}", "rows.jsonl"),

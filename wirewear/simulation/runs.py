@@ -107,8 +107,9 @@ def _deliver(mailbox: Queue[Any], observers: Sequence[Observer]) -> None:
         return
 
 
-#: Patterns of the files that runs write or remove.
-FILES_OF_RUNS = (RESULT_FILE_NAME, *PointRun.derived, *LineRun.derived)
+def files_of_runs(study: AnyStudy) -> tuple[str, ...]:
+    """Patterns of the files that a run of the study writes or removes in its folder."""
+    return (RESULT_FILE_NAME, *(LineRun if isinstance(study, LineStudy) else PointRun).derived)
 
 
 @dataclass(frozen=True)

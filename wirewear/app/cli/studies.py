@@ -276,12 +276,12 @@ def _require_nothing_lost(folder: Path) -> None:
 def _require_no_others_files(folder: Path, study: Any, *, resume: bool) -> None:
     """Raise RunError if a file that the runs would write or remove stands where no result does."""
     from wirewear.results import RESULT_FILE_NAME
-    from wirewear.simulation import FILES_OF_RUNS
+    from wirewear.simulation import files_of_runs
 
     places = [folder / name for name in study.variant_names] or [folder]
     places = [place for place in places if not (place / RESULT_FILE_NAME).exists()] if resume else [folder, *places]
     for place in places:
-        require_absent((path for pattern in FILES_OF_RUNS for path in sorted(place.glob(pattern))), RunError)
+        require_absent((path for pattern in files_of_runs(study) for path in sorted(place.glob(pattern))), RunError)
 
 
 def _status_of(path: Path) -> str | None:
