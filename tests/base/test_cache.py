@@ -1,5 +1,6 @@
 """What is kept to be used again: its owner's alone, within bounds, healed where damaged, done without otherwise."""
 
+import multiprocessing
 import operator
 import os
 import signal
@@ -11,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from threading import Timer
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -234,8 +235,14 @@ def test_every_task_is_handed_over_once_with_what_it_returned_or_raised(engine: 
 
 @pytest.mark.seconds
 def test_an_interruption_waits_for_no_task_of_this_machine() -> None:
-    interruption = Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
-    interruption.start()
+    def interrupt_once_it_runs() -> None:
+        before = set(multiprocessing.active_children())
+        while set(multiprocessing.active_children()) <= before:
+            time.sleep(0.1)
+        time.sleep(0.5)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    Thread(target=interrupt_once_it_runs, daemon=True).start()
     began = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         list(engine_of(1).done([partial(time.sleep, 60.0)]))
