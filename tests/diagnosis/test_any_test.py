@@ -3,7 +3,6 @@
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from tests.simulation.point_contacts import STEEL, TEST
 from wirewear import record_of_result
 from wirewear.base.errors import RunError
 from wirewear.diagnosis import diagnose
-from wirewear.diagnosis.record_diagnosis import _unfit
+from wirewear.diagnosis.preparation import ReducedRecord
 from wirewear.diagnosis.surrogate.candidates import nominal_inputs
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.nominal_model import _driven
@@ -79,11 +78,12 @@ def test_a_pad_is_not_suspected_to_be_flattened() -> None:
     pad = {"shape": "pad", "face_half_width_mm": 0.2, "edge_radius_mm": 5.0, **STEEL}
     bodies = {"lower": {"shape": "flat", **STEEL}, "upper": pad}
     study: Any = study_from_tables(deepcopy(TEST) | {"kind": "point-contact", "bodies": bodies}, "s")
-    prepared: Any = SimpleNamespace(study=study, setup=nominal_inputs(study, "stroke"))
-    assert "plasticity" in _unfit(prepared)
+    unread: Any = None
+    reduced = ReducedRecord(unread, study, unread, nominal_inputs(study, "stroke"), unread)
+    assert "plasticity" in reduced.unfit
     ball_on_flat = bodies | {"upper": {"shape": "ball", "diameter_mm": 6.0, **STEEL}}
-    prepared.study = study_from_tables(deepcopy(TEST) | {"kind": "point-contact", "bodies": ball_on_flat}, "s")
-    assert "plasticity" not in _unfit(prepared)
+    other = study_from_tables(deepcopy(TEST) | {"kind": "point-contact", "bodies": ball_on_flat}, "s")
+    assert "plasticity" not in replace(reduced, study=other).unfit
 
 
 @pytest.mark.slow

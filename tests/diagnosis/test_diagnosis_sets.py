@@ -14,7 +14,8 @@ from tests.diagnosis.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear import RecordError
 from wirewear.diagnosis.answer import Diagnosis
 from wirewear.diagnosis.infer.inference import Fit, Problem
-from wirewear.diagnosis.infer.search import LEVEL, Search, Updated, plausible, search, updated
+from wirewear.diagnosis.infer.left_open import LEVEL, plausible
+from wirewear.diagnosis.infer.search import Search, Updated, search, updated
 from wirewear.diagnosis.infer.weighing import SCALE, Remainder, Weighed, remainder_of
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.preparation import prepared

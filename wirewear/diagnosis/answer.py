@@ -1,6 +1,6 @@
 """The answer of a diagnosis as a value, and as JSON."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from math import floor
@@ -11,9 +11,12 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.cache import code_hash
 from wirewear.diagnosis.calibration import constants, digest
-from wirewear.diagnosis.infer.inference import REACH
+from wirewear.diagnosis.infer.inference import REACH, Fit
+from wirewear.diagnosis.infer.resembling import Resemblance
+from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
-from wirewear.diagnosis.infer.where import GapFinding, Relevance, Resemblance
+from wirewear.diagnosis.infer.weighing import Weighed
+from wirewear.diagnosis.infer.where import GapFinding, Place, Relevance, findings
 from wirewear.diagnosis.surrogate.candidates import Candidate
 from wirewear.effects import Parameter
 from wirewear.records.remarks import Remark
@@ -24,6 +27,12 @@ _KNOWN = constants("answer")
 
 #: By how much intervals are wider than their fit says, so that as many hold as they state: of some effects, of others.
 _STRETCH = _KNOWN.number("stretch")
+
+#: An explanation that fails, but takes this share of χ², is named as a part of one.
+LEAST_REMOVED = _KNOWN.number("least_removed")
+
+#: Explanations less probable than this are not listed.
+LEAST_LISTED = _KNOWN.number("least_listed")
 
 Verdict = Literal["no_gap", "explained", "ambiguous", "unexplained"]
 
@@ -118,6 +127,48 @@ class Remaining:
     share: float
     where: str
     text: str
+
+
+def causes_of(explained: Sequence[Fit], weighed: Weighed, dispersion: float) -> tuple[Cause, ...]:
+    """Causes by falling probability, with those of no gap and of a cause outside the library; see `causes_of_fit`."""
+    fits = {one.names: one for one in explained}
+    causes = [Cause("none", weighed.probabilities[()], {}), Cause("outside_library", weighed.outside, {})]
+    for names, probability in weighed.probabilities.items():
+        if names:
+            causes += causes_of_fit(fits[names], probability, dispersion)
+    listed = [cause for cause in causes if cause.probability >= LEAST_LISTED]
+    # Causes that are one to the model keep the order of the library.
+    return tuple(sorted(listed, key=lambda cause: -round(cause.probability, 9)))
+
+
+def causes_of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:
+    """The effects of an explanation as causes, each with its share of the explanation's probability.
+
+    dispersion: by how much variances are larger than expected, 1 or more.
+    """
+    causes = []
+    for candidate, coordinates, deviations in one.parts():
+        parameters = estimates(candidate, coordinates, deviations, dispersion)
+        causes.append(
+            Cause(
+                candidate.kind.name,
+                probability / len(one.candidates),
+                parameters,
+                joint=len(one.candidates) > 1,
+                chosen=candidate.chosen,
+                form=forms(candidate, coordinates, deviations, dispersion),
+            )
+        )
+    return causes
+
+
+def partial_of(found: Search, weighed: Weighed, dispersion: float, left_over: list[Place]) -> Partial | None:
+    """The best explanation, where it removes most of a misfit without explaining it, and what it leaves where."""
+    best = found.best
+    if not best.candidates or found.removed < LEAST_REMOVED:
+        return None
+    probability = weighed.probabilities[best.names]
+    return Partial(tuple(causes_of_fit(best, probability, dispersion)), found.removed, tuple(findings(left_over)))
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from wirewear.base.errors import RecordError
+from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis.observe.observed_record import repaired
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, nominal_study
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.diagnosis.surrogate.wear_states import WearStates
+from wirewear.effects import Seam, all_effects
 from wirewear.records import AnyRecord, Remark
 from wirewear.records.checking import remarks_of
 from wirewear.test import AnyStudy
@@ -40,6 +41,18 @@ class ReducedRecord:
     setup: SurrogateInputs
     observed: Observations
     checked: tuple[Remark, ...] = ()
+
+    @property
+    def unfit(self) -> tuple[str, ...]:
+        """Names of the effects of specimens that the record's bodies cannot have, such as pads that are flattened."""
+        found = []
+        for name, kind in all_effects().items():
+            if kind.seam is Seam.SPECIMENS:
+                try:
+                    self.study.with_effects(kind.sized("easy", self.setup.stated))
+                except StudyError:
+                    found.append(name)
+        return tuple(found)
 
 
 @dataclass(frozen=True, eq=False)

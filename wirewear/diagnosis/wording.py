@@ -13,10 +13,11 @@ from wirewear.base.units import unit_of, words_of
 from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate, Partial, Remaining, Verdict
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import Fit
+from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import ForceZero, Weighed
-from wirewear.diagnosis.infer.where import GapFinding, Relevance, Resemblance
+from wirewear.diagnosis.infer.where import GapFinding, Relevance
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.surrogate.candidates import unsupported
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs

@@ -104,17 +104,6 @@ def _explained(residual: Array, columns: Array) -> tuple[float, float]:
     return float(along @ np.linalg.solve(inner, along)), float(np.linalg.slogdet(inner)[1])
 
 
-def gains_of(found: Sequence[Distortion]) -> dict[tuple[str, ...], list[float]]:
-    """Log evidence that families of distortions add, as a list for each explanation, by its effects' names. Families
-    with `counts` False are left out.
-    """
-    gains: dict[tuple[str, ...], list[float]] = {}
-    for one in found:
-        if one.family.counts:
-            gains.setdefault(one.beside.names, []).append(one.gain)
-    return gains
-
-
 @dataclass(frozen=True, eq=False)
 class FreeInTime:
     """A change of one column of a chain over the cycles, used in a setup in place of an effect."""

@@ -3,14 +3,11 @@
 An explanation is no effect, one effect or a pair, with its fit. What a record leaves open of its parameters is the
 prior for the next record (sequential Bayes, by Laplace's approximation), so that an explanation must hold on both with
 the same parameters.
-A class is a tuple of effects that a record cannot distinguish. Classes stand in the order of their probability; the
-most probable that together hold nine tenths of it form the set in which the cause is in nine records of ten. A cause of
-no library is always in the set: no record rules out one that acts like a known effect or is too small to be seen.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, product
+from itertools import product
 
 import numpy as np
 
@@ -24,7 +21,6 @@ from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.surrogate.candidates import Candidate, library
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
-from wirewear.effects import Measurement, all_measurements, splits
 
 _KNOWN = constants("infer.search")
 
@@ -50,10 +46,6 @@ _PLACES, _FEW_ITERATIONS = _KNOWN.numbers("places"), _KNOWN.count("few_iteration
 
 #: Explanations so many times the best's log evidence below it are hopeless.
 _HOPELESS = _KNOWN.number("hopeless")
-
-
-#: How often a set holds the cause.
-LEVEL = constants("infer.search.sets").number("level")
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,62 +303,3 @@ def _together(first: Sequence[Distortion], second: Sequence[Distortion]) -> tupl
         added = more.get((one.family.seam, one.family.name, one.beside.names), 0.0)
         found.append(replace(one, gain=one.gain + added, log_evidence=one.log_evidence + added))
     return tuple(sorted(found, key=lambda one: -one.log_evidence))
-
-
-Classes = tuple[tuple[str, ...], ...]
-
-
-def next_measurement(
-    probabilities: Mapping[str, float], unclear: Sequence[Sequence[str]], available: frozenset[Measurement]
-) -> tuple[Measurement, tuple[str, ...]] | None:
-    """The measurement that removes most expected confusion per day, and the names of the effects that it distinguishes;
-    None if none distinguishes any.
-
-    Confusion of a pair is the product of its probabilities. probabilities: by effect, "none" for no gap. unclear:
-    classes, whose members count as equally probable. available: measurements that the record has.
-    """
-    pairs: dict[tuple[str, str], float] = {}
-    for one, other in combinations(sorted(probabilities), 2):
-        pairs[one, other] = probabilities[one] * probabilities[other]
-    for members in unclear:
-        share = sum(probabilities.get(name, 0.0) for name in members) / len(members)
-        for one, other in combinations(sorted(members), 2):
-            pairs[one, other] = max(pairs.get((one, other), 0.0), share**2)
-    best: tuple[float, Measurement, tuple[str, ...]] | None = None
-    for measurement in all_measurements():
-        if measurement in available:
-            continue
-        split = {pair: weight for pair, weight in pairs.items() if splits(measurement, *pair) and weight > 1e-4}
-        worth = sum(split.values()) / measurement.cost_days
-        if split and (best is None or worth > best[0]):
-            best = worth, measurement, tuple(sorted({name for pair in split for name in pair}))
-    return None if best is None else best[1:]
-
-
-def masses(causes: Iterable[tuple[str, float]], equivalent: Iterable[Sequence[str]]) -> dict[tuple[str, ...], float]:
-    """Probability of each class, at most 1, from `causes`, pairs of an effect's name and probability. equivalent:
-    classes of several effects; every other effect is a class of its own.
-    """
-    groups = {name: tuple(members) for members in equivalent for name in members}
-    found: dict[tuple[str, ...], float] = {}
-    for name, probability in causes:
-        members = groups.get(name, (name,))
-        found[members] = min(found.get(members, 0.0) + probability, 1.0)
-    return found
-
-
-def plausible(known: Mapping[tuple[str, ...], float]) -> Classes:
-    """The most probable of classes with known probabilities, until they have 90 % of it together, and a cause of no
-    library.
-    """
-    kept: list[tuple[str, ...]] = []
-    for members in sorted(known, key=lambda members: (-round(known[members], 9), members)):
-        if sum(known[before] for before in kept) >= LEVEL:
-            break
-        kept.append(members)
-    return joined(tuple(kept), (("outside_library",),))
-
-
-def joined(first: Classes, second: Classes) -> Classes:
-    """The classes of `first`, followed by those of `second` that share no effect with them."""
-    return (*first, *(members for members in second if not any(set(members) & set(kept) for kept in first)))

@@ -22,9 +22,9 @@ from scipy.special import chdtrc
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import SHARED, Covariance, derivatives
+from wirewear.diagnosis.infer.distortions import Distortion
 from wirewear.diagnosis.infer.inference import SEPARATION_ITERATIONS, Fit, Problem, sought, together
 from wirewear.diagnosis.observe.reduction import Part
-from wirewear.diagnosis.surrogate.candidates import Candidate
 
 _KNOWN = constants("infer.weighing")
 
@@ -191,6 +191,17 @@ def classes_of(fits: Sequence[Fit], matrix: Array) -> tuple[tuple[str, ...], ...
     )
 
 
+def gains_of(found: Sequence[Distortion]) -> dict[tuple[str, ...], list[float]]:
+    """Log evidence that families of distortions add, as a list for each explanation, by its effects' names. Families
+    with `counts` False are left out.
+    """
+    gains: dict[tuple[str, ...], list[float]] = {}
+    for one in found:
+        if one.family.counts:
+            gains.setdefault(one.beside.names, []).append(one.gain)
+    return gains
+
+
 def weigh(
     none: Fit,
     singles: Sequence[Fit],
@@ -240,17 +251,10 @@ def weigh(
     return Weighed(probabilities, sum(outside.values()), tuple(groups), outside)
 
 
-def undetectable(problem: Problem, candidates: Sequence[Candidate]) -> tuple[str, ...]:
-    """Names of the candidates that change the observables by less than `SEPARABLE` standard deviations at one prior
-    deviation of their first parameter.
-    """
-    unseen = []
-    for candidate in candidates:
-        ends = [side * np.eye(len(candidate.unknowns))[0] for side in (1.0, -1.0)]
-        values = problem.predictions([problem.setup, *(candidate.applied(problem.setup, at) for at in ends)])
-        if np.linalg.norm(problem.whitening @ (values[1:] - values[0]).T, axis=0).max() < SEPARABLE:
-            unseen.append(candidate.name)
-    return tuple(unseen)
+def leading_fit(weighed: Weighed, none: Fit, explained: Sequence[Fit]) -> Fit:
+    """The fit that explains most of those of the likeliest class of effects or pair; `none` if there are no others."""
+    fits = [one for one in explained if weighed.mass(one.names) == weighed.leading]
+    return max(fits, key=lambda one: one.merit, default=none)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,149 @@
+"""What a gap behaves like that no known effect explains: the families of distortions that stand out, in words."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Array, BoolArray
+from wirewear.base.words import counted
+from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.infer.distortions import Distortion
+from wirewear.diagnosis.infer.inference import Problem
+from wirewear.diagnosis.infer.weighing import NOTICEABLE
+from wirewear.diagnosis.observe import AlongBranch
+from wirewear.diagnosis.observe.along_branches import PlateauForce, Stick
+from wirewear.diagnosis.observe.reduction import Part
+from wirewear.diagnosis.observe.scars import ProfileDepths
+from wirewear.effects import Seam
+
+_KNOWN = constants("infer.resembling")
+
+#: Families less probable than this are not listed; of several, so many are.
+LEAST_LISTED, MOST_LISTED = _KNOWN.number("least_listed"), _KNOWN.count("most_listed")
+
+#: A distortion is there in cycles and places where it has this share of its largest size.
+PRESENT = _KNOWN.number("present")
+
+
+@dataclass(frozen=True)
+class Resemblance:
+    """A family of distortions that would produce a gap like the observed one."""
+
+    seam: str  #: Place in the chain from drive to sensors.
+    family: str
+    probability: float  #: Among all families, given that the cause lies outside the library.
+    cycles: tuple[int, int]  #: First and last logged cycle at which it shows.
+    where: str  #: Place in the loop, in words.
+    text: str  #: A sentence, with its size.
+
+
+def resemblances(problem: Problem, found: Sequence[Distortion], best_log_evidence: float) -> tuple[Resemblance, ...]:
+    """The families among `found` that may stand for the cause, most probable first; empty if the best beats the best
+    explanation alone by less than `NOTICEABLE`. best_log_evidence: of the best explanation without distortions.
+    """
+    best: dict[str, Distortion] = {}
+    for one in found:
+        if one.family.name not in best or one.log_evidence > best[one.family.name].log_evidence:
+            best[one.family.name] = one
+    ordered = sorted(best.values(), key=lambda one: -one.log_evidence)
+    if not ordered or ordered[0].log_evidence - best_log_evidence < NOTICEABLE:
+        return ()
+    logs = np.array([one.log_evidence for one in ordered])
+    weights = np.exp(logs - np.logaddexp.reduce(logs))
+    pairs = zip(ordered, weights.tolist(), strict=True)
+    return tuple(_described(problem, one, weight) for one, weight in pairs if weight >= LEAST_LISTED)[:MOST_LISTED]
+
+
+def _described(problem: Problem, one: Distortion, probability: float) -> Resemblance:
+    part = _telling(problem, one)
+    change = one.observed[part.rows]
+    size = np.abs(change)
+    present = size >= PRESENT * size.max()
+    # Sensors, holders and loads are bent alike in all loops.
+    alike = bool(one.family.shapes) and not one.family.develops
+    cycles = part.sites.cycle if alike else part.sites.cycle[present]
+    span = int(cycles.min()), int(cycles.max())
+    largest = int(np.argmax(size))
+    where = _alike_place(problem, part, largest, present)
+    at = f" {where}" if where else ""
+    beside = f" beside {_joined(one.beside.names)}" if one.beside.candidates else ""
+    amount = _amount(part, change, largest, reads=one.family.seam is Seam.SENSOR)
+    text = (
+        f"The gap behaves like a {one.family.name}{beside}: {amount}{at}, {_when(span)}."
+        if not one.family.column
+        else f"The gap behaves like a {one.family.name}{beside}, {_course(problem, one)}: {amount}{at}."
+    )
+    where = where or part.observable.words
+    return Resemblance(str(one.family.seam), one.family.name, round(probability, 3), span, where, text)
+
+
+def _telling(problem: Problem, one: Distortion) -> Part:
+    """The observable in which a distortion is largest against what is known of it."""
+    deviations = np.sqrt(np.diag(np.linalg.inv(problem.whitening.T @ problem.whitening)))
+
+    def size(part: Part) -> float:
+        return float((np.abs(one.observed) / deviations)[part.rows].max())
+
+    largest = max(problem.layout, key=size)
+    # A force or a displacement in the loop says more to a person than a figure taken from it.
+    plain = [part for part in problem.layout if isinstance(part.observable, AlongBranch)]
+    seen = max(plain, key=size, default=largest)
+    return seen if size(seen) >= PRESENT * size(largest) else largest
+
+
+def _amount(part: Part, change: Array, largest: int, *, reads: bool) -> str:
+    """For example: 0.08 N more resistance, or reads 0.08 N more, in the direction of travel."""
+    sites, observable = part.sites, part.observable
+    branch = int(sites.branch[largest])
+    value = float(change[largest]) * (branch or 1)
+    if isinstance(observable, ProfileDepths):
+        return f"the {sites.wire[largest]} wears too {'much' if value > 0.0 else 'little'}, by {abs(value):.2g} µm"
+    if observable.unit == "relative":
+        return f"{observable.words} {100.0 * abs(np.expm1(value)):.2g} % {'more' if value > 0.0 else 'less'}"
+    if observable.unit == "1":
+        return f"{observable.words} {abs(value):.2g} {'more' if value > 0.0 else 'less'}"
+    unit = observable.unit.replace("um", "µm")
+    if isinstance(observable, PlateauForce):
+        size = f"{abs(value):.2g} {unit} {'more' if value > 0.0 else 'less'}"
+        return f"it reads {size}" if reads else f"{size} resistance"
+    return f"{observable.words} {abs(value):.2g} {unit} {'more' if value > 0.0 else 'less'}"
+
+
+def _alike_place(problem: Problem, part: Part, largest: int, present: BoolArray) -> str:
+    level, branch = float(part.sites.level[largest]), int(part.sites.branch[largest])
+    if isinstance(part.observable, PlateauForce):
+        both = {int(np.sign(at)) for at in part.sites.level[present & (np.abs(part.sites.level) > 1e-9)]} == {-1, 1}
+        at = f"{abs(level):.2g} µm to either side" if both else f"{level:+.2g} µm"
+        middle = abs(level) < 0.1 * problem.setup.amplitude_um
+        return "at mid-stroke" if middle else f"at {at} of the middle".replace("-", "−")
+    if isinstance(part.observable, Stick):
+        return f"at {level * branch:+.2g} N after a reversal".replace("-", "−")
+    zone = str(part.observable.zone(part.sites, problem.setup.amplitude_um)[largest])
+    return next(one.words for one in part.observable.zones if one.name == zone)
+
+
+def _when(span: tuple[int, int]) -> str:
+    first, last = map(counted, span)
+    return f"at cycle {first}" if first == last else f"from cycle {first} to {last}"
+
+
+def _course(problem: Problem, one: Distortion) -> str:
+    """How a quantity goes over the test, relative to the model: "from +12 % to −3 %, most about cycle 1000"."""
+    knots, values = one.over_time
+    if one.family.scale == "compliance":
+        scale, unit, digits = 1e3 * problem.setup.amplitude_um / problem.setup.plateau_force_N, " µm/kN", 3
+    elif one.family.scale == "force":
+        scale, unit, digits = problem.setup.plateau_force_N, " N", 2
+    else:
+        scale, unit, digits = 100.0, " %", 2
+    first, last, most = values[0], values[-1], int(np.argmax(np.abs(values)))
+    text = f"{scale * first:+.{digits}g}{unit} at first, {scale * last:+.{digits}g}{unit} in the end"
+    if most not in (0, values.size - 1):
+        text += f", {scale * values[most]:+.{digits}g}{unit} about cycle {counted(float(f'{np.exp(knots[most]):.2g}'))}"
+    return text.replace("-", "−")
+
+
+def _joined(names: Sequence[str]) -> str:
+    effects = [name.replace("_", " ").partition(":") for name in names]
+    return " and ".join(f"{effect} ({chosen})" if chosen else effect for effect, _, chosen in effects)
