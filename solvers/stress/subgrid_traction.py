@@ -43,13 +43,15 @@ class SubgridTraction:
     ratio: Array  #: (n_a, n_t, 3) traction over pressure.
 
     @classmethod
-    def of_nodes(cls, traction: Array) -> "SubgridTraction":
-        """The field that carries what nodal tractions (n_a, n_t, 3) in MPa carry, along x, y and the outward z."""
+    def of_nodes(cls, traction: Array, lines: tuple[Array, Array] | None = None) -> "SubgridTraction":
+        """The field that carries what nodal tractions (n_a, n_t, 3) in MPa carry, along x, y and the outward z; lines:
+        see `fitted_square`.
+        """
         pressure = np.maximum(-traction[..., 2], 0.0)
         loaded = pressure > _LOADED * pressure.max(initial=0.0)
         if not loaded.any():
             return cls(np.full(pressure.shape, -1.0), np.zeros_like(traction))
-        square = fitted_square(pressure)
+        square = fitted_square(pressure, lines=lines)
         ratio = _ratios(traction, pressure, loaded)
         return cls(square * _scale(square, pressure) ** 2, ratio)
 
@@ -58,28 +60,40 @@ class SubgridTraction:
         return np.asarray(_edge(self.square))
 
 
-def fitted_square(pressure: Array, trust_at_edge: float = 0.2) -> Array:
+def fitted_square(pressure: Array, trust_at_edge: float = 0.2, lines: tuple[Array, Array] | None = None) -> Array:
     """Squared pressure (n_a, n_t) fitted to nodal pressures (n_a, n_t), some of them positive; it is continued beyond
     the contact, where it is negative.
 
     trust_at_edge: weight in the fit of loaded nodes that share elements with unloaded ones; others have 1.
+    lines: places (n_a,) and (n_t,) of the nodes along both axes, in any unit; evenly spaced if not given.
     """
+    moments = [_moments(one) for one in lines or [np.arange(1.0 * n) for n in pressure.shape]]
     largest = float(pressure.max()) ** 2
-    return largest * _fitted(pressure**2 / largest, pressure > _LOADED * pressure.max(), trust_at_edge)
+    return largest * _fitted(pressure**2 / largest, pressure > _LOADED * pressure.max(), trust_at_edge, moments)
 
 
-def _fitted(square: Array, loaded: BoolArray, trust_at_edge: float) -> Array:
+def _moments(lines: Array) -> Array:
+    """Weights (5, n, n) in the fit at each of n lines of all of them, times powers 0 to 4 of their distance in elements
+    as they are there; (5, 1, 1) of one line, which stands for equal ones.
+    """
+    reach = int(np.ceil(3.0 * _WIDTH)) + _BEYOND
+    if len(lines) == 1:
+        distance = np.arange(-reach, reach + 1.0)[None]
+    else:
+        distance = (lines - lines[:, None]) / np.gradient(lines)[:, None]
+    weight = np.where(np.abs(distance) < reach + 0.5, np.exp(-0.5 * distance**2 / _WIDTH**2), 0.0)
+    found = np.stack([weight * distance**power for power in range(5)])
+    return found.sum(axis=2, keepdims=True) if len(lines) == 1 else found
+
+
+def _fitted(square: Array, loaded: BoolArray, trust_at_edge: float, moments: list[Array]) -> Array:
     """Quadratics fitted to squares (n_a, n_t) of loaded nodes, at these and a few elements around them."""
     around_one = np.ones((3, 3 if square.shape[1] > 1 else 1))
     inner = ~binary_dilation(~loaded, structure=around_one, border_value=1)
     trust = np.where(loaded, np.where(inner, 1.0, trust_at_edge), 0.0)
-    reach = int(np.ceil(3.0 * _WIDTH)) + _BEYOND
-    # A node at +d counts for the fit here: convolution turns the offset round.
-    d = -np.arange(-reach, reach + 1.0)
-    weight = np.exp(-0.5 * d**2 / _WIDTH**2)
 
     def moment(values: Array, i: int, j: int) -> Array:
-        return _summed(values, weight * d**i, weight * d**j)
+        return np.asarray(moments[0][i] @ values @ moments[1][j].T)
 
     found: dict[tuple[int, int], Array] = {}
     matrix = np.empty((*square.shape, 6, 6))

@@ -62,29 +62,25 @@ class SurfaceStress:
 
     @cached_property
     def lines(self) -> tuple[Array, Array]:
-        """The window's evenly spaced lines (along, across), (m_a,) and (m_t,), in mm."""
-        along, across = self.place_mm
-        return even_lines(self.patch.axial_mm, along), even_lines(self.patch.transverse_mm, across)
+        """Lines along and across, in mm, of the window in which stresses are corrected."""
+        return window_lines(self.patch.axial_mm), window_lines(self.patch.transverse_mm)
 
     @property
     def spacing_mm(self) -> tuple[float, float]:
-        """Spacing of `lines` (along, across)."""
-        along, across = (float(np.diff(lines).mean()) for lines in self.lines)
+        """Spacing along and across of `lines` on either side of the place."""
+        along, across = (_spacing(lines, place) for lines, place in zip(self.lines, self.place_mm, strict=True))
         return along, across
 
     def on_lines(self, nodal: Array) -> Array:
-        """Values (n_a, n_t, ...) at the patch's nodes interpolated linearly to the window's nodes, (m_a, m_t, ...)."""
-        for axis, (known, wanted) in enumerate(
-            zip((self.patch.axial_mm, self.patch.transverse_mm), self.lines, strict=True)
-        ):
-            nodal = np.moveaxis(between(known, np.moveaxis(nodal, axis, 0), wanted), 0, axis)
-        return nodal
+        """Values `nodal` (n_a, n_t, ...) at the patch's nodes, of those the window's (m_a, m_t, ...)."""
+        known = self.patch.axial_mm, self.patch.transverse_mm
+        chosen = (np.flatnonzero(np.isin(all_lines, own)) for all_lines, own in zip(known, self.lines, strict=True))
+        return np.asarray(nodal[np.ix_(*chosen)])
 
     @cached_property
     def window_normals(self) -> Array:
         """(m_a, m_t, 3) outward unit normals at the window's nodes."""
-        found = self.on_lines(self.normals)
-        return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
+        return self.on_lines(self.normals)
 
     @cached_property
     def normals(self) -> Array:
@@ -158,7 +154,7 @@ class LoadedSurface:
 
     @cached_property
     def between(self) -> SubgridTraction:
-        return SubgridTraction.of_nodes(self.traction)
+        return SubgridTraction.of_nodes(self.traction, self.surface.lines)
 
     def edge(self) -> Array:
         """Points (k, 2) in mm of the patch at which the window's lines cross the contact's edge."""
@@ -303,28 +299,21 @@ def alike(lines: Array) -> slice:
     return slice(first, last + 1)
 
 
-def even_lines(lines: Array, place_mm: float = np.inf) -> Array:
-    """Evenly spaced lines (k,) in mm about a grid's middle: its own, see `alike`; or, where its elements shrink away
-    from the middle, towards the rim of a contact that sticks, new ones over all of it, as near to each other as the
-    grid's at `place_mm` from the middle, or as its nearest.
+def window_lines(lines: Array) -> Array:
+    """Lines of a grid about its middle between which elements are alike; all where elements shrink away from the
+    middle, towards the rim of a contact that sticks.
     """
     spacing = np.diff(lines)
-    finest = float(spacing.min())
-    if finest > (1.0 - _ALIKE) * spacing[len(spacing) // 2]:
-        return lines[alike(lines)]
-    if place_mm < lines[-1]:
-        cell = int(np.searchsorted(lines, place_mm, side="right"))
-        finest = float(spacing[max(cell - 2, 0) : cell].min())
-    return np.linspace(lines[0], lines[-1], 2 * round(0.5 * (lines[-1] - lines[0]) / finest) + 1)
+    shrinks = spacing.min() <= (1.0 - _ALIKE) * spacing[len(spacing) // 2]
+    return lines if shrinks else lines[alike(lines)]
 
 
-def between(known: Array, values: Array, wanted: Array) -> Array:
-    """Values (w, ...) at increasing lines `wanted` (w,), linear between `values` (n, ...) at the lines `known` (n,)."""
-    if np.isin(wanted, known).all():
-        return np.asarray(values[np.isin(known, wanted)])
-    cell = np.clip(np.searchsorted(known, wanted, side="right") - 1, 0, len(known) - 2)
-    share = ((wanted - known[cell]) / np.diff(known)[cell]).reshape(-1, *(1,) * (values.ndim - 1))
-    return np.asarray((1.0 - share) * values[cell] + share * values[cell + 1])
+def _spacing(lines: Array, place_mm: float) -> float:
+    """Mean spacing of a grid's lines beside the line nearest to a place, the shortest if that is infinitely far."""
+    if not np.isfinite(place_mm):
+        return float(np.diff(lines).min())
+    nearest = int(np.abs(lines - place_mm).argmin())
+    return float(np.diff(lines[max(nearest - 1, 0) : nearest + 2]).mean())
 
 
 def unspread(lines: Array, force: Array) -> Array:

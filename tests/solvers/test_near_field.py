@@ -14,7 +14,7 @@ from solvers.stress.interior import Interior
 from solvers.stress.lattice_error import line_lattice_error
 from solvers.stress.line_surface_stress import LineSurfaceStress, LoadedLine
 from solvers.stress.subgrid_traction import SubgridTraction
-from solvers.stress.surface_stress import LoadedSurface, SurfaceStress, between, even_lines, half_space_stress
+from solvers.stress.surface_stress import LoadedSurface, SurfaceStress, half_space_stress, window_lines
 from solvers.transfer import hat_products
 from tests import bodies
 from tests.bodies import STEEL
@@ -289,17 +289,19 @@ def test_fine_meshes_have_mcewens_and_cattaneos_tension_behind_a_cylinder() -> N
     assert [row for row in rows if not row.passed] == []
 
 
-def test_stresses_are_corrected_as_far_as_the_rim_on_lines_that_are_finest_there() -> None:
-    """On evenly spaced lines over the whole patch, between which the elements' bilinear tractions stay as they are."""
+def test_stresses_are_corrected_as_far_as_the_rim_where_elements_shrink_towards_it() -> None:
+    graded, fine = RimGradedAxis(1.0, 12, 1.3).lines(), GradedAxis(0.1, 0.5, 0.3, 2.0).lines()
+    assert window_lines(graded) is graded
+    assert window_lines(fine)[-1] == pytest.approx(0.5, rel=0.01)
+
+
+def test_between_lines_that_close_up_towards_the_edge_hertz_pressure_ends_where_it_should() -> None:
     graded = RimGradedAxis(1.0, 12, 1.3).lines()
-    even, fine = even_lines(graded), GradedAxis(0.1, 0.5, 0.3, 2.0).lines()
-    assert (even[0], even[-1]) == (graded[0], graded[-1])
-    assert np.diff(even) == pytest.approx(np.diff(graded).min(), rel=0.02)
-    np.testing.assert_allclose(between(graded, 3.0 * graded[:, None] - 1.0, even), 3.0 * even[:, None] - 1.0)
-    assert np.diff(even_lines(graded, 0.0)) == pytest.approx(np.diff(graded).max(), rel=0.2)
-    inner = even_lines(fine, 0.45)
-    assert inner[-1] == pytest.approx(0.5, rel=0.01)
-    np.testing.assert_array_equal(between(fine, fine**2, inner), inner**2)
+    pressure = np.sqrt(np.maximum(1.0 - graded[:, None] ** 2 - graded**2, 0.0))
+    traction = np.stack([0.6 * pressure, 0.0 * pressure, -pressure], axis=-1)
+    edge = SubgridTraction.of_nodes(traction, (graded, graded)).edge()
+    places = np.interp(edge, np.arange(float(len(graded))), graded)
+    np.testing.assert_allclose(np.hypot(*places.T), 1.0, atol=0.01)
 
 
 @pytest.mark.parametrize("shear", [(1.0, 0.0), (0.0, 1.0)])
@@ -320,7 +322,7 @@ def test_elements_that_shrink_to_the_rim_are_corrected_as_those_at_the_edge_behi
     short, long = np.diff(lines).min(), np.diff(lines)[count // 2]
     assert long > 1.2 * short
     found = surface.under(force).surface.spacing_mm
-    assert found == pytest.approx([short if along else long for along in shear], rel=0.15)
+    assert found == pytest.approx([short if along else long for along in shear], rel=0.2)
     assert surface.under(force * [0.0, 0.0, 1.0]).surface.spacing_mm == pytest.approx([short, short], rel=0.15)
 
 
