@@ -8,16 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.diagnosis.test_sticking_diagnosis import ball, circumstances
+from geometry.arrays import Array
+from solvers import LoadCycle
+from tests.diagnosis.test_sticking_diagnosis import CASES, ball, circumstances
 from tests.simulation.point_contacts import STEEL, TEST
 from wirewear import record_of_result
-from wirewear.base.errors import RunError
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.preparation import ReducedRecord
 from wirewear.diagnosis.surrogate.candidates import nominal_inputs
 from wirewear.diagnosis.surrogate.forward import simulate
-from wirewear.diagnosis.surrogate.nominal_model import _driven
-from wirewear.diagnosis.surrogate.sensing import KNEE, POSITIONS
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.simulation import run_study
 from wirewear.test import study_from_tables
@@ -31,8 +30,10 @@ LINE: dict[str, Any] = {
     "mesh": {"contact_mesh_um": 12.0, "jump_tolerance": 0.05},
     "log": {"loop_cycles": [1, 210, 300, 390, 610, 1000, 1010, 1500, 2000]},
 }  # fmt: skip
+OPENS = [[0.0, 1.0], [0.3, 1.0], [0.4, 0.0], [0.6, 0.0], [0.7, 1.0], [1.0, 1.0]]
 #: Keys that a test has beside those of `LINE`, and which block of it is looked at.
 TESTS: dict[str, tuple[dict[str, Any], int | None]] = {
+    "load that opens the contact": ({"conditions.load_cycle": {"points": OPENS}}, None),
     "load that varies in the cycle": ({"conditions.load_cycle": {"amplitude_share": 0.4, "lag_deg": 60.0}}, None),
     "block of a shorter stroke": (
         {"programme": [{"cycles": 200}, {"cycles": 200, "conditions": {"displacement_amplitude_um": 18.0}}]}, 2,
@@ -50,12 +51,16 @@ def test_a_slider_under_a_load_that_varies_has_its_friction_at_each_moment(lag_d
     load = study_from_tables(with_keys({"conditions.load_cycle": {"amplitude_share": 0.4, "lag_deg": lag_deg}}), "s")
     course = simulate(stiff, circumstances(50.0, load_cycle=load.conditions.load_cycle), np.array([1.0, 10.0]))
     quarter = 0.4 * np.sin(np.radians(lag_deg))
-    friction_N, middle = 0.6 * 40.0, KNEE + POSITIONS.size // 2
-    assert course.normal_force_N[:, :, middle] == pytest.approx(
-        np.tile(40.0 * np.array([1.0 - quarter, 1.0 + quarter]), (2, 1)), rel=5e-3
+    friction_N, x = 0.6 * 40.0, course.displacement_um[0]
+
+    def in_the_middle(column: Array) -> list[float]:
+        return [float(np.interp(0.0, sign * x[side], column[0, side])) for side, sign in enumerate((1.0, -1.0))]
+
+    assert in_the_middle(course.normal_force_N) == pytest.approx(
+        [40.0 - 40.0 * quarter, 40.0 + 40.0 * quarter], rel=5e-3
     )
-    assert course.tangential_force_N[:, :, middle] == pytest.approx(
-        np.tile(friction_N * np.array([1.0 - quarter, -1.0 - quarter]), (2, 1)), rel=5e-3
+    assert in_the_middle(course.tangential_force_N) == pytest.approx(
+        [friction_N * (1.0 - quarter), -friction_N * (1.0 + quarter)], rel=5e-3
     )
     assert course.energy_mJ == pytest.approx(4e-3 * friction_N * 50.0, rel=2e-3)
 
@@ -68,10 +73,26 @@ def with_keys(keys: dict[str, Any], *effects: dict[str, Any]) -> dict[str, Any]:
     return tables
 
 
-def test_a_contact_that_sticks_under_a_load_that_varies_is_refused() -> None:
-    study = study_from_tables(with_keys({"conditions.load_cycle": {"amplitude_share": 0.4}}), "s")
-    with pytest.raises(RunError, match="sticks in its middle under a load that varies"):
-        _driven(ball(), study)
+@pytest.mark.parametrize(("share", "amplitude_um", "energy_uJ"), CASES)
+def test_a_contact_that_sticks_under_a_load_that_hardly_varies_has_the_loop_of_mindlin(
+    share: float, amplitude_um: float, energy_uJ: float
+) -> None:
+    course = simulate(ball(), circumstances(amplitude_um, load_cycle=LoadCycle(1e-9)), np.array([1.0, 10.0]))
+    assert course.tangential_force_N.max() == pytest.approx(share * 24.0, rel=3e-3)
+    assert 1e3 * course.energy_mJ == pytest.approx(energy_uJ, rel=0.03)
+
+
+def test_a_contact_without_load_carries_nothing_and_sticks_from_where_it_closes() -> None:
+    """Open from 0.4 to 0.6 of the cycle, about the end at −x; Hertz's contact is stiffer under more load."""
+    load = LoadCycle(points=((0.0, 1.0), (0.3, 1.0), (0.4, 0.0), (0.6, 0.0), (0.7, 1.0), (1.0, 1.0)))
+    stiff = replace(ball(), stiffness_N_per_um=np.full(2, 1e4))
+    course = simulate(stiff, circumstances(50.0, load_cycle=load), np.array([1.0, 10.0]))
+    x, q, p = (one[0] for one in (course.displacement_um, course.tangential_force_N, course.normal_force_N))
+    is_open = x < 50.0 * np.cos(0.8 * np.pi) - 1.0
+    assert np.abs(q[is_open]).max() == 0.0
+    assert np.abs(p[is_open]).max() == 0.0
+    pressed = np.abs(x) < 10.0
+    assert np.abs(q[pressed]) == pytest.approx(24.0, rel=1e-6)
 
 
 def test_a_pad_is_not_suspected_to_be_flattened() -> None:

@@ -30,6 +30,9 @@ CHORD_ERROR = _KNOWN.number("chord_error")
 #: Deviations from which on a sample, a figure or a harmonic is none of its noise's.
 OUTLYING = _KNOWN.number("outlying")
 
+#: A drive rests if more than so many samples of a branch are within this share of the amplitude from its end.
+_MOST_AT_END, _RESTS_WITHIN = _KNOWN.each("most_at_end", "rests_within")
+
 #: The knee is where the share of the rise leads the travel, in this many amplitudes, the most.
 KNEE_TRAVEL, KNEE_EARLY = constants("observe.local_lines.knee").each("travel", "early")
 
@@ -59,7 +62,10 @@ class ObservedBranch:
     def sliding(self) -> slice:
         """Samples from the knee to the last one before the force falls because the drive has reversed."""
         past = self.force_N[self.knee :]
-        return slice(self.knee, self.knee + int(np.flatnonzero(past > FALLEN * np.median(past))[-1]) + 1)
+        end = self.knee + int(np.flatnonzero(past > FALLEN * np.median(past))[-1]) + 1
+        # Where a drive rests the force follows a load that varies, and not the place.
+        rests = self.displacement_um > self.displacement_um.max() * (1.0 - _RESTS_WITHIN)
+        return slice(self.knee, min(end, int(rests.argmax()) + 1) if rests.mean() > _MOST_AT_END else end)
 
     @property
     def stick_top_N(self) -> float:

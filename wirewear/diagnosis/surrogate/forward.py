@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.diagnosis.surrogate import sensing
+from wirewear.diagnosis.surrogate.followed import CyclePath, Followed, followed
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.layered_wires import LAYER_MEMORY, SHEAR_RATIO, remembered
 from wirewear.diagnosis.surrogate.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
@@ -27,8 +28,8 @@ from wirewear.effects import Chain
 #: Sweeps of wear path against loop energy, and of slip against force; each gains a digit or more.
 _WEAR_SWEEPS, _SLIP_SWEEPS = 3, 2
 
-#: Sweeps of a load that varies in the cycle against the displacement that it makes.
-_LOAD_SWEEPS = 2
+#: Sweeps of a stroke against what a drive holds in place of it, where the load varies within the cycle.
+_STROKE_SWEEPS = 3
 
 #: Relative change of `SCAR_FIGURES` per retained fraction, from a simulation with 40 %: debris holds wear in place.
 _CONCENTRATION = np.array([0.0, 0.5, -0.34, -0.25])
@@ -153,7 +154,12 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     whole, setup = Chain.joined(chains), _columns(setups, cycles.size)
     chain, end = whole.taken(at), whole.taken(ends)
     contact = replace(_contact(states, setup, chain, slip[at], layer and layer.taken(at)), share=share[at])
-    loops = sensing.read_by_sensors(setup, chain, *sensing.branches_of(contact, chain, slip[at]), contact)
+    if setup.load_cycle.steady:
+        true = *sensing.branches_of(contact, chain, slip[at]), sensing.loads_of(contact)
+    else:
+        course = _followed(setup, chain, contact, slip[at])
+        true = course.displacement_um, course.force_N, course.load_N
+    loops = sensing.read_by_sensors(setup, chain, *true, contact.share)
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
     reach = states.reach(np.maximum(slip[ends], [_LEAST_SLIP * one.amplitude_um for one in setups]))
     scars, skews = _scars(states, end, reach, under), _skews(states, end, reach)
@@ -198,9 +204,12 @@ def _wear_path(
         layer, chain = _Layer.of_all(states, chains, slip), Chain.joined(chains)
         for _ in range(_SLIP_SWEEPS):
             contact = _contact(states, setup, chain, slip, layer)
-            slip, share = _driven(setup, chain, contact, slip)
-        contact = replace(contact, share=share)
-        energy = sensing.loop_energy(contact, slip)
+            if setup.load_cycle.steady:
+                slip, share = _driven(setup, chain, contact, slip)
+                energy = sensing.loop_energy(replace(contact, share=share), slip)
+            else:
+                course = _followed(setup, chain, contact, slip)
+                slip, share, energy = course.slip_um, course.share, course.energy_mJ
     return chains, slip, energy, share
 
 
@@ -248,14 +257,7 @@ def _contact(
     ratio = np.tan(np.minimum(np.maximum(theta + angle, -1.2), 1.2))[:, None]
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
     order = states.order_between(row, share) * np.exp(setup.micro_slip)
-    contact = sensing.SlidingContact(along, along * ratio, stiffness, springs, order, np.ones_like(stiffness))
-    if setup.load_cycle.steady:
-        return contact
-    for _ in range(_LOAD_SWEEPS):
-        x, _ = sensing.branches_of(contact, chain, slip)
-        load = along * np.maximum(sensing.shares_at(x[..., sensing.KNEE :], setup.load_cycle, setup.motion), 1e-3)
-        contact = replace(contact, load_N=load, force_N=load * ratio)
-    return contact
+    return sensing.SlidingContact(along, along * ratio, stiffness, springs, order, np.ones_like(stiffness))
 
 
 @cache
@@ -282,6 +284,40 @@ def _driven(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContac
         numbers: dict[str, Any] = {name: np.take(getattr(setup, name), at) for name in _NUMBERS}
         share[at] = _sticking_share(replace(setup, **numbers), chain.taken(at), contact.taken(at))
     return np.where(share < 1.0, 0.0, np.maximum(wanted, least)), share
+
+
+def _followed(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Followed:
+    """The cycle under a load that varies, by which a drive holds what it holds."""
+    course, slip = CyclePath.of(setup.motion, setup.load_cycle), np.maximum(slip, _LEAST_SLIP * setup.amplitude_um)
+    held, stroke = bool(setup.held) & np.isnan(chain.amplitude_um), np.array(chain.amplitude_um)
+    stroke[held] = np.asarray(setup.amplitude_um)[held]
+    reads = setup.drive == "sensor" and not setup.held
+    target = np.where(held, setup.held_share * setup.amplitude_um, chain.amplitude_um)
+    if reads:
+        stroke = stroke / chain.gain
+    found = followed(contact, chain, course, slip, stroke)
+    for _ in range(_STROKE_SWEEPS if reads or held.any() else 0):
+        if reads:
+            stroke = stroke + (target - _half_reading(chain, found.displacement_um, found.force_N)) / chain.gain
+        else:
+            stroke = np.where(held, stroke + _missing_of(setup, chain, contact, found, target), stroke)
+        found = followed(contact, chain, course, slip, stroke)
+    return found
+
+
+def _missing_of(
+    setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, found: Followed, target: Array
+) -> Array:
+    """By how much (n,) a drive has to move farther for cycles to have the figure that it holds in place of a stroke."""
+    force = 0.5 * np.ptp(found.force_N, axis=(1, 2))
+    if setup.held == "tangential":
+        return np.asarray((target - force) * (contact.springs_um_per_N + 1.0 / contact.stiffness_N_per_um))
+    if setup.held == "energy":
+        return (target - found.energy_mJ) / (4e-3 * contact.tip_N)
+    if setup.held == "motion":
+        stroke = 0.5 * np.ptp(found.displacement_um, axis=(1, 2))
+        return np.asarray(target - stroke + chain.compliance_um_per_N * force + 0.5 * chain.free_play_um)
+    return target - found.slip_um
 
 
 def _sticking_share(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact) -> Array:

@@ -21,6 +21,7 @@ from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate import loop_states
 from wirewear.diagnosis.surrogate.line_wear import WornLine, WornLineContact, between, transformed, worn_line
+from wirewear.diagnosis.surrogate.springs import yielding_of
 from wirewear.diagnosis.surrogate.sticking import FREEDOMS, sticking_states, sticks
 from wirewear.diagnosis.surrogate.wear_states import NUMERICAL, WearStates
 from wirewear.reference import Elastic, contact_modulus
@@ -225,22 +226,27 @@ def _row(loop: Loop, friction: float, of_load: Array | None = None) -> tuple[obj
     q, p = loop.tangential_force_N, loop.normal_force_N
     p = np.where(np.isfinite(p), p, np.nanmean(p))
     travel, forward = loop_states.travelled(x)
-    # Each branch slides under the load of its moment.
-    first, last = int(np.argmin(x)), int(np.argmax(x))
-    low, top = float(q[first]), float(q[last])
-    rise = np.where(forward, -low, top) + (top - low) * of_load / (of_load[first] + of_load[last])
-    done = np.where(forward, q - low, top - q) / rise
-    stuck = (done > _STUCK[0]) & (done < _STUCK[1])
-    if not stuck.any():
-        return None
-    full, compliance = _stick(travel[stuck], done[stuck] * rise[stuck])
-    reach = full * compliance * float(rise.max())
+    if (of_load == 1.0).all():
+        low, top = (float(q[turn]) for turn in loop_states.turns_of(x))
+        rise = top - low
+        done = np.where(forward, q - low, top - q) / rise
+        stuck = (done > _STUCK[0]) & (done < _STUCK[1])
+        if not stuck.any():
+            return None
+        full, compliance = _stick(travel[stuck], done[stuck] * rise)
+    else:
+        slides_N = friction * float(p.sum() / of_load.sum())
+        rise = 2.0 * slides_N * float(of_load.max())
+        expected = rise / max(float(np.ptp(x)) - 2.0 * float(np.abs(x[np.argmin(np.abs(q))])), 1e-6)
+        stiffness, full = yielding_of(x, q, of_load, slides_N, np.array(_FULL_SLIPS), expected)
+        compliance = 1.0 / stiffness
+    reach = full * compliance * rise
     if np.ptp(x) * (1.0 - _LEAST_SLIDING) < reach:
         return None
     stiffness = 1.0 / compliance
     s = x - full * q / stiffness
     slip = float(0.5 * np.ptp(s))
-    slides = travel > _SLIDES_PAST * reach
+    slides = (travel > _SLIDES_PAST * reach) & loop_states.moves(x, of_load)
     sign = np.where(forward, 1.0, -1.0)
     if np.count_nonzero(slides) < len(loop_states.ODD_POWERS) + len(loop_states.EVEN_POWERS):
         return None

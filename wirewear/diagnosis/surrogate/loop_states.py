@@ -15,6 +15,7 @@ import numpy as np
 from geometry.arrays import Array, BoolArray, ComplexArray
 from wirewear.base.errors import ResultError, RunError
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.surrogate.springs import yielding_of
 from wirewear.results import Loop, RunResult
 from wirewear.results.scar import SCAR_FIGURES, scar_figures
 from wirewear.test import study_from_tables
@@ -32,6 +33,9 @@ LIFT_POWERS = (2, 4)
 
 #: Full slip comes at this multiple of Q/K_c (Mindlin): the elastic displacement of a sliding contact.
 FULL_SLIP = 1.5
+
+#: A drive that moves by less than this share of its stroke rests; loads below this share of the test's do not press.
+_STILL, _PRESSED = _KNOWN.each("still", "pressed")
 
 #: Weights that keep high powers small where the few increments of a loop do not show them.
 _RIDGE = (*_KNOWN.numbers("odd_ridge"), *_KNOWN.numbers("even_ridge"))
@@ -53,9 +57,6 @@ _PHASES = _MOTION.count("phases")
 #: are so many at most, none below this share of the largest.
 _FEWEST, _PARTS, _MOST_CORNERS = _MOTION.count("fewest"), _MOTION.count("parts"), _MOTION.count("most_corners")
 _LEAST_CORNER = _MOTION.number("least_corner")
-
-#: Arcsine of a motion's place, short of its end, from which on it rests.
-_AT_REST = _MOTION.number("at_rest")
 
 
 def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:
@@ -85,25 +86,24 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
     volume = 1e9 * sum(row[f"worn_volume_{body}_mm3"] for body in result.bodies)
     x, q, p = loop.relative_displacement_um, loop.tangential_force_N, loop.normal_force_N
     of_load = load_shares(result, loop)
-    steady_N = p / of_load
-    full = 2.0 * FULL_SLIP * friction * float(steady_N.mean() * of_load.max()) / fresh_stiffness
+    steady_N, mean_N = p / of_load, float(p.sum() / of_load.sum())
+    full = 2.0 * FULL_SLIP * friction * mean_N * float(of_load.max()) / fresh_stiffness
     if np.ptp(x) < _LEAST_TRAVEL * full:
         return None
-    stiffness = fresh_stiffness
+    stiffness, steady = fresh_stiffness, bool((of_load == 1.0).all())
+    if not steady:
+        stiffness, _ = yielding_of(x, q, of_load, friction * mean_N, np.array([FULL_SLIP]), fresh_stiffness)
     for _ in range(3):
         s = x - FULL_SLIP * q / stiffness
         slip = float(0.5 * np.ptp(s))
         travel, forward = travelled(x)
         # A sliding contact has left its reversal by the micro-slip's travel; mirrored, both branches are one.
-        slides = travel > _SLIDES_PAST * full
+        slides = (travel > _SLIDES_PAST * full) & moves(x, of_load)
         sign = np.where(forward, 1.0, -1.0)
         slope, angle = fitted_angles(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
-        turns = of_load[np.where(forward, np.argmin(x), np.argmax(x))]
-        tip, knee = (
-            float(steady_N.mean() * np.tan(np.arctan(friction) + angle.sum() + side * slope.sum()))
-            for side in (1.0, -1.0)
-        )
-        stiffness = _stick_stiffness(x, q, travel, forward, tip * turns + knee * of_load, stiffness)
+        if steady:
+            rise = sum(mean_N * np.tan(np.arctan(friction) + angle.sum() + side * slope.sum()) for side in (1.0, -1.0))
+            stiffness = _stick_stiffness(x, q, travel, forward, float(rise), stiffness)
     scars, skews = zip(*(scar_figures_of(result, loop.cycle, body) for body in result.bodies), strict=True)
     return volume, slip, slope, angle, stiffness, *fitted_load(s[slides] / slip, steady_N[slides]), scars, skews
 
@@ -172,11 +172,23 @@ def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:
     return float(found[0]), np.asarray(found[1:], dtype=np.float64)
 
 
+def moves(x: Array, of_load: Array) -> BoolArray:
+    """Which samples (n,) of a loop the drive came to under a load that presses: not those at which it rests."""
+    return np.asarray((np.abs(x - np.roll(x, 1)) > _STILL * np.ptp(x)) & (of_load > _PRESSED))
+
+
+def turns_of(x: Array) -> tuple[int, int]:
+    """Samples at which a loop leaves its ends at −x and at +x."""
+    ends = x < x.min() + _STILL * np.ptp(x), x > x.max() - _STILL * np.ptp(x)
+    low, top = (int(np.flatnonzero(end & ~np.roll(end, -1))[0]) for end in ends)
+    return low, top
+
+
 def travelled(x: Array) -> tuple[Array, BoolArray]:
     """Distance in µm (n,) of each sample from the reversal before it, and marks (n,) of the branch towards +x. x: (n,)
     displacements of one closed loop in µm.
     """
-    n, top, low = x.size, int(np.argmax(x)), int(np.argmin(x))
+    n, (low, top) = x.size, turns_of(x)
     forward = (np.arange(n) - low) % n <= (top - low) % n
     return np.where(forward, x - x[low], x[top] - x), forward
 
@@ -193,17 +205,17 @@ def fitted_angles(u: Array, psi: Array, friction: float) -> tuple[Array, Array]:
     return coefficients[: len(ODD_POWERS)], coefficients[len(ODD_POWERS) :]
 
 
-def _stick_stiffness(x: Array, q: Array, travel: Array, forward: BoolArray, rise: Array, before: float) -> float:
+def _stick_stiffness(x: Array, q: Array, travel: Array, forward: BoolArray, rise: float, before: float) -> float:
     """K_c that puts Mindlin's micro-slip, by Masing's rule, through the samples just after a reversal.
 
-    rise: of the force at each sample, from its reversal to where the branch slides.
+    rise: of the force from a reversal to where the branch slides.
     """
     top, low = float(q[np.argmax(x)]), float(q[np.argmin(x)])
     done = np.where(forward, q - low, top - q) / rise
     near = (done > _MICRO_SLIP[0]) & (done < _MICRO_SLIP[1]) & (travel > 0.0)
     if not near.any():
         return before
-    curve = FULL_SLIP * rise[near] * (1.0 - (1.0 - done[near]) ** (2.0 / 3.0))
+    curve = FULL_SLIP * rise * (1.0 - (1.0 - done[near]) ** (2.0 / 3.0))
     return float(np.median(curve / travel[near]))
 
 
@@ -274,7 +286,7 @@ class FastMotion:
         bent = np.arcsin(np.clip(place, -1.0, 1.0))
         there, back = (
             np.interp(sign * bent[..., side, :], *table)
-            for side, (sign, table) in enumerate(zip((1.0, -1.0), self._tables, strict=True))
+            for side, (sign, table) in enumerate(zip((1.0, -1.0), self.tables, strict=True))
         )
         return np.stack([there, back], axis=-2)
 
@@ -287,18 +299,12 @@ class FastMotion:
         return 0.5 * float(np.ptp(self._even))
 
     @cached_property
-    def top(self) -> float:
-        """Phase in rad at which the drive is at +x, in the middle of its rest there."""
-        (there, come), (back, left) = self._tables
-        return float(0.5 * (come[there > there[-1] - _AT_REST][0] + left[back < back[0] + _AT_REST][-1]))
-
-    @cached_property
     def _even(self) -> Array:
         """The motion (PHASES,) at even phases."""
         return _at_even_phases(self.harmonics)
 
     @cached_property
-    def _tables(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    def tables(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         """Arcsines of places in the direction of travel, and their phases, one way and back."""
         even = self._even
         # An eccentric's sine is a straight line in these.

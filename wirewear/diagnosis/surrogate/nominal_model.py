@@ -171,19 +171,12 @@ def _of_run(states: States, result: RunResult, study: AnyStudy) -> States:
 
 
 def _driven(states: States, study: AnyStudy) -> States:
-    """The states. Raises RunError if the drive holds a force under which the bodies slide, or if they stick in their
-    middle under a load that varies in the cycle.
-    """
+    """The states. Raises RunError if the drive holds a force under which the bodies slide."""
     held = held_by(study.conditions)
     if held is not None and held.figure == "tangential" and not states.sticks:
         raise RunError(
             f"the drive of {study.name!r} holds its tangential force, under which the bodies slide as a whole: nothing "
             "but the scar's walls says how far, which can be checked and compared, but neither fitted nor diagnosed."
-        )
-    if states.sticks and study.conditions.load_cycle is not None:
-        raise RunError(
-            f"the contact of {study.name!r} sticks in its middle under a load that varies within the cycle, whose "
-            "loops are known from full runs alone: they can be checked and compared, but neither fitted nor diagnosed."
         )
     return states
 

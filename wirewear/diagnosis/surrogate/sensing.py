@@ -12,17 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array, ComplexArray
-from solvers import LoadCycle
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
+from wirewear.diagnosis.surrogate.springs import PLAY_FORCE_N
 from wirewear.effects import Chain
 
 #: Positions on a branch: sliding, more densely towards its ends, and sticking.
 POSITIONS = np.sin(0.5 * np.pi * np.linspace(-1.0, 1.0, 41))
 STICK = np.linspace(0.0, 1.0, 48)
-
-#: Play opens over this force, N: a step would leave a curve without an inverse.
-PLAY_FORCE_N = 0.01
 
 #: The last position, at the stroke's end; the last place that sticks, the first that slides, and mid-stroke.
 END = POSITIONS.size - 1
@@ -44,9 +41,9 @@ Answers = ComplexArray
 class SlidingContact:
     """A contact at n moments.
 
-    load_N, force_N: (n, k, m) normal load and friction force in each branch's direction at the sliding positions
-    `POSITIONS`. stiffness_N_per_um: (n,) initial stiffness. springs_um_per_N: (n,) compliance of the springs in series.
-    order: (n,) order of micro-slip (`sticking`).
+    load_N, force_N: (n, 1, m) normal load and friction force in each branch's direction at the sliding positions
+    `POSITIONS`, under the test's load. stiffness_N_per_um: (n,) initial stiffness. springs_um_per_N: (n,) compliance of
+    the springs in series. order: (n,) order of micro-slip (`sticking`).
     """
 
     load_N: Array
@@ -154,17 +151,22 @@ def read_along(known: Array, values: Array, row: NDArray[np.intp], at: Array) ->
     return np.asarray(first + share * (last - first))
 
 
-def read_by_sensors(
-    setup: SurrogateInputs, chain: Chain, x: Array, q: Array, contact: SlidingContact
-) -> tuple[Array, Array, Array]:
-    """Displacement in µm, tangential and normal force in N as sensors read them, each (n, 2, m), from true x and q.
-    Tilt, gain, lags, crosstalk and zeros are those of `chain`; displacements are centred between both tips.
-    """
-    load, slides = contact.load_N, contact.share[:, None, None] >= 1.0
+def loads_of(contact: SlidingContact) -> Array:
+    """Normal force (n, 2, m) along both branches, as `branches_of` has their places."""
+    load = contact.load_N
     # A branch sticks under the load of the end where it begins, or on the way from it to that under which it slides.
     before = load[:, ::-1, END:]
     stuck = before + STICK * (load[..., :1] - before)
-    p = np.broadcast_to(np.concatenate([stuck, load[..., 1:]], axis=2), x.shape)
+    return np.repeat(np.concatenate([stuck, load[..., 1:]], axis=2), 2, axis=1)
+
+
+def read_by_sensors(
+    setup: SurrogateInputs, chain: Chain, x: Array, q: Array, p: Array, share: Array
+) -> tuple[Array, Array, Array]:
+    """Displacement x, tangential force q and normal force p (n, 2, m) as sensors read n loops of two branches, from the
+    true ones; share (n,) is that of the friction which the force comes to.
+    """
+    slides = share[:, None, None] >= 1.0
     tilt, gain, linear, quadratic, crosstalk, zero, normal_spring, moved_um = (
         np.expand_dims(column, (1, 2))
         for column in (
@@ -181,7 +183,7 @@ def read_by_sensors(
     if tilt.any():
         # A wire that climbs presses the loading spring, and friction follows the load.
         holder = chain.compliance_um_per_N[:, None, None]
-        relative = x - holder * q
+        relative, p = x - holder * q, np.maximum(p, PLAY_FORCE_N)
         share = 1.0 + normal_spring * np.tan(tilt) * relative / p
         p, q = share * p, share * q
         # Q = P tan(φ ± β): climbing on one stroke, descending on the other. What sticks carries the load's part alone.
@@ -197,13 +199,6 @@ def read_by_sensors(
     if (at := np.flatnonzero(chain.force_lag_s)).size:
         q[at] = late_forces(q[at], x[at], 2.0 * np.pi * setup.frequency_Hz * chain.force_lag_s[at], setup.motion)
     return read - centre + moved_um, q, p
-
-
-def shares_at(x: Array, load: LoadCycle, motion: FastMotion) -> Array:
-    """Normal load over its reference (n, 2, m) at the moments when a motion passes displacements x (n, 2, m) in µm.
-    load: course of the load within a cycle.
-    """
-    return load.shares(((_phases_and_half(x, motion)[0] - motion.top) / (2.0 * np.pi)) % 1.0)
 
 
 def late_places(setup: SurrogateInputs, read: Array, lag: float) -> Array:

@@ -24,6 +24,7 @@ from wirewear.diagnosis.surrogate.loop_states import (
     scar_figures_of,
     smoothed,
 )
+from wirewear.diagnosis.surrogate.springs import yielding_of
 from wirewear.results import Loop, RunResult
 from wirewear.test import study_from_tables
 
@@ -61,7 +62,7 @@ def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -
     friction: coefficient of the run. has_maps: True if scars are read from maps; False for profiles, whose figures are
     0. Raises RunError if no loop carries a force.
     """
-    rows = [row for loop in result.loops if (row := _row(loop, friction)) is not None]
+    rows = [row for loop in result.loops if (row := _row(loop, friction, load_shares(result, loop))) is not None]
     if not rows:
         raise RunError(f"no loop of the nominal run {result.name!r} carries a tangential force.")
     cycles, stiffness, order = np.array(rows).T
@@ -94,17 +95,25 @@ def _figures(result: RunResult, cycle: float, body: str) -> list[float]:
 
 def _share(loop: Loop, friction: float, of_load: Array | float = 1.0) -> float:
     """Share of the friction that the force comes to, under the load of each moment."""
-    steady_N = float((loop.normal_force_N / of_load).mean())
-    return float(0.5 * np.ptp(loop.tangential_force_N / of_load) / (friction * steady_N))
+    return float(0.5 * np.ptp(loop.tangential_force_N / of_load) / (friction * _steady_N(loop, of_load)))
 
 
-def _row(loop: Loop, friction: float) -> tuple[float, float, float] | None:
-    """Cycle, stiffness in N/µm and order of a loop."""
+def _steady_N(loop: Loop, of_load: Array | float) -> float:
+    """The test's load, of which a loop's is `of_load` at each sample."""
+    shares = np.broadcast_to(of_load, loop.normal_force_N.shape)
+    return float(loop.normal_force_N.sum() / shares.sum())
+
+
+def _row(loop: Loop, friction: float, of_load: Array) -> tuple[float, float, float] | None:
+    """Cycle, stiffness in N/µm and order of a loop whose load is `of_load` (n,) times the test's."""
     x, q = loop.relative_displacement_um, loop.tangential_force_N
     share, half = min(_share(loop, friction), _SHARES[1]), 0.5 * float(np.ptp(x))
     if not half > 0.0 or share <= 0.0:
         return None
     force = 0.5 * float(np.ptp(q))
+    if not (of_load == 1.0).all():
+        slides_N = friction * _steady_N(loop, of_load)
+        return float(loop.cycle), *yielding_of(x, q, of_load, slides_N, np.geomspace(*_ORDERS, 12), force / half)
     order = 1.5
     if share > _SHARES[0]:
         # Energy over 4 Q δ, which hardly slips at all.
