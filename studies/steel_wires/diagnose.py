@@ -23,7 +23,7 @@ from wirewear.base.verdicts import Finding, finding_table
 from wirewear.base.words import counted
 from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose
-from wirewear.diagnosis.infer.shrink import physical_gap
+from wirewear.diagnosis.infer.physical_gap import physical_gap
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.pictures import save

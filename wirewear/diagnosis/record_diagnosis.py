@@ -10,9 +10,10 @@ from wirewear.base.errors import StudyError
 from wirewear.diagnosis.answer import Diagnosis, causes_of, causes_of_fit, partial_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.left_open import joined, masses, measurement_after, plausible, unseen
+from wirewear.diagnosis.infer.physical_gap import physical_gap
 from wirewear.diagnosis.infer.resembling import Resemblance, resemblances
 from wirewear.diagnosis.infer.search import Search, search, updated
-from wirewear.diagnosis.infer.shrink import physical_gap, shrink_of
+from wirewear.diagnosis.infer.shrink import shrink_of
 from wirewear.diagnosis.infer.weighing import classes_of, force_zero, gains_of, leading_fit, relevant, weigh
 from wirewear.diagnosis.infer.where import changes, findings, places, relevance_of
 from wirewear.diagnosis.observe.reduction import Observations
