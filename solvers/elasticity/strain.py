@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix, diags
+from scipy.sparse import bsr_matrix, csr_matrix, diags
 
 from geometry import Elastic, HexMesh, QuadMesh
 from geometry.arrays import Array, IntArray
@@ -128,40 +128,25 @@ class IntegrationPoints:
         return scattered(self.mesh.cells, of_cells, len(self.mesh.points))
 
     def at_nodes(self, values: Array) -> Array:
-        """Nodal fields (n, k) closest in the mean square to values (m, q, k) at the integration points; 0 at nodes
-        without cells.
-
-        Raises SolverError when the projection does not converge.
+        """Nodal fields (n, k) closest in the mean square to values (m, q, k) at the integration points of a mesh all of
+        whose nodes have cells. Raises SolverError when the projection does not converge.
         """
         from scipy.sparse.linalg import cg
 
-        mass, used = self.mass
+        mass = Projection.of(self.mesh).mass
         scale = diags(1.0 / mass.diagonal())
         result = np.zeros((len(self.mesh.points), values.shape[-1]))
         for k, load in enumerate(self.loads(values).T):
             # Relative residual of the projection to nodes.
-            result[used, k], failed = cg(mass, load, M=scale, rtol=1e-7)
+            result[:, k], failed = cg(mass, load, M=scale, rtol=1e-7)
             if failed:
                 raise SolverError("stresses could not be projected to the nodes; please report this study")
         return result
 
     def loads(self, values: Array) -> Array:
-        """Integrals (u, k) of shape functions times values (m, q, k), for the u nodes that have cells."""
+        """Integrals (n, k) of shape functions times values (m, q, k)."""
         of_cells = np.einsum("qc,mqk,mq->mck", self.shapes, values, self.volumes, optimize=True)
-        _, used = self.mass
-        return scattered(self.mesh.cells, of_cells, len(self.mesh.points))[used]
-
-    @cached_property
-    def mass(self) -> tuple[csr_matrix, IntArray]:
-        """Mass matrix (u, u), the integrals of products of shape functions, of the u nodes that have cells; and their
-        indices (u,).
-        """
-        used, cells = np.unique(self.mesh.cells, return_inverse=True)
-        corners, size = self.mesh.cells.shape[1], len(used)
-        cells = cells.reshape(-1, corners)
-        masses = np.einsum("qc,qd,mq->mcd", self.shapes, self.shapes, self.volumes, optimize=True)
-        rows, columns = np.repeat(cells, corners, axis=1).ravel(), np.tile(cells, (1, corners)).ravel()
-        return coo_matrix((masses.ravel(), (rows, columns)), shape=(size, size)).tocsr(), used
+        return scattered(self.mesh.cells, of_cells, len(self.mesh.points))
 
 
 def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:
