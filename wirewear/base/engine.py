@@ -141,7 +141,8 @@ class LocalProcesses(Engine):
                 if not running:
                     waiting.clear()
                     return lost
-                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                # A signal that another thread has taken is heard of between two waits.
+                for future in wait(running, timeout=1.0, return_when=FIRST_COMPLETED).done:
                     place = running.pop(future)
                     error = future.exception()
                     if isinstance(error, BrokenProcessPool):
@@ -164,7 +165,7 @@ def _ended_if_interrupted(others: Set[BaseProcess]) -> Iterator[None]:
         yield
     except KeyboardInterrupt:
         for process in set(multiprocessing.active_children()) - others:
-            process.terminate()
+            process.kill()  # as it may ignore a request to end
         raise
 
 
