@@ -270,7 +270,7 @@ class TabledProfile:
         return np.column_stack([-self._fall(x, 1), np.zeros_like(x)])
 
     def require_within(self, along_mm: float, across_mm: float) -> None:  # noqa: ARG002 - the face is straight across
-        """Raise GeometryError when the patch reaches beyond the points."""
+        """Raise GeometryError when a patch that reaches `along_mm` to each side ends beyond the points."""
         if along_mm > self.reach_mm:
             raise GeometryError(
                 f"a body {along_mm} mm to the side reaches beyond its profile, whose points end at {self.reach_mm} mm"

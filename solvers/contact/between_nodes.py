@@ -114,7 +114,9 @@ class SpreadPressure:
         return float(of_elements), float(self.areas_mm2 @ friction.law.limit(coefficient, self.nodal_MPa))
 
     def share(self, friction: Friction) -> float:
-        """Ratio of the two friction forces of `integrals`, kept between 1/1.5 and 1.5; 1 if either is 0."""
+        """Friction force integrated over the samples, over that summed over the nodes (see `integrals`), kept between
+        1/1.5 and 1.5; 1 if either is 0.
+        """
         of_elements, of_nodes = self.integrals(friction)
         if not of_nodes > 0.0 or not of_elements > 0.0:
             return 1.0

@@ -146,8 +146,8 @@ class PairedCompliance:
         return self.displaced(self.in_order(traction))
 
     def in_order(self, traction: Array) -> Array:
-        """Tractions (k, 3) in MPa rearranged as (3 m,) in the order of the m known nodes; nodes under traction become
-        known first.
+        """Tractions (k, 3) in MPa as (3 m,), node by node in the order in which the m nodes became known; 0 for those
+        without traction. Nodes under traction that are not known yet are made known before.
         """
         force, complete = _on_known(traction, self.place, self.known)
         if not complete:

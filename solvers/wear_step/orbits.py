@@ -269,8 +269,9 @@ class Orbits:
         return Opening(_scaled_columns(self._faced, coefficients), self.worked)
 
     def deposited(self, work: Array) -> tuple[Array, Array]:
-        """Work per area (n,) on the nodes of the primary, and on those of the secondary, by work per area (N,) at the
-        unknowns and at all places alike.
+        """Work per area in mJ/mm² on the nodes of the primary's patch, and on those of the secondary's, each (n,): the
+        sum of what all unknowns leave there. work: (N,) in mJ/mm² at the unknowns, and at each place that a symmetry
+        makes like one.
         """
         both = self.worked.T @ work
         return both[: self._primary], both[self._primary :]

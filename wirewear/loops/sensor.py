@@ -73,7 +73,9 @@ class LoopSignals:
 
     @property
     def evenly_spread(self) -> bool:
-        """True if all spacings are equal, within a share of 10⁻⁶."""
+        """True if the times between samples, the step into the next cycle included, differ by at most 10⁻⁶ of their
+        mean. Raises SensorError as `spacing_s` does.
+        """
         spacing = self.spacing_s
         return bool(np.ptp(spacing) <= _EVEN * spacing.mean())
 

@@ -87,7 +87,9 @@ def exchanged_evolutions(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def exchanged_loops(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on pairs of loops each of which has the energy and largest force expected of the other."""
+    """One remark at most, on pairs of loops each of which has the energy and largest force expected of the other by the
+    repeat's evolution or else by the other loops: it names the first pair and counts the rest.
+    """
     s = checked.statistics
     own = np.flatnonzero((s.energy_mJ > 0.0) & (s.force_amplitude_N > 0.0) & (s.cycle > 0))
     figures = {"dissipated_energy_mJ": s.energy_mJ, "max_tangential_force_N": s.force_amplitude_N}

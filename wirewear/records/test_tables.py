@@ -83,7 +83,9 @@ class OfTest(Table):
         """Raise RecordError if the tables lack or contradict something; where: names the file in the message."""
 
     def placed(self, surface: Any) -> Any:
-        """A worn surface of a file, turned so that x runs along the motion."""
+        """A worn surface of a record's file with x along the motion: here as it is; overridden where a file may state
+        it in a body's own axes.
+        """
         return surface
 
 

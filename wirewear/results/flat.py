@@ -82,7 +82,9 @@ def worn_points(scar: Scar, *, upper: bool) -> Array:
 
 
 def surface_mesh(scar: Scar, *, upper: bool) -> pyvista.StructuredGrid:
-    """The worn surface as a pyvista mesh in µm, with the scar's fields. upper: True for the held body's scar."""
+    """The worn surface as a pyvista mesh with the scar's fields by their names; points as of `worn_points`, in µm.
+    upper: True for the held body's scar, whose z is turned over.
+    """
     import pyvista
 
     points = worn_points(scar, upper=upper)

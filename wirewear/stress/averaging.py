@@ -18,8 +18,9 @@ _RADII = (1.32, 1.54)
 
 
 def kernel_of(table: LifeTable, *, plane: bool) -> Callable[[float], tuple[Array, Array]]:
-    """The kernel that a table states: an averaging length, or point, line or volume (plane: area) by the critical
-    distance, else a grain; the point itself if none is known. plane: True for a line contact.
+    """The kernel that a table states, in this order: a ball of diameter averaging_length_um; by the critical distance
+    L the point L/2 below, the line down to 2 L, or a ball of radius 1.54 L; a ball of diameter grain_um; the point
+    itself. plane: True for a line contact, where balls are discs and the radius is 1.32 L.
     """
     distance = 1e-3 * table.distance_um
     stated = table.averaging_length_um or (None if distance else table.grain_um)

@@ -226,7 +226,8 @@ class Inside(Generic[S]):
     def states(
         self, result: RunResult, body: str, cycle: float, at: Sequence[str | int] | None = None, *, worn: bool = True
     ) -> tuple[S, ...]:
-        """States of a body of a run at positions `at` (None: all) of the cycle recorded nearest to `cycle`.
+        """States of a body of a run at positions `at`, names or indices from 0 (None: all), of the cycle with recorded
+        forces that is nearest to `cycle` by ratio.
 
         worn: the nodes stand in the worn surface and the forces act there; else they stand where they were when fresh,
         as in a run that does not move nodes. Raises ResultError if the run has recorded no such forces or positions,

@@ -169,7 +169,9 @@ class ModelLoops:
         return np.asarray(travel / np.maximum(rise, 1e-9))[rows_of(self.course, sites)]
 
     def travel_um(self, sites: Sites, force_N: float) -> Array:
-        """Travel (n,) in µm of each site's branch over the forces within ±`force_N` of the site's level."""
+        """Displacement (n,) in µm that each site's branch covers while the force in its direction of travel rises from
+        `level` − `force_N` to `level` + `force_N`; forces beyond its ends count as those.
+        """
         return travel_um(self.course, sites, sites.level - force_N, sites.level + force_N)
 
     @cached_property

@@ -147,8 +147,8 @@ class JointModel:
         return self.study
 
     def states(self, _tables: object, _observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
-        """States of the joint as it is stated, and no sentences. Raises RunError if the drive holds a force that slides
-        it.
+        """States of the joint as it is stated, and no sentences on limits of a nominal run, as nothing is run. Raises
+        RunError if the drive holds a force that slides it.
         """
         return _driven(JointStates.of_study(self.study), self.study), ()
 
