@@ -22,6 +22,7 @@ _GROWTH, _LARGEST = 0.205, 2.95  #: Growth with ln(P/P_y) and largest value of H
 #: Strain of an indentation is 0.2 a/R (Tabor, The Hardness of Metals (1951)); the contact's radius a grows about with
 #: this power of the load, between Hertz' 1/3 and full plasticity's 1/2.
 _SPREADING = 0.4
+_NONE = 1e3  #: Factor of a limit that no pressure reaches.
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,8 @@ class PressureLimit:
     upper_share: float = 0.5  #: Share of the print on the upper body: 0 if it is the harder one.
     hardening_MPa: float = 0.0  #: Rise of the yield stress per plastic strain.
     first_yield_strain: float = 0.0  #: Strain 0.2 a/R of the indentation at first yield.
+    share_borne: float = 1.0  #: Factor of the limit of spheres that these bodies bear.
+    printed_load: float = 0.0  #: Load whose prints the surfaces have from the outset: up to it they yield no more.
 
     def share(self, *, upper: bool) -> float:
         return self.upper_share if upper else 1.0 - self.upper_share
@@ -70,7 +73,7 @@ class PressureLimit:
         beyond = np.maximum(np.asarray(load) / self.first_yield_load, 1.0)
         plastic = self.first_yield_strain * (beyond**_SPREADING - 1.0)
         ratio = np.minimum(self.first_yield_ratio + _GROWTH * np.log(beyond), max(_LARGEST, self.first_yield_ratio))
-        return np.asarray(ratio * (self.yield_stress_MPa + self.hardening_MPa * plastic))
+        return np.asarray(self.share_borne * ratio * (self.yield_stress_MPa + self.hardening_MPa * plastic))
 
     def strain(self, load: float) -> float:
         """Strain 0.2 a/R of the indentation, a the contact's radius, under a load in N (line contacts N/mm)."""
@@ -80,7 +83,7 @@ class PressureLimit:
         """The limits at k nodes under a load in N, one or (k,), with the prints `printed_mm` (k,) that both bodies
         together have already.
         """
-        limit = self.limit_MPa(load)
+        limit = self.limit_MPa(load) * np.where(np.asarray(load) > self.printed_load, 1.0, _NONE)
         # It rises by this share where the print is as deep as Hertz' approach, which keeps the equations regular.
         rise = np.broadcast_to(0.005 * limit / self.overlap_mm, printed_mm.shape)
         return YieldAtNodes(limit + rise * printed_mm, rise)

@@ -51,25 +51,39 @@ class HalfSpace:
         return np.asarray(along, dtype=np.float64), np.asarray(across, dtype=np.float64)
 
     def moved(self, traction_MPa: Array | None, initial_MPa: Array | None) -> tuple[Array, Array]:
-        """Strains (l, n_x, n_y, 6), tensor components in the middles of layers, and displacements (n_x, n_y, 3) of the
-        surface in mm.
+        """Strains (l, n_x, n_y, 6) of tensors in the middles of layers, and displacements (n_x, n_y, 3) of the surface
+        in mm.
 
-        traction_MPa: (n_x, n_y, 3) on the surface, z outwards; None: none. initial_MPa: (l, n_x, n_y, 6) initial
-        strains times the elastic moduli; None: none.
+        traction_MPa: (n_x, n_y, 3) on the surface. initial_MPa: (l, n_x, n_y, 6) stresses by which the initial strains
+        would be elastic ones.
         """
-        size, count = len(self.layers_mm), (self.shape[0], self.shape[1] // 2 + 1)
-        pushed = np.zeros((*count, 3), dtype=complex)
-        inner = np.zeros((size, *count, 6), dtype=complex)
+        return self.strained(traction_MPa, self.spectrum(initial_MPa))
+
+    def spectrum(self, initial_MPa: Array | None) -> ComplexArray:
+        """Waves (l, n_x, n_y // 2 + 1, 6) of initial stresses (l, n_x, n_y, 6) as in `moved`."""
+        if initial_MPa is None:
+            return np.zeros((len(self.layers_mm), *self._waves[0].shape, 6), dtype=complex)
+        inner = fft.rfft2(initial_MPa, axes=(1, 2))
+        # The mean has no direction.
+        inner[:, 0, 0, :2] = 0.5 * (inner[:, 0, 0, :1] + inner[:, 0, 0, 1:2])
+        return np.asarray(inner)
+
+    def strained(self, traction_MPa: Array | None, inner: ComplexArray) -> tuple[Array, Array]:
+        """Strains and displacements as `moved` returns them, by tractions and a `spectrum`, which is overwritten."""
+        displaced = self._displaced(traction_MPa, inner, inside=True)
+        return fft.irfft2(inner, s=self.shape, axes=(1, 2), overwrite_x=True), displaced
+
+    def displaced(self, inner: ComplexArray) -> Array:
+        """Displacements (n_x, n_y, 3) of the surface in mm by a `spectrum` of initial stresses, which stays."""
+        return self._displaced(None, inner, inside=False)
+
+    def _displaced(self, traction_MPa: Array | None, inner: ComplexArray, *, inside: bool) -> Array:
+        surface = np.zeros((*inner.shape[1:3], 3), dtype=complex)
+        pushed = np.zeros_like(surface)
         if traction_MPa is not None:
             pushed = fft.rfft2(traction_MPa, axes=(0, 1))
-        if initial_MPa is not None:
-            inner = fft.rfft2(initial_MPa, axes=(1, 2))
-            # The mean has no direction.
-            inner[:, 0, 0, :2] = 0.5 * (inner[:, 0, 0, :1] + inner[:, 0, 0, 1:2])
-        surface = np.zeros_like(pushed)
-        _solved(*self._waves, self.layers_mm, self._factor, pushed, inner, surface)
-        strain = fft.irfft2(inner, s=self.shape, axes=(1, 2), overwrite_x=True)
-        return strain, fft.irfft2(surface, s=self.shape, axes=(0, 1))
+        _solved(*self._waves, self.layers_mm, self._factor, pushed, inner, surface, inside)
+        return np.asarray(fft.irfft2(surface, s=self.shape, axes=(0, 1)))
 
     def stresses(self, strain: Array) -> Array:
         """Stresses (..., 6) in MPa by elastic strains (..., 6), tensor components."""
@@ -167,9 +181,17 @@ def _slope(slope: Array, q: float, thickness: float) -> None:
 
 @compiled
 def _solved(
-    length: Array, cosine: Array, sine: Array, layers: Array, factor: Array, pushed: Array, inner: Array, surface: Array
+    length: Array,
+    cosine: Array,
+    sine: Array,
+    layers: Array,
+    factor: Array,
+    pushed: ComplexArray,
+    inner: ComplexArray,
+    surface: ComplexArray,
+    inside: bool,
 ) -> None:
-    """Change `inner` from initial stresses to strains, and set the displacements of the surface."""
+    """Set the displacements of the surface, and with `inside` change `inner` from initial stresses to strains."""
     size = 3 * (len(layers) + 1)
     slope, stress = np.zeros((5, 6)), np.zeros(5, dtype=np.complex128)
     x = np.zeros(size, dtype=np.complex128)
@@ -191,7 +213,7 @@ def _solved(
             surface[a, b, 0] = 1j * c * x[0] - s * x[1]
             surface[a, b, 1] = 1j * s * x[0] + c * x[1]
             surface[a, b, 2] = x[2]
-            for k in range(len(layers)):
+            for k in range(len(layers) if inside else 0):
                 _slope(slope, q, layers[k])
                 _strained(inner[k, a, b], slope, x[3 * k : 3 * k + 6], c, s)
 

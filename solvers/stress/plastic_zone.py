@@ -5,7 +5,7 @@ which the metal flows under the strain that it and the contact make; from one ro
 ACM 12 (1965) 547). Points lie in the middles of l layers, on a grid of (n_x, n_y); z points out of the half-space.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -54,39 +54,71 @@ class PlasticZone:
         return self.loaded(lambda _: traction_MPa, before)
 
     def loaded(self, traction: Callable[[Array], Array], before: Flowed) -> Flowed:
-        """The half-space after a step from `before` to tractions (n_x, n_y, 3) in MPa; traction: gives them from the
-        residual displacement (n_x, n_y, 3) in mm. Raises NotConvergedError if the metal cannot bear them, or nearly so.
+        """The half-space after a step to tractions (n_x, n_y, 3), which may depend on the residual displacement.
+        Raises NotConvergedError if it cannot bear them, or nearly so.
         """
-        points, shear = before.stress.shape, self.space.material.shear_modulus_MPa
-        old, strain, mixing = before.flow.strain, before.flow.strain, _Mixing()
-        scale = _TOLERANCE * self.metal.yield_stress_MPa / (2.0 * shear)
-        for _ in range(_MOST_ROUNDS):
-            inner, residual = self.space.moved(None, 2.0 * shear * strain.reshape(points))
-            pushed = traction(residual)
-            total = self.space.stresses(inner + self.space.moved(pushed, None)[0])
-            flow = flown(self.metal, shear, total.reshape(-1, 6) - 2.0 * shear * old, before.flow)
-            if np.abs(flow.strain - strain).max() <= scale:
-                return Flowed(flow, total - 2.0 * shear * flow.strain.reshape(points), residual, pushed)
-            strain = mixing.next(strain, flow.strain)
-        raise NotConvergedError("the body flows without end under the contact's forces")
+        return loaded_together((self,), lambda left: (traction(left[0]),), (before,))[0]
+
+    def stressed(self, strain: Array) -> Array:
+        """Stresses (l, n_x, n_y, 6) in MPa by which plastic strain (k, 6) would be elastic."""
+        size = 2.0 * self.space.material.shear_modulus_MPa
+        return size * strain.reshape(len(self.space.layers_mm), *self.space.shape, 6)
+
+
+#: From residual displacements of half-spaces to their tractions, (n_x, n_y, 3) each.
+Tractions = Callable[[Sequence[Array]], Sequence[Array]]
+
+
+def loaded_together(
+    zones: Sequence[PlasticZone], tractions: Tractions, before: Sequence[Flowed], tolerance: float = _TOLERANCE
+) -> tuple[Flowed, ...]:
+    """Half-spaces after a step to tractions that depend on the residual displacements of all.
+
+    tolerance: of the plastic strain, over yield stress over 2 G. Raises NotConvergedError if they cannot be borne, or
+    nearly so.
+    """
+    strain, mixing = [one.flow.strain for one in before], _Mixing()
+    for _ in range(_MOST_ROUNDS):
+        inner = [zone.space.spectrum(zone.stressed(own)) for zone, own in zip(zones, strain, strict=True)]
+        residual = [zone.space.displaced(own) for zone, own in zip(zones, inner, strict=True)]
+        pushed, flows, stresses, missed = tractions(residual), [], [], 0.0
+        for zone, own, push, old, guess in zip(zones, inner, pushed, before, strain, strict=True):
+            total = zone.space.stresses(zone.space.strained(push, own)[0])
+            shear = zone.space.material.shear_modulus_MPa
+            flow = flown(zone.metal, shear, (total - zone.stressed(old.flow.strain)).reshape(-1, 6), old.flow)
+            flows.append(flow)
+            stresses.append(total - zone.stressed(flow.strain))
+            missed = max(missed, np.abs(flow.strain - guess).max() * 2.0 * shear / zone.metal.yield_stress_MPa)
+        if missed <= tolerance:
+            return tuple(Flowed(*of) for of in zip(flows, stresses, residual, pushed, strict=True))
+        ends = np.cumsum([own.size for own in strain])[:-1]
+        found = [own.strain for own in flows]
+        mixed = mixing.next(*(np.concatenate([own.ravel() for own in of]) for of in (strain, found)))
+        strain = [own.reshape(-1, 6) for own in np.split(mixed, ends)]
+    raise NotConvergedError("the body flows without end under the contact's forces")
 
 
 @dataclass
 class _Mixing:
     """The next of a series of guesses, by the last ones and what was found from them."""
 
-    guesses: list[Array] = field(default_factory=list)
-    found: list[Array] = field(default_factory=list)
+    last: tuple[Array, Array] | None = None  #: What was found from the last guess, and what that missed.
+    found: list[Array] = field(default_factory=list)  #: Changes of both from guess to guess.
+    missed: list[Array] = field(default_factory=list)
+    products: Array = field(default_factory=lambda: np.zeros((0, 0)))  #: Of the latter with each other.
 
     def next(self, guess: Array, found: Array) -> Array:
-        """The guess that, were all linear, would be found from itself."""
-        self.guesses, self.found = [*self.guesses[-_REMEMBERED:], guess], [*self.found[-_REMEMBERED:], found]
-        off = [(own - at).ravel() for own, at in zip(self.found, self.guesses, strict=True)]
-        changes = np.array([off[-1] - own for own in off[:-1]])
-        if not len(changes):
+        """The guess (n,) that, were all linear, would be found from itself."""
+        missed, last = found - guess, self.last
+        self.last = found, missed
+        if last is None:
             return found
-        weights, *_ = np.linalg.lstsq(changes @ changes.T, changes @ off[-1], rcond=1e-12)
-        mixed = found.copy()
-        for weight, own in zip(weights, self.found[:-1], strict=True):
-            mixed -= weight * (found - own)
-        return mixed
+        kept = slice(max(len(self.missed) + 1 - _REMEMBERED, 0), None)
+        self.found = [*self.found, found - last[0]][kept]
+        self.missed = [*self.missed, missed - last[1]][kept]
+        products = np.zeros((len(self.missed),) * 2)
+        products[:-1, :-1] = self.products[kept, kept]
+        products[-1] = products[:, -1] = [own @ self.missed[-1] for own in self.missed]
+        self.products = products
+        weights, *_ = np.linalg.lstsq(products, np.array([own @ missed for own in self.missed]), rcond=1e-12)
+        return np.asarray(found - sum(w * own for w, own in zip(weights, self.found, strict=True)))

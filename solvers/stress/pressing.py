@@ -108,9 +108,13 @@ class Indentation:
 
     @property
     def largest_MPa(self) -> float:
-        """Largest mean pressure of three by three cells, since single ones scatter where everything flows."""
-        around = np.pad(self.pressure_MPa, 1)
-        return float(np.lib.stride_tricks.sliding_window_view(around, (3, 3)).mean(axis=(2, 3)).max())
+        return largest_MPa(self.pressure_MPa)
+
+
+def largest_MPa(pressure_MPa: Array) -> float:
+    """Largest mean over nine cells of pressures (n_x, n_y), since single ones scatter where everything flows."""
+    around = np.pad(pressure_MPa, 1)
+    return float(np.lib.stride_tricks.sliding_window_view(around, (3, 3)).mean(axis=(2, 3)).max())
 
 
 def indented(zone: PlasticZone, gap_mm: Array, loads_N: Array) -> Iterator[Indentation]:

@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from solvers.stress.pressing import largest_MPa
 from tests.studies import line_study
 from wirewear.reference import first_yield_ratio
 from wirewear.results import RunResult, read_result, write_result
 from wirewear.simulation import simulate
+from wirewear.simulation.near_zone import NearZone, near_zone_of
 from wirewear.simulation.yielding import limit_of_points
 from wirewear.test import Study, study_from_tables
 from wirewear.verification import QUICK, yielding
@@ -100,6 +102,43 @@ def test_a_run_keeps_prints_beside_what_has_worn(run: RunResult, tmp_path: Path)
     assert kept is not None
     assert np.array_equal(kept, fixed.print_um)
     assert moving.print_um is not None
+
+
+def near_zone(yield_MPa: float, friction: float) -> NearZone:
+    """Steel wires whose metal flows, as a run takes them."""
+    contact = {"friction": friction, "plasticity": "near zone"}
+    found = near_zone_of(wires(wires={"yield_stress_MPa": yield_MPa}, contact=contact))
+    assert found is not None
+    return found
+
+
+@pytest.mark.seconds
+@pytest.mark.parametrize(
+    ("yield_MPa", "pressure_MPa", "radius_um", "print_um"),
+    [(1400.0, 2889.0, 16.2, 0.120), (1800.0, 3556.0, 15.1, 0.063), (2400.0, 4273.0, 14.6, 0.014)],
+)
+def test_wires_whose_metal_flows_are_pressed_as_finite_elements_say(
+    yield_MPa: float, pressure_MPa: float, radius_um: float, print_um: float
+) -> None:
+    grid = near_zone(yield_MPa, 0.0).pressing
+    upper, lower = grid.rubbed.pressed
+    pressure, cell = -upper.traction_MPa[..., 2], float(np.diff(grid.axes_mm[0][:2])[0]) ** 2
+    assert largest_MPa(pressure) == pytest.approx(pressure_MPa, rel=0.03)
+    assert 1e3 * (cell * (pressure > 0.0).sum() / np.pi) ** 0.5 == pytest.approx(radius_um, rel=0.03)
+    for body in (upper, lower):
+        assert -1e3 * body.residual_mm[..., 2].min() == pytest.approx(print_um, rel=0.1)
+
+
+@pytest.mark.slow
+def test_sliding_metal_shakes_down_below_the_limit_and_ratchets_above_it() -> None:
+    """A largest pressure of 1.8 yield stresses, where Melan's limit is 2.39 at a friction of 0.1, 0.93 at 0.62."""
+    below, above = (near_zone(2400.0, friction).sliding.rubbed for friction in (0.1, 0.62))
+    assert below.shaken
+    assert below.cycles[-1].through == 0.0
+    assert not above.shaken
+    elastic = 2400.0 / 208_700.0
+    assert above.cycles[-1].through > 0.5 * elastic
+    assert above.cycles[-1].left > 0.02 * elastic
 
 
 def test_contacts_that_yield_all_over_press_as_far_and_as_deep_as_finite_elements_say() -> None:

@@ -32,6 +32,11 @@ _NEW = Age.new()
 LAYERS_OF_BODIES = "layers"  #: Setting of a result with the coatings of bodies: lists of thickness and wear factor.
 #: Settings of a result with the rig's travel to either side at the first loop, by springs (µP/K) and by play.
 SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
+#: Settings of metal that flows: cycles followed, largest plastic strain of the last one, what of it is left, and 1
+#: where the metal then flowed without end.
+FLOW_CYCLES, FLOW, RATCHETTING, ENDLESS = (
+    f"fresh_{name}" for name in ("flow_cycles", "flow_strain_per_cycle", "ratchetting_strain_per_cycle", "flow_endless")
+)
 
 #: Settings of a result with the largest pressure that the softer body bears, and its source in words.
 BORNE, BORNE_IS = "borne_pressure_MPa", "borne_pressure_is"

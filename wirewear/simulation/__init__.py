@@ -22,18 +22,18 @@ if TYPE_CHECKING:
     )
     from wirewear.simulation.discretisation import discretise
     from wirewear.simulation.line_model import bodies_stiffness_N_per_mm2, line_plan
+    from wirewear.simulation.near_zone import NEAR_ZONE, FlowGrid, near_zone_of_tables
     from wirewear.simulation.observers import Moment, Observer, ProgressBar
     from wirewear.simulation.point_runs import require_affordable_wires
     from wirewear.simulation.problem import contact_problem
     from wirewear.simulation.runs import ObserverOf, files_of_runs, needed_memory, run_study, simulate
     from wirewear.simulation.workbench import write_line_meshes, write_meshes
-    from wirewear.simulation.yielding import limit_of_points, spread_by_yield
 
 __all__ = [
-    "LINES", "POINTS", "Converged", "Moment", "Observer", "ObserverOf", "ProgressBar", "bodies_stiffness_N_per_mm2",
-    "contact_problem", "converge", "convergence_table", "discretise", "files_of_runs", "last_of", "limit_of_points",
-    "line_plan", "mean_pressures", "needed_memory", "require_affordable_wires", "run_study", "simulate",
-    "spread_by_yield", "write_convergence", "write_line_meshes", "write_meshes",
+    "LINES", "NEAR_ZONE", "POINTS", "Converged", "FlowGrid", "Moment", "Observer", "ObserverOf", "ProgressBar",
+    "bodies_stiffness_N_per_mm2", "contact_problem", "converge", "convergence_table", "discretise", "files_of_runs",
+    "last_of", "line_plan", "mean_pressures", "near_zone_of_tables", "needed_memory", "require_affordable_wires",
+    "run_study", "simulate", "write_convergence", "write_line_meshes", "write_meshes",
 ]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

@@ -36,7 +36,8 @@ class Motion:
 
     increments: of a measured cycle, more if follows_force and the force bends; wear_increments: of one that only wears.
     fresh: gives the state of bodies that just touch. aged: a problem with its effects at an age. under: a problem with
-    load, rig and laws of the block. held: what the drive holds, None for its amplitude.
+    load, rig and laws of the block. held: what the drive holds, None for its amplitude. printed: gives fresh
+    bodies the prints that sliding leaves in metal that flows; None without any.
     """
 
     drive: solvers.Drive
@@ -47,6 +48,7 @@ class Motion:
     aged: Callable[[solvers.ContactProblem, Age], solvers.ContactProblem]
     under: Callable[[solvers.ContactProblem], solvers.ContactProblem]
     held: HeldFigure | None = None
+    printed: Callable[[solvers.ContactProblem, solvers.WearState], solvers.WearState] | None = None
 
 
 @dataclass(frozen=True)
@@ -188,6 +190,16 @@ class Cycler:
         state, report = solvers.press(self.aged(problem, state, 0.0), state)
         self.tally.counters.count(report)
         return state, report
+
+    def printed(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> solvers.ContactState:
+        """The state of pressed bodies, pressed again with the prints that sliding leaves; unchanged without any."""
+        if self.motion.printed is None:
+            return state
+        wear = self.motion.printed(problem, state.wear)
+        again = replace(solvers.unloaded_state(problem), wear=wear, bulk=state.bulk)
+        pressed, report = solvers.press(self.aged(problem, state, 0.0), again)
+        self.tally.counters.count(report)
+        return replace(pressed, pressed_z=state.pressed_z)
 
     def moved_out(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> solvers.ContactState:
         """The state moved from mid-stroke to the stroke's end at +x, without wear. If the drive holds a figure that a

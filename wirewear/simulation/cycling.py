@@ -222,7 +222,7 @@ class _Run:
             try:
                 state, report = self.cycler.pressed(problem)
                 self.record.pressed(problem, state, report)
-                state, done = self.cycler.moved_out(problem, state), 0.0
+                state, done = self.cycler.moved_out(problem, self.cycler.printed(problem, state)), 0.0
                 self._fit_core(problem, state)
                 stepper = wear_stepper(self.test, self.cycler, problem)
                 while done < 1.0:

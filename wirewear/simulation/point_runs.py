@@ -23,6 +23,7 @@ from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.control import held_of
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, discretise, unknowns
+from wirewear.simulation.near_zone import near_zone_of
 from wirewear.simulation.plan import PlannedRun, PointMeshes, core_stages, mesh_stages, spare_stages, sticking_stage
 from wirewear.simulation.problem import condense_bodies, fresh_state, laws_of, problem_at, too_much
 from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings, scars_of
@@ -80,15 +81,17 @@ class PointRun(PlannedRun):
         sizes, wear = self.discretisation, self.study.wear
 
         def motion(own: Study) -> Motion:
+            near = near_zone_of(self.study)
             return Motion(
                 drive=own.drive,
                 increments=sizes.increments_per_cycle,
                 wear_increments=sizes.increments_per_wear_cycle,
                 follows_force=own.fidelity(self.fidelity).increments_per_cycle is None,
-                fresh=lambda problem: fresh_state(problem, own),
+                fresh=lambda problem: fresh_state(problem, own, near),
                 aged=lambda problem, age: problem_at(problem, own, age),
                 under=lambda problem: replace(problem, **laws_of(own)),
                 held=held_of(own),
+                printed=None if near is None or near.sliding is near.pressing else near.slid,
             )
 
         jump = wear.explicit_jump_cycles if wear else None
@@ -184,6 +187,8 @@ class PointRunRecord(Recorded):
             "fresh_approach_um": -1e3 * state.holder_z,
             "fresh_contact_radius_um": 1e3 * (report.contact_area / np.pi) ** 0.5,
         }
+        if (near := near_zone_of(self.plan.study)) is not None:
+            self.tally.fresh |= near.settings
 
     def holder_of(self, problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
         return holder_settings(problem, trace)

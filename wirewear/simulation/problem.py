@@ -37,6 +37,7 @@ from wirewear.base.words import counted
 from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results.scar import called
+from wirewear.simulation.near_zone import NearZone, near_zone_of
 from wirewear.simulation.yielding import limit_of_points
 from wirewear.test import AnyStudy, Study
 from wirewear.test.bodies import Body
@@ -154,6 +155,7 @@ def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], Non
     condensed (or loaded), placed, the upper one on its rig. stage: called with the name of each part of the work.
     """
     lower, upper = _placed(study, *condense_bodies(study, meshes, stage))
+    limit, near = limit_of_points(study), near_zone_of(study)
     stage("pressing the bodies together")
     return solvers.ContactProblem(
         upper=upper,
@@ -161,7 +163,7 @@ def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], Non
         **laws_of(study),
         primary_is_upper=held_is_primary(study),
         formulation=study.contact.formulation,
-        limit=limit_of_points(study),
+        limit=limit if near is None or limit is None else near.limited(limit),
     )
 
 
@@ -302,10 +304,14 @@ def specimens_of(study: Study) -> Specimens:
     return applied(study.effects, Seam.SPECIMENS, Specimens(study.crossing_angle_deg), Age.new())
 
 
-def fresh_state(problem: solvers.ContactProblem, study: Study) -> solvers.ContactState:
-    """The state of bodies that just touch, flattened if an effect asks for that."""
-    amplitude = 1e-3 * study.conditions.displacement_amplitude_um
-    return solvers.flattened(problem, solvers.unloaded_state(problem), specimens_of(study).flattening_mm, amplitude)
+def fresh_state(problem: solvers.ContactProblem, study: Study, near: NearZone | None) -> solvers.ContactState:
+    """The state of bodies that just touch, flattened if an effect asks for that, with the prints of pressing if their
+    metal flows.
+    """
+    amplitude, state = 1e-3 * study.conditions.displacement_amplitude_um, solvers.unloaded_state(problem)
+    if near is not None:
+        state = replace(state, wear=near.pressed(problem, state.wear))
+    return solvers.flattened(problem, state, specimens_of(study).flattening_mm, amplitude)
 
 
 def condense_bodies(

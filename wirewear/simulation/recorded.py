@@ -196,7 +196,9 @@ def yielded(
     pressures = [report.normal_force / report.contact_area for report in trace.reports if report.contact_area > 0.0]
     bodies, prints = (problem.primary, problem.secondary), state.wear.prints
     volumes = (
-        float(body.node_areas @ depth.ravel()) for body, depth in zip(bodies, prints, strict=True) if depth is not None
+        float(body.node_areas @ np.maximum(depth, 0.0).ravel())
+        for body, depth in zip(bodies, prints, strict=True)
+        if depth is not None
     )
     return {
         **{f"print_{scar.body}_um": float(scar.print_um.max()) for scar in scars if scar.print_um is not None},

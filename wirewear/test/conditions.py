@@ -134,7 +134,7 @@ class Contact(FrictionTable):
     ] = Field(
         "limited pressure",
         description='what a body that states its yield_stress_MPa does: "limited pressure"; "near zone", which '
-        'adds the residual stress of first loading to stresses inside; or "none" to stay elastic',
+        'flows beneath the surface as it is pressed and first slides; or "none" to stay elastic',
     )
     formulation: Annotated[Formulation, PlainValidator(keys.one_of("augmented-lagrangian", "penalty"))] = Field(
         "augmented-lagrangian", description='"augmented-lagrangian" (exact) or "penalty" (a thin elastic layer)'

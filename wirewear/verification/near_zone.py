@@ -21,7 +21,7 @@ from solvers.stress.plastic_zone import PlasticZone
 from solvers.stress.pressing import Indentation, indented
 from wirewear.test.bodies import hertz_of
 from wirewear.verification.rows import Level, Row, compared
-from wirewear.verification.yielding import CASES, Pressed, study_of
+from wirewear.verification.yielding import CASES, Pressed, study_of, wires
 
 #: Width of the grid and thickness of its layers over the contact's radius.
 _WIDE, _LAYERS = 8.0, np.asarray(0.1 * 1.1 ** np.arange(15), dtype=np.float64)
@@ -29,8 +29,8 @@ _ROLLED = np.asarray(0.08 * 1.1 ** np.arange(17), dtype=np.float64)  #: Layers i
 _FLOWS = 0.2  #: Part of the first pass's strain above which metal flows on.
 _STEPS = 16  #: Of the load, which goes with their square.
 _HARDER = tuple(
-    replace(CASES[0], name=f"Steel wires of 0.45 mm, {stress:g} MPa", yield_stress_MPa=stress, pressure_MPa=pressure,
-            radius_um=radius, print_um=print_um)
+    replace(CASES[0], bodies=wires(0.45, 208_700.0, 0.3, stress), name=f"Steel wires of 0.45 mm, {stress:g} MPa",
+            yield_stress_MPa=stress, pressure_MPa=pressure, radius_um=radius, print_um=print_um)
     for stress, pressure, radius, print_um in ((1800.0, 3556.0, 15.1, 0.126), (2400.0, 4273.0, 14.6, 0.028))
 )  # fmt: skip
 #: Yield stress of wires that harden by a fiftieth of their modulus, and their largest pressure by tamaas, MPa.

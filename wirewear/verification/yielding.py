@@ -33,15 +33,15 @@ class Pressed:
     print_um: float
 
 
-def _wires(diameter_mm: float, modulus_MPa: float, poissons_ratio: float, yield_MPa: float) -> dict[str, object]:
+def wires(diameter_mm: float, modulus_MPa: float, poissons_ratio: float, yield_MPa: float) -> dict[str, object]:
     wire = {"diameter_mm": diameter_mm, "youngs_modulus_MPa": modulus_MPa, "poissons_ratio": poissons_ratio}
     return {"kind": "crossed-wires", "wires": wire | {"yield_stress_MPa": yield_MPa}}
 
 
 CASES = (
-    Pressed("Steel wires of 0.45 mm, 1 400 MPa", _wires(0.45, 208_700.0, 0.3, 1400.0), 2.0, 1400.0, 2889.0, 16.2, 0.24),
-    Pressed("Rope wires of 1 mm, 1 600 MPa", _wires(1.0, 200_000.0, 0.3, 1600.0), 50.0, 1600.0, 3687.0, 69.3, 2.88),
-    Pressed("Aluminium wires of 3.5 mm, 170 MPa", _wires(3.5, 69_000.0, 0.33, 170.0), 300.0, 170.0, 501.0, 443.0, 44.0),
+    Pressed("Steel wires of 0.45 mm, 1 400 MPa", wires(0.45, 208_700.0, 0.3, 1400.0), 2.0, 1400.0, 2889.0, 16.2, 0.24),
+    Pressed("Rope wires of 1 mm, 1 600 MPa", wires(1.0, 200_000.0, 0.3, 1600.0), 50.0, 1600.0, 3687.0, 69.3, 2.88),
+    Pressed("Aluminium wires of 3.5 mm, 170 MPa", wires(3.5, 69_000.0, 0.33, 170.0), 300.0, 170.0, 501.0, 443.0, 44.0),
     Pressed("Ball of 6.35 mm on a flat, 800 MPa, 100 N", _ON_FLAT, 100.0, 800.0, 1710.0, 146.0, 1.54),
     Pressed("Ball of 6.35 mm on a flat, 800 MPa, 500 N", _ON_FLAT, 500.0, 800.0, 1981.0, 293.0, 9.56),
 )

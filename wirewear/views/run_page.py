@@ -28,6 +28,7 @@ from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, wo
 from wirewear.results import BORNE, BORNE_IS, PLAY_TRAVEL, PRESSURE_LENGTH, SPRING_TRAVEL, Loop, RunResult, Scar
 from wirewear.results.flat import named_for_users
 from wirewear.results.health import health, limit_of
+from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, RATCHETTING
 
 Course = tuple[str, str, str]  #: A column of the evolution, what it is called, and its dashes in SVG.
 
@@ -247,6 +248,7 @@ def sentence(result: RunResult) -> str:
             f" {energy:.3g} J of friction{where} have worn {figure_volume(worn)}: {depths[other]:.3g} µm deep in the "
             f"{result.called(other)}, {depths[driven]:.3g} µm in the {result.called(driven)}."
         )
+    text += flow_sentence(result.settings)
     for body in result.bodies:
         through = [f"at cycle {counted(round(cycle))}" if cycle else "not yet" for cycle in result.worn_through(body)]
         if through:
@@ -265,6 +267,24 @@ def beyond_strength(result: RunResult) -> str:
         f"pressure of {1e-3 * ratio * borne:.3g} GPa is more than the {1e-3 * borne:.3g} GPa that they bear "
         f"({result.settings[BORNE_IS]}). "
     )
+
+
+def flow_sentence(settings: Mapping[str, SupportsFloat]) -> str:
+    """Sentence on whether metal that flows shakes down; "" of settings without any.
+
+    settings: of a result.
+    """
+    if FLOW_CYCLES not in settings:
+        return ""
+    count = cycles_of(float(settings[FLOW_CYCLES]))
+    flow, left = (f"{100.0 * float(settings[name]):.2g} %" for name in (FLOW, RATCHETTING))
+    if float(settings[ENDLESS]):
+        return f" Unworn, the metal flows without end under the sliding contact, after {count}."
+    if not float(settings[FLOW_CYCLES]):
+        return " The metal is pressed; flow by sliding is not followed, since the contact sticks or slides far."
+    if not float(settings[FLOW]):
+        return f" Unworn, the metal shakes down within {count}."
+    return f" Unworn, the metal flows by a strain of {flow} a cycle after {count} and ratchets by {left}."
 
 
 def taken_by_rig(label: str, amplitude_um: float, settings: Mapping[str, SupportsFloat]) -> str:
@@ -367,6 +387,11 @@ def _run(result: RunResult) -> dict[str, object]:
         "status": result.status,
         "sentence": sentence(result),
         "last": last,
+        "flow": {
+            name: float(result.settings[name])
+            for name in (FLOW_CYCLES, FLOW, RATCHETTING, ENDLESS)
+            if name in result.settings
+        },
         "quality": {
             name: {"worst": worst, "limit": limit_of(name), "sound": worst <= limit_of(name)}
             for name, worst in result.quality.items()

@@ -1,0 +1,154 @@
+"""Two bodies of metal that flows, pressed together and slid to and fro on each other.
+
+Each is a half-space beneath its round surface, with its z axis out of it; x is the motion and y across for both. All of
+the contact slides: friction is in proportion to pressure, up to the yield stress in shear of the softer metal.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import sqrt
+
+import numpy as np
+
+from geometry.arrays import Array
+from solvers.errors import NotConvergedError
+from solvers.stress.plastic_zone import Flowed, PlasticZone, loaded_together
+from solvers.stress.pressing import Indenter
+
+_TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+_TOLERANCE = 5e-3  #: Of plastic strain over a step of sliding, in the place of a pressing's.
+_SHAKEN = 0.02  #: Plastic strain of a cycle, over the elastic one at yield, below which metal has shaken down.
+_STEADY = 0.05  #: Change of a cycle's strain from that of the cycle before, below which cycles repeat.
+
+
+@dataclass(frozen=True)
+class FlowOfCycle:
+    """The largest plastic strain that a cycle goes through at any point of both bodies, and of it what is left."""
+
+    through: float
+    left: float
+
+
+@dataclass(frozen=True)
+class Rubbed:
+    """The upper and the lower body pressed, and unloaded after cycles of sliding, with the plastic work done by then.
+
+    endless: whether the metal flowed without end in the next cycle; shaken: whether it flows no more.
+    """
+
+    pressed: tuple[Flowed, ...]
+    unloaded: tuple[Flowed, ...]
+    cycles: tuple[FlowOfCycle, ...]
+    work_mJ: float
+    pressed_mJ: float
+    endless: bool
+
+    @property
+    def shaken(self) -> bool:
+        """True if the last cycle left the metal elastic."""
+        return not self.endless and (not self.cycles or self.cycles[-1].through == 0.0)
+
+
+@dataclass
+class Rubbing:
+    """Zones of the upper and the lower body, on equal grids, their curvatures (2, 2) in 1/mm and friction.
+
+    modulus_MPa: E* of the pair.
+    """
+
+    zones: tuple[PlasticZone, PlasticZone]
+    curvatures_per_mm: tuple[Array, Array]
+    modulus_MPa: float
+    friction: float
+    states: tuple[Flowed, ...] = field(init=False)
+    work_mJ: float = field(init=False, default=0.0)
+    _pressure: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.states = tuple(zone.fresh for zone in self.zones)
+        self._pressure = np.ones(self.zones[0].space.shape)
+
+    def rubbed(self, loads_N: Array, stroke: int, step: int, most: int) -> Rubbed:
+        """Press under rising loads (k,), slide by up to `most` cycles of ± `stroke` cells in steps of `step`, unload.
+
+        Cycles end when the metal flows no more, or alike in each. Raises NotConvergedError if pressing has no end.
+        """
+        for load in loads_N.tolist():
+            self._step(load, 0, 0.0)
+        pressed, first, load = self.states, self.work_mJ, float(loads_N[-1])
+        cycles, endless = list[FlowOfCycle](), False
+        out = [min(place, stroke) for place in range(step, stroke + step, step)]
+        back = [*(stroke - place for place in out), *(-place for place in out)]
+        try:
+            for place in out if most else ():
+                self._step(load, place, 1.0)
+            while len(cycles) < most and not self._repeats(cycles):
+                before = self.states
+                for place in back:
+                    self._step(load, place, -1.0)
+                for place in back:
+                    self._step(load, -place, 1.0)
+                cycles.append(self._flow_since(before))
+        except NotConvergedError:
+            endless = True
+        nothing = np.zeros((*self._pressure.shape, 3))
+        unloaded = loaded_together(self.zones, lambda _: (nothing, nothing), self.states, _TOLERANCE)
+        return Rubbed(pressed, unloaded, tuple(cycles), self.work_mJ, first, endless)
+
+    def _step(self, load_N: float, place: int, direction: float) -> None:
+        """Move the lower body to `place` cells along x under a load; direction: of its motion."""
+        zones, cell = self.zones, float(np.prod(self.zones[0].space.step_mm))
+        indenter = Indenter(self._gap(place), zones[0].space.step_mm, self.modulus_MPa)
+        borne = min(zone.metal.yield_stress_MPa for zone in zones) / sqrt(3.0)
+
+        def tractions(left: Sequence[Array]) -> tuple[Array, Array]:
+            opened = -left[0][..., 2] - shifted(left[1][..., 2], place)
+            # At first everything touches barely.
+            self._pressure, _ = indenter.carried(load_N, opened, np.maximum(self._pressure, 1e-12))
+            push = np.zeros((*self._pressure.shape, 3))
+            push[..., 0] = direction * np.minimum(self.friction * self._pressure, borne)
+            push[..., 2] = -self._pressure
+            return push, shifted(push * np.array([-1.0, 1.0, 1.0]), -place)
+
+        before, tolerance = self.states, _TOLERANCE if direction else 1e-3
+        self.states = loaded_together(zones, tractions, before, tolerance)
+        for zone, old, new in zip(zones, before, self.states, strict=True):
+            done = np.einsum("ki,ki,i->k", new.stress.reshape(-1, 6), new.flow.strain - old.flow.strain, _TWICE)
+            volumes = np.repeat(zone.space.layers_mm * cell, self._pressure.size)
+            self.work_mJ += float(done @ volumes)
+
+    def _gap(self, place: int) -> Array:
+        """Gap (n_x, n_y) in mm with the lower body at `place` cells, on the upper one's grid."""
+        space = self.zones[0].space
+        at = np.stack(np.meshgrid(*space.axes_mm(), indexing="ij"), axis=-1)
+        away = at - np.array([place * space.step_mm[0], 0.0])
+        upper, lower = self.curvatures_per_mm
+        gap = 0.5 * (np.einsum("xyi,ij,xyj->xy", at, upper, at) + np.einsum("xyi,ij,xyj->xy", away, lower, away))
+        return np.asarray(gap - gap.min())
+
+    def _flow_since(self, before: Sequence[Flowed]) -> FlowOfCycle:
+        through, left = 0.0, 0.0
+        for zone, old, new in zip(self.zones, before, self.states, strict=True):
+            own = float((new.flow.accumulated - old.flow.accumulated).max())
+            if own * 2.0 * zone.space.material.shear_modulus_MPa > _SHAKEN * zone.metal.yield_stress_MPa:
+                change = (new.flow.strain - old.flow.strain) ** 2 @ _TWICE
+                through, left = max(through, own), max(left, sqrt(float(change.max()) / 1.5))
+        return FlowOfCycle(through, left)
+
+    @staticmethod
+    def _repeats(cycles: Sequence[FlowOfCycle]) -> bool:
+        """True if the last cycle did not flow, or as much as the one before."""
+        through = [own.through for own in cycles[-2:]]
+        if not through or through[-1] == 0.0:
+            return bool(through)
+        return len(through) > 1 and abs(through[1] / through[0] - 1.0) < _STEADY
+
+
+def shifted(field: Array, cells: int) -> Array:
+    """A field (n_x, ...) moved by `cells` along its first axis, zero where it came from."""
+    moved = np.zeros_like(field)
+    if cells >= 0:
+        moved[cells:] = field[: len(field) - cells]
+    else:
+        moved[:cells] = field[-cells:]
+    return moved
