@@ -28,7 +28,7 @@ from solvers.jit_cache import compiled
 
 Pair = tuple[float, float]
 
-_DEPTH = 24.0  #: How deep the lattice reaches, in elements.
+_DEPTH, _WAVES = 24.0, 2.0  #: How deep the lattice reaches at least, in elements and in longest waves.
 _REACH = 6.0  #: The correction reaches so many of the larger elements.
 _ALIASES = 4  #: Shorter waves beneath those that a lattice resolves, which a cell's uniform traction contains.
 _NEGLIGIBLE = 1e-3  #: Shares of a wave that are left out.
@@ -146,7 +146,9 @@ def _of_bricks(along: Array, across: Array, size: Pair, bricks: Bricks) -> Compl
     phase = (waves.conj()[:, :, None] * waves[:, None, :]).reshape(-1, 16)
     thickness, growth = bricks.layers
     layers = [thickness]
-    while sum(layers) < _DEPTH * max(size):
+    numbers = np.hypot(along / size[0], across / size[1])
+    longest = 2.0 * np.pi / float(numbers[numbers > 0.0].min())
+    while sum(layers) < max(_DEPTH * max(size), _WAVES * longest):
         layers.append(layers[-1] * growth)
     answer = np.zeros((len(along), 3, 3), dtype=np.complex128)
     for k, stiffness in enumerate(_between_sides(size, np.array(layers[::-1]), bricks.material)):

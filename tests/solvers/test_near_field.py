@@ -304,6 +304,17 @@ def test_between_lines_that_close_up_towards_the_edge_hertz_pressure_ends_where_
     np.testing.assert_allclose(np.hypot(*places.T), 1.0, atol=0.01)
 
 
+def test_the_finer_a_facing_bodys_elements_are_the_stiffer_are_the_others_alone() -> None:
+    """Waves of coarse elements are long for those of a finer body, whose lattice reaches deeper than they do."""
+    own, plain = Bricks(bodies.STEEL, (0.005, 1.3)), ((1.0, 0.0), (0.0, 1.0))
+    lacking = [
+        missing_displacement(own, (0.01, 0.01), Bricks(bodies.STEEL, (0.005 / finer, 1.3)), 2 * (0.01 / finer,), plain)
+        for finer in (2, 3, 5)
+    ]
+    at_node = [float(one[6, 6, 2, 2]) for one in lacking]
+    assert at_node[0] > at_node[1] > at_node[2]
+
+
 @pytest.mark.parametrize("shear", [(1.0, 0.0), (0.0, 1.0)])
 def test_elements_that_shrink_to_the_rim_are_corrected_as_those_at_the_edge_behind_the_shear(
     shear: tuple[float, float],
