@@ -4,6 +4,8 @@ A node is known once the displacements by unit forces or tractions on it are sto
 became known: `place` and `row` hold a node's number in such an order, -1 where it is not known.
 """
 
+from weakref import proxy
+
 import numpy as np
 
 from geometry.arrays import Array, IntArray
@@ -126,6 +128,7 @@ class PairedCompliance:
         if latest and latest[0].faces_as(pairing) and latest[0].known_first(missing):
             # Where a contact sticks, the bodies go on facing each other as they did.
             self.matrix, self.known, self.taken_over = latest[0].matrix, len(missing), latest[0]
+            latest[0].taken_over = None  # Else no increment's matrices would ever be given back.
             self.place[missing] = np.arange(len(missing))
             return
         begin, self.known = 3 * self.known, self.known + len(missing)
@@ -187,7 +190,9 @@ class MirroredCompliance:
 
     def __init__(self, whole: PairedCompliance, kept: IntArray, images: IntArray) -> None:
         """kept: (r,) indices of the held nodes among the k. images: (k,) index of each node's mirror image."""
-        self._whole, self.kept, self._images, self.layer = whole, kept, images[kept], whole.layer
+        # The whole keeps this one: kept by it in turn, both would hold their matrices until garbage is collected.
+        self._whole = proxy(whole)
+        self.kept, self._images, self.layer = kept, images[kept], whole.layer
         self.place, self.known = np.full(len(kept), -1), 0
         self.matrix = np.empty((3 * len(kept), 3 * len(kept)))
         whole.mirrored = self

@@ -269,8 +269,8 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): its weight when a version is made, with 3 % of slack for the next one.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 81_600,
-    "lines of wirewear": 64_400,
+    "lines of geometry, solvers and wirewear": 82_800,
+    "lines of wirewear": 64_900,
     "lines of studies": 17_100,
     "lines of tests": 34_200,
     "files of geometry, solvers and wirewear": 402,

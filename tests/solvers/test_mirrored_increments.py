@@ -1,5 +1,6 @@
 """Increments that are their own mirror image are solved for the nodes on one side, with the answers of all nodes."""
 
+import gc
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 import solvers
 from solvers.contact import mirrored
 from solvers.contact_conditions import ContactGuess, ContactOutcome, Linearisation
+from solvers.elasticity.compliance import MirroredCompliance, PairedCompliance
 from solvers.newton import SemismoothNewton
 from tests.bodies import ELEMENTS_THAT_MEET_HERTZ_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 
@@ -66,3 +68,19 @@ def test_what_is_not_its_own_mirror_image_is_solved_as_a_whole() -> None:
         replace(state, bulk=np.full((2, 2, 2), 1e-4)),
     ):
         assert mirrored.images_across(problem, other) is None
+
+
+@pytest.mark.seconds
+def test_increments_that_stick_give_back_their_matrices_without_waiting_for_garbage(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(mirrored, "_FEWEST", 1)
+    problem = crossed_wires(ELEMENTS_THAT_MEET_HERTZ_mm, rig_N_per_mm=100.0 * RIG_N_per_mm)
+    state = pressed(problem)[0]
+    gc.disable()
+    try:
+        driven(problem, state, np.linspace(1e-5, 1e-4, 10))
+        held = sum(isinstance(one, (PairedCompliance, MirroredCompliance)) for one in gc.get_objects())
+    finally:
+        gc.enable()
+    assert held < 10

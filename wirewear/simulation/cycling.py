@@ -238,7 +238,7 @@ class _Run:
                 fitting = larger
             # Nothing of the run has been on the other meshes: that is no change.
             self.history = MeshHistory(fitting.stage, core=fitting.core)
-            problem = self._problem()
+            problem, self.cycler.guide = self._problem(), None
 
     def _fit_core(self, problem: ContactProblem, state: ContactState) -> None:
         """See that the meshes fit what sticks of a contact at the end of its first loading."""
