@@ -127,6 +127,9 @@ class ScriptedCycler:
     def pressed(self, _problem: Any) -> tuple[float, None]:
         return 0.0, None
 
+    def printed(self, _problem: Any, state: float) -> float:
+        return state
+
     def moved_out(self, _problem: Any, state: float) -> float:
         return state
 
