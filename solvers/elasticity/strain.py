@@ -11,15 +11,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import bsr_matrix, csr_matrix, diags
+from scipy.sparse import bmat, csr_matrix, diags
 
 from geometry import Elastic, HexMesh, QuadMesh
 from geometry.arrays import Array, IntArray
 from geometry.elements import BRICK, QUADRILATERAL, ElementKind
 from solvers.errors import SolverError
 from solvers.jit_cache import compiled, inlined
+
+if TYPE_CHECKING:
+    from skfem import Basis
+
+
+_SKFEM_CORNERS = [0, 4, 3, 1, 7, 5, 2, 6]  # scikit-fem numbers the corners of a hexahedron differently from VTK.
 
 _TRIED, _NEWTON = 3, 6  #: Cells tried for a place, and steps to its local coordinates.
 _BESIDE = 2.0  #: Local coordinates are kept within this.
@@ -29,13 +36,41 @@ TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and co
 def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
     """Stiffness matrix (3 n, 3 n) in N/mm (of a planar body per mm of thickness) of a mesh with n nodes.
 
-    The displacement of node i in direction k is unknown 3 i + k. Poisson's ratio must be below 0.5.
+    The displacement of node i in direction k is unknown 3 i + k. Poisson's ratio must be below 0.5. The matrix is
+    assembled from the scalar forms G_ab = integral of (d phi_i / d x_a)(d phi_j / d x_b), several times faster than
+    from the vector form: the block of directions a, b is lambda G_ab + mu G_ba + delta_ab mu trace(G).
     """
-    points, n, (pairs, place) = integration_points(mesh), len(mesh.points), _node_pairs(mesh)
-    blocks = np.zeros((len(pairs), 3, 3))
-    _add_stiffness(blocks, place, points.gradients, points.volumes, material.lame_MPa, material.shear_modulus_MPa)
-    starts = np.searchsorted(pairs, n * np.arange(n + 1))
-    return bsr_matrix((blocks, pairs % n, starts), shape=(3 * n, 3 * n)).tocsr()
+    from skfem import BilinearForm
+    from skfem.models.elasticity import lame_parameters
+
+    basis, axes = _basis(mesh)
+    lame_lambda, shear = lame_parameters(material.youngs_modulus_MPa, material.poissons_ratio)
+    n = len(mesh.points)
+    gradients = {(a, b): csr_matrix((n, n)) for a in range(3) for b in range(3)}
+    for i, a in enumerate(axes):
+        for j, b in list(enumerate(axes))[i:]:
+            form = BilinearForm(lambda u, v, _, i=i, j=j: v.grad[i] * u.grad[j]).assemble(basis)
+            gradients[a, b] = form
+            gradients[b, a] = form if a == b else form.T
+    laplacian = gradients[0, 0] + gradients[1, 1] + gradients[2, 2]
+    blocks = [[lame_lambda * gradients[a, b] + shear * gradients[b, a] for b in range(3)] for a in range(3)]
+    for a in range(3):
+        blocks[a][a] = blocks[a][a] + shear * laplacian
+    # Unknowns by direction, then interleaved node by node.
+    order = np.arange(3 * n).reshape(3, n).T.ravel()
+    return bmat(blocks, format="csr")[order][:, order]
+
+
+def _basis(mesh: HexMesh | QuadMesh) -> tuple[Basis, tuple[int, ...]]:
+    """scikit-fem's shape functions with quadrature, and the world directions in which the mesh's fields vary."""
+    from skfem import Basis, ElementHex1, ElementQuad1, MeshHex, MeshQuad
+
+    points = np.ascontiguousarray(mesh.points.T)
+    if isinstance(mesh, QuadMesh):
+        quads = MeshQuad(points, np.ascontiguousarray(mesh.cells.T), sort_t=False, validate=False)
+        return Basis(quads, ElementQuad1(), intorder=3), (0, 2)
+    bricks = MeshHex(points, np.ascontiguousarray(mesh.cells.T[_SKFEM_CORNERS]), sort_t=False, validate=False)
+    return Basis(bricks, ElementHex1(), intorder=3), (0, 1, 2)
 
 
 def _node_pairs(mesh: HexMesh | QuadMesh) -> tuple[IntArray, IntArray]:
@@ -44,29 +79,6 @@ def _node_pairs(mesh: HexMesh | QuadMesh) -> tuple[IntArray, IntArray]:
     """
     pairs, place = np.unique(mesh.cells[:, :, None] * len(mesh.points) + mesh.cells[:, None], return_inverse=True)
     return pairs, place.reshape(*mesh.cells.shape, -1)
-
-
-@compiled
-def _add_stiffness(
-    blocks: Array, place: IntArray, gradients: Array, volumes: Array, lame_MPa: float, shear_MPa: float
-) -> None:
-    """Add the cells' stiffness to blocks (p, 3, 3) of pairs of nodes; place: (m, c, c) of each cell's pairs."""
-    both = np.zeros((3, 3))
-    for m in range(len(place)):
-        for c in range(place.shape[1]):
-            for d in range(c + 1):
-                both[:] = 0.0
-                for q in range(volumes.shape[1]):
-                    for a in range(3):
-                        for b in range(3):
-                            both[a, b] += volumes[m, q] * gradients[m, q, c, a] * gradients[m, q, d, b]
-                trace = both[0, 0] + both[1, 1] + both[2, 2]
-                for a in range(3):
-                    for b in range(3):
-                        value = lame_MPa * both[a, b] + shear_MPa * (both[b, a] + (trace if a == b else 0.0))
-                        blocks[place[m, c, d], a, b] += value
-                        if c != d:
-                            blocks[place[m, d, c], b, a] += value
 
 
 def von_mises(stress: Array) -> Array:

@@ -356,6 +356,7 @@ def test_no_class_has_the_name_of_another() -> None:
 
 CONSTRAINTS = ROOT / "constraints.txt"
 OLDEST_PYTHON = PROJECT["requires-python"].removeprefix(">=")
+DISTRIBUTION_OF = {"skfem": "scikit-fem"}  #: What some packages bring along that are called otherwise when imported.
 #: Packages that others of the product bring along for certain: matplotlib, pydantic.
 BROUGHT_ALONG = {"PIL", "pydantic_core", "typing_extensions"}
 
@@ -389,6 +390,6 @@ def test_what_is_imported_when_the_product_is_loaded_is_what_it_depends_on() -> 
             nodes = [node for one in body if isinstance(one, ast.Import | ast.ImportFrom) for node in ast.walk(one)]
             for line, name in imported_modules(nodes):
                 top = name.partition(".")[0]
-                if top not in known and top.lower() not in needed:
+                if top not in known and DISTRIBUTION_OF.get(top, top).lower() not in needed:
                     strange.append(f"{file.relative_to(ROOT)}:{line} imports {name}")
     assert strange == []

@@ -28,7 +28,7 @@ WARNED: set[str] = set()  #: What was warned of, in this process or in the one t
 
 _ROOT = Path(__file__).resolve().parents[2]
 _ENDINGS = (".py", ".toml", ".csv", ".json")  #: Files beside Python's that hold what is computed with.
-_BENEATH = ("gmsh", "numpy", "scipy")  #: Packages whose versions change numbers.
+_BENEATH = ("gmsh", "numpy", "scikit-fem", "scipy")  #: Packages whose versions change numbers.
 
 #: What makes meshes and condenses bodies, relative to the folder that holds the packages.
 CONDENSATION_CODE = (

@@ -61,7 +61,7 @@ _LAW_ERROR = "fresh_law_error"
 
 MEASURED = "measured_"  #: Beginning of the names of a holder's measured elements.
 
-_PROGRAMS = ("wirewear", "numpy", "scipy", "gmsh", "h5py")  #: Packages whose versions a result records.
+_PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")  #: Packages whose versions a result records.
 
 
 def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
