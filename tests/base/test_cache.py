@@ -235,8 +235,9 @@ def test_every_task_is_handed_over_once_with_what_it_returned_or_raised(engine: 
 
 @pytest.mark.seconds
 def test_an_interruption_waits_for_no_task_of_this_machine() -> None:
+    before = set(multiprocessing.active_children())
+
     def interrupt_once_it_runs() -> None:
-        before = set(multiprocessing.active_children())
         while set(multiprocessing.active_children()) <= before:
             time.sleep(0.1)
         time.sleep(0.5)
