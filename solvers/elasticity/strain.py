@@ -73,14 +73,6 @@ def _basis(mesh: HexMesh | QuadMesh) -> tuple[Basis, tuple[int, ...]]:
     return Basis(bricks, ElementHex1(), intorder=3), (0, 1, 2)
 
 
-def _node_pairs(mesh: HexMesh | QuadMesh) -> tuple[IntArray, IntArray]:
-    """Pairs (p,) of nodes that share cells, each as its first number times n plus its second one, in ascending order,
-    and which of them each two nodes of a cell are (m, c, c).
-    """
-    pairs, place = np.unique(mesh.cells[:, :, None] * len(mesh.points) + mesh.cells[:, None], return_inverse=True)
-    return pairs, place.reshape(*mesh.cells.shape, -1)
-
-
 def von_mises(stress: Array) -> Array:
     """Von Mises' equivalent stress √(3 J2), (...), in the unit of the six stress components (..., 6)."""
     xx, yy, zz, xy, yz, xz = np.moveaxis(stress, -1, 0)
@@ -216,12 +208,13 @@ class Projection:
     @classmethod
     def of(cls, mesh: HexMesh | QuadMesh) -> Projection:
         """The integrals of a mesh."""
-        points, n, (pairs, place) = integration_points(mesh), len(mesh.points), _node_pairs(mesh)
-        values = np.zeros((4, len(pairs)))
-        _add_products(values, place, points.gradients, points.volumes, points.shapes)
-        starts = np.searchsorted(pairs, n * np.arange(n + 1))
-        mass, *slopes = (csr_matrix((each, pairs % n, starts), shape=(n, n)) for each in values)
-        return cls(mass, tuple(slopes))
+        from skfem import BilinearForm
+
+        basis, axes = _basis(mesh)
+        slopes = [csr_matrix((len(mesh.points), len(mesh.points)))] * 3
+        for i, axis in enumerate(axes):
+            slopes[axis] = BilinearForm(lambda u, v, _, i=i: v * u.grad[i]).assemble(basis)
+        return cls(BilinearForm(lambda u, v, _: v * u).assemble(basis), tuple(slopes))
 
     def loads(self, material: Elastic, displacements: Array) -> Array:
         """Integrals (n, s, 6) of shape functions times the stresses in MPa of displacements (s, n, 3) in mm."""
@@ -232,21 +225,6 @@ class Projection:
             result[..., k] = material.shear_modulus_MPa * (change[j][..., i] + change[i][..., j])
         result[..., :3] += material.lame_MPa * sum(change[i][..., i, None] for i in range(3))
         return result
-
-
-@compiled
-def _add_products(values: Array, place: IntArray, gradients: Array, volumes: Array, shapes: Array) -> None:
-    """Add the cells' integrals of a `Projection`, mass first, to values (4, p) of pairs; place: (m, c, c) as of
-    `_node_pairs`.
-    """
-    for m in range(len(place)):
-        for c in range(place.shape[1]):
-            for d in range(place.shape[2]):
-                for q in range(volumes.shape[1]):
-                    share = volumes[m, q] * shapes[q, c]
-                    values[0, place[m, c, d]] += share * shapes[q, d]
-                    for a in range(3):
-                        values[a + 1, place[m, c, d]] += share * gradients[m, q, d, a]
 
 
 def interpolation(mesh: HexMesh | QuadMesh, places: Array) -> csr_matrix:
