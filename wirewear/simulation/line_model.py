@@ -51,15 +51,34 @@ _MARGIN, _UNWORN_MARGIN, _STUCK_MARGIN = 1.3, 1.15, 1.6
 _GROWTH = 1.05
 
 
+@dataclass(frozen=True)
+class PinFace(Cylinder):
+    """The face of a pin in a bore; lengths along it are measured around the pin."""
+
+    bore_radius_mm: float = inf
+
+    @property
+    def clearance_mm(self) -> float:
+        return self.bore_radius_mm - self.radius_mm
+
+
+def _face_of(study: LineStudy) -> Face:
+    """The face by which meshes are planned: of a pad, alike on both sides of its middle, or of a pin in a bore."""
+    stated, bore = study.pad.profile, study.specimen.bore_radius_mm
+    if isinstance(stated, Cylinder) and bore is not None:
+        return PinFace(stated.radius_mm, curved_along=True, bore_radius_mm=bore)
+    return stated.even if isinstance(stated, TabledProfile) else stated
+
+
 def fresh_contact(
-    face: Face, load_N_per_mm: float, modulus_MPa: float, pad_half_width_mm: float, bore_radius_mm: float | None = None
+    face: Face, load_N_per_mm: float, modulus_MPa: float, pad_half_width_mm: float
 ) -> reference.LineContact:
-    """The contact before any wear, between half-planes or, where a bore is given, of a pin in it, whose half-width is
-    measured around the pin. Raises ValueError if the pad is too narrow to bear the load.
+    """The contact before any wear, between half-planes or of a pin in a bore. Raises ValueError if the pad is too
+    narrow to carry the load.
     modulus_MPa: contact modulus E*; pad_half_width_mm: half of the pad's width.
     """
-    if isinstance(face, Cylinder) and bore_radius_mm is not None:
-        pin = reference.pin_in_bore(load_N_per_mm, face.radius_mm, bore_radius_mm, modulus_MPa)
+    if isinstance(face, PinFace):
+        pin = reference.pin_in_bore(load_N_per_mm, face.radius_mm, face.bore_radius_mm, modulus_MPa)
         return reference.LineContact(load_N_per_mm, face.radius_mm * pin.half_angle_rad, float(pin.pressure(0.0)))
     if isinstance(face, Cylinder):
         return reference.hertz_line(load_N_per_mm, face.radius_mm, modulus_MPa)
@@ -91,18 +110,16 @@ def farthest_contact(face: Face, reach_mm: float, tilt_rad: float, contact: refe
             return contact.half_width_mm + float(x[steep][0] if steep.any() else x[-1])
 
 
-def scar_half_width(
-    face: Face, area_mm2: float, pad_half_width_mm: float, bore_radius_mm: float | None = None
-) -> float:
+def scar_half_width(face: Face, area_mm2: float, pad_half_width_mm: float) -> float:
     """Half-width in mm of the scar in gross slip that has the section `area_mm2` in both bodies together; 0 for no
-    area. Of a pin in a bore it is measured around the pin.
+    area.
 
     Raises ValueError if the pad is too narrow to hold it.
     """
     if area_mm2 <= 0.0:
         return 0.0
-    if isinstance(face, Cylinder) and bore_radius_mm is not None:
-        return reference.pin_scar(area_mm2, face.radius_mm, bore_radius_mm).half_width_mm
+    if isinstance(face, PinFace):
+        return reference.pin_scar(area_mm2, face.radius_mm, face.bore_radius_mm).half_width_mm
     if isinstance(face, Cylinder):
         return reference.line_contact_scar(area_mm2, face.radius_mm).half_width_mm
     return reference.even_line_scar(face, area_mm2, pad_half_width_mm).half_width_mm
@@ -158,14 +175,13 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
     middle.
     """
     level, mesh, conditions, stated = level_of(LINE_LEVELS, fidelity), study.mesh, study.conditions, study.pad.profile
-    face = stated.even if isinstance(stated, TabledProfile) else stated
+    face = _face_of(study)
     load = conditions.drive.load.largest * conditions.normal_load_N
     stroke = 1e-3 * conditions.displacement_amplitude_um
     modulus = reference.contact_modulus(study.pad.elastic, study.specimen.elastic)
-    bore = study.specimen.bore_radius_mm
     pad_half = study.pad.half_width_mm or half_width_of(face)
     try:
-        fresh = fresh_contact(face, load, modulus, pad_half, bore)
+        fresh = fresh_contact(face, load, modulus, pad_half)
         reach = edge_reach(face, load, modulus, fresh)
         predicted = _predicted(study, face, fresh.half_width_mm, pad_half)
     except ValueError as problem:
@@ -198,8 +214,8 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
 
     pad: PlanarGeometry | RingGeometry
     specimen: PlanarGeometry | RingGeometry
-    if isinstance(face, Cylinder) and bore is not None:
-        pad, specimen = _rings(study, face.radius_mm, bore, half, along)
+    if isinstance(face, PinFace):
+        pad, specimen = _rings(study, face, half, along)
     else:
         specimen_half = study.specimen.half_width_mm or max(WIDEST_mm, 1.5 * (half + stroke))
         for name, room, needed in (("pad", pad_half, half), ("specimen", specimen_half, half + stroke)):
@@ -224,7 +240,7 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
 
 
 def _rings(
-    study: LineStudy, pin_mm: float, bore_mm: float, half_mm: float, along: Callable[..., GradedAxis | EdgeGradedAxis]
+    study: LineStudy, face: PinFace, half_mm: float, along: Callable[..., GradedAxis | EdgeGradedAxis]
 ) -> tuple[RingGeometry, RingGeometry]:
     """Pin and plate with a bore for a contact that reaches `half_mm` around the pin at mid-stroke.
 
@@ -233,11 +249,12 @@ def _rings(
     itself, or bear further around than can be meshed.
     """
     stroke = 1e-3 * study.conditions.displacement_amplitude_um
-    moved = asin(min(stroke / (bore_mm - pin_mm), 1.0))
+    pin_mm, bore_mm = face.radius_mm, face.bore_radius_mm
+    moved = asin(min(stroke / face.clearance_mm, 1.0))
     pressed = cos(moved) - study.contact.friction * sin(moved)
     if moved > _WIDEST_OF_PINS or pressed <= _LEAST_PRESSED:
         raise StudyError(
-            f"a pin that moves by {1e3 * stroke:g} um in a clearance of {1e3 * (bore_mm - pin_mm):g} um wedges itself "
+            f"a pin that moves by {1e3 * stroke:g} um in a clearance of {1e3 * face.clearance_mm:g} um wedges itself "
             "against the wall of the bore: lower the stroke or friction, or give a wider bore"
         )
     angle = min(half_mm / pin_mm / sqrt(pressed) + moved, _WIDEST_OF_PINS)
@@ -329,7 +346,7 @@ def _predicted(study: LineStudy, face: Face, contact_mm: float, pad_half_mm: flo
     )
     factors = wear_factors(study.effects, study.contact.friction, conditions.normal_load_N, float(conditions.cycles))
     area = 1e-3 * sum(study.energy_coefficients()) * energy_mJ * factors.beyond_margin + _lacking(study)
-    scar = scar_half_width(face, area, pad_half_mm, study.specimen.bore_radius_mm)
+    scar = scar_half_width(face, area, pad_half_mm)
     # A flat that loses more than the pad is worn beyond the pad's scar by the stroke.
     stroke = 1e-3 * conditions.displacement_amplitude_um if area > 0.0 else 0.0
     if isinstance(face, RoundedFlat):
