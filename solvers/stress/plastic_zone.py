@@ -16,7 +16,7 @@ from solvers.laws.plasticity import Flow, Metal, flown
 from solvers.stress.half_space import HalfSpace
 
 _MOST_ROUNDS, _REMEMBERED = 100, 8
-_TOLERANCE = 1e-3  #: Of the plastic strain of a step over the largest elastic one, yield stress over modulus.
+PRESSING_TOLERANCE = 1e-3  #: Of the plastic strain of a step over the largest elastic one, yield stress over modulus.
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ Tractions = Callable[[Sequence[Array]], Sequence[Array]]
 
 
 def loaded_together(
-    zones: Sequence[PlasticZone], tractions: Tractions, before: Sequence[Flowed], tolerance: float = _TOLERANCE
+    zones: Sequence[PlasticZone], tractions: Tractions, before: Sequence[Flowed], tolerance: float = PRESSING_TOLERANCE
 ) -> tuple[Flowed, ...]:
     """Half-spaces after a step to tractions that depend on the residual displacements of all.
 

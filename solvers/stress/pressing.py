@@ -61,11 +61,12 @@ class Indenter:
         """Pressures (n_x, n_y) in MPa, zero or more, that carry the load, and the approach in mm of the bodies, by
         conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206).
 
-        print_mm: (n_x, n_y) depth added to the gap. guess: (n_x, n_y) pressures to start from, positive where they may
-        become so, of any scale.
+        print_mm: (n_x, n_y) depth added to the gap. guess: (n_x, n_y) pressures to start from, of any scale.
         """
         gap, mean = self.gap_mm + print_mm, load_N / (self.step_mm[0] * self.step_mm[1])
-        pressure = guess * (mean / guess.sum())
+        # At first everything touches barely.
+        pressure = np.maximum(guess, 1e-12)
+        pressure *= mean / pressure.sum()
         direction, old, kept = np.zeros_like(gap), 1.0, 0.0
         for _ in range(_MOST_STEPS):
             open_by = self.displacement(pressure) + gap
@@ -129,8 +130,7 @@ def indented(zone: PlasticZone, gap_mm: Array, loads_N: Array) -> Iterator[Inden
 
         def traction(residual_mm: Array, load: float = load) -> Array:
             nonlocal pressure, approach
-            # At first everything touches barely.
-            pressure, approach = indenter.carried(load, -residual_mm[..., 2], np.maximum(pressure, 1e-12))
+            pressure, approach = indenter.carried(load, -residual_mm[..., 2], pressure)
             return np.stack([np.zeros_like(pressure), np.zeros_like(pressure), -pressure], axis=-1)
 
         state = zone.loaded(traction, state)

@@ -12,7 +12,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.errors import NotConvergedError
-from solvers.stress.plastic_zone import Flowed, PlasticZone, loaded_together
+from solvers.stress.plastic_zone import PRESSING_TOLERANCE, Flowed, PlasticZone, loaded_together
 from solvers.stress.pressing import Indenter
 
 _TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
@@ -33,7 +33,7 @@ class FlowOfCycle:
 class Rubbed:
     """The upper and the lower body pressed, and unloaded after cycles of sliding, with the plastic work done by then.
 
-    endless: whether the metal flowed without end in the next cycle; shaken: whether it flows no more.
+    endless: whether the metal flowed without end in the next cycle.
     """
 
     pressed: tuple[Flowed, ...]
@@ -103,14 +103,13 @@ class Rubbing:
 
         def tractions(left: Sequence[Array]) -> tuple[Array, Array]:
             opened = -left[0][..., 2] - shifted(left[1][..., 2], place)
-            # At first everything touches barely.
-            self._pressure, _ = indenter.carried(load_N, opened, np.maximum(self._pressure, 1e-12))
+            self._pressure, _ = indenter.carried(load_N, opened, self._pressure)
             push = np.zeros((*self._pressure.shape, 3))
             push[..., 0] = direction * np.minimum(self.friction * self._pressure, borne)
             push[..., 2] = -self._pressure
             return push, shifted(push * np.array([-1.0, 1.0, 1.0]), -place)
 
-        before, tolerance = self.states, _TOLERANCE if direction else 1e-3
+        before, tolerance = self.states, _TOLERANCE if direction else PRESSING_TOLERANCE
         self.states = loaded_together(zones, tractions, before, tolerance)
         for zone, old, new in zip(zones, before, self.states, strict=True):
             done = np.einsum("ki,ki,i->k", new.stress.reshape(-1, 6), new.flow.strain - old.flow.strain, _TWICE)

@@ -22,7 +22,7 @@ from solvers.stress.pressing import largest_MPa
 from solvers.stress.rubbing import Rubbed, Rubbing
 from wirewear import reference
 from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, RATCHETTING
-from wirewear.simulation.sliding_onset import point_sticks
+from wirewear.simulation.sliding_onset import point_sticks, round_contact
 from wirewear.simulation.yielding import limit_of_points, spread_by_yield
 from wirewear.test import Study, study_from_tables
 from wirewear.test.bodies import Body, hertz_of
@@ -119,7 +119,7 @@ def near_zone_of(study: Study) -> NearZone | None:
 
 @lru_cache(maxsize=4)
 def near_zone_of_tables(tables: str) -> NearZone | None:
-    """As `near_zone_of`, of the study whose resolved tables, as JSON, these are."""
+    """What `near_zone_of` gives for the study whose resolved tables are `tables`, as JSON text."""
     whole: Study = study_from_tables(json.loads(tables), "the result")
     study = whole.driven.schedule.stretches[0].study
     limit = limit_of_points(study)
@@ -169,8 +169,7 @@ def _on_grid(study: Study, load_N: float, semi_axes_mm: tuple[float, float], sli
 def _slip_mm(study: Study) -> float:
     """Slip amplitude in mm in gross slip of the fresh contact; 0 if it sticks or slides too far to be followed."""
     hertz, rig = hertz_of(study.conditions.normal_load_N, *study.bodies), study.tables.rig
-    radius = (hertz.major_semi_axis_mm * hertz.minor_semi_axis_mm) ** 0.5
-    modulus = reference.tangential_contact_modulus(*(body.material for body in study.bodies))
+    radius, modulus = round_contact(study, study.conditions.normal_load_N)
     amplitude = 1e-3 * study.conditions.displacement_amplitude_um - 0.5 * rig.play_mm
     if study.contact.friction == 0.0 or amplitude <= 0.0 or point_sticks(study):
         return 0.0

@@ -52,15 +52,21 @@ def expected_to_stick(study: AnyStudy, onset_at: Callable[[float], SlidingOnset]
     return bool(stated.value < HELD_FIGURES[stated.figure].slides_from(onset, carried_um))
 
 
+def round_contact(study: Study, load_N: float) -> tuple[float, float]:
+    """Radius in mm of the circle with the area of the fresh contact under a load, and tangential contact modulus G* in
+    MPa.
+    """
+    hertz = hertz_of(load_N, *study.bodies)
+    modulus = reference.tangential_contact_modulus(*(body.material for body in study.bodies))
+    return (hertz.major_semi_axis_mm * hertz.minor_semi_axis_mm) ** 0.5, modulus
+
+
 def point_sticks(study: Study) -> bool:
     """True if a contact at a point, of a study without programme, is expected to stick in its middle, by Cattaneo and
     Mindlin.
     The contact between gripped bodies is softer and slides at larger strokes.
     """
-    driven, held = study.bodies
-    hertz = hertz_of(study.conditions.drive.load.largest * study.conditions.normal_load_N, driven, held)
-    radius = (hertz.major_semi_axis_mm * hertz.minor_semi_axis_mm) ** 0.5
-    modulus = reference.tangential_contact_modulus(driven.material, held.material)
+    radius, modulus = round_contact(study, study.conditions.drive.load.largest * study.conditions.normal_load_N)
 
     def onset(friction_N: float) -> SlidingOnset:
         contact = reference.partial_slip_point(friction_N, 1.0, radius, modulus)
