@@ -163,7 +163,7 @@ class WithinElements:
         return tuple(SpreadPressure.of(self.patch, pressure, self.fresh > 0.5) for pressure in self.pressures_MPa)
 
     def among(self, chosen: slice | IntArray) -> "WithinElements":
-        """The same description for the nodes of these indices into the k."""
+        """Pressure within elements around some of the k nodes, `chosen` by index or slice."""
         return WithinElements(self.patch, self.pressures_MPa, self.position[chosen], self.fresh)
 
     def share(self, friction: Friction) -> Array:

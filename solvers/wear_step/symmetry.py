@@ -72,7 +72,7 @@ class Symmetry:
         return 2 if self.half_cycle else 1
 
     def under(self, drive: Drive) -> "Symmetry":
-        """Those of these mirrors that a cycle of this drive keeps.
+        """A symmetry with the mirrors that a cycle of this drive keeps, and None for others.
 
         `half_cycle` is kept if both halves are loaded alike, `across` if no bulk stress shears the surfaces.
         """
@@ -91,8 +91,8 @@ def symmetry_of(problem: ContactProblem) -> Symmetry:
 
 
 def kept_by(symmetry: Symmetry, state: ContactState) -> Symmetry:
-    """Those of the mirrors that also map a state's worn depths onto themselves, within 1e-6 of the deepest, and its
-    prints, within 5 % of the deepest.
+    """A symmetry with the mirrors that map a state's worn depths onto themselves, within 1e-6 of the deepest, and its
+    prints, within 5 % of the deepest; None for others.
     """
 
     def kept(mirror: Mirror | None) -> Mirror | None:

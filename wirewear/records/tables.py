@@ -175,7 +175,7 @@ class Files(keys.Table):
 
 
 def known_of(table: type[keys.Table], values: Mapping[str, object]) -> dict[str, object]:
-    """Those of `values` whose keys the table has, without None."""
+    """The entries of `values` whose keys the table has and whose values are not None."""
     return {key: values[key] for key in table.model_fields if values.get(key) is not None}
 
 

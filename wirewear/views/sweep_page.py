@@ -55,7 +55,7 @@ def depth_among(names: Iterable[str]) -> str:
 
 
 def drawn_among(names: Iterable[str]) -> list[str]:
-    """Those of the names whose figures are drawn, in their order on the page."""
+    """Names out of `names` of the figures that are drawn, in their order on the page."""
     known = [*names]
     return [name for name in (*_DRAWN[:3], depth_among(known), *_DRAWN[3:]) if name in known]
 

@@ -37,8 +37,8 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Of n contacts at k positions in µm (n, k) under the test's load: elastic displacement by walls in µm, tangential
-    force of the walls, friction, and normal force in N.
+    """What n contacts carry at k sliding positions in µm under the test's load, (n, k) each: elastic displacement by
+    the scar's walls in µm, tangential force of the walls, friction and normal force in N.
     """
 
     position_um: Array
