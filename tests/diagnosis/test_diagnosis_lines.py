@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from geometry.arrays import Array
 from wirewear.diagnosis.observe.scars import read_profile
-from wirewear.diagnosis.surrogate.line_states import LineStates, WornProfiles, _row
+from wirewear.diagnosis.surrogate.line_states import LineStates, WornProfiles, _row, _with_stuck
 from wirewear.diagnosis.surrogate.line_wear import WornLine
 from wirewear.records import MeasuredProfile
 from wirewear.results import Loop
@@ -45,6 +46,21 @@ def test_a_predicted_profile_has_the_area_that_its_body_loses_and_reaches_as_far
     x, depth = LineStates._profile(LineStates.__new__(LineStates), own, 500.0, 30.0, both, both)
     assert np.trapezoid(depth, x) == pytest.approx(0.4 * 500.0, rel=1e-3)
     assert np.ptp(x[depth > 0.0]) == pytest.approx(2.0 * (100.0 + 0.5 * 10.0), rel=0.02)
+
+
+def cattaneo(x: Array, stuck: float) -> Array:
+    """Hertz's pressure times the slip of Cattaneo, the integral of √(x² − c²), by a sum."""
+    slope = np.sqrt(np.maximum(x**2 - stuck**2, 0.0))
+    slip = np.abs(np.cumsum(slope) - 0.5 * slope.sum()) * (x[1] - x[0])
+    return np.asarray(np.sqrt(np.maximum(1.0 - x**2, 0.0)) * slip)
+
+
+@pytest.mark.parametrize("after", [0.0, 0.25, 0.7])
+def test_a_profile_that_sticks_elsewhere_is_worn_where_cattaneo_slips(after: float) -> None:
+    x = np.linspace(-1.0, 1.0, 4001)
+    place, depth = _with_stuck(x, cattaneo(x, 0.45), 0.45, after)
+    expected = cattaneo(x, after) * np.trapezoid(cattaneo(x, 0.45), x) / np.trapezoid(cattaneo(x, after), x)
+    assert np.interp(x, place, depth)[5:-5] == pytest.approx(expected[5:-5], abs=0.02 * expected.max())
 
 
 def test_a_profile_is_read_about_its_middle_with_its_roughness_and_the_error_of_its_zero() -> None:

@@ -164,7 +164,8 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     reach = states.reach(np.maximum(slip[ends], [_LEAST_SLIP * one.amplitude_um for one in setups]))
     scars, skews = _scars(states, end, reach, under), _skews(states, end, reach)
     profiles = [
-        states.profiles(one, end.taken(np.array([place])), float(reach[place])) for place, one in enumerate(setups)
+        states.profiles(one, end.taken(np.array([place])), float(reach[place]), float(share[ends[place]]))
+        for place, one in enumerate(setups)
     ]
     columns = (np.split(column, len(setups)) for column in (*loops, slip[at], energy[at], chain.worn_um3))
     return [PredictedLoops(cycles, *own) for own in zip(*columns, scars, skews, profiles, strict=True)]

@@ -20,10 +20,10 @@ from geometry.arrays import Array
 from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate import loop_states
-from wirewear.diagnosis.surrogate.line_wear import WornLine, WornLineContact, between, transformed, worn_line
+from wirewear.diagnosis.surrogate.line_wear import EDGE, WornLine, WornLineContact, between, transformed, worn_line
 from wirewear.diagnosis.surrogate.springs import yielding_of
-from wirewear.diagnosis.surrogate.sticking import FREEDOMS, sticking_states, sticks
-from wirewear.diagnosis.surrogate.wear_states import NUMERICAL, WearStates
+from wirewear.diagnosis.surrogate.sticking import FREEDOMS, share_of, sticking_states, sticks
+from wirewear.diagnosis.surrogate.wear_states import NUMERICAL, Profiles, WearStates
 from wirewear.reference import Elastic, contact_modulus
 from wirewear.test.faces import Face
 
@@ -94,6 +94,7 @@ class LineStates(WearStates):
     contact: WornLineContact | None = None
     bodies: Mapping[str, WornProfiles] = field(default_factory=dict)
     described: bool = True
+    stuck: float = 0.0  #: Half-width that sticks in the run's last loop, over Hertz's; see `_stuck`.
 
     @classmethod
     def of_line(cls, result: RunResult, face: Face, length_mm: float) -> LineStates:
@@ -112,9 +113,11 @@ class LineStates(WearStates):
         load = float(study["conditions"]["normal_load_N"])
         length_um, areas = 1e3 * length_mm, 1e6 * result.worn_volume_mm3 / length_mm
         radius, scars = 1e3 * _radius_mm(face), np.zeros((len(result.loops), 2, 4))
-        full, slip = np.ones(1), 1.0
+        full, slip, stuck = np.ones(1), 1.0, 0.0
         if sticks(result):
             states: loop_states.StatesOfLoops = sticking_states(result, friction, has_maps=False)
+            last = result.loops[-1]
+            stuck = _stuck(share_of(last, friction, loop_states.load_shares(result, last)))
         else:
             cycles, full, *columns = loop_states.sliding(
                 result, lambda loop: _row(loop, friction, loop_states.load_shares(result, loop))
@@ -140,6 +143,7 @@ class LineStates(WearStates):
             full_slip=float(np.median(full)),
             contact=contact,
             bodies={body: _worn(result, body, contact, slip) for body in BODIES},
+            stuck=stuck,
             **states,
         )
 
@@ -176,15 +180,19 @@ class LineStates(WearStates):
         factor = changed.factor_at(1e-6 * chain.worn_um3 / self.length_um)
         return np.asarray(plain * factor)
 
-    def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:
+    def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float, share: float) -> Profiles:
         """Profiles (x, depth), each (m,) in µm, by body at the chain's only moment: the nominal run's at this worn
-        area, with the width of this slip amplitude, and changed by debris and lack of oxygen.
+        area, with the width of this slip amplitude and unworn where it sticks under this share of the friction, and
+        changed by debris and lack of oxygen.
         """
         area = float(last.worn_um3[0]) / self.length_um
+        hertz_um = 0.5 * self.fresh_area_um2 / self.length_um
+        stuck = hertz_um * self.stuck, hertz_um * _stuck(share)
         changed = self._changed(setup, last, np.array([slip_um]))
         before = worn_line(changed.plain)
         after = before if changed == changed.plain else worn_line(changed)
-        return {body: self._profile(own, area, slip_um, before, after) for body, own in self.bodies.items()}
+        worn = {body: self._profile(own, area, slip_um, before, after) for body, own in self.bodies.items()}
+        return {body: _with_stuck(*own, *stuck) for body, own in worn.items()} if self.sticks else worn
 
     def _changed(self, setup: SurrogateInputs, chain: Chain, slip_um: Array) -> WornLineContact:
         """The contact with a chain's bed and supply of oxygen, rounded so that equal ones are computed once."""
@@ -217,6 +225,34 @@ class LineStates(WearStates):
         if after is not before:
             depth = transformed(x, depth, before, after, 1e-6 * area_um2)
         return x, depth
+
+
+def _stuck(share: float) -> float:
+    """Half-width that sticks over that of the contact under a share of the friction, by Cattaneo (1938)."""
+    return float(np.sqrt(max(1.0 - share, 0.0)))
+
+
+def _with_stuck(x: Array, depth: Array, before: float, after: float) -> tuple[Array, Array]:
+    """A profile (m,) that is worn outside `before`, as it is if it were worn outside `after`: with the same outer end
+    and cross-section, and the ratio of both slips of Cattaneo at places that correspond.
+    """
+    outer = float(np.abs(x[depth > EDGE * depth.max()]).max(initial=0.0))
+    if not max(before, after) < outer:
+        return x, depth
+    place = np.interp(np.abs(x), [0.0, before, outer], [0.0, after, outer]) + np.maximum(np.abs(x) - outer, 0.0)
+    out = np.clip((np.abs(x) - before) / (outer - before), 1e-3, 0.99)
+    worn, wears = (_worn_share(stuck / outer, stuck / outer + out * (1.0 - stuck / outer)) for stuck in (before, after))
+    changed = depth * wears / worn
+    return np.sign(x) * place, changed * (np.trapezoid(depth, x) / np.trapezoid(changed, np.sign(x) * place))
+
+
+def _worn_share(stuck: float, place: Array) -> Array:
+    """Pressure times slip (m,) of a cylinder at places over its half-width that slip outside `stuck`, but for a factor:
+    Hertz's pressure, and the integral of Cattaneo's slope of slip, √(x² − c²).
+    """
+    root = np.sqrt(place**2 - stuck**2)
+    bent = stuck**2 * np.log((place + root) / stuck) if stuck > 0.0 else 0.0
+    return np.asarray(np.sqrt(1.0 - place**2) * (place * root - bent))
 
 
 def _row(loop: Loop, friction: float, of_load: Array | None = None) -> tuple[object, ...] | None:

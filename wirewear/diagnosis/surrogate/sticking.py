@@ -47,7 +47,7 @@ def sticks(result: RunResult) -> bool:
     layers = [layer.friction for own in study.layers.values() for layer in own]
     friction = min(study.contact.friction, *(own for own in (*layers, np.inf) if own is not None))
     of_loops = [(loop, load_shares(result, loop)) for loop in result.loops]
-    return all(_share(loop, friction, of_load) < _SHARES[1] for loop, of_load in of_loops)
+    return all(share_of(loop, friction, of_load) < _SHARES[1] for loop, of_load in of_loops)
 
 
 class StickingStates(StatesOfLoops):
@@ -93,7 +93,7 @@ def _figures(result: RunResult, cycle: float, body: str) -> list[float]:
     return scar_figures_of(result, int(cycle), body)[0]
 
 
-def _share(loop: Loop, friction: float, of_load: Array | float = 1.0) -> float:
+def share_of(loop: Loop, friction: float, of_load: Array | float = 1.0) -> float:
     """Share of the friction that the force comes to, under the load of each moment."""
     return float(0.5 * np.ptp(loop.tangential_force_N / of_load) / (friction * _steady_N(loop, of_load)))
 
@@ -107,7 +107,7 @@ def _steady_N(loop: Loop, of_load: Array | float) -> float:
 def _row(loop: Loop, friction: float, of_load: Array) -> tuple[float, float, float] | None:
     """Cycle, stiffness in N/µm and order of a loop whose load is `of_load` (n,) times the test's."""
     x, q = loop.relative_displacement_um, loop.tangential_force_N
-    share, half = min(_share(loop, friction), _SHARES[1]), 0.5 * float(np.ptp(x))
+    share, half = min(share_of(loop, friction), _SHARES[1]), 0.5 * float(np.ptp(x))
     if not half > 0.0 or share <= 0.0:
         return None
     force = 0.5 * float(np.ptp(q))

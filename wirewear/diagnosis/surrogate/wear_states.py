@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from wirewear.results import RunResult
 
 
+Profiles = Mapping[str, tuple[Array, Array]]  #: Positions and depths in µm, by body.
+
 _KNOWN = constants("surrogate.wear_states")
 
 #: Powers of the worn volume with which `SCAR_FIGURES` of bodies grow that wear into one another.
@@ -201,7 +203,7 @@ class WearStates:
             return self
         return replace(self, energy_J=energy[kept], worn_um3_per_mJ=1e-3 * np.gradient(volume[kept], energy[kept]))
 
-    def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float) -> Mapping[str, tuple[Array, Array]]:  # noqa: ARG002
+    def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float, share: float) -> Profiles:  # noqa: ARG002
         """Worn profiles (positions, depths) in µm by body at the chain's only moment; empty for contacts at a point."""
         return {}
 
