@@ -18,10 +18,10 @@ import numpy as np
 from geometry.arrays import Array, BoolArray, IntArray
 from geometry.errors import GeometryError
 from geometry.grading import GivenAxis, GradedAxis, Layering, RimGradedAxis, graded_layers
-from geometry.host import Host
 from geometry.mesh import HexMesh, lowered
 from geometry.patch import ContactPatch
 from geometry.profiles import Profile
+from geometry.solid import Host
 
 _HEXAHEDRON = 5
 

@@ -17,12 +17,11 @@ from geometry.body import LEAST_SCALED_JACOBIAN, BodyGeometry, BodyMesh, swept_b
 from geometry.elements import BRICK, QUADRILATERAL
 from geometry.errors import GeometryError
 from geometry.grading import GivenAxis, Layering
-from geometry.host import BlockSeam, Host
 from geometry.mesh import HexMesh
 from geometry.own_surface import FittedFace, MeshSource, OwnSurface, own_surface
 from geometry.patch import ContactPatch
 from geometry.shapes import BlockGeometry
-from geometry.solid import SolidMesh
+from geometry.solid import BlockSeam, Host, SolidMesh
 
 _SAMPLES = 6  #: Points along each edge of an element at which it is seen how much of it the block holds.
 _LEAST_SHARE = 1e-8  #: Least share of an element's stiffness that is kept, so that nodes inside the block are held.

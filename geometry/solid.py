@@ -1,6 +1,7 @@
 """Meshes of solid elements from files: mixtures of element kinds, named sets, checks, and points located in them.
 
-n is the number of nodes. Cells are numbered kind after kind, in the order of `SolidMesh.groups`; `size` of them.
+n is the number of nodes. Cells are numbered kind after kind, in the order of `SolidMesh.groups`; `size` of them. A
+host is the elements of a file around a block of hexahedra made by this program; see `embedded`.
 """
 
 from collections.abc import Iterator, Mapping
@@ -249,3 +250,28 @@ def _keep_best(pairs: IntArray, beyond: Array, local: Array, cell: IntArray, bes
     rows = pairs[better, 0]
     # Of several for one place the last assignment, the best one, holds.
     best[rows], cell[rows], at[rows] = beyond[better], pairs[better, 1], local[better]
+
+
+@dataclass(frozen=True, eq=False)
+class BlockSeam:
+    """Where block and host are joined: f faces of the block's sides and back, with q integration points each."""
+
+    cells: IntArray  #: (f,) cell of the block at each face.
+    local: Array  #: (f, q, 3) integration points in the cells' reference coordinates.
+    areas_mm2: Array  #: (f, q, 3) area of each point times the block's outward unit normal.
+    depth_mm: Array  #: (f,) thickness of the block's cells at the faces.
+    places: Places  #: Places of the f q points in the host.
+
+
+@dataclass(frozen=True, eq=False)
+class Host:
+    """The elements of a file around a block, in the body's axes; n nodes and `size` cells."""
+
+    solid: SolidMesh  #: All of the file's elements, those inside the block included.
+    kept: Array  #: (size,) share of each cell, 0 to 1, that lies outside the block and counts.
+    seam: BlockSeam
+    held: IntArray  #: Indices of the host's nodes that the holder grips.
+    areas_mm2: Array  #: (n,) area of the grip that belongs to each node of the host.
+    part: IntArray  #: (size,) number of each cell's material in `parts`, from 1; 0 for the body's own.
+    block_part: IntArray  #: (m, q) likewise, at the integration points of the block's cells.
+    parts: tuple[tuple[float, float], ...]  #: (Young's modulus in MPa, Poisson's ratio) of each further material.

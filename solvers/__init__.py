@@ -10,10 +10,12 @@ from geometry.lazy import loaded_late
 
 if TYPE_CHECKING:
     from solvers.adaptive_loop import closed_adaptive_cycle
+    from solvers.bulk_stress import BulkStress
     from solvers.contact import ContactProblem, advance, press, unloaded_state
-    from solvers.contact.problem import misaligned, stuck_share
+    from solvers.contact.linearising import stuck_share
+    from solvers.contact.problem import misaligned
     from solvers.contact_state import ContactState, DriveTiming, Guide, Holder, IncrementReport, WearState
-    from solvers.drive import BulkStress, Drive, LoadCycle, Waveform, trapezoidal, triangular
+    from solvers.drive import Drive, LoadCycle, Waveform, trapezoidal, triangular
     from solvers.elasticity.body import Compliance, ContactBody
     from solvers.elasticity.condensation import CondensedBody, condense
     from solvers.elasticity.placement import PlacedBody, facing, place

@@ -15,7 +15,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.contact import ContactProblem, advance
-from solvers.contact.problem import sliding_force
+from solvers.contact.linearising import sliding_force
 from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
 from solvers.drive import Drive, phases
 from solvers.fretting import CycleTrace, Watch, closed_cycle, last_stroke, settled

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from wirewear import effects, reference
-    from wirewear.app.api.lives import lives
-    from wirewear.app.api.run import Run, read_result, read_results
+    from wirewear.app.api.run import Run, lives, read_result, read_results
     from wirewear.app.api.studies import Record, load, read_record, run, run_variants
     from wirewear.base.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError
     from wirewear.loops.sensor import LoopSignals, Sensor, SensorNoise, sensor_held_stroke

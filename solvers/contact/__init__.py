@@ -6,7 +6,8 @@ between open, stick and slip. Nodes that slip far compared with their elastic di
 cost one unknown; the others keep their tangential unknowns. An increment's wear is deposited when it has been solved.
 """
 
-from solvers.contact.advancing import advance, press
+from solvers.contact.advancing import advance
+from solvers.contact.pressing import press
 from solvers.contact.problem import ContactProblem, Formulation, unloaded_state
 
 __all__ = ["ContactProblem", "Formulation", "advance", "press", "unloaded_state"]

@@ -16,7 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.arrays import Array, IntArray
-from solvers.contact.problem import ContactProblem, facing_offset, law_at, layers_between, levers, normal_of
+from solvers.contact.linearising import law_at, layers_between, normal_of
+from solvers.contact.problem import ContactProblem, facing_offset, levers
 from solvers.contact_conditions import ContactOutcome, Linearisation
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity.pairing import Pairing

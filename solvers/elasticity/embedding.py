@@ -14,8 +14,7 @@ from threadpoolctl import threadpool_limits
 from geometry import BodyMesh, Elastic, HexMesh
 from geometry.arrays import Array, IntArray
 from geometry.elements import BRICK, ElementKind
-from geometry.host import Host
-from geometry.solid import SolidMesh
+from geometry.solid import Host, SolidMesh
 from solvers.elasticity.condensation import CondensedBody, condense
 from solvers.elasticity.elimination import inverse, schur_complements
 from solvers.elasticity.strain import stiffness_matrix

@@ -15,7 +15,8 @@ from geometry.arrays import Array, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact.acceptance import require_inside_patches
 from solvers.contact.between_nodes import WithinElements
-from solvers.contact.problem import faced, levers, vertical_gaps, within_elements
+from solvers.contact.linearising import within_elements
+from solvers.contact.problem import faced, levers, vertical_gaps
 from solvers.contact_state import ContactState, Guide, WearState, guide_from
 from solvers.elasticity.compliance import displacement_at
 from solvers.errors import NotConvergedError

@@ -21,7 +21,7 @@ import wirewear as ww
 from wirewear import RunResult, reference
 from wirewear.app.cli.study_script import StudyScript
 from wirewear.pictures import style
-from wirewear.pictures.loop import draw_loop, name_axes
+from wirewear.pictures.panels import draw_loop, name_axes
 from wirewear.test.fidelity import FIDELITIES
 from wirewear.verification.partial_slip_run import limiting_shape, worn_out_study
 

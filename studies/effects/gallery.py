@@ -19,7 +19,7 @@ from wirewear.app.cli.study_script import StudyScript
 from wirewear.base.writing import prepared_folder, write_csv
 from wirewear.diagnosis.wording import plain
 from wirewear.effects import all_effects
-from wirewear.pictures.loop import draw_loop
+from wirewear.pictures.panels import draw_loop
 from wirewear.pictures.smooth import smooth_loop
 from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.simulation import ProgressBar

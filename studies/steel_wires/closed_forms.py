@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from studies.verdicts import Comparison
 from wirewear import ResultError, reference
-from wirewear.base.verdicts import Comparison
 from wirewear.loops import analyse_loop
 
 from .pair import LATE, WIRES, Pair, analysed, value_of

@@ -18,7 +18,6 @@ from matplotlib.figure import Figure
 
 from wirewear import ExperimentRecord, read_record
 from wirewear.app.cli.study_script import comparison_command, wide_console
-from wirewear.base.verdicts import Finding, comparison_table, finding_table
 from wirewear.comparison.comparison import RecordComparison, compare
 from wirewear.pictures import amplitude_evolution, loops_by_cycle, save, scar_sections
 from wirewear.views.comparison_page import write_comparison
@@ -27,6 +26,8 @@ if not __package__:
     # Run by its path, as `make run` does: its neighbours are found from the root of the repository.
     sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
     __package__ = "studies.steel_wires"
+
+from studies.verdicts import Finding, comparison_table, finding_table
 
 from .closed_forms import first_loop_comparisons, volume_comparisons, worn_friction_comparison
 from .findings import FINDINGS

@@ -1,6 +1,6 @@
 """The article's result, reached from a record alone: what a rigid model lacks, calibrated at 100 cycles, at 100 000.
 
-    python studies/steel_wires/diagnose.py [RECORD] [--output DIR]
+    python -m studies.steel_wires.diagnose [RECORD] [--output DIR]
 
 RECORD is that of a rig of 167 N/mm whose owner believes it rigid (example_records/rigid_stated_compliant_rig). The
 model built from it is diagnosed on the whole record; then its leading class is calibrated on the loops of the first
@@ -17,9 +17,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.typing import LineStyleType
 
+from studies.verdicts import Finding, finding_table
 from wirewear import read_record
 from wirewear.app.cli.study_script import StudyScript, wide_console
-from wirewear.base.verdicts import Finding, finding_table
 from wirewear.base.words import counted
 from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose
@@ -27,7 +27,7 @@ from wirewear.diagnosis.infer.physical_gap import physical_gap
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.pictures import save
-from wirewear.pictures.loop import draw_loop, name_axes
+from wirewear.pictures.panels import draw_loop, name_axes
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure
 from wirewear.simulation import ProgressBar
 from wirewear.views.diagnosis_page import write_diagnosis

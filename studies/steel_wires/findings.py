@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wirewear.base.verdicts import Finding
+from studies.verdicts import Finding
 from wirewear.base.words import counted
 from wirewear.results import RunResult, Scar
 

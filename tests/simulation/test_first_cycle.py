@@ -21,7 +21,7 @@ from wirewear.results import RunResult
 from wirewear.results.health import flagged, health, limit_of
 from wirewear.results.summary import summary
 from wirewear.simulation import simulate
-from wirewear.views.run_page import sentence
+from wirewear.views.run_words import sentence
 
 pytestmark = pytest.mark.seconds
 ALPHA_mm3_per_J = 3e-5

@@ -39,10 +39,11 @@ from wirewear.simulation.contact_forces import (
     pressure_figures,
 )
 from wirewear.simulation.measures import unresolved_slip
-from wirewear.simulation.recorded import depth_spread, worn_bodies
+from wirewear.simulation.scars import depth_spread, worn_bodies
 from wirewear.simulation.statistics import Counters, bends, energy_mismatch, judge
 from wirewear.test import study_from_tables
-from wirewear.views.run_page import run_page, runs_json, sentence
+from wirewear.views.run_page import run_page
+from wirewear.views.run_words import runs_json, sentence
 
 EXAMPLE = Path(__file__).parents[2] / "studies/steel_wires/example_records/no_gap"
 MESH_mm = 0.010

@@ -11,7 +11,7 @@ from geometry import ContactPatch, Flat
 from geometry.arrays import Array
 from solvers import Archard, Coulomb, Friction, OxygenDistance, PowerOfPressure, ShearLimited
 from solvers.contact.between_nodes import SpreadPressure, WithinElements
-from solvers.contact.problem import sliding_force
+from solvers.contact.linearising import sliding_force
 from solvers.laws.friction_law import FrictionLaw
 from tests.bodies import FRICTION, LOAD_N, STEEL, RADIUS_mm, crossed_wires, pressed
 from wirewear.reference import Elastic, PointContact, contact_modulus, hertz_point

@@ -9,7 +9,7 @@ import pytest
 
 import solvers
 from geometry.arrays import Array
-from solvers.drive import section_stress
+from solvers.bulk_stress import section_stress
 from tests.bodies import STEEL, RADIUS_mm, crossed_wires
 from tests.stress.interior_runs import CYCLE, run_with_forces
 from tests.studies import LONG, block, coarse, line_study, minimal

@@ -25,7 +25,7 @@ from wirewear.base.errors import StudyError
 from wirewear.loops.sensor import enclosed_area
 from wirewear.pictures.scar_maps import scars_from_above
 from wirewear.simulation import simulate
-from wirewear.views.run_page import sentence
+from wirewear.views.run_words import sentence
 
 pytestmark = pytest.mark.seconds
 COARSE_mm = 0.010

@@ -18,7 +18,7 @@ from solvers import (
     ShearLimited,
     friction_laws,
 )
-from solvers.contact.problem import sliding_force
+from solvers.contact.linearising import sliding_force
 from solvers.elasticity.pairing import pair
 from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from tests.worked_examples import install_example

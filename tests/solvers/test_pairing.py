@@ -15,7 +15,7 @@ from geometry.arrays import Array
 from solvers import Drive, NotConvergedError, place
 from solvers.contact import ContactProblem, advance, advancing, unloaded_state
 from solvers.contact.acceptance import largest_within
-from solvers.contact.advancing import IncrementFailedError
+from solvers.contact.increment import IncrementFailedError
 from solvers.contact.problem import faced
 from solvers.contact_state import FirstGuess
 from solvers.elasticity.pairing import Pairing, pair, primary_surface, vertical_gap

@@ -15,8 +15,7 @@ from tests.strand.ropes import rope, seven_wires, strands_of_seven
 from wirewear import StudyError, strand_contacts
 from wirewear.base.engine import Done, Engine, Result
 from wirewear.kinds import load_any_study
-from wirewear.strand.running import run_contacts, with_runs
-from wirewear.strand.studies import write_studies
+from wirewear.strand.studies import run_contacts, with_figures_of_runs, write_studies
 from wirewear.sweeps.sweep import SweepRow
 from wirewear.test import LineStudy, Study
 
@@ -222,6 +221,6 @@ def test_runs_of_contacts_go_through_the_engine_of_sweeps_once_and_stand_in_the_
         assert len(made) == expected
     assert made[0] == f"rope: {found.contacts[0].contact.name}"
     assert sorted(made) == sorted(f"rope: {name}" for name in studies)
-    rows = with_runs(found.rows, runs)
+    rows = with_figures_of_runs(found.rows, runs)
     numbers = {name: 100.0 * number for number, name in enumerate(studies, 1)}
     assert {row["contact"]: row["run_life_cycles"] for row in rows if row["study"]} == numbers

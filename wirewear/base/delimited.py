@@ -34,37 +34,12 @@ from wirewear.base.spreadsheets import (
     workbook_text,
 )
 from wirewear.base.words import shown
+from wirewear.base.written_numbers import in_doubt, number_of, seconds_of, ungrouped
 
 _UTF8 = "utf-8"
 
-#: A number whose thousands are parted by a sign: sign between, whether there are several, and what follows of it.
-_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([,.'’ \xa0\u202f])\d{3}((?:\1\d{3})*)(?:([.,])\d*)?")
-
-#: Hours, minutes and seconds, perhaps after a date.
-_CLOCK = re.compile(
-    r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[T, ]\s*)?(?:(\d{1,3}):)?(\d{1,2}):(\d\d(?:[.,]\d+)?)(?:\s*([AP])\.?M\.?)?",
-    re.IGNORECASE,
-)
 
 _LABEL = re.compile(r"[^\W\d_]{2}|[^\W\d_]\W*[=\d]")  #: Of what numbers in words have, and numbers have not.
-
-
-def is_clock(field: str) -> bool:
-    """True if a field is a time such as 12:30:05.2, with or without a date before it."""
-    return _CLOCK.fullmatch(field) is not None
-
-
-def ungrouped(field: str, decimal: str) -> str:
-    """Number without the signs between its thousands: ``1,234.5`` gives ``1234.5``; other fields are unchanged."""
-    found = _GROUPED.fullmatch(field)
-    alike = found is None or found[1] == decimal or found[3] not in (None, decimal)
-    return field if found is None or alike else field.replace(found[1], "")
-
-
-def in_doubt(field: str) -> bool:
-    """True if a field such as ``1,234`` may be read as thousands or as a fraction of three digits."""
-    found = _GROUPED.fullmatch(field)
-    return found is not None and found[1] in ".," and not found[2] and found[3] is None
 
 
 @dataclass(frozen=True)
@@ -245,7 +220,7 @@ class DelimitedText:
                 )
             numbers.append(number)
             for name, place in places.items():
-                if name == clock and place < len(fields) and (seconds := _seconds(fields[place])) is not None:
+                if name == clock and place < len(fields) and (seconds := seconds_of(fields[place])) is not None:
                     values[name].append(seconds)
                     clocked = True
                 else:
@@ -306,18 +281,6 @@ def fields_of(line: str, delimiter: str | None) -> list[str]:
         with suppress(csv.Error):
             return [field.strip() for field in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
     return [field.strip().strip('"').strip() for field in line.split(delimiter)]
-
-
-def _seconds(field: str) -> float | None:
-    """Seconds since midnight, or since a clock's start; None if the field is no time of day."""
-    found = _CLOCK.fullmatch(field)
-    if found is None:
-        return None
-    hours, minutes, seconds, half = found.groups()
-    hour = int(hours or 0)
-    if half:
-        hour = hour % 12 + (12 if half.upper() == "P" else 0)
-    return 3600.0 * hour + 60.0 * int(minutes) + float(seconds.replace(",", "."))
 
 
 def contents_of(path: Path) -> tuple[bytes, list[Sheet]]:
@@ -393,19 +356,10 @@ def repeated_heads(lines: Sequence[str], layout: DelimitedLayout) -> list[int]:
         rows = [n for n in range(start + height, after) if lines[n].strip()]
         places += [rows[0], rows[len(rows) // 2], rows[-1]] if rows else []
     fields = [fields_of(lines[n], layout.delimiter) for n in places]
-    numbers = [[_as_number(field, layout.decimal) for field in row] for row in fields if len(row) == len(fields[0])]
+    numbers = [[number_of(field, layout.decimal) for field in row] for row in fields if len(row) == len(fields[0])]
     steps = np.diff(np.array(numbers), axis=0)
     goes_on = len(numbers) == len(places) and bool(((steps >= 0.0).all(axis=0) & (steps[2::3] > 0.0).all(axis=0)).any())
     return [start + n for start in starts[1:] for n in range(height)] if goes_on else []
-
-
-def _as_number(field: str, decimal: str) -> float:
-    """Number or time of day of a field; NaN for anything else."""
-    try:
-        return float(ungrouped(field, decimal).replace(decimal, "."))
-    except ValueError:
-        seconds = _seconds(field)
-        return math.nan if seconds is None else seconds
 
 
 def _first_rows(data: bytes, layout: DelimitedLayout) -> bytes:

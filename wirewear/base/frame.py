@@ -1,8 +1,10 @@
-"""Common frame of all HTML pages: one style, a summary sentence first, everything within one file."""
+"""Common frame of all HTML pages, and tables for notebooks: one style, a sentence first, everything in one file."""
 
+import base64
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from html import escape
 from importlib.metadata import PackageNotFoundError, version
 from math import isfinite
 from pathlib import Path
@@ -114,3 +116,17 @@ def _version() -> str:
         return version("wirewear")
     except PackageNotFoundError:
         return "unknown"
+
+
+def notebook_table(heading: str, rows: Mapping[str, str], *, note: str = "", pictures: Sequence[bytes] = ()) -> str:
+    """HTML with a heading, a line for each row (name, value), a note, and PNG pictures (bytes) below; escapes texts."""
+    lines = "".join(
+        f"<tr><td style='text-align:left'>{escape(name)}</td><td style='text-align:left'>{escape(value)}</td></tr>"
+        for name, value in rows.items()
+    )
+    images = "".join(
+        f"<img alt='' style='max-width:100%' src='data:image/png;base64,{base64.b64encode(one).decode()}'>"
+        for one in pictures
+    )
+    below = f"<p><small>{escape(note)}</small></p>" if note else ""
+    return f"<p><strong>{escape(heading)}</strong></p><table>{lines}</table>{below}{images}"

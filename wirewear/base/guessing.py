@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from geometry.arrays import Array
-from wirewear.base import delimited
+from wirewear.base import delimited, written_numbers
 from wirewear.base.blocks import COLUMNS, blocks_of, is_comment, numbering
 from wirewear.base.errors import RecordError
 from wirewear.base.naming import KNOWN_UNITS, MISSING, WORDS, encoding_of, usual_unit
@@ -176,7 +176,7 @@ def _thousands_or_fractions(lines: list[str], table: "_Table") -> str:
     """First number that may be read as thousands or as a fraction, if no number of the table settles it; else ""."""
     rows = [delimited.fields_of(line, table.delimiter) for line in lines if line.strip()]
     signed = [field for row in rows for field in row if table.decimal in field]
-    if not signed or not all(map(delimited.in_doubt, signed)):
+    if not signed or not all(map(written_numbers.in_doubt, signed)):
         return ""
     places = (own for own in zip(*rows, strict=False) if any(field.isdecimal() for field in own))
     return next((field for own in places for field in own if table.decimal in field), "")
@@ -203,7 +203,7 @@ def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2
         if run and (not line.strip() or is_comment(line)):
             continue
         kinds = "".join(
-            _kind(delimited.ungrouped(field, decimal), number) for field in delimited.fields_of(line, delimiter)
+            _kind(written_numbers.ungrouped(field, decimal), number) for field in delimited.fields_of(line, delimiter)
         ).rstrip(" ")
         between = kinds == "t" and len(profile) > 1 and place < len(lines) and not re.search(r"[\t;,]", line)
         if run and strange < FEWEST_ALONE and (between or _has_a_word(profile, kinds)):
@@ -228,7 +228,7 @@ def _kind(field: str, number: re.Pattern[str]) -> str:
         return " "
     if number.fullmatch(field) or field == UNCOMPUTED:
         return "n"
-    return "c" if delimited.is_clock(field) else "t"
+    return "c" if written_numbers.is_clock(field) else "t"
 
 
 def _has_a_word(profile: str, kinds: str) -> bool:

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 from math import floor, inf, log10
 
-from wirewear.base.frame import figure
-from wirewear.base.notebook import notebook_table
+from wirewear.base.frame import figure, notebook_table
 from wirewear.base.units import unit_of, words_of
 from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate, Partial, Remaining, Verdict
 from wirewear.diagnosis.calibration import constants

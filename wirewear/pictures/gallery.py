@@ -27,8 +27,7 @@ from geometry.arrays import Array
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_bytes, writing
 from wirewear.pictures import style
-from wirewear.pictures.loop import draw_loop, name_axes
-from wirewear.pictures.scar import draw_scar
+from wirewear.pictures.panels import draw_loop, draw_scar, name_axes
 from wirewear.pictures.scar_maps import contact_maps, profile, scar_sections, scar_series, scars_from_above
 from wirewear.pictures.scar_surfaces import scars_in_3d
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent

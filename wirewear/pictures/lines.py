@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from geometry import PlanarMesh
 from wirewear.pictures import style
 from wirewear.pictures.gallery import loops_by_run
-from wirewear.pictures.loop import draw_loop, name_axes
+from wirewear.pictures.panels import draw_loop, name_axes
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.pictures.supports import HeldBody, Supports, draw_boundary_conditions
 from wirewear.results import BODIES, RunResult, Scar, read_loops

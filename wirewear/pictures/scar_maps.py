@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 from geometry.arrays import Array
 from wirewear.pictures import style
-from wirewear.pictures.scar import RESOLUTION, draw_map, draw_scar
+from wirewear.pictures.panels import RESOLUTION, draw_map, draw_scar
 from wirewear.pictures.smooth import smooth_field, smooth_scar, worn_half_extent
 from wirewear.results import RunResult, Scar
 

@@ -7,7 +7,6 @@ unworn shape from the stated one; a surface's parameters give its position and t
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import binary_dilation, distance_transform_edt, uniform_filter
@@ -15,18 +14,11 @@ from scipy.ndimage import binary_dilation, distance_transform_edt, uniform_filte
 from geometry.arrays import Array, BoolArray
 from wirewear.loops.robust import biweight, median_deviation
 from wirewear.records.spikes import FINEST_um, noise_um
+from wirewear.records.surface_search import block_medians, sought
 from wirewear.records.unworn_bodies import Surface, jacobian
 
 FAR, FARTHER = 3.0, 4.0  #: Noise of unworn points, and of their means, hardly exceeds so many deviations.
 
-#: Places along a map and along a profile that are weighed, medians of points; of so many points at least.
-PLACES, PLACES_OF_LINE, KNOWN = 36, 160, 0.3
-
-#: Surfaces at random in each of so many rounds, fewer for a direction; the best at each scale are fitted so many times.
-DRAWN, FEWER, ROUNDS, KEPT, FITTED = 800, 200, 3, 2, 4
-
-#: The border of a map that is weighed as much as all of it, as a share of its size; what stands above counts so much.
-BORDER, RAISED = 0.1, 3.0
 
 MOST_POINTS = 20_000  #: Points that a surface is fitted to, at most; a map has often millions.
 
@@ -121,7 +113,7 @@ def unworn_surface(surface: Surface, places: Array, height: Array, start: Array,
     start: position parameters at which the search begins. form: True to allow a form, which is then part of the
     surface; False to count it as depth.
     """
-    found, scale = _sought(surface, places, height, start)
+    found, scale = sought(surface, places, height, start)
     found, unworn = _settled(surface, places, height, found, scale)
     form_um, unclear = 0.0, None
     if surface.forms and (seen := _form(surface, places, height, found, unworn)) is not None:
@@ -137,146 +129,6 @@ def unworn_surface(surface: Surface, places: Array, height: Array, start: Array,
     if found.size > surface.placing and not form:
         found, form_um = _fitted(surface, places, height, found[: surface.placing], unworn)[0], 0.0
     return replace(_judged(surface, places, height, found, unworn), form_um=form_um, unclear=unclear)
-
-
-def _blocks(
-    places: Array, values: Array, parts: int = PLACES, known: float = KNOWN
-) -> tuple[Array, Array, Array, BoolArray]:
-    """Medians of groups of neighbouring points: places (2, m), values (m,), counts (m,), and marks of those at the
-    border.
-    """
-    shape = values.shape
-    most = parts if min(shape) > 1 else parts * PLACES_OF_LINE // PLACES
-    steps = [max(-(-n // most), 1) for n in shape]
-    padded = [(0, -n % step) for n, step in zip(shape, steps, strict=True)]
-
-    def grouped(one: Array) -> Array:
-        whole = np.pad(one, padded, constant_values=np.nan)
-        cut = whole.reshape(whole.shape[0] // steps[0], steps[0], whole.shape[1] // steps[1], steps[1])
-        return cut.transpose(0, 2, 1, 3).reshape(cut.shape[0], cut.shape[2], -1)
-
-    groups = grouped(values)
-    count = np.isfinite(groups).sum(axis=2)
-    whole = np.isfinite(grouped(places[0])).sum(axis=2)
-    taken = count >= np.maximum(known * whole, 1)
-    middle = np.stack([np.nanmean(grouped(one)[taken], axis=1) for one in places])
-    border = np.zeros(taken.shape, dtype=bool)
-    for axis, held in ((0, taken.any(axis=1)), (1, taken.any(axis=0))):
-        if shape[axis] > 1 and held.any():
-            first, last = np.flatnonzero(held)[[0, -1]]
-            place = np.arange(held.size)
-            deep = max(BORDER * (last - first + 1), 1.0)
-            near = (place < first + deep) | (place > last - deep)
-            border |= near[:, None] if axis == 0 else near[None, :]
-    return middle, np.nanmedian(groups[taken], axis=1), count[taken], border[taken]
-
-
-def _sought(surface: Surface, places: Array, height: Array, start: Array) -> tuple[Array, float]:
-    """Parameters of the best of many random surfaces, and the distance within which points lie on it."""
-    noise, random, found, scale = noise_um(height), np.random.default_rng(0), start, FINEST_um
-    flat = places.reshape(2, -1)
-    for _ in range(ROUNDS):
-        rest = height - surface.height(found, flat).reshape(height.shape)
-        at, rest, count, border = _blocks(places, rest)
-        sharp = FINEST_um + 1.25 * noise / float(np.sqrt(np.median(count)))
-        weighed = _Candidates(
-            rest, jacobian(surface, found, at, surface.placing)[1], border, sharp, _range(rest, sharp)
-        )
-        change, scale, _ = weighed.best(random)
-        found = found + change
-    return found, scale
-
-
-def _range(rest: Array, sharp: float) -> float:
-    low, high = np.percentile(rest, (1.0, 99.0))
-    return max(float(high - low), 20.0 * sharp)
-
-
-def direction_deg(x: Array, y: Array, height: Array, curvatures_per_mm: tuple[float, float]) -> float:
-    """Direction in degrees from x, in (−90°, 90°], of the axis of a body in a map of heights (n_x, n_y).
-
-    x, y, height: lines (n_x,), (n_y,) and heights in µm. curvatures_per_mm: along and across the axis. It is the
-    direction for which most heights lie on the sum of a paraboloid with these curvatures and a plane.
-    """
-    places = np.stack(np.meshgrid(x - x.mean(), y - y.mean(), indexing="ij"))
-    (u, v), z, count, border = _blocks(places, height, parts=24)
-    sharp = FINEST_um + 1.25 * noise_um(height) / float(np.sqrt(np.median(count)))
-    slopes = np.column_stack([np.ones_like(u), u / np.ptp(x), v / np.ptp(y)])
-    k, m = curvatures_per_mm
-
-    def weight(angle_deg: float) -> float:
-        cosine, sine = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
-        flat = z + 5e-4 * (k * (u * cosine + v * sine) ** 2 + m * (v * cosine - u * sine) ** 2)
-        weighed = _Candidates(flat - np.median(flat), slopes, border, sharp, _range(z, sharp))
-        return weighed.best(np.random.default_rng(0), FEWER)[2]
-
-    return float(max(np.arange(-85.0, 91.0, 5.0), key=weight))
-
-
-@dataclass(frozen=True, eq=False)
-class _Candidates:
-    """Heights (m,) of points above a surface, and their derivatives by its parameters (m, k), to rate other
-    parameters.
-    """
-
-    rest: Array
-    slopes: Array
-    border: BoolArray
-    sharp: float  #: Smallest standard deviation of a height.
-    range: float  #: Range of the heights.
-
-    @cached_property
-    def scales(self) -> Array:
-        """Trial distances in µm within which points count as lying on a surface."""
-        return np.asarray(2.5 * self.sharp * 2.0 ** np.arange(np.log2(max(self.range / (10.0 * self.sharp), 2.0))))
-
-    def best(self, random: np.random.Generator, count: int = DRAWN) -> tuple[Array, float, float]:
-        """The best of many candidate surfaces: change of the parameters (k,), trial distance, and weight, the largest
-        of all.
-
-        count: number of random candidates, each through as many points as it has parameters; half through border
-        points.
-        """
-        size, (_, k) = self.rest.size, self.slopes.shape
-        at_border = np.flatnonzero(self.border)
-        ends, anywhere = (random.integers(most, size=(count // 2, k)) for most in (at_border.size, size))
-        drawn = np.vstack([at_border[ends], anywhere])
-        matrices, right = self.slopes[drawn], self.rest[drawn]
-        sound = np.abs(np.linalg.det(matrices)) > 1e-4
-        changes: Array = np.vstack([np.zeros(k), np.linalg.solve(matrices[sound], right[sound][..., None])[..., 0]])
-        weights = self.weights(changes)
-        changes = np.array([
-            self._fitted(changes[one], float(scale))
-            for place, scale in enumerate(self.scales)
-            for one in np.argsort(weights[:, place])[-KEPT:]
-        ])  # fmt: skip
-        weights = self.weights(changes)
-        one, place = np.unravel_index(int(weights.argmax()), weights.shape)
-        return np.array(changes[one], dtype=np.float64), float(self.scales[place]), float(weights[one, place])
-
-    def weights(self, changes: Array) -> Array:
-        """Weights (n, scales) of surfaces with changed parameters (n, k), as log-likelihoods for each trial distance.
-
-        A point within the distance counts by how much smaller this is than the range of heights.
-        """
-        found = np.empty((len(changes), self.scales.size))
-        parts = np.stack([np.full(self.rest.size, 1.0 / self.rest.size), self.border / max(self.border.sum(), 1)])
-        # A few at a time stay within the processor's cache.
-        for few in range(0, len(changes), 50):
-            off = self.rest - changes[few : few + 50] @ self.slopes.T
-            for place, scale in enumerate(self.scales):
-                far = off / scale
-                on = np.maximum(1.0 - far * far, 0.0) - RAISED * (far > 1.0)
-                found[few : few + 50, place] = (on @ parts.T).mean(axis=1) * np.log(self.range / scale)
-        return found
-
-    def _fitted(self, change: Array, scale: float) -> Array:
-        for _ in range(FITTED):
-            near = np.abs(self.rest - self.slopes @ change) < scale
-            if np.count_nonzero(near) <= change.size:
-                break
-            change = np.asarray(np.linalg.lstsq(self.slopes[near], self.rest[near], rcond=None)[0])
-        return change
 
 
 def _settled(surface: Surface, places: Array, height: Array, found: Array, scale: float) -> tuple[Array, BoolArray]:
@@ -363,7 +215,7 @@ class _Means:
     @classmethod
     def of(cls, surface: Surface, places: Array, rest: Array, found: Array, unworn: BoolArray) -> "_Means":
         """Weighted means for a surface that was found, with derivatives for all its parameters."""
-        at, means, count, _ = _blocks(places, np.where(unworn, rest, np.nan), parts=24, known=0.05)
+        at, means, count, _ = block_medians(places, np.where(unworn, rest, np.nan), parts=24, known=0.05)
         weight = np.sqrt(count / count.max(initial=1))
         slopes = jacobian(surface, found, at, surface.placing + surface.forms)[1]
         return cls(weight * means, weight[:, None] * slopes)
@@ -408,7 +260,7 @@ def _farther(surface: Surface, places: Array, height: Array, found: Array, unwor
 def _judged(surface: Surface, places: Array, height: Array, found: Array, unworn: BoolArray) -> Unworn:
     flat = places.reshape(2, -1)
     rest = height - surface.height(found, flat).reshape(height.shape)
-    _, blocks, _, border = _blocks(places, rest)
+    _, blocks, _, border = block_medians(places, rest)
     points = rest[unworn]
     limit = FAR * max(median_deviation(points), noise_um(height))
     on = np.abs(blocks) < limit

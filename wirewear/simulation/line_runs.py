@@ -29,7 +29,8 @@ from wirewear.simulation.line_model import (
 )
 from wirewear.simulation.plan import PlannedRun
 from wirewear.simulation.problem import laws_of
-from wirewear.simulation.recorded import Recorded, worn_bodies
+from wirewear.simulation.recorded import Recorded
+from wirewear.simulation.scars import worn_bodies
 from wirewear.simulation.store import MeshHistory, OneMesh
 from wirewear.test import LineStudy
 

@@ -26,7 +26,8 @@ from wirewear.simulation.discretisation import Discretisation, discretise, unkno
 from wirewear.simulation.near_zone import near_zone_of
 from wirewear.simulation.plan import PlannedRun, PointMeshes, core_stages, mesh_stages, spare_stages, sticking_stage
 from wirewear.simulation.problem import condense_bodies, fresh_state, laws_of, problem_at, too_much
-from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings, scars_of
+from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings
+from wirewear.simulation.scars import scars_of
 from wirewear.simulation.sliding_onset import point_sticks
 from wirewear.simulation.statistics import bends
 from wirewear.simulation.store import MeshHistory, Report

@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from geometry import BodyMesh, ContactPatch, Elastic, PlanarMesh, QuadMesh
 from geometry.arrays import Array, IntArray
-from solvers.drive import section_stress
+from solvers.bulk_stress import section_stress
 from solvers.elasticity.placement import rotation_to_world
 from solvers.elasticity.strain import IntegrationPoints, integration_points, scattered
 from solvers.stress.interior import Interior

@@ -15,7 +15,7 @@ from typing_extensions import TypeVar
 
 from solvers import Drive, FrictionLaw, WearLaw
 from wirewear.base.errors import StudyError
-from wirewear.base.notebook import notebook_table
+from wirewear.base.frame import notebook_table
 from wirewear.base.words import as_sentence, counted, shown
 from wirewear.effects import AnyEffect, effects_of_tables
 from wirewear.test.conditions import Log

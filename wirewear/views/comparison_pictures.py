@@ -17,8 +17,7 @@ from wirewear.comparison.differences import EVOLUTION_FIGURES, LoopPair, common_
 from wirewear.comparison.registration import ScarPair
 from wirewear.loops import LoopFigures, Measured
 from wirewear.pictures import style
-from wirewear.pictures.loop import DISPLACEMENT, draw_loop, draw_loop_band, name_axes
-from wirewear.pictures.scar import draw_map
+from wirewear.pictures.panels import DISPLACEMENT, draw_loop, draw_loop_band, draw_map, name_axes
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.records import AnyRecord
 from wirewear.results import RunResult

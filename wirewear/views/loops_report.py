@@ -20,7 +20,7 @@ from wirewear.base.words import counted
 from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError, LoopFigures, Measured, StickSlip, analyse_loop
 from wirewear.loops.figures import regime_of
-from wirewear.pictures.loop import draw_loop, name_axes
+from wirewear.pictures.panels import draw_loop, name_axes
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save
 from wirewear.records.importing.loop_sources import SampledLoop

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wirewear.effects.parameter import plain
-from wirewear.pictures.loop import draw_loop, name_axes
+from wirewear.pictures.panels import draw_loop, name_axes
 from wirewear.pictures.smooth import smooth_loop, smooth_scar
 from wirewear.pictures.style import (
     GREY,

@@ -14,7 +14,7 @@ from wirewear.base import frame
 from wirewear.base.errors import ResultError
 from wirewear.base.units import unit_of, words_of
 from wirewear.base.writing import write_csv, write_text, writing
-from wirewear.pictures.loop import draw_loop, draw_loop_band, name_axes
+from wirewear.pictures.panels import draw_loop, draw_loop_band, name_axes
 from wirewear.pictures.style import VARIANT_COLOURS, cycle_name, new_figure, svg
 from wirewear.sweeps.sweep import FIRST
 from wirewear.sweeps.uncertainty import Interval, LoopBand, Uncertainty

@@ -1,15 +1,16 @@
-"""Results of runs that can draw themselves and convert their data to other formats."""
+"""Results of runs that can draw themselves and convert their data to other formats, and lives of their bodies."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wirewear.base.errors import ResultError
-from wirewear.base.notebook import notebook_table
+from wirewear.base.frame import notebook_table
 from wirewear.base.units import unit_of, words_of
 from wirewear.base.words import counted
 from wirewear.results import RunResult, write_result
@@ -19,10 +20,14 @@ from wirewear.results.flat import labelled, surface_mesh, tables_of, write_netcd
 from wirewear.results.scar import called
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import polars as pl
     import pyvista
     import xarray
     from matplotlib.figure import Figure
+
+    from wirewear.stress.life import BodyLife
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -200,3 +205,40 @@ def read_results(path: str | Path) -> tuple[Run, ...]:
 def _course(run: RunResult, column: str, unit: str) -> str:
     values = run.evolution[column]
     return f"{values[0]:.4g} → {values[-1]:.4g} {unit}"
+
+
+def lives(
+    result: RunResult,
+    bodies: Sequence[str] = (),
+    *,
+    values: Mapping[str, object] | None = None,
+    wear_states: int | None = None,
+    tell: Callable[[str, int], None] = lambda _body, _cycle: None,
+) -> tuple[BodyLife, ...]:
+    """Fatigue lives of the bodies of a run, both by default, by [life] of its study.
+
+    bodies: their names, or "lower" and "upper". values: replace keys of [life]. wear_states: most wear states used in
+    each block of cycles. tell: called with each body and cycle before it is computed.
+    Raises StudyError if a value is not allowed, or data are lacking; ResultError if the run has recorded no contact
+    forces; GeometryError if wear distorts a mesh too much.
+    """
+    from wirewear.kinds import contacts_of
+    from wirewear.results.scar import body_named
+    from wirewear.stress.averaging import averaging_radius_mm
+    from wirewear.stress.life import WEAR_STATES, life_of, recorded_cycles
+    from wirewear.stress.strength import StrengthAsked, assessable
+    from wirewear.test import study_from_tables
+    from wirewear.test.any_study import life_data
+
+    inside = contacts_of(result).inside
+    study = study_from_tables(result.study, result.label)
+    named = [body_named(body, result.label, result.bodies) for body in bodies or result.bodies]
+    found = []
+    for body, table in life_data(study, named, values or {}).items():
+        length_um = 2e3 * averaging_radius_mm(table, plane=False)
+        first = min(recorded_cycles(result, body), default=1)
+        assessable(result, body, first, StrengthAsked(averaging_length_um=length_um), inside)
+        states_at, watch = partial(inside.states, result, body), partial(tell, body)
+        most = wear_states or WEAR_STATES
+        found.append(life_of(result, body, table, states_at, study.schedule, wear_states=most, watch=watch))
+    return tuple(found)

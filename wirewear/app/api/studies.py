@@ -12,7 +12,7 @@ from wirewear.app.api.progress import watched
 from wirewear.app.api.run import Run
 from wirewear.base.errors import StudyError
 from wirewear.base.files import parsed_toml
-from wirewear.base.notebook import notebook_table
+from wirewear.base.frame import notebook_table
 from wirewear.base.words import counted
 from wirewear.kinds import any_study, load_any_study
 from wirewear.records import AnyRecord, ExperimentRecord, RecordReport, check_record

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from wirewear.results import RunResult
-from wirewear.app.api.lives import lives
+from wirewear.app.api.run import lives
 
 
 @cli.command()

@@ -38,7 +38,7 @@ def strand(
     """
     from wirewear.app.cli.study_script import wide_console
     from wirewear.strand import strand_contacts
-    from wirewear.strand.studies import write_studies
+    from wirewear.strand.studies import run_contacts, with_figures_of_runs, write_studies
     from wirewear.views.strand_page import sentence, strand_json, strand_tables, write_strand
 
     found = strand_contacts(rope_path)
@@ -48,13 +48,12 @@ def strand(
     if with_runs:
         from wirewear.app.cli.sweeps import observer_of
         from wirewear.base.engine import engine_of
-        from wirewear.strand import running
 
         with observer_of(min(worst or len(studies), len(studies))) as observer:
-            runs = running.run_contacts(
+            runs = run_contacts(
                 found.name, found.studies(), fidelity, folder, engine_of(jobs, scheduler), observer, worst=worst
             )
-        rows = running.with_runs(rows, runs)
+        rows = with_figures_of_runs(rows, runs)
     written = write_strand(found, rows, folder)
     if as_json:
         click.echo(strand_json(found, rows))

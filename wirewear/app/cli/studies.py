@@ -180,7 +180,8 @@ def run(
     from wirewear.results.summary import summary
     from wirewear.simulation import ProgressBar, run_study
     from wirewear.test.many_contacts import many_contacts
-    from wirewear.views.run_page import runs_json, sentence, write_page
+    from wirewear.views.run_page import write_page
+    from wirewear.views.run_words import runs_json, sentence
 
     folder = output or default_output(study_path)
     if uncertain:

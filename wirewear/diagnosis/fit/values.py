@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
-from wirewear.base.notebook import notebook_table
+from wirewear.base.frame import notebook_table
 from wirewear.base.units import UNIT_SYMBOLS
 from wirewear.records import AnyRecord
 from wirewear.test import AnyStudy

@@ -24,7 +24,7 @@ from wirewear.records.importing.height_maps import MapScale, StatedMap, stated_m
 from wirewear.records.importing.importing import drives_motion, loops_of
 from wirewear.records.importing.mapping import PROFILOMETER, LoopSource
 from wirewear.records.importing.profilometry import ASKEW_deg, grid_of_points
-from wirewear.records.levelling import direction_deg
+from wirewear.records.surface_search import direction_deg
 from wirewear.records.test_tables import FRICTION_FORCE
 from wirewear.records.values import MeasuredLoop
 from wirewear.results.scar import called

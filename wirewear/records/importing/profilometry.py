@@ -18,10 +18,11 @@ from wirewear.records.contact_tables import LineTest
 from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import PROFILOMETER, PointMapping, ProfileSource, ScarSource
 from wirewear.records.importing.sources import columns_of_levels, files_of, numbers_in_name
-from wirewear.records.levelling import direction_deg, unworn_surface
+from wirewear.records.levelling import unworn_surface
 from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.scars import MeasuredScar, grid_of
 from wirewear.records.spikes import without_spikes
+from wirewear.records.surface_search import direction_deg
 from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.test_tables import OfTest
 from wirewear.records.unworn_bodies import FaceSurface, RoundSurface

@@ -1,9 +1,10 @@
-"""Drawing of a scar from above in a panel, for all pictures, in true proportions and with the body's axis.
+"""A friction loop, or a scar from above, in a panel: drawn once for all pictures, with the same line, axes and signs.
 
-Fields are interpolated smoothly between the grid points (see `smooth`).
+Scars are in true proportions, with the body's axis; fields are interpolated smoothly between the grid points (see
+`smooth`).
 """
 
-from typing import Literal
+from typing import Literal, Unpack
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,8 +14,33 @@ from numpy.typing import ArrayLike
 
 from geometry.arrays import Array
 from wirewear.pictures.smooth import smooth_scar
-from wirewear.pictures.style import DEPTH_COLOURS, GREY
+from wirewear.pictures.style import DEPTH_COLOURS, GREY, AreaLook, LineLook
 from wirewear.results import Scar
+
+DISPLACEMENT = "displacement δ [µm]"
+
+
+def draw_loop(axes: Axes, displacement_um: Array, force: Array, *, label: str = "", **line: Unpack[LineLook]) -> None:
+    """Draw a loop of n samples (n,) as one closed line. label: for the legend; empty for none."""
+    closed = (np.append(values, values[0]) for values in (displacement_um, force))
+    axes.plot(*closed, solid_capstyle="butt", label=label or None, **line)
+
+
+def draw_loop_band(axes: Axes, displacement_um: Array, low: Array, high: Array, **area: Unpack[AreaLook]) -> None:
+    """Fill the area between the forces `low` and `high`, (n,) each, over a loop's displacements (n,)."""
+    n, top, bottom = displacement_um.size, int(displacement_um.argmax()), int(displacement_um.argmin())
+    for start, end in ((bottom, top), (top, bottom)):
+        # In order of time, each with the reversals at its ends.
+        branch = (start + np.arange((end - start) % n + 1)) % n
+        axes.fill_between(displacement_um[branch], low[branch], high[branch], linewidth=0.0, **area)
+
+
+def name_axes(axes: Axes, unit: str = "N") -> None:
+    """Label the axes of a loop and draw its zero lines. unit: of the forces."""
+    for line in (axes.axhline, axes.axvline):
+        line(0.0, color=GREY, linewidth=0.6, zorder=1)
+    axes.set(xlabel=DISPLACEMENT, ylabel=f"tangential force Q [{unit}]")
+
 
 RESOLUTION = 420  #: Pixels along the longer side of a map of a simulated scar.
 
