@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from wirewear.results import RunResult
-from wirewear.app.api.run import lives
 
 
 @cli.command()
@@ -53,7 +52,7 @@ def life(
 
     A study is run first. Data of the material come from [life] of the study, or from the options.
     """
-    from wirewear.app.api.run import one_run
+    from wirewear.app.api.run import lives, one_run
     from wirewear.app.cli.study_script import progress_bar
     from wirewear.views.life_page import life_json, notes, sentence, write_lives
 
