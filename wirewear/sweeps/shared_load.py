@@ -1,36 +1,45 @@
 """Runs of several contacts on one wire: how it shares the load among them as they wear.
 
-The wire is a beam (Euler-Bernoulli) on its contacts; these are far enough apart that each is a run of its own, whose
-approach under its load is the deflection of the beam there. Loads change from block to block of cycles. They follow
-from runs under estimated loads: elastic approach and worn depth of these are scaled to other loads, which the beam then
-shares out, until runs and beam agree. Such a round repeats until loads change by less than 0.5 %.
+The wire is a beam on its contacts; these are far enough apart that each is a run of its own, whose approach under its
+load is the deflection of the beam there. Loads change from block to block of cycles. They follow from runs under
+estimated loads: elastic approach and worn depth of these are scaled to other loads, which the beam then shares out,
+until runs and beam agree. Such a round repeats until loads change by less than 0.5 %. A contact runs only through the
+blocks in which it is closed.
+
+A rig that gives way takes the friction of all contacts. Each run has a share of its stiffness that is the share of its
+friction, so that all runs move the rig alike at the ends of the stroke.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import StudyError
 from wirewear.results import RunResult
+from wirewear.sweeps.beam import Beam, Yielding, contact_forces
 from wirewear.test import Study
 from wirewear.test.bodies import hertz_of
-from wirewear.test.many_contacts import ManyContacts
+from wirewear.test.many_contacts import LoadedBlock, ManyContacts
 
-_MOST_ROUNDS = 6
-_BLOCKS = 6  #: Of a test with wear: depth grows as the root of cycles, so their ends go with the square.
+_MOST_ROUNDS = 8
+#: Ends of the blocks of a test with wear, over its length: depth grows as the root of cycles, so they go by squares.
+_ENDS = tuple((k / 6.0) ** 2 for k in (0.25, 1, 2, 3, 4, 5, 6))
+_CLOSED = 1e-3  #: Least force of a closed contact, over the mean: less is lost beside what rounds leave open.
 
-Simulate = Callable[[Study, str], RunResult]  #: Run a study under a label.
+#: Runs of the studies of a round, by label. Called with these and the round's number, from 1.
+Simulate = Callable[[Mapping[str, Study], int], Mapping[str, RunResult]]
 
 
 @dataclass(frozen=True, eq=False)
 class SharedLoad:
     """Shares of the load that n contacts bore in b blocks of cycles, and their runs.
 
-    ends (b,): last cycle of each block. load_N (n, b): loads of the runs. approach_um (n, b): at mid-stroke of the
-    blocks' last cycles. depth_um (n, b): largest worn depths of both bodies, added. runs, labels: of each contact;
-    equal contacts have the same. change: largest change of a load in the last round, over the mean load.
+    ends (b,): last cycle of each block. load_N (n, b): loads of the runs, 0 where a contact is open. approach_um (n,
+    b): at mid-stroke of the blocks' last cycles, NaN where open. depth_um, volume_mm3 (n, b): largest worn depths and
+    volumes of both bodies, added. runs: by label. labels: of each contact, empty if it is open throughout; equal
+    contacts have the same. change: largest change of a load in the last round, over the mean load.
     """
 
     test: ManyContacts
@@ -38,7 +47,8 @@ class SharedLoad:
     load_N: Array
     approach_um: Array
     depth_um: Array
-    runs: tuple[RunResult, ...]
+    volume_mm3: Array
+    runs: Mapping[str, RunResult]
     labels: tuple[str, ...]
     change: float
     rounds: int
@@ -54,7 +64,7 @@ class SharedLoad:
                 "normal_load_N": self.load_N[number, block],
                 "approach_um": self.approach_um[number, block],
                 "worn_depth_um": self.depth_um[number, block],
-                "worn_volume_mm3": volume_mm3(self.runs[number], end),
+                "worn_volume_mm3": self.volume_mm3[number, block],
             }
             for number, own in enumerate(self.test.contacts)
             for block, end in enumerate(self.ends)
@@ -62,23 +72,34 @@ class SharedLoad:
 
 
 def shared_load(test: ManyContacts, simulate: Simulate) -> SharedLoad:
-    """The shares of the load with which runs of the contacts agree with the beam. simulate: runs a study under a label.
-    Raises StudyError if a contact lifts off, or if loads do not settle in six rounds.
+    """The shares of the load with which runs of the contacts agree with the beam. Raises StudyError if the beam tips
+    over, or if loads do not settle in eight rounds.
     """
     ends, count = _ends(test.study), len(test.contacts)
-    lengths = np.diff(np.array(ends, dtype=np.float64), prepend=0.0)
-    hertz = hertz_of(test.load_N / count, *test.study.bodies).approach_mm
-    load = np.full((count, len(ends)), test.load_N / count)
-    load, past = _shared(test, load, np.full_like(load, hertz), np.zeros_like(load), lengths), []
+    lengths = np.diff(np.array(ends), prepend=0)
+    mean = test.load_N / count
+    softness = hertz_of(mean, *test.study.bodies).approach_mm / mean ** (2.0 / 3.0)
+    load = _shared(test, np.full((count, len(ends)), softness), np.zeros((count, len(ends))), lengths)
+    share, past = _of_sum(test.frictions[:, None] * load), []
     for rounds in range(1, _MOST_ROUNDS + 1):
-        runs, labels = _simulated(test, load, lengths, simulate)
-        approach = np.array([[_approach_mm(run, end) for end in ends] for run in runs])
-        depth = np.array([[_depth_mm(run, end) for end in ends] for run in runs])
-        better = _shared(test, load, approach - depth, depth, lengths)
-        change = float(np.abs(better - load).max() / load.mean())
-        # Runs and beam agree on the loads within so much of their mean.
+        labels, studies, closed = _studies(test, load, share, lengths)
+        runs = simulate(studies, rounds)
+        approach, depth, volume, force = _measured([runs.get(one) for one in labels], load, lengths)
+        work = np.cumsum(load * lengths, axis=1)
+        better = _shared(
+            test,
+            _filled((approach - depth) / np.where(closed, load, 1.0) ** (2.0 / 3.0), closed, softness),
+            _filled(depth / np.sqrt(np.where(closed, work, 1.0)), closed, 0.0),
+            lengths,
+        )
+        moved = np.abs(_of_sum(force) - share).max() if test.rig_yields else 0.0
+        change = float(max(np.abs(better - load).max() / mean, moved))
+        # Runs and beam agree on the loads within so much of their mean, and on the rig within so much of its travel.
         if change < 0.005:
-            return SharedLoad(test, ends, load, 1e3 * approach, 1e3 * depth, runs, labels, change, rounds)
+            approach[~closed] = np.nan
+            found = (1e3 * approach, 1e3 * depth, volume)
+            return SharedLoad(test, ends, load, *found, runs, labels, change, rounds)
+        share = _of_sum(_rubbing(test, share, load, force, better))
         load = better
         past.append(f"{100.0 * change:.2g}")
     raise StudyError(
@@ -87,28 +108,78 @@ def shared_load(test: ManyContacts, simulate: Simulate) -> SharedLoad:
     )
 
 
+def _of_sum(forces: Array) -> Array:
+    """Shares (n, b) of the sum over contacts."""
+    return np.asarray(forces / forces.sum(axis=0))
+
+
+def _rubbing(test: ManyContacts, share: Array, load: Array, force: Array, better: Array) -> Array:
+    """Friction forces (n, b) in N under loads `better`, estimated from those (`force`) under `load` with these shares
+    of the rig: of contacts that slid in proportion to the load, of others by the spring that they were, whose stiffness
+    goes with the radius of contact.
+    """
+    stated = test.study.holder.tangential_stiffness_N_per_mm
+    rig = float("inf") if isinstance(stated, str) else stated
+    stroke = test.strokes_mm[:, None]
+    known, before = load > 0.0, np.where(load > 0.0, load, 1.0)
+    # A contact that sticks in its middle bears less than its friction.
+    sticks = known & (force < 0.99 * test.frictions[:, None] * load)
+    most = np.where(known & ~sticks, force / before, test.frictions[:, None]) * better
+    travel = force / (rig * np.where(known, share, 1.0))
+    spring = np.where(sticks, force / (stroke - travel) * np.cbrt(better / before), 0.0)
+    travel = np.where(sticks, spring * stroke, most).sum(axis=0) / (rig + spring.sum(axis=0))
+    return np.asarray(np.where(sticks, spring * (stroke - travel), most))
+
+
 def _ends(study: Study) -> tuple[int, ...]:
     cycles = study.conditions.cycles
     if study.wear is None:
         return (cycles,)
-    return tuple(sorted({max(1, round(cycles * (k / _BLOCKS) ** 2)) for k in range(1, _BLOCKS + 1)}))
+    return tuple(sorted({max(1, round(cycles * share)) for share in _ENDS}))
 
 
-def _simulated(
-    test: ManyContacts, load: Array, lengths: Array, simulate: Simulate
-) -> tuple[tuple[RunResult, ...], tuple[str, ...]]:
-    """Runs of all contacts, and their labels; those with equal tables and loads are run once."""
-    found: dict[str, tuple[RunResult, str]] = {}
-    keys = []
+def _studies(
+    test: ManyContacts, load: Array, share: Array, lengths: Array
+) -> tuple[tuple[str, ...], dict[str, Study], BoolArray]:
+    """(label of each contact, studies by label, closed (n, b)); those with equal tables and loads have one study, those
+    that stay open none.
+    """
+    found: dict[str, str] = {}
+    labels: list[str] = []
+    studies: dict[str, Study] = {}
+    closed: BoolArray = load > 0.0
     for number, own in enumerate(test.contacts):
         # Equal but for round-off, as of a symmetric test.
-        blocks = [(int(cycles), float(f"{each:.11g}")) for cycles, each in zip(lengths, load[number], strict=True)]
-        keys.append(repr((own.model_copy(update={"at_mm": 0.0}), blocks)))
-        if keys[-1] not in found:
-            label = f"contact-{number + 1}"
-            found[keys[-1]] = simulate(test.alone(number, blocks), label), label
-    runs, labels = zip(*(found[key] for key in keys), strict=True)
-    return runs, labels
+        blocks = [
+            LoadedBlock(int(lengths[k]), float(f"{load[number, k]:.11g}"), float(f"{share[number, k]:.11g}"))
+            for k in np.flatnonzero(closed[number])
+        ]
+        key = repr((own.model_copy(update={"at_mm": 0.0, "gap_um": 0.0}), blocks))
+        labels.append(found.setdefault(key, f"contact-{number + 1}") if blocks else "")
+        if blocks and labels[-1] not in studies:
+            studies[labels[-1]] = test.alone(number, blocks)
+    return tuple(labels), studies, closed
+
+
+def _measured(runs: list[RunResult | None], load: Array, lengths: Array) -> tuple[Array, Array, Array, Array]:
+    """(approach in mm, worn depth in mm, worn volume in mm³, largest friction force in N), each (n, b), at the ends of
+    the blocks; approach and friction are 0 where open.
+    """
+    approach, depth, volume, friction = (np.zeros_like(load) for _ in range(4))
+    for number, run in enumerate(runs):
+        done = 0
+        for block, length in enumerate(lengths):
+            if run is None or load[number, block] <= 0.0:
+                # What is worn off stays so.
+                depth[number, block] = depth[number, block - 1] if block else 0.0
+                volume[number, block] = volume[number, block - 1] if block else 0.0
+                continue
+            done += int(length)
+            approach[number, block] = _approach_mm(run, done)
+            depth[number, block] = 1e-3 * _of_both(run, done, "max_depth_{}_um")
+            volume[number, block] = _of_both(run, done, "worn_volume_{}_mm3")
+            friction[number, block] = _at(run, done, "max_tangential_force_N")
+    return approach, depth, volume, friction
 
 
 def _approach_mm(run: RunResult, cycle: int) -> float:
@@ -117,77 +188,36 @@ def _approach_mm(run: RunResult, cycle: int) -> float:
     return -1e-3 * float(forces.holder_z_um[np.abs(forces.drive_um).argmin()])
 
 
-def _depth_mm(run: RunResult, cycle: int) -> float:
-    return 1e-3 * _of_both(run, cycle, "max_depth_{}_um")
-
-
-def volume_mm3(run: RunResult, cycle: int) -> float:
-    """Worn volume of both bodies after `cycle` cycles, which must be a measured one."""
-    return _of_both(run, cycle, "worn_volume_{}_mm3")
-
-
 def _of_both(run: RunResult, cycle: int, column: str) -> float:
-    row = int(np.flatnonzero(run.evolution["cycle"] == cycle)[0])
-    return float(sum(run.evolution[column.format(body)][row] for body in run.bodies))
+    return sum(_at(run, cycle, column.format(body)) for body in run.bodies)
 
 
-def _shared(test: ManyContacts, load: Array, elastic_mm: Array, worn_mm: Array, lengths: Array) -> Array:
-    """Loads (n, b) that the beam shares out, from runs under loads (n, b) with their elastic and worn approaches."""
-    found = np.zeros_like(load)
-    before = np.cumsum(load * lengths, axis=1)
-    for block in range(load.shape[1]):
-        start = found[:, :block] @ lengths[:block]
+def _at(run: RunResult, cycle: int, column: str) -> float:
+    """Value of the evolution at a measured cycle."""
+    return float(run.evolution[column][np.flatnonzero(run.evolution["cycle"] == cycle)[0]])
 
-        def approach(own: Array, block: int = block, start: Array = start) -> Array:
-            # Elastic approach goes with the load's power 2/3, a scar's depth with the root of its volume.
-            share = np.maximum(own, 0.0) / load[:, block]
-            grown = np.maximum(start + own * lengths[block], 0.0) / before[:, block]
-            return np.asarray(elastic_mm[:, block] * share ** (2.0 / 3.0) + worn_mm[:, block] * np.sqrt(grown))
 
-        found[:, block] = beam_loads(
-            test.places_mm, test.load_N, test.loads_at_mm, test.bending_stiffness_N_mm2, approach, load[:, block]
-        )
-        if (lifted := np.flatnonzero(found[:, block] <= 1e-3 * load.mean())).size:
-            raise StudyError(
-                f"contact {lifted[0] + 1} of {test.study.name} lifts off, so that it carries no load: leave it out, or "
-                "move it or the load"
-            )
+def _filled(values: Array, known: BoolArray, default: float) -> Array:
+    """A copy of values (n, b) with those that are not known taken from the contact's nearest blocks; for a contact
+    without any the mean of the known ones, or `default`.
+    """
+    found = np.full_like(values, values[known].mean() if known.any() else default)
+    blocks = np.arange(values.shape[1])
+    for row, own, here in zip(found, values, known, strict=True):
+        if here.any():
+            row[:] = np.interp(blocks, blocks[here], own[here])
     return found
 
 
-def beam_loads(
-    places_mm: Array,
-    load_N: float,
-    loads_at_mm: tuple[float, ...],
-    bending_stiffness_N_mm2: float,
-    approach_mm: Callable[[Array], Array],
-    start_N: Array,
-) -> Array:
-    """Forces (n,) in N on a free beam at its supports `places_mm` (n,), which yield by `approach_mm` of these forces
-    (n,) in mm.
-
-    load_N acts in equal parts at `loads_at_mm`; start_N (n,): first guess. The beam's deflection is a rigid motion and
-    that of a force in an endless beam, |x - s|³/12EI, summed over loads and forces, which are in equilibrium. Raises
-    StudyError if none is found.
-    """
-    from scipy.optimize import root
-
-    at, each = np.array(loads_at_mm), load_N / len(loads_at_mm)
-
-    def bent(ends: Array) -> Array:
-        return np.asarray(np.abs(places_mm[:, None] - ends) ** 3 / (12.0 * bending_stiffness_N_mm2))
-
-    by_load, by_force = each * bent(at).sum(axis=1), bent(places_mm)
-    size = float(np.abs(approach_mm(start_N)).max())
-    span = float(np.ptp(places_mm))
-
-    def missed(unknowns: Array) -> Array:
-        force, (sunk, tilt) = unknowns[:-2] * load_N, unknowns[-2:] * size
-        beam = sunk + tilt * places_mm / span + by_load - by_force @ force
-        balance = [force.sum() - load_N, (force @ places_mm - each * at.sum()) / span]
-        return np.concatenate([(beam - approach_mm(force)) / size, np.array(balance) / load_N])
-
-    found = root(missed, np.concatenate([start_N / load_N, [1.0, 0.0]]), method="hybr", options={"xtol": 1e-13})
-    if np.abs(missed(found.x)).max() > 1e-9:
-        raise StudyError("no loads were found under which the wire rests on its contacts; please report this study")
-    return np.asarray(found.x[:-2] * load_N)
+def _shared(test: ManyContacts, softness: Array, wear: Array, lengths: Array) -> Array:
+    """Loads (n, b) that the beam shares out among contacts that yield so in each block (n, b), as `Yielding` says."""
+    span, gap = test.span, np.array([1e-3 * own.gap_um for own in test.contacts])
+    stiffness = test.bending_stiffness_N_mm2, test.shear_stiffness_N
+    beam = Beam(*stiffness, test.load_N, span.loads_at_mm, span.tension_N, span.clamped_at_mm)
+    found, work = np.zeros_like(softness), np.zeros(len(gap))
+    for block, length in enumerate(lengths):
+        contacts = Yielding(gap, softness[:, block], wear[:, block], work, float(length))
+        own = contact_forces(beam, test.places_mm, contacts)
+        found[:, block] = np.where(own > _CLOSED * test.load_N / len(gap), own, 0.0)
+        work = work + length * found[:, block]
+    return found

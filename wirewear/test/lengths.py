@@ -202,7 +202,8 @@ def study_of_length(study: Named, length_mm: float) -> Named:
 
 
 def _lengthened_block(block: Named, factor: float) -> Named:
-    return _changed(block, {"conditions": lengthened(_named(block).get("conditions") or {}, factor)})
+    own = _named(block)
+    return _changed(block, {key: lengthened(own[key], factor) for key in ("conditions", "holder") if own.get(key)})
 
 
 def _named(values: object) -> Mapping[str, Any]:

@@ -27,6 +27,7 @@ _OF_THE_TEST = {
     "contact": ("formulation", "primary_wire", "length_mm"),
     "wear": ("update", "explicit_jump_cycles"),
     "bulk": (),
+    "holder": (),
 }
 _AMPLITUDE = "displacement_amplitude_um"
 MOST_BLOCKS = 10_000  #: Most blocks of a test, repeated ones counted; each takes a cycle jump at least.
@@ -60,7 +61,13 @@ class CycleBlock(keys.Table):
     @property
     def values(self) -> dict[str, Values]:
         """The tables that the block states, by name; those that are empty are left out."""
-        return {name: getattr(self, name) for name in _OF_THE_TEST if getattr(self, name)}
+        return {name: own for name in _OF_THE_TEST if (own := getattr(self, name, None))}
+
+
+class RiggedBlock(CycleBlock):
+    """Keys of a block of a study's programme, in which the rig may be another one, too."""
+
+    holder: Annotated[Values, _values_of("holder")] = Field({}, description="stiffness of the rig in it")
 
 
 def placed(values: Mapping[str, Values], tables: Mapping[str, object]) -> dict[str, object]:

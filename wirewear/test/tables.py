@@ -32,7 +32,7 @@ from wirewear.test.conditions import (
 )
 from wirewear.test.drive import bulk_of
 from wirewear.test.life import LifeTable
-from wirewear.test.programme import CycleBlock
+from wirewear.test.programme import RiggedBlock
 from wirewear.test.surfaces import LayerTable, layers_of
 from wirewear.test.wires import BothWires, with_motion_of_wires
 
@@ -56,7 +56,9 @@ class CommonTables(StatesItsKind, ABC):
     """The tables of a study of any kind, without its variants. Subclasses give the types of `wear` and `mesh`."""
 
     conditions: DrivenConditions = Field(description="load, stroke, frequency and length of the test")
-    programme: tuple[CycleBlock, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
+    programme: tuple[RiggedBlock, ...] = Field(
+        (), description="blocks of cycles, repeated in turn up to the test's end"
+    )
     contact: FrictionTable = Field(description="friction")
     wear: Any = Field(None, description="wear law; without this table nothing wears")
     holder: HolderTable = Field(HolderTable(), description="stiffness of the rig and of the loading train")

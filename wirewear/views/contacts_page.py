@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from wirewear.base import frame
 from wirewear.base.errors import ResultError
 from wirewear.base.frame import figure as written
-from wirewear.base.writing import write_csv, write_text, writing
+from wirewear.base.writing import json_text, write_csv, write_text, writing
 from wirewear.pictures.style import new_figure, save, svg, variant_style
 from wirewear.sweeps.shared_load import SharedLoad
 
@@ -26,10 +26,19 @@ def sentence(shared: SharedLoad) -> str:
     """Sentences on the shares of the load in N at the start and at the end, and on how well they are known."""
     first, last = ("; ".join(written(each) for each in shared.load_N[:, block]) for block in (0, -1))
     then = f", after {shared.ends[-1]} cycles {last}" if len(shared.ends) > 1 else ""
+    # Clamps carry, too.
+    carry = "share" if not shared.test.span.clamped_at_mm else "and clamps share"
     return (
-        f"{len(shared.load_N)} contacts share {written(shared.test.load_N)} N: at first {first} N{then}. Runs and beam "
-        f"agree within {100.0 * shared.change:.2g} % of the mean load after {shared.rounds} rounds."
+        f"{len(shared.load_N)} contacts {carry} {written(shared.test.load_N)} N: at first {first} N{then}. Runs and "
+        f"beam agree within {100.0 * shared.change:.2g} % of the mean load after {shared.rounds} rounds."
     )
+
+
+def contacts_json(shared: SharedLoad) -> str:
+    """JSON object with the sentences, and a row for each contact and block of cycles; null is the approach of an open
+    contact.
+    """
+    return json_text({"sentence": sentence(shared), "contacts": shared.rows})
 
 
 def write_contacts(shared: SharedLoad, folder: Path) -> Path:

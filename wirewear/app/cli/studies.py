@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
+from shutil import copytree, rmtree
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from wirewear.app.cli.group import Given, OutputFolder, busy, cli, default_output, given, most_memory, paper
-from wirewear.base.errors import RunError, StudyError, WirewearError
-from wirewear.base.writing import json_text, require_absent, usable_folder
+from wirewear.base.errors import ResultError, RunError, StudyError, WirewearError
+from wirewear.base.writing import json_text, require_absent, usable_folder, writing
 from wirewear.test import FIDELITIES
 
 if TYPE_CHECKING:
@@ -196,11 +198,8 @@ def run(
     if not resume and not overwrite:
         _require_nothing_lost(folder)
     if (several := many_contacts(study_path)) is not None:
-        _refuse(
-            bool(variant or record_path or as_json or resume),
-            "several contacts take no --variant, --cycles-of, --json or --resume: --overwrite runs them again.",
-        )
-        _run_contacts(several, fidelity, folder)
+        _refuse(bool(variant or record_path), "several contacts take no --variant and no --cycles-of.")
+        _run_contacts(several, fidelity, folder, jobs or os.cpu_count() or 1, resume=resume, as_json=as_json)
         return
     study = load_any_study(study_path)
     if variant is None:
@@ -232,22 +231,34 @@ def run(
     click.echo(f"the page of {'this run' if len(results) == 1 else 'these runs'} is {page}", err=as_json)
 
 
-def _run_contacts(test: ManyContacts, fidelity: str, folder: Path) -> None:
+def _run_contacts(test: ManyContacts, fidelity: str, folder: Path, jobs: int, *, resume: bool, as_json: bool) -> None:
     from wirewear.simulation import ProgressBar, run_study
     from wirewear.sweeps.shared_load import shared_load
-    from wirewear.views.contacts_page import sentence, write_contacts
+    from wirewear.test import Study
+    from wirewear.views.contacts_page import contacts_json, sentence, write_contacts
     from wirewear.views.run_page import write_page
 
-    def simulate(study: Study, label: str) -> RunResult:
-        own = folder / label
-        (result,) = run_study(study, fidelity=fidelity, output=own, observer_of=ProgressBar)
-        write_page([result], own)
-        return result
+    # Runs of each round are kept, so that the same rounds are gone through again.
+    rounds = folder / "rounds"
+    if not resume:
+        rmtree(rounds, ignore_errors=True)
+
+    def simulate(studies: Mapping[str, Study], number: int) -> dict[str, RunResult]:
+        tables = [study.tables for study in studies.values()]
+        each = Study(tables[0], tuple(zip(studies, tables, strict=True)))
+        own = run_study(
+            each, fidelity=fidelity, output=rounds / str(number), resume=resume, observer_of=ProgressBar, jobs=jobs
+        )
+        return dict(zip(studies, own, strict=True))
 
     shared = shared_load(test, simulate)
+    with writing(ResultError, f"cannot write to {folder}"):
+        for label, result in shared.runs.items():
+            copytree(rounds / str(shared.rounds) / label, folder / label, dirs_exist_ok=True)
+            write_page([result], folder / label)
     page = write_contacts(shared, folder)
-    click.echo(sentence(shared))
-    click.echo(f"the page of these contacts is {page}")
+    click.echo(contacts_json(shared) if as_json else sentence(shared))
+    click.echo(f"the page of these contacts is {page}", err=as_json)
 
 
 def _run_scattered(study_path: Path, variant: str | None, folder: Path, jobs: int | None) -> None:
@@ -264,7 +275,8 @@ def _require_nothing_lost(folder: Path) -> None:
     """Raise StudyError if the folder holds a readable result, complete or not, that a new run would replace."""
     from wirewear.results import RESULT_FILE_NAME
 
-    for path in (folder / RESULT_FILE_NAME, *sorted(folder.glob(f"*/{RESULT_FILE_NAME}"))):
+    # Of a run, its variants or contacts, or of rounds in which these were run.
+    for path in (each for depth in ("", "*/", "rounds/*/*/") for each in sorted(folder.glob(depth + RESULT_FILE_NAME))):
         status = _status_of(path) if path.is_file() else None
         what, then = ("a complete result", "keep") if status == "complete" else ("an unfinished result", "go on with")
         _refuse(

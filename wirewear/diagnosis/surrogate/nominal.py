@@ -177,8 +177,10 @@ def of_own_block(result: RunResult, study: AnyStudy) -> RunResult:
 
 
 def _own_blocks(study: AnyStudy) -> set[int]:
-    own = (study.conditions, study.contact)
-    return {one.block for one in study.schedule.stretches if (one.study.conditions, one.study.contact) == own}
+    def under(one: AnyStudy) -> tuple[object, ...]:
+        return one.conditions, one.contact, one.holder
+
+    return {one.block for one in study.schedule.stretches if under(one.study) == under(study)}
 
 
 def logged_by(study: AnyStudy) -> tuple[int, ...]:
