@@ -1,5 +1,6 @@
 """Several contacts on one wire: how it shares the load among them."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,6 +10,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from tests.commands import wirewear
+from tests.studies import COARSE
 from wirewear.base.errors import StudyError
 from wirewear.sweeps.shared_load import SharedLoad, shared_load
 from wirewear.test import Study
@@ -220,3 +223,17 @@ def test_what_takes_one_contact_says_who_takes_several(tmp_path: Path) -> None:
 def test_a_wire_that_tips_over_is_refused(tmp_path: Path) -> None:
     with pytest.raises(StudyError, match="tips over"):
         shared(STUDY + THREE + "\n[span]\nloads_at_mm = [-6.0]\n", tmp_path)
+
+
+@pytest.mark.slow
+def test_contacts_are_run_again_from_where_they_stopped_and_printed_as_json(tmp_path: Path) -> None:
+    (path := tmp_path / "study.toml").write_text(COARSE + "[[contacts]]\nat_mm = 0.0\n[[contacts]]\nat_mm = 2.0\n")
+    words = "run", path, "--fidelity", "quick", "--output", (out := tmp_path / "out")
+    first = json.loads(wirewear(*words, "--json").stdout)
+    assert [row["normal_load_N"] for row in first["contacts"]] == [pytest.approx(1.0, rel=1e-9)] * 2
+    kept = (out / "contact-1" / "result.h5").stat().st_mtime_ns
+    assert "complete result" in wirewear(*words, code=2).output
+    (out / "contacts.csv").unlink()
+    assert json.loads(wirewear(*words, "--json", "--resume").stdout) == first
+    assert (out / "contacts.csv").exists()
+    assert (out / "contact-1" / "result.h5").stat().st_mtime_ns == kept, "it is not simulated again"
