@@ -220,11 +220,13 @@ def _tables(result: RunResult, sensor: Sensor) -> AnyTables:
 
 
 def _programme(study: Mapping[str, Any], model: Any) -> dict[str, Any]:
-    """Programme of a study as a record states it."""
+    """Programme of a study as a record states it. Raises RecordError if the rig changes within it."""
     blocks = study.get("programme") or ()
     tables = ("conditions", "contact", "wear")
+    if any(block.get("holder") for block in blocks):
+        raise RecordError("a record states one rig, but the rig of this run changes from block to block")
     whole = [
-        {key: value for key, value in block.items() if key not in tables}
+        {key: value for key, value in block.items() if key not in (*tables, "holder")}
         | {name: model.stated_by({name: block[name]}) for name in tables if block.get(name)}
         for block in blocks
     ]
