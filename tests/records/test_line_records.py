@@ -106,6 +106,14 @@ def test_an_export_states_the_rig_of_the_whole_contact_as_its_model_has_it_per_m
     assert study.wear.model_dump() == line_study().wear.model_dump()
 
 
+def test_a_run_in_blocks_is_exported_unless_its_rig_changes(result: RunResult) -> None:
+    blocks = [{"cycles": 10}, {"cycles": 10, "holder": {"tangential_stiffness_N_per_mm": 250.0}}]
+    same, other = (line_study(programme=each).resolved() for each in (blocks[:1], blocks))
+    assert record_of_result(replace(result, study=same), 8.0).tables.programme[0].cycles == 10
+    with pytest.raises(RecordError, match="the rig of this run changes"):
+        record_of_result(replace(result, study=other), 8.0)
+
+
 def test_a_sensor_of_a_millimetre_reads_of_the_whole_contact_the_same(result: RunResult) -> None:
     soft = Sensor(remote_compliance_um_per_N=1e-3, linear_um_per_N=2e-4, quadratic_um_per_N2=1e-7)
     longer, shorter = (record_of_result(result, length_mm, sensor=soft).loops[0] for length_mm in (8.0, 2.0))
