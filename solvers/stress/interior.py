@@ -21,8 +21,6 @@ from threadpoolctl import threadpool_limits
 
 from geometry import Elastic, HexMesh, PlanarMesh, QuadMesh, mirror_images
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.contact import ContactProblem
-from solvers.contact_state import ContactState
 from solvers.elasticity import condensation, elimination
 from solvers.elasticity.embedding import Joined
 from solvers.elasticity.strain import TENSOR_PLACES, Projection, stiffness_matrix
@@ -303,18 +301,6 @@ class EmbeddedInterior(Interior):
 
     def _image(self, axis: int) -> None:
         """None: the host need not be its own mirror image."""
-
-
-def forces_on_bodies(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
-    """Forces (n, 3) in N on the patch nodes of the upper and of the lower body, each in the body's own axes.
-
-    The contact lumps the primary's tractions to its nodes. Here they act as the field between the nodes that they stand
-    for, as they do on the secondary: the same total force, but stresses beneath both bodies that agree.
-    """
-    surface, secondary = problem.surface, state.secondary_force
-    primary = surface.averaging.spread(state.primary_force / surface.areas[:, None])
-    upper, lower = (primary, -secondary) if problem.primary_is_upper else (secondary, -primary)
-    return upper @ problem.upper.folded.rotation, lower @ problem.lower.folded.rotation
 
 
 def _signs(axis: int) -> Array:

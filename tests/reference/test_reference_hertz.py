@@ -263,3 +263,22 @@ def test_means_about_the_middle_are_the_load_there_over_the_length(share: float)
 def test_values_out_of_range_are_named(call: object, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         call()  # type: ignore[operator]
+
+
+PULLED = reference.hertz_line(150.0, 25.0, MODULUS)
+
+
+@pytest.mark.parametrize("share", [0.15, 0.5, 0.95])
+def test_the_energy_of_a_line_contacts_cycle_is_the_closed_forms(share: float) -> None:
+    # The area of the loop of Johnson 1985, section 7.2, by integration.
+    exact = 1.4 / (pi * STEEL.shear_modulus_MPa) * 90.0**2
+    exact *= 2.0 * (1.0 - share) * np.log(1.0 - share) + 2.0 * share - share**2
+    assert reference.line_energy_per_cycle(PULLED, 0.6, MODULUS, 90.0 * share) == pytest.approx(exact, rel=1e-6)
+
+
+def test_a_bulk_stress_rubs_a_line_contact_as_a_plane_code_has_it_and_either_way_alike() -> None:
+    both = [reference.line_energy_per_cycle(PULLED, 0.6, MODULUS, 27.0, bulk) for bulk in (60.0, -60.0)]
+    # By an active set on 400 elements of a half-plane.
+    assert both == pytest.approx([6.2828e-4, 6.2828e-4], rel=1e-3)
+    with pytest.raises(ValueError, match="within the contact"):
+        reference.line_energy_per_cycle(PULLED, 0.6, MODULUS, 27.0, 400.0)

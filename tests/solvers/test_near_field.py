@@ -7,9 +7,10 @@ import pytest
 
 from geometry import Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, RimGradedAxis, build_planar
 from geometry.arrays import Array
-from solvers import PlacedBody, facing, place
+from solvers import PlacedBody, advance, facing, place, press, unloaded_state
 from solvers.elasticity.patch_compliance import Bricks, half_space_response, missing_displacement, reach
 from solvers.elasticity.strain import integration_points
+from solvers.stress.body_forces import forces_on_bodies
 from solvers.stress.interior import Interior
 from solvers.stress.lattice_error import line_lattice_error
 from solvers.stress.line_surface_stress import LineSurfaceStress, LoadedLine
@@ -20,7 +21,13 @@ from tests import bodies
 from tests.bodies import STEEL
 from wirewear import reference
 from wirewear.verification import FULL
-from wirewear.verification.line_contact import line_surface_rows
+from wirewear.verification.line_contact import (
+    MATERIAL,
+    LOAD_N_per_mm,
+    cylinder_on_flat,
+    line_surface_rows,
+    pad_geometry,
+)
 
 FINE_mm = 0.004
 LAYERS = (0.6 * FINE_mm, 1.3)
@@ -238,6 +245,40 @@ def test_between_nodes_hertzs_pressure_ends_at_its_edges_on_any_mesh(per_half_wi
     x, traction = hertz_of_stress(per_half_width, centre)
     edges = np.interp(SubgridTraction.of_nodes(traction[:, None]).edge()[:, 0], np.arange(float(len(x))), x)
     np.testing.assert_allclose(np.sort(edges) - centre, [-1.0, 1.0], atol=0.05 / per_half_width)
+
+
+@pytest.mark.parametrize("off", [-0.17, 0.08])
+def test_between_nodes_an_outermost_one_that_is_off_by_what_the_mesh_makes_it_moves_no_edge(off: float) -> None:
+    x, traction = hertz_of_stress(18.0, 0.03)
+    loaded = np.flatnonzero(traction[:, 2] < 0.0)[[0, -1]]
+    # The square falls by 2/18 over the last element.
+    off_pressure = np.sqrt(np.maximum(traction[loaded, 2] ** 2 + off * 2.0 / 18.0, 0.0))
+    traction[loaded] *= (off_pressure / -traction[loaded, 2])[:, None]
+    edges = np.interp(SubgridTraction.of_nodes(traction[:, None]).edge()[:, 0], np.arange(float(len(x))), x)
+    np.testing.assert_allclose(np.sort(edges) - 0.03, [-1.0, 1.0], atol=0.03 / 18.0)
+
+
+@pytest.mark.parametrize("power", [4, 8])
+def test_between_nodes_a_flat_pressure_ends_within_half_an_element_of_its_edge(power: int) -> None:
+    x = np.arange(-2.5, 2.5, 1.0 / 18.0)
+    pressure = np.sqrt(np.maximum(1.0 - np.abs(x) ** power, 0.0))
+    edges = SubgridTraction.of_nodes(np.stack([0.6 * pressure, 0.0 * pressure, -pressure], axis=-1)[:, None]).edge()
+    places = np.interp(edges[:, 0], np.arange(float(len(x))), x)
+    np.testing.assert_allclose(np.sort(places), [-1.0, 1.0], atol=0.6 / 18.0)
+
+
+@pytest.mark.seconds
+def test_on_the_own_surface_of_each_of_two_bodies_that_slide_shear_is_the_friction_laws_share_of_pressure() -> None:
+    problem = cylinder_on_flat(0.012)
+    state, _ = press(problem, unloaded_state(problem))
+    state, _ = advance(problem, state, 0.02, 0.0)
+    forces, pad = forces_on_bodies(problem, state), pad_geometry(0.012)
+    shapes = (pad, PlanarGeometry(Flat(), 8.0, 8.0, pad.along))
+    for shape, force in zip(shapes, forces, strict=True):
+        traction = LineSurfaceStress.of(build_planar(shape), MATERIAL).under(force).traction
+        loaded = traction[:, 2] < 0.1 * traction[:, 2].min()
+        np.testing.assert_allclose(np.abs(traction[loaded, 0]), -0.6 * traction[loaded, 2], rtol=2e-3)
+        assert force[:, 2].sum() == pytest.approx(-LOAD_N_per_mm, rel=1e-3)
 
 
 def test_one_line_stands_for_tractions_alike_across_it() -> None:

@@ -258,6 +258,36 @@ def line_stick_shift(contact: LineContact, friction: float, bulk_stress_MPa: flo
     return float(contact.half_width_mm * bulk_stress_MPa / (4.0 * friction * contact.peak_pressure_MPa))
 
 
+def line_energy_per_cycle(
+    contact: LineContact,
+    friction: float,
+    contact_modulus_MPa: float,
+    force_N_per_mm: float,
+    bulk_stress_MPa: float = 0.0,
+) -> float:
+    """Friction work in mJ per mm of a cycle of ±Q, four times the integral of µp s: at a distance t from the stick
+    zone's centre the slip amplitude s is (µp0/(aE*)) [t √(t² − c²) − c² arccosh(t/c)] (Nowell & Hills 1987).
+
+    bulk_stress_MPa: amplitude of a bulk tension in one of two equal bodies, in phase with Q, see `line_stick_shift`.
+    Raises ValueError for a force of 0 or beyond µP, or a stick zone that reaches beyond the contact: slip is reversed
+    there.
+    """
+    from scipy.integrate import quad
+
+    a, shear = contact.half_width_mm, friction * contact.peak_pressure_MPa
+    c = a * line_stick_ratio(force_N_per_mm, friction * contact.normal_load_N_per_mm)
+    e = line_stick_shift(contact, friction, bulk_stress_MPa)
+    if not 0.0 < c < a - abs(e):
+        raise ValueError("the closed form holds for a stick zone within the contact")
+
+    def work(x: float) -> float:
+        t = max(abs(x - e), c)
+        slip = shear / (a * contact_modulus_MPa) * (t * math.sqrt(t**2 - c**2) - c**2 * math.acosh(t / c))
+        return 4.0 * slip * shear * math.sqrt(max(1.0 - (x / a) ** 2, 0.0))
+
+    return float(quad(work, -a, e - c)[0] + quad(work, e + c, a)[0])
+
+
 def half_plane_line_stiffness(
     first: Elastic, second: Elastic, half_width_mm: float, contact_length_mm: float, depth_mm: float = 5.0
 ) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from geometry import BodyGeometry, Elastic
 from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, CycleTrace
-from solvers.stress.interior import forces_on_bodies
+from solvers.stress.body_forces import forces_on_bodies
 from wirewear.results import ContactForces, largest_means
 
 MID_STROKE = 35.0 / 60.0  # Mid-stroke is where the drive is within this share of its amplitude: 35 µm of 60.

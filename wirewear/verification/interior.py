@@ -13,7 +13,8 @@ from geometry import BlockGeometry, BodyGeometry, BodyMesh, GradedAxis, Layering
 from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, Holder, advance, condense, press, unloaded_state
 from solvers.elasticity.strain import IntegrationPoints, integration_points, von_mises
-from solvers.stress.interior import Interior, forces_on_bodies
+from solvers.stress.body_forces import forces_on_bodies
+from solvers.stress.interior import Interior
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear import reference
 from wirewear.verification.hertz import (

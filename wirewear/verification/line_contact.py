@@ -15,7 +15,8 @@ from geometry import BodyMesh, Cylinder, Elastic, Flat, GradedAxis, PlanarGeomet
 from geometry.arrays import Array
 from solvers import advance, press, unloaded_state
 from solvers.elasticity.strain import integration_points
-from solvers.stress.interior import Interior, forces_on_bodies
+from solvers.stress.body_forces import forces_on_bodies
+from solvers.stress.interior import Interior
 from solvers.stress.line_surface_stress import LineSurfaceStress
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear import reference
@@ -176,7 +177,9 @@ def line_surface_rows(level: Level) -> tuple[Row, ...]:
 
 
 def bulk_rows(level: Level) -> tuple[Row, ...]:
-    """Rows on shift and width of the stick zone, and edge tension, of a flat under bulk tension with the motion."""
+    """Rows on shift and width of the stick zone, friction work, and edge tension, of a flat under bulk tension with the
+    motion.
+    """
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     tension = _BULK_SHARE * FRICTION * exact.peak_pressure_MPa
     a, element = exact.half_width_mm, exact.half_width_mm / level.line_surface_resolution
@@ -185,9 +188,10 @@ def bulk_rows(level: Level) -> tuple[Row, ...]:
     drive = to_force(problem, pressed, _SURFACE_SHARE * FRICTION * LOAD_N_per_mm).drive
     flat = solvers.BulkStress(MATERIAL, (tension, 0.0, 0.0), plane_strain=True)
     bulk = solvers.Drive(drive, bulk=(flat, solvers.BulkStress(MATERIAL))).mean_bulk
-    state = pressed
+    state, work = pressed, 0.0
     for share in np.linspace(0.0, 1.0, level.slip_increments + 1)[1:]:
-        state, _reports = advance(problem, state, share * drive, 0.0, bulk=share * bulk)
+        state, reports = advance(problem, state, share * drive, 0.0, bulk=share * bulk)
+        work += sum(report.friction_work for report in reports)
     used = abs(tangential_force(state)) / (FRICTION * LOAD_N_per_mm)
     # Tilted normals alone give tractions along x.
     lacking = FRICTION * state.traction[:, 2] - np.abs(_shear(state) - _shear(pressed))
@@ -196,11 +200,15 @@ def bulk_rows(level: Level) -> tuple[Row, ...]:
     shift, ratio = reference.line_stick_shift(exact, FRICTION, tension), reference.line_stick_ratio(used, 1.0)
     body = build_planar(PlanarGeometry(Flat(), 8.0, 8.0, pad_geometry(element).along))
     surface = LineSurfaceStress.of(body, MATERIAL)
+    modulus, force = reference.contact_modulus(MATERIAL, MATERIAL), used * FRICTION * LOAD_N_per_mm
+    # Loading rubs a quarter of what a cycle does.
+    energy = 0.25 * reference.line_energy_per_cycle(exact, FRICTION, modulus, force, tension)
     found = largest_tension(body, surface, forces_on_bodies(problem, state)[1]) + tension
     name = f"Nowell–Hills, Q = {used:.2f} µP, tension {_BULK_SHARE:g} µp0, mesh a/{level.line_surface_resolution:g}"
     return (
         compared(name, "shift of the stick zone [mm]; error in elements", -centre, shift, 1.0, scale=element),
         compared(name, "stick zone c/a", half_width(problem, lacking) / a, ratio, _TOLERANCE),
+        compared(name, "friction work [mJ/mm]", work, energy, level.line_surface_tolerance),
         compared(
             name,
             "tension at the edge, flat [MPa]",
