@@ -4,7 +4,8 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.contact import ContactProblem
-from solvers.contact.problem import facing_offset, paired_before
+from solvers.contact.linearising import paired_before
+from solvers.contact.problem import facing_offset
 from solvers.contact_state import ContactState
 from solvers.elasticity.pairing import frames_on, pair
 
