@@ -1,4 +1,4 @@
-"""Names of the kinds of contact in studies, records and results."""
+"""Names of the kinds of contact in studies, records and results, and of positions in a cycle."""
 
 CROSSED_WIRES, LINE_CONTACT, BALL_ON_FLAT, POINT_CONTACT, JOINT = (
     "crossed-wires",
@@ -21,3 +21,6 @@ NAMES = {
 AT_A_POINT = (CROSSED_WIRES, BALL_ON_FLAT, POINT_CONTACT)
 #: Contacts of bodies, which wear.
 OF_BODIES = (*AT_A_POINT, LINE_CONTACT)
+
+#: Names of positions: mid-stroke and ends of the stroke, and just after the reversals there.
+POSITIONS = ("mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back")

@@ -6,7 +6,7 @@ A module of this package is imported when one of its names is first used.
 from typing import TYPE_CHECKING
 
 from geometry.lazy import loaded_late
-from wirewear.results.positions import POSITIONS
+from wirewear.base.kinds import POSITIONS
 
 if TYPE_CHECKING:
     from wirewear.base.files import RESULT_FILE_NAME

@@ -23,7 +23,7 @@ from geometry.mesh_files import MATRICES
 from geometry.own_surface import MeshSource
 from geometry.stiffness_files import OwnStiffness
 from wirewear.base.errors import ResultError
-from wirewear.results.positions import POSITIONS
+from wirewear.base.kinds import POSITIONS
 from wirewear.results.scar import float_array, require_finite
 
 POSITION_COLUMNS = ("phase", "drive_um", "holder_x_um", "holder_z_um", "tangential_force_N")
