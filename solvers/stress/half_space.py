@@ -57,33 +57,46 @@ class HalfSpace:
         traction_MPa: (n_x, n_y, 3) on the surface. initial_MPa: (l, n_x, n_y, 6) stresses by which the initial strains
         would be elastic ones.
         """
-        return self.strained(traction_MPa, self.spectrum(initial_MPa))
+        inner = self.waves(np.zeros((0, *self.shape, 6)) if initial_MPa is None else initial_MPa)
+        return self.strains(inner, traction_MPa), self.displacements(inner, traction_MPa)
 
-    def spectrum(self, initial_MPa: Array | None) -> ComplexArray:
-        """Waves (l, n_x, n_y // 2 + 1, 6) of initial stresses (l, n_x, n_y, 6) as in `moved`."""
-        if initial_MPa is None:
-            return np.zeros((len(self.layers_mm), *self._waves[0].shape, 6), dtype=complex)
+    def waves(self, initial_MPa: Array) -> ComplexArray:
+        """Displacements (n_x, n_y // 2 + 1, 3 (l + 1)) U, T, W of all levels by initial stresses (m, n_x, n_y, 6) of
+        the upper m layers, as in `moved`.
+        """
         inner = fft.rfft2(initial_MPa, axes=(1, 2))
         # The mean has no direction.
         inner[:, 0, 0, :2] = 0.5 * (inner[:, 0, 0, :1] + inner[:, 0, 0, 1:2])
-        return np.asarray(inner)
+        levels = np.zeros(self._factor.shape[:3], dtype=complex)
+        if len(inner):
+            _solved(*self._waves, self.layers_mm, self._factor, inner, levels)
+        return levels
 
-    def strained(self, traction_MPa: Array | None, inner: ComplexArray) -> tuple[Array, Array]:
-        """Strains and displacements as `moved` returns them, by tractions and a `spectrum`, which is overwritten."""
-        displaced = self._displaced(traction_MPa, inner, inside=True)
-        return fft.irfft2(inner, s=self.shape, axes=(1, 2), overwrite_x=True), displaced
+    def strains(self, waves: ComplexArray, traction_MPa: Array | None, layers: int | None = None) -> Array:
+        """Strains (m, n_x, n_y, 6) as in `moved` of the upper m `layers` (None: all), by `waves` and tractions."""
+        pushed = self._pushed(traction_MPa)
+        count = len(self.layers_mm) if layers is None else layers
+        inner = np.zeros((count, *pushed.shape[:2], 6), dtype=complex)
+        _spread(*self._waves, self.layers_mm, self._by_traction, waves, pushed, inner)
+        return np.asarray(fft.irfft2(inner, s=self.shape, axes=(1, 2), overwrite_x=True))
 
-    def displaced(self, inner: ComplexArray) -> Array:
-        """Displacements (n_x, n_y, 3) of the surface in mm by a `spectrum` of initial stresses, which stays."""
-        return self._displaced(None, inner, inside=False)
-
-    def _displaced(self, traction_MPa: Array | None, inner: ComplexArray, *, inside: bool) -> Array:
-        surface = np.zeros((*inner.shape[1:3], 3), dtype=complex)
-        pushed = np.zeros_like(surface)
+    def displacements(self, waves: ComplexArray, traction_MPa: Array | None = None) -> Array:
+        """Displacements (n_x, n_y, 3) of the surface in mm, as in `moved`, by `waves` and tractions."""
+        _, c, s = self._waves
+        found = waves[..., :3]
         if traction_MPa is not None:
-            pushed = fft.rfft2(traction_MPa, axes=(0, 1))
-        _solved(*self._waves, self.layers_mm, self._factor, pushed, inner, surface, inside)
+            found = found + np.einsum("xyij,xyj->xyi", self._by_traction[..., :3, :], self._pushed(traction_MPa))
+        along, across, up = np.moveaxis(found, -1, 0)
+        surface = np.stack([1j * c * along - s * across, 1j * s * along + c * across, up], axis=-1)
         return np.asarray(fft.irfft2(surface, s=self.shape, axes=(0, 1)))
+
+    def _pushed(self, traction_MPa: Array | None) -> ComplexArray:
+        """Waves (n_x, n_y // 2 + 1, 3) of tractions, as forces on U, T and W of the surface."""
+        _, c, s = self._waves
+        if traction_MPa is None:
+            return np.zeros((*c.shape, 3), dtype=complex)
+        along, across, up = np.moveaxis(fft.rfft2(traction_MPa, axes=(0, 1)), -1, 0)
+        return np.stack([-1j * (c * along + s * across), c * across - s * along, up], axis=-1)
 
     def stresses(self, strain: Array) -> Array:
         """Stresses (..., 6) in MPa by elastic strains (..., 6), tensor components."""
@@ -111,6 +124,13 @@ class HalfSpace:
         band = np.zeros((*length.shape, 3 * (len(self.layers_mm) + 1), _BAND))
         _factorise(length, self.layers_mm, *self.elastic, self.material.poissons_ratio, band)
         return band
+
+    @cached_property
+    def _by_traction(self) -> Array:
+        """U, T and W of all levels by a unit force on each of the surface, (n_x, n_y // 2 + 1, 3 (l + 1), 3)."""
+        found = np.zeros((*self._factor.shape[:3], 3))
+        _inverted(self._factor, found)
+        return found
 
 
 @compiled
@@ -167,6 +187,20 @@ def _substituted(own: Array, x: ComplexArray) -> None:
 
 
 @compiled
+def _inverted(factor: Array, found: Array) -> None:
+    """Set the first three columns of the inverse."""
+    x = np.zeros(factor.shape[2], dtype=np.complex128)
+    for a in range(factor.shape[0]):
+        for b in range(factor.shape[1]):
+            for c in range(3):
+                for i in range(len(x)):
+                    x[i] = 1.0 if i == c else 0.0
+                _substituted(factor[a, b], x)
+                for i in range(len(x)):
+                    found[a, b, i, c] = x[i].real
+
+
+@compiled
 def _slope(slope: Array, q: float, thickness: float) -> None:
     """Strains ee, zz and shears ez (over i), et (over i), tz of a layer by U, T, W of its upper and lower level."""
     for side in range(2):
@@ -181,41 +215,43 @@ def _slope(slope: Array, q: float, thickness: float) -> None:
 
 @compiled
 def _solved(
+    length: Array, cosine: Array, sine: Array, layers: Array, factor: Array, inner: ComplexArray, levels: ComplexArray
+) -> None:
+    """Set U, T and W of all levels, which are zero, to those by initial stresses."""
+    slope, stress = np.zeros((5, 6)), np.zeros(5, dtype=np.complex128)
+    for a in range(length.shape[0]):
+        for b in range(length.shape[1]):
+            x = levels[a, b]
+            for k in range(len(inner)):
+                _along_wave(stress, inner[k, a, b], cosine[a, b], sine[a, b])
+                _slope(slope, length[a, b], layers[k])
+                for i in range(6):
+                    for m in range(5):
+                        x[3 * k + i] += layers[k] * slope[m, i] * stress[m]
+            _substituted(factor[a, b], x)
+
+
+@compiled
+def _spread(
     length: Array,
     cosine: Array,
     sine: Array,
     layers: Array,
-    factor: Array,
+    by_traction: Array,
+    levels: ComplexArray,
     pushed: ComplexArray,
     inner: ComplexArray,
-    surface: ComplexArray,
-    inside: bool,
 ) -> None:
-    """Set the displacements of the surface, and with `inside` change `inner` from initial stresses to strains."""
-    size = 3 * (len(layers) + 1)
-    slope, stress = np.zeros((5, 6)), np.zeros(5, dtype=np.complex128)
-    x = np.zeros(size, dtype=np.complex128)
+    """Set strains of the upper layers, by levels and forces on the surface."""
+    slope, x = np.zeros((5, 6)), np.zeros(levels.shape[2], dtype=np.complex128)
     for a in range(length.shape[0]):
         for b in range(length.shape[1]):
-            q, c, s, own = length[a, b], cosine[a, b], sine[a, b], factor[a, b]
-            for i in range(size):
-                x[i] = 0.0
-            x[0] = -1j * (c * pushed[a, b, 0] + s * pushed[a, b, 1])
-            x[1] = c * pushed[a, b, 1] - s * pushed[a, b, 0]
-            x[2] = pushed[a, b, 2]
-            for k in range(len(layers)):
-                _along_wave(stress, inner[k, a, b], c, s)
-                _slope(slope, q, layers[k])
-                for i in range(6):
-                    for m in range(5):
-                        x[3 * k + i] += layers[k] * slope[m, i] * stress[m]
-            _substituted(own, x)
-            surface[a, b, 0] = 1j * c * x[0] - s * x[1]
-            surface[a, b, 1] = 1j * s * x[0] + c * x[1]
-            surface[a, b, 2] = x[2]
-            for k in range(len(layers) if inside else 0):
-                _slope(slope, q, layers[k])
-                _strained(inner[k, a, b], slope, x[3 * k : 3 * k + 6], c, s)
+            force, unit = pushed[a, b], by_traction[a, b]
+            for i in range(3 * (len(inner) + 1)):
+                x[i] = levels[a, b, i] + unit[i, 0] * force[0] + unit[i, 1] * force[1] + unit[i, 2] * force[2]
+            for k in range(len(inner)):
+                _slope(slope, length[a, b], layers[k])
+                _strained(inner[k, a, b], slope, x[3 * k : 3 * k + 6], cosine[a, b], sine[a, b])
 
 
 @compiled

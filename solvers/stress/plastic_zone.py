@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, IntArray
 from solvers.errors import NotConvergedError
+from solvers.jit_cache import compiled
 from solvers.laws.plasticity import Flow, Metal, flown
 from solvers.stress.half_space import HalfSpace
 
@@ -70,55 +71,89 @@ Tractions = Callable[[Sequence[Array]], Sequence[Array]]
 
 
 def loaded_together(
-    zones: Sequence[PlasticZone], tractions: Tractions, before: Sequence[Flowed], tolerance: float = PRESSING_TOLERANCE
+    zones: Sequence[PlasticZone],
+    tractions: Tractions,
+    before: Sequence[Flowed],
+    tolerance: float = PRESSING_TOLERANCE,
+    guess: Sequence[Array] | None = None,
 ) -> tuple[Flowed, ...]:
     """Half-spaces after a step to tractions that depend on the residual displacements of all.
 
-    tolerance: of the plastic strain, over yield stress over 2 G. Raises NotConvergedError if they cannot be borne, or
-    nearly so.
+    tolerance: of the plastic strain, over yield stress over 2 G. guess: of the plastic strain (k, 6) of each after the
+    step; None: that before. Raises NotConvergedError if they cannot be borne, or nearly so.
     """
-    strain, mixing = [one.flow.strain for one in before], _Mixing()
+    strain = [one.flow.strain for one in before] if guess is None else guess
+    mixing, ends = _Mixing(), np.cumsum([len(own) for own in strain])[:-1]
+    initial = [zone.stressed(old.flow.strain) for zone, old in zip(zones, before, strict=True)]
     for _ in range(_MOST_ROUNDS):
-        inner = [zone.space.spectrum(zone.stressed(own)) for zone, own in zip(zones, strain, strict=True)]
-        residual = [zone.space.displaced(own) for zone, own in zip(zones, inner, strict=True)]
-        pushed, flows, stresses, missed = tractions(residual), [], [], 0.0
-        for zone, own, push, old, guess in zip(zones, inner, pushed, before, strain, strict=True):
-            total = zone.space.stresses(zone.space.strained(push, own)[0])
+        inner = [zone.space.waves(_upper(zone.stressed(own))) for zone, own in zip(zones, strain, strict=True)]
+        residual = [zone.space.displacements(own) for zone, own in zip(zones, inner, strict=True)]
+        pushed, flows, totals, missed = tractions(residual), [], [], 0.0
+        for zone, own, push, old, trial, last in zip(zones, inner, pushed, before, initial, strain, strict=True):
             shear = zone.space.material.shear_modulus_MPa
-            flow = flown(zone.metal, shear, (total - zone.stressed(old.flow.strain)).reshape(-1, 6), old.flow)
+            total = zone.space.stresses(zone.space.strains(own, push))
+            flow = flown(zone.metal, shear, (total - trial).reshape(-1, 6), old.flow)
             flows.append(flow)
-            stresses.append(total - zone.stressed(flow.strain))
-            missed = max(missed, np.abs(flow.strain - guess).max() * 2.0 * shear / zone.metal.yield_stress_MPa)
+            totals.append(total)
+            missed = max(missed, _apart(flow.strain, last) * 2.0 * shear / zone.metal.yield_stress_MPa)
         if missed <= tolerance:
+            stresses = [
+                total - zone.stressed(own.strain) for zone, total, own in zip(zones, totals, flows, strict=True)
+            ]
             return tuple(Flowed(*of) for of in zip(flows, stresses, residual, pushed, strict=True))
-        ends = np.cumsum([own.size for own in strain])[:-1]
-        found = [own.strain for own in flows]
-        mixed = mixing.next(*(np.concatenate([own.ravel() for own in of]) for of in (strain, found)))
-        strain = [own.reshape(-1, 6) for own in np.split(mixed, ends)]
+        found = np.concatenate([own.strain for own in flows])
+        flowed = np.flatnonzero(np.concatenate([own.accumulated for own in flows]))
+        strain = np.split(mixing.next(np.concatenate(strain), found, flowed), ends)
     raise NotConvergedError("the body flows without end under the contact's forces")
+
+
+def _upper(stress: Array) -> Array:
+    """Stresses (m, ...) of the upper layers, below which all are zero."""
+    flows = [bool(own.any()) for own in stress]
+    return stress[: len(flows) - flows[::-1].index(True) if any(flows) else 0]
+
+
+@compiled
+def _apart(one: Array, other: Array) -> float:
+    """The largest difference of two fields (k, 6)."""
+    largest = 0.0
+    for k in range(len(one)):
+        for c in range(6):
+            largest = max(largest, abs(one[k, c] - other[k, c]))
+    return largest
 
 
 @dataclass
 class _Mixing:
-    """The next of a series of guesses, by the last ones and what was found from them."""
+    """The next of a series of guesses (k, 6), by the last ones and what was found from them."""
 
-    last: tuple[Array, Array] | None = None  #: What was found from the last guess, and what that missed.
-    found: list[Array] = field(default_factory=list)  #: Changes of both from guess to guess.
-    missed: list[Array] = field(default_factory=list)
-    products: Array = field(default_factory=lambda: np.zeros((0, 0)))  #: Of the latter with each other.
+    points: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  #: Those that flow.
+    last: Array | None = None  #: At them, what was found from the last guess, and what that missed.
+    changes: Array = field(default_factory=lambda: np.zeros((0, 2, 0, 6)))  #: Of both, from guess to guess.
 
-    def next(self, guess: Array, found: Array) -> Array:
-        """The guess (n,) that, were all linear, would be found from itself."""
-        missed, last = found - guess, self.last
-        self.last = found, missed
-        if last is None:
-            return found
-        kept = slice(max(len(self.missed) + 1 - _REMEMBERED, 0), None)
-        self.found = [*self.found, found - last[0]][kept]
-        self.missed = [*self.missed, missed - last[1]][kept]
-        products = np.zeros((len(self.missed),) * 2)
-        products[:-1, :-1] = self.products[kept, kept]
-        products[-1] = products[:, -1] = [own @ self.missed[-1] for own in self.missed]
-        self.products = products
-        weights, *_ = np.linalg.lstsq(products, np.array([own @ missed for own in self.missed]), rcond=1e-12)
-        return np.asarray(found - sum(w * own for w, own in zip(weights, self.found, strict=True)))
+    def next(self, guess: Array, found: Array, points: IntArray) -> Array:
+        """The guess that, were all linear, would be found from itself; points: those that have flowed."""
+        self._widen(points)
+        own = np.stack([found[self.points], found[self.points] - guess[self.points]])
+        if self.last is not None:
+            self.changes = np.concatenate([self.changes, (own - self.last)[None]])[-_REMEMBERED:]
+        self.last = own
+        missed = self.changes[:, 1].reshape(len(self.changes), own[1].size)
+        weights, *_ = np.linalg.lstsq(missed @ missed.T, missed @ own[1].ravel(), rcond=1e-12)
+        mixed = found.copy()
+        mixed[self.points] -= np.tensordot(weights, self.changes[:, 0], axes=1)
+        return mixed
+
+    def _widen(self, points: IntArray) -> None:
+        """Take in points that have had no strain so far."""
+        points = np.union1d(self.points, points)
+        if len(points) > len(self.points):
+            place = np.searchsorted(points, self.points)
+            changes = np.zeros((len(self.changes), 2, len(points), 6))
+            changes[:, :, place] = self.changes
+            self.changes = changes
+            if self.last is not None:
+                last = np.zeros((2, len(points), 6))
+                last[:, place] = self.last
+                self.last = last
+            self.points = points

@@ -10,7 +10,8 @@ from scipy import fft
 from geometry.arrays import Array
 from solvers.stress.plastic_zone import Flowed, PlasticZone
 
-_MOST_STEPS, _TOLERANCE = 400, 1e-7
+_MOST_STEPS = 400
+_CLOSED = 1e-7  #: Mean distance of touching surfaces over the approach.
 
 
 def depth_by_rectangle(along_mm: Array, across_mm: Array, wide_mm: float | Array, high_mm: float | Array) -> Array:
@@ -57,11 +58,12 @@ class Indenter:
         spectrum = fft.rfft2(pressure, s=self._size) * self._kernel
         return np.asarray(fft.irfft2(spectrum, s=self._size)[:n_x, :n_y])
 
-    def carried(self, load_N: float, print_mm: Array, guess: Array) -> tuple[Array, float]:
+    def carried(self, load_N: float, print_mm: Array, guess: Array, tolerance: float = _CLOSED) -> tuple[Array, float]:
         """Pressures (n_x, n_y) in MPa, zero or more, that carry the load, and the approach in mm of the bodies, by
         conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206).
 
         print_mm: (n_x, n_y) depth added to the gap. guess: (n_x, n_y) pressures to start from, of any scale.
+        tolerance: mean distance of touching cells over the approach.
         """
         gap, mean = self.gap_mm + print_mm, load_N / (self.step_mm[0] * self.step_mm[1])
         # At first everything touches barely.
@@ -74,7 +76,7 @@ class Indenter:
             approach = float(open_by[touching].mean())
             open_by -= approach
             size = float((open_by[touching] ** 2).sum())
-            if (pressure * np.abs(open_by)).sum() <= _TOLERANCE * mean * abs(approach):
+            if (pressure * np.abs(open_by)).sum() <= tolerance * mean * abs(approach):
                 break
             direction = np.where(touching, open_by + kept * size / old * direction, 0.0)
             old = size

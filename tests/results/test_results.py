@@ -21,6 +21,7 @@ from wirewear.base.hdf5 import hdf5_image, sealed
 from wirewear.results import EVOLUTION_COLUMNS, Evolution, Loop, RunResult, Scar, read_result, write_result
 from wirewear.results.flat import evolution_table, loops_table, profiles_table, write_time_series
 from wirewear.results.scar import WIRES, body_named
+from wirewear.results.values import PlasticStrain
 
 
 @pytest.mark.parametrize(
@@ -134,6 +135,13 @@ def scars(draw: st.DrawFn) -> Scar:
 
 
 @st.composite
+def plastic_strains(draw: st.DrawFn) -> PlasticStrain:
+    shape = tuple(draw(st.integers(2, 3)) for _ in range(3))
+    along, across, depths = (draw(arrays(n)) for n in (*shape[1:], shape[0]))
+    return PlasticStrain(draw(st.sampled_from(["moving", "fixed"])), along, across, depths, draw(arrays((*shape, 6))))
+
+
+@st.composite
 def results(draw: st.DrawFn) -> RunResult:
     n = draw(st.integers(0, 3))
     nan_or_finite = st.floats(allow_infinity=False)
@@ -146,6 +154,7 @@ def results(draw: st.DrawFn) -> RunResult:
         scars=tuple(draw(st.lists(scars(), max_size=3))),
         settings=draw(st.dictionaries(texts, json_values, max_size=3)), quality=draw(numbers),
         versions=draw(st.dictionaries(texts, texts, max_size=2)), timings_s=draw(numbers),
+        plastic_strain=tuple(draw(st.lists(plastic_strains(), max_size=2))),
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Residual stress of first loading: where it stands, what it is in balance with, and which bodies have any."""
+"""Residual stress of first cycles: where it stands, what wear leaves of it, what it does to lives, and who has any."""
 
 from dataclasses import replace
 from typing import Any
@@ -6,12 +6,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solvers.elasticity.strain import von_mises
+from geometry.arrays import Array
+from solvers.elasticity.strain import integration_points, von_mises
+from solvers.stress.interior import Interior
+from tests.bodies import STEEL, brick, wire
 from tests.simulation.test_yielding_runs import wires
+from tests.stress.fatigue_data import OWN, STRENGTH, B
 from tests.stress.interior_runs import CYCLE, run_with_forces
 from wirewear.results import RunResult
+from wirewear.simulation.near_zone import near_zone_of
 from wirewear.stress import body_grid, body_states
-from wirewear.stress.residual import residual_of
+from wirewear.stress.bodies import BodyState
+from wirewear.stress.criteria import criterion_of
+from wirewear.stress.life import wear_state
+from wirewear.stress.residual import Residual, residual_stress
+from wirewear.test.life import LifeTable
 
 pytestmark = pytest.mark.seconds
 YIELD_MPa = 1400.0
@@ -19,36 +28,77 @@ YIELD_MPa = 1400.0
 
 def run_of(plasticity: str = "near zone", **stated: Any) -> RunResult:
     """Forces on coarse wires, as if of a study whose wires yield."""
-    contact = {"plasticity": plasticity, "friction": 0.0}
-    study = wires(wires={"yield_stress_MPa": YIELD_MPa} | stated, contact=contact)
-    return replace(run_with_forces(), study=study.resolved())
+    study = wires(wires={"yield_stress_MPa": YIELD_MPa} | stated, contact={"plasticity": plasticity, "friction": 0.0})
+    near = near_zone_of(study)
+    strain = () if near is None else near.strains("moving", "fixed")
+    return replace(run_with_forces(), study=study.resolved(), plastic_strain=strain)
+
+
+def states(result: RunResult, *, worn: bool = False) -> tuple[BodyState, ...]:
+    return body_states(result, "fixed", CYCLE, worn=worn)
 
 
 def test_stresses_inside_a_wire_have_the_residual_stress_that_is_left_beneath_it() -> None:
-    (with_it,), (without,) = (
-        body_states(run_of(name), "fixed", CYCLE, [0], worn=False) for name in ("near zone", "limited pressure")
-    )
+    with_it, without = (states(run_of(name))[0] for name in ("near zone", "limited pressure"))
     left, places = with_it.stress_at_points - without.stress_at_points, with_it.body.points.positions
     # Metal that was squeezed aside is pressed back.
     assert left[..., :2].min() < -0.1 * YIELD_MPa
     assert np.abs(left[np.abs(places[..., 2]) > 0.08]).max() < 0.01 * YIELD_MPa
     assert von_mises(left).max() < YIELD_MPa
+    # Nothing but its grip acts on the wire: other nodes bear no force by that stress.
+    force = with_it.body.points.internal_forces(left)
+    force[with_it.body.mesh.surface_nodes("grip")] = 0.0
+    assert np.abs(force).max() < 1e-6
     assert "residual_stress_MPa" in body_grid(with_it).point_data
     assert "residual_stress_MPa" not in body_grid(without).point_data
 
 
-def test_residual_stress_of_pressing_is_in_balance_and_alike_in_both_directions() -> None:
-    result = run_of()
-    residual = residual_of(result, result.forces(CYCLE, "fixed"))
-    assert residual is not None
-    # Thickness of layers of which each is a tenth thicker than the one above.
-    middle, sizes = residual.stress.shape[1] // 2, 1.1 ** np.arange(len(residual.grid.depths_mm))
-    section = residual.stress[:, middle, :, 0].sum(axis=1)
-    across = np.abs(residual.stress[:, middle, :, 0]).sum(axis=1)
-    # The balance of what is beyond the grid goes with one over its size.
-    assert abs(section @ sizes) < 0.2 * (across @ sizes)
-    assert residual.stress[:, middle, middle, 0] == pytest.approx(residual.stress[:, middle, middle, 1], abs=40.0)
-    assert np.abs(residual.stress[0, :, :, 2]).max() < 0.05 * YIELD_MPa
+def strained_layer(left_mm: float) -> Array:
+    """Stresses (k, 6) on the middle line of a plate whose upper 0.04 mm of 0.2 mm were strained by 0.001 along x and y,
+    once all but `left_mm` of them have worn away; from the surface down.
+    """
+    layers = round((0.16 + left_mm) / 0.02)
+    mesh = brick((8, 8, layers), (3.2, 3.2, 0.02 * layers))
+    points = integration_points(mesh)
+    strain = np.zeros((*points.volumes.shape, 6))
+    strain[points.positions[..., 2] > -left_mm] = 1e-3 * np.array([1.0, 1.0, -2.0, 0.0, 0.0, 0.0])
+    found = residual_stress(strain, points, Interior(mesh, STEEL, mesh.surface_nodes("grip")), STEEL).at_points
+    middle = np.abs(points.positions[..., :2]).max(axis=-1) < 0.15
+    means = [found[middle & (points.positions[..., 2] // 0.02 == -k)].mean(axis=0) for k in range(1, layers + 1)]
+    return np.array(means)
+
+
+def test_a_strained_layer_on_a_plate_is_stressed_as_in_closed_form_until_it_has_worn_away() -> None:
+    """A held thick plate lets a layer not spread: σ = -E ε / (1 - ν) in its plane, none across it."""
+    expected = -STEEL.youngs_modulus_MPa * 1e-3 / (1.0 - STEEL.poissons_ratio)
+    for left_mm in (0.04, 0.02):
+        stress, strained = strained_layer(left_mm), round(left_mm / 0.02)
+        assert stress[:strained, :2] == pytest.approx(np.full((strained, 2), expected), rel=0.02)
+        assert np.abs(stress[:, 2]).max() < 0.01 * abs(expected)
+        assert np.abs(stress[strained:, :2]).max() < 0.03 * abs(expected)
+    assert not strained_layer(0.0).any()
+
+
+@pytest.mark.parametrize("residual_MPa", [-300.0, 0.0, 200.0])
+def test_uniform_residual_stress_is_the_mean_stress_of_lives(residual_MPa: float) -> None:
+    """A wire pulled to and fro by 400 MPa: σ_a / (1 - σ_m / σ_f') on Basquin's line, in all its depths."""
+    result = run_of("none")
+    (forces,) = (one for one in result.contact_forces if one.body == "fixed")
+    bulk = np.zeros((len(forces.phase), 3))
+    bulk[:, 0] = 400.0 * np.cos(2.0 * np.pi * forces.phase)
+    unloaded = replace(forces, force_N=1e-9 * forces.force_N, bulk_stress_MPa=bulk)
+    cycle = states(replace(result, contact_forces=(unloaded,)))
+    uniform = np.zeros((*cycle[0].body.points.volumes.shape, 6))
+    uniform[..., :2] = residual_MPa
+    residual = Residual(cycle[0].body.points, uniform)
+    table = LifeTable(criterion="stress-life", **OWN)
+    depths = 2e-3 * np.arange(11.0)
+    found = wear_state(
+        [replace(one, residual=residual) for one in cycle],
+        criterion_of(table, STEEL), table, depths, np.zeros(wire(0.02).patch.shape),
+    )  # fmt: skip
+    expected = 0.5 * (400.0 / (1.0 - residual_MPa / STRENGTH) / STRENGTH) ** (1.0 / B)
+    assert 10.0**-found.share == pytest.approx(np.full(found.share.shape, expected), rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -58,4 +108,5 @@ def test_residual_stress_of_pressing_is_in_balance_and_alike_in_both_directions(
 )
 def test_only_bodies_that_yield_have_residual_stress(stated: dict[str, Any], bodies: int) -> None:
     result = run_of(**stated)
-    assert sum(residual_of(result, result.forces(CYCLE, body)) is not None for body in ("fixed", "moving")) == bodies
+    found = [body_states(result, body, CYCLE, [0], worn=False)[0].residual for body in ("fixed", "moving")]
+    assert sum(one is not None for one in found) == bodies

@@ -18,6 +18,8 @@ Layout (format 3; files of format 1 end without a checksum); every name carries 
                                  drive_um, holder_x_um, holder_z_um, tangential_force_N (k,), nodes (m,) of integers,
                                  force_N (k, m, 3), compressed once a run has ended, bulk_stress_MPa (k, 3) of bodies
                                  that carry any; the group is missing in older files
+    /plastic_strain/NNNN         of metal that flows, attribute: body; data sets along_mm (n_x,), across_mm (n_y,),
+                                 depths_mm (l,), strain (l, n_x, n_y, 6), compressed
 
 Format 2 has `wire` in place of `body`, crossed wires only, and no tilt. Earlier results of line contacts have a
 separate format, see `format_1`.
@@ -45,7 +47,7 @@ from wirewear.results import format_1 as earlier_lines
 from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, geometry_of
 from wirewear.results.evolution import Evolution
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, PRINT_COLUMN, Scar
-from wirewear.results.values import LOOP_COLUMNS, Loop, RunResult
+from wirewear.results.values import LOOP_COLUMNS, Loop, PlasticStrain, RunResult
 from wirewear.test.lengths import whole_test
 
 T = TypeVar("T")
@@ -61,6 +63,7 @@ HEADER = (*TEXTS, "contact_kind", "bodies", "length_mm")
 TABLES = ("study", "settings", "quality", "versions", "timings_s")
 FORCES_ATTRIBUTES = ("cycle", "body", "axis_angle_deg")
 SCAR_ATTRIBUTES = ("cycle", "body", "diameter_mm", "axis_angle_deg")
+_GRID_OF_STRAIN = ("along_mm", "across_mm", "depths_mm")
 #: Attributes of few scars, and what they are of the others.
 _SELDOM = {"length_mm": None, "diameter_along_mm": float("inf")}
 
@@ -138,6 +141,10 @@ def _fill(file: h5py.File, result: RunResult, tables: Mapping[str, str]) -> None
     compression = {} if result.status == "running" else {"compression": "gzip", "shuffle": True}
     for group, one in _added(file, "contact_forces", result.contact_forces):
         _write_forces(group, one, compression)
+    for group, flowed in _added(file, "plastic_strain", result.plastic_strain):
+        group.attrs["body"] = flowed.body
+        write_arrays(group, {name: getattr(flowed, name) for name in _GRID_OF_STRAIN})
+        group.create_dataset("strain", data=flowed.strain, track_times=False, compression="gzip", shuffle=True)
 
 
 def _added(file: h5py.File, name: str, members: Sequence[T]) -> Iterator[tuple[h5py.Group, T]]:
@@ -201,8 +208,14 @@ def _run_result(file: h5py.File, path: Path) -> RunResult:
         evolution=Evolution({name: data[()] for name, data in file["evolution"].items()}),
         scars=tuple(_scar(group) for group in _in_order(file["scars"])),
         contact_forces=tuple(_forces(group) for group in _in_order(file.get("contact_forces", {}))),
+        plastic_strain=tuple(_plastic_strain(group) for group in _in_order(file.get("plastic_strain", {}))),
         path=path,
     )
+
+
+def _plastic_strain(group: h5py.Group) -> PlasticStrain:
+    arrays = {name: group[name][()] for name in (*_GRID_OF_STRAIN, "strain")}
+    return PlasticStrain(body=str(group.attrs["body"]), **arrays)
 
 
 def _in_order(group: h5py.Group) -> Iterable[h5py.Group]:

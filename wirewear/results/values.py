@@ -153,6 +153,20 @@ def longer(one: Forces, factor: float) -> Forces:
 
 
 @dataclass(frozen=True, eq=False)
+class PlasticStrain:
+    """Plastic strain (l, n_x, n_y, 6) that first cycles leave in a body of this name: tensor components in the order of
+    `TENSOR_PLACES`, in the axes of the test, at depths (l,) below the unworn surface and on lines along and across the
+    motion, evenly spaced about the point of first contact.
+    """
+
+    body: str
+    along_mm: Array
+    across_mm: Array
+    depths_mm: Array
+    strain: Array
+
+
+@dataclass(frozen=True, eq=False)
 class RunResult:
     """All results of one run, that is, of one variant of a study.
 
@@ -160,8 +174,8 @@ class RunResult:
     None for other contacts. `study` is the resolved study, `settings` are mesh sizes, numbers of unknowns and the like
     that followed from it, `quality` the worst residuals by name (see `health`), `versions` those of the programs used,
     `timings_s` wall times, `message` why a run is not complete. `path` is the file it was read from, which is not
-    written; `contact_forces` are empty in files of earlier versions; `label` names the run in pictures: its variant, or
-    else its name.
+    written; `contact_forces` are empty in files of earlier versions, `plastic_strain` unless metal flows; `label` names
+    the run in pictures: its variant, or else its name.
 
     Raises ResultError if the status is not complete, running or failed, or a scar or force is of a body not in
     `bodies`.
@@ -185,6 +199,7 @@ class RunResult:
     contact_kind: str = kinds.CROSSED_WIRES
     bodies: tuple[str, str] = WIRES
     length_mm: float | None = None
+    plastic_strain: tuple[PlasticStrain, ...] = ()
     label: str = field(init=False)
 
     def __post_init__(self) -> None:

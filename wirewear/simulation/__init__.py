@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     )
     from wirewear.simulation.discretisation import discretise
     from wirewear.simulation.line_model import bodies_stiffness_N_per_mm2, line_plan
-    from wirewear.simulation.near_zone import NEAR_ZONE, FlowGrid, near_zone_of_tables
     from wirewear.simulation.observers import Moment, Observer, ProgressBar
     from wirewear.simulation.point_runs import require_affordable_wires
     from wirewear.simulation.problem import contact_problem
@@ -30,9 +29,9 @@ if TYPE_CHECKING:
     from wirewear.simulation.workbench import write_line_meshes, write_meshes
 
 __all__ = [
-    "LINES", "NEAR_ZONE", "POINTS", "Converged", "FlowGrid", "Moment", "Observer", "ObserverOf", "ProgressBar",
+    "LINES", "POINTS", "Converged", "Moment", "Observer", "ObserverOf", "ProgressBar",
     "bodies_stiffness_N_per_mm2", "contact_problem", "converge", "convergence_table", "discretise", "files_of_runs",
-    "last_of", "line_plan", "mean_pressures", "near_zone_of_tables", "needed_memory", "require_affordable_wires",
+    "last_of", "line_plan", "mean_pressures", "needed_memory", "require_affordable_wires",
     "run_study", "simulate", "write_convergence", "write_line_meshes", "write_meshes",
 ]  # fmt: skip
 

@@ -21,7 +21,7 @@ from solvers.stress.plastic_zone import Flowed, PlasticZone
 from solvers.stress.pressing import largest_MPa
 from solvers.stress.rubbing import Rubbed, Rubbing
 from wirewear import reference
-from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, RATCHETTING
+from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, RATCHETTING, PlasticStrain
 from wirewear.simulation.sliding_onset import point_sticks, round_contact
 from wirewear.simulation.yielding import limit_of_points, spread_by_yield
 from wirewear.test import Study, study_from_tables
@@ -47,7 +47,7 @@ class FlowGrid:
     depths_mm: Array
     rubbed: Rubbed
 
-    def index(self, places_mm: Array) -> list[Array]:
+    def _index(self, places_mm: Array) -> list[Array]:
         """Indices (k,) along x and y of places (k, 2)."""
         return [(at - lines[0]) / (lines[1] - lines[0]) for at, lines in zip(places_mm.T, self.axes_mm, strict=True)]
 
@@ -58,7 +58,7 @@ class FlowGrid:
 
         def of(body: PlacedBody, own: Flowed, shape: tuple[int, ...]) -> Array:
             # Cubic, since pressures follow the print's curvature.
-            found = map_coordinates(-own.residual_mm[..., 2], self.index(body.node_positions), order=3)
+            found = map_coordinates(-own.residual_mm[..., 2], self._index(body.node_positions), order=3)
             return np.asarray(found.reshape(shape))
 
         primary, secondary = left if problem.primary_is_upper else left[::-1]
@@ -95,6 +95,15 @@ class NearZone:
         # Loads that effects change by round-off are no larger ones.
         return replace(limit, share_borne=borne, printed_load=self.load_N * (1.0 + 1e-6))
 
+    def strains(self, driven: str, held: str) -> tuple[PlasticStrain, ...]:
+        """Plastic strain that cycles have left in the bodies of these names, of those that have flowed."""
+        grid, points = self.sliding, len(self.sliding.depths_mm)
+        return tuple(
+            PlasticStrain(name, *grid.axes_mm, grid.depths_mm, left.flow.strain.reshape(points, *left.stress.shape[1:]))
+            for name, left in zip((held, driven), grid.rubbed.unloaded, strict=True)
+            if left.flow.accumulated.any()
+        )
+
     @property
     def settings(self) -> dict[str, float]:
         """What a result records of the flow of its first cycles."""
@@ -114,11 +123,11 @@ def near_zone_of(study: Study) -> NearZone | None:
     """
     if study.contact.plasticity != NEAR_ZONE:
         return None
-    return near_zone_of_tables(json.dumps(study.resolved(), sort_keys=True, default=str))
+    return _of_tables(json.dumps(study.resolved(), sort_keys=True, default=str))
 
 
 @lru_cache(maxsize=4)
-def near_zone_of_tables(tables: str) -> NearZone | None:
+def _of_tables(tables: str) -> NearZone | None:
     """What `near_zone_of` gives for the study whose resolved tables are `tables`, as JSON text."""
     whole: Study = study_from_tables(json.loads(tables), "the result")
     study = whole.driven.schedule.stretches[0].study

@@ -19,6 +19,7 @@ from wirewear.base.memory import free_memory
 from wirewear.base.words import counted
 from wirewear.results import PRESSURE_LENGTH, ContactForces, RunResult, Scar
 from wirewear.results.flat import TIME_SERIES_FILES
+from wirewear.results.values import PlasticStrain
 from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.control import held_of
 from wirewear.simulation.cycler import FrettingTest, Motion
@@ -175,9 +176,11 @@ class PointRunRecord(Recorded):
         super().__init__(plan.study, plan.fidelity, plan.pressure_length_mm)
         self.plan = plan
         self.contact_kind, self.bodies = plan.study.contact_kind, plan.discretisation.bodies
+        self._plastic_strain: tuple[PlasticStrain, ...] = ()
 
     def restore(self, before: RunResult, done: float) -> None:
         super().restore(before, done)
+        self._plastic_strain = before.plastic_strain
         # A run that had done its last cycle measures its holder no more.
         self._holder = {name: value for name, value in before.settings.items() if name.startswith(MEASURED)}
 
@@ -190,6 +193,10 @@ class PointRunRecord(Recorded):
         }
         if (near := near_zone_of(self.plan.study)) is not None:
             self.tally.fresh |= near.settings
+            self._plastic_strain = near.strains(*self.bodies)
+
+    def result(self, status: str, message: str, history: MeshHistory) -> RunResult:
+        return replace(super().result(status, message, history), plastic_strain=self._plastic_strain)
 
     def holder_of(self, problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
         return holder_settings(problem, trace)

@@ -242,7 +242,7 @@ def stressed_grid(state: InnerState[Any], kind: pyvista.CellType) -> pyvista.Uns
     points["displacement_um"] = 1e3 * state.displacement @ turn.T
     points["stress_MPa"] = stress
     if state.residual is not None:
-        points["residual_stress_MPa"] = turned(state.residual.at(state.places_mm, state.body.patch), turn)
+        points["residual_stress_MPa"] = turned(state.residual.at_nodes, turn)
     points["von_mises_MPa"] = von_mises(stress)
     points["tresca_MPa"] = values[:, 0] - values[:, 2]
     points["principal_MPa"] = values

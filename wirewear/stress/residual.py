@@ -1,55 +1,75 @@
-"""Residual stress that the first cycles of a contact at a point leave in bodies whose metal flows; wear takes the
-stressed metal away.
+"""Residual stress that the first cycles of a contact at a point leave in bodies whose metal flows.
+
+Plastic strain stays with the metal, and acts as initial strain of what wear has left of the body: metal that is taken
+away no longer holds the rest, and the worn surface is free of stress.
 """
 
-import json
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import map_coordinates
 
-from geometry import ContactPatch
+from geometry import ContactPatch, Elastic
 from geometry.arrays import Array
-from solvers import SolverError
 from solvers.elasticity.placement import rotation_to_world
-from wirewear.base.errors import ResultError
+from solvers.elasticity.strain import IntegrationPoints, turned
+from solvers.stress.interior import Interior
 from wirewear.results import ContactForces, RunResult
-from wirewear.simulation import NEAR_ZONE, FlowGrid, near_zone_of_tables
+from wirewear.results.values import PlasticStrain
 
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """Stresses (l, n_x, n_y, 6) in MPa beneath the first point of contact, in the axes of the test, z out of the body.
+    """Residual stresses (m, q, 6) in MPa at the integration points `points` of a body's mesh, in the body's axes."""
 
-    turn: (2, 2) from the body's axes to those of the test.
-    """
+    points: IntegrationPoints
+    at_points: Array
 
-    stress: Array
-    grid: FlowGrid
-    turn: Array
-
-    def at(self, places_mm: Array, patch: ContactPatch) -> Array:
-        """Stresses (k, 6) at places (k, 3), both in the body's axes; zero away from the contact."""
-        depth = patch.profile.height(places_mm[:, :2]) - places_mm[:, 2]
-        count = np.arange(len(self.grid.depths_mm), dtype=np.float64)
-        layer = np.interp(depth, self.grid.depths_mm, count, right=float(len(count)))
-        index = [layer, *self.grid.index(places_mm[:, :2] @ self.turn.T)]
-        xx, yy, zz, xy, yz, xz = (map_coordinates(self.stress[..., k], index, order=1) for k in range(6))
-        plane = np.einsum("ai,bj,abk->ijk", self.turn, self.turn, np.array([[xx, xy], [xy, yy]]))
-        along, across = np.einsum("ai,ak->ik", self.turn, np.array([xz, yz]))
-        return np.stack([plane[0, 0], plane[1, 1], zz, plane[0, 1], across, along], axis=-1)
+    @cached_property
+    def at_nodes(self) -> Array:
+        """Stresses (n, 6) in MPa projected to the mesh's nodes."""
+        return self.points.at_nodes(self.at_points)
 
 
-def residual_of(result: RunResult, forces: ContactForces) -> Residual | None:
-    """Residual stress in a run's body after its first cycles; None if it stays elastic, or the study asks for none."""
-    if result.study.get("contact", {}).get("plasticity") != NEAR_ZONE:
+def residual_stress(strain: Array, points: IntegrationPoints, interior: Interior, material: Elastic) -> Residual:
+    """The stress by plastic strain (m, q, 6) at the integration points of a body, in its own axes."""
+    initial = 2.0 * material.shear_modulus_MPa * strain
+    force = points.internal_forces(initial)
+    (moved,) = interior.displacements(np.arange(len(force)), force[None])
+    return Residual(points, points.stresses(material, moved) - initial)
+
+
+def residual_of(
+    result: RunResult,
+    forces: ContactForces,
+    patch: ContactPatch,
+    points: IntegrationPoints,
+    interior: Interior,
+    material: Elastic,
+) -> Residual | None:
+    """Residual stress in a run's body, meshed in its present surface; None if it has none."""
+    strain = next((one for one in result.plastic_strain if one.body == forces.body), None)
+    if strain is None:
         return None
-    try:
-        zone = near_zone_of_tables(json.dumps(result.study, sort_keys=True, default=str))
-    except SolverError as error:
-        raise ResultError(str(error)) from None
-    upper = result.is_upper(forces.body)
-    if zone is None or not (left := zone.sliding.rubbed.unloaded[0 if upper else 1]).flow.accumulated.any():
-        return None
-    turn = rotation_to_world(upper=upper, axis_angle_rad=float(np.radians(forces.axis_angle_deg)))[:2, :2]
-    return Residual(left.stress, zone.sliding, turn)
+    to_world = rotation_to_world(upper=result.is_upper(forces.body), axis_angle_rad=np.radians(forces.axis_angle_deg))
+    places = points.positions.reshape(-1, 3)
+    depth = patch.profile.height(places[:, :2]) - places[:, 2]
+    turn = np.eye(3)
+    turn[:2, :2] = to_world[:2, :2]
+    # Out of the surface is z of the strain and of the body.
+    own = turned(_strain_at(strain, places[:, :2] @ turn[:2, :2].T, depth), turn.T).reshape(*points.volumes.shape, 6)
+    # Strain that varies within an element stresses it in ways that its corners cannot follow.
+    mean = np.einsum("mq,mqk->mk", points.volumes, own) / points.volumes.sum(axis=1)[:, None]
+    return residual_stress(np.broadcast_to(mean[:, None], own.shape), points, interior, material)
+
+
+def _strain_at(strain: PlasticStrain, places_mm: Array, depth_mm: Array) -> Array:
+    """Strains (k, 6) at places (k, 2) and depths (k,) in the axes of the test; zero away from the contact."""
+
+    def index(at: Array, lines: Array, left: float) -> Array:
+        return np.interp(at, lines, np.arange(len(lines)), left, len(lines))
+
+    layer = index(depth_mm, strain.depths_mm, 0.0)
+    plane = [index(at, own, -1.0) for at, own in zip(places_mm.T, (strain.along_mm, strain.across_mm), strict=True)]
+    return np.stack([map_coordinates(strain.strain[..., k], [layer, *plane], order=1) for k in range(6)], axis=-1)

@@ -95,7 +95,7 @@ class InnerState(Generic[B]):
     """A body at one position of a cycle; all in the body's own axes, lengths in mm, stresses in MPa.
 
     position: its index in `forces`. displacement (n, 3): of the mesh's nodes. is_upper: True for the held body.
-    residual: stress that first loading has left in it, None for none.
+    residual: stress that the first cycles have left in it, None for none.
     """
 
     body: B
@@ -130,16 +130,15 @@ class InnerState(Generic[B]):
         """Stresses (m, q, 6) at the integration points of the m elements."""
         points = self.body.points
         found = points.stresses(self.body.material, self.displacement)
-        return found + self.besides(points.positions.reshape(-1, points.positions.shape[-1])).reshape(found.shape)
+        found += self.bulk(points.positions.reshape(-1, points.positions.shape[-1])).reshape(found.shape)
+        return found if self.residual is None else found + self.residual.at_points
 
-    def besides(self, places_mm: Array) -> Array:
-        """Stresses (k, 6) at places (k, d) of the mesh besides those by the contact's forces: residual stress, and the
-        bulk stress of a bar whose axis lies at the middle of the body's height.
+    def bulk(self, places_mm: Array) -> Array:
+        """Bulk stresses (k, 6) at places (k, d) of the mesh, of a bar whose axis lies at the middle of the body's
+        height.
         """
         found, bulk = np.zeros((len(places_mm), 6)), self.forces.bulk_stress_MPa
         mesh = self.body.mesh
-        if self.residual is not None:
-            found += self.residual.at(places_mm, self.body.patch)
         if bulk is None:
             return found
         across = 0.0
@@ -153,7 +152,8 @@ class InnerState(Generic[B]):
         """Stresses (n, 6) at the nodes, those by the contact's forces projected to them."""
         points = self.body.mesh.points
         (found,) = self.body.interior.stresses(self.displacement[None], np.arange(len(points)))
-        return np.asarray(found + self.besides(points))
+        found = found + self.bulk(points)
+        return np.asarray(found if self.residual is None else found + self.residual.at_nodes)
 
     @cached_property
     def applied(self) -> Array:
@@ -237,7 +237,8 @@ class Inside(Generic[S]):
         forces = result.forces(cycle, body)
         chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
         of_body = self.body(result, forces, worn)
-        residual = residual_of(result, forces)
+        solved = of_body.points, of_body.interior, of_body.material
+        residual = residual_of(result, forces, of_body.patch, *solved)
         found = self.state.of(of_body, forces, chosen, is_upper=result.is_upper(body), residual=residual)
         if at is None:
             # Of a whole cycle nothing is left to be solved, and factors are most of a body's memory.

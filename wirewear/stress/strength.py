@@ -72,8 +72,10 @@ def stresses_of(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
     body, image = states[0].body, _image(states)
     chosen, both = [states[k] for k in image.computed], np.append(nodes, image.node[nodes])
     found = body.interior.stresses(np.array([one.displacement for one in chosen]), both)
-    found += [one.besides(body.mesh.points[both]) for one in chosen]
-    return image.completed(found, np.roll(np.arange(len(both)), len(nodes)))[:, : len(nodes)]
+    found += [one.bulk(body.mesh.points[both]) for one in chosen]
+    completed = image.completed(found, np.roll(np.arange(len(both)), len(nodes)))[:, : len(nodes)]
+    # Residual stress stays through the cycle, and need not be its own image.
+    return completed if states[0].residual is None else completed + states[0].residual.at_nodes[nodes]
 
 
 def _image(states: Sequence[InnerState[Any]]) -> CycleImage:
