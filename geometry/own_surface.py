@@ -169,6 +169,13 @@ def own_surface(source: MeshSource) -> OwnSurface:
     solid = source.solid
     for role, name in (("contact", source.contact), ("held", source.held)):
         _require_set(solid, role, name)
+    contact, held = (np.unique(solid.triangles_of(name)) for name in (source.contact, source.held))
+    # Beside an edge both sets may share a few faces, all of whose corners are on it.
+    if np.isin(contact, held).mean() > 0.5:
+        raise GeometryError(
+            f"most of its contact surface {source.contact!r} is in the held set {source.held!r}, too: what touches must be "
+            "free to give way"
+        )
     for name, *_ in source.parts:
         if name not in solid.parts:
             raise GeometryError(_without(name, "of elements with a material of its own", solid.parts))

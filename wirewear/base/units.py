@@ -46,7 +46,7 @@ _OF_ITSELF = {"cycle": "cycles", "jump_cycles": "cycles", "mirror_error": "1"}
 MISTAKEN_UNITS = {
     "mm": (("micrometres", 1e-3), ("metres", 1e3)),
     "um": (("millimetres", 1e3), ("metres", 1e6)),
-    "MPa": (("gigapascals", 1e3), ("pascals", 1e-6)),
+    "MPa": (("gigapascals", 1e3), ("kilopascals", 1e-3), ("pascals", 1e-6)),
     "N": (("millinewtons", 1e-3), ("kilonewtons", 1e3)),
     "deg": (("radians", 180.0 / math.pi),),
     "N_per_mm": (("newtons per micrometre", 1e3), ("newtons per metre", 1e-3)),

@@ -125,7 +125,7 @@ def body_named(name: str, where: str, bodies: Sequence[str]) -> str:
         if name == body or (name in also and name not in bodies):
             return body
     raise ResultError(
-        f"{where}: {noun_of(bodies[0])} must be one of {', '.join(bodies)}, or lower or upper, not {name!r}"
+        f"{where}: the body must be one of {', '.join(bodies)}, or lower or upper, not {name!r}"
     )
 
 

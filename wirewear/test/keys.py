@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from itertools import pairwise
 from math import inf
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar, cast, get_args
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, TypeVar, cast, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
 from pydantic.fields import FieldInfo
@@ -227,6 +227,9 @@ class Table(BaseModel):
 
     # Checks are built when a table is first read: those of most kinds of contact are never.
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    #: What to do in place of an unknown key that belongs to tables of another kind, by the key.
+    elsewhere: ClassVar[Mapping[str, str]] = {}
 
 
 def merged(base: Mapping[str, object], overrides: Mapping[str, object]) -> dict[str, object]:

@@ -9,17 +9,17 @@ from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from wirewear.base.errors import WirewearError
 from wirewear.base.units import UNIT_NAMES, words_of
 from wirewear.base.words import as_sentence, shown
-from wirewear.test.keys import quantity_of, table_of
+from wirewear.test.keys import Table, quantity_of, table_of
 from wirewear.test.tables import StudyTables
 
-Model = TypeVar("Model", bound=BaseModel)
+Model = TypeVar("Model", bound=Table)
 Keys = Sequence[int | str]
 Spelling = Callable[[Keys], str]  #: Gives the table that holds a key, as it is spelled in the file.
 
@@ -44,16 +44,21 @@ def validated(
 
 
 def first_problem(
-    error: ValidationError, where: str, model: type[BaseModel] = StudyTables, spelled: Spelling = table_above
+    error: ValidationError, where: str, model: type[Table] = StudyTables, spelled: Spelling = table_above
 ) -> str:
     """One sentence on what pydantic found in the tables of `model`; several if there are several unknown keys."""
     problems = error.errors(include_url=False)
     unknown = [problem for problem in problems if problem["type"] == "extra_forbidden"]
-    sentences = [_sentence(problem, where, model, spelled) for problem in unknown or problems[:1]]
+    sentences: list[str] = []
+    for problem in unknown or problems[:1]:
+        start, _, rest = _sentence(problem, where, model, spelled).partition(": ")
+        # What follows is said once for all keys of a table.
+        said = not rest or any(one.endswith(f": {rest}") for one in sentences)
+        sentences.append(as_sentence(start) if said else f"{start}: {rest}")
     return " ".join([sentences[0], *(f"{one[0].upper()}{one[1:]}" for one in sentences[1:])])
 
 
-def _sentence(problem: ErrorDetails, where: str, model: type[BaseModel], spelled: Spelling) -> str:
+def _sentence(problem: ErrorDetails, where: str, model: type[Table], spelled: Spelling) -> str:
     *table, key = problem["loc"]
     match problem["type"]:
         case "extra_forbidden":
@@ -82,9 +87,11 @@ def place(keys: Keys, where: str, spelled: Spelling) -> str:
     return f"in [{table}] of {where}" if table else f"in {where}"
 
 
-def _unknown_key(table: Keys, key: str, where: str, spelled: Spelling, model: type[BaseModel]) -> str:
+def _unknown_key(table: Keys, key: str, where: str, spelled: Spelling, model: type[Table]) -> str:
     known = known_fields(table, model)
     start = f"unknown key {shown(key)} {place([*table, key], where, spelled)}"
+    if hint := _table_at(table, model).elsewhere.get(key):
+        return f"{start}: {hint}."
     for name, field in known.items():
         quantity = quantity_of(field)
         if quantity is not None and same_but_for_unit(key, name, quantity.unit):
@@ -108,7 +115,7 @@ def _unknown_key(table: Keys, key: str, where: str, spelled: Spelling, model: ty
     return f"{start}: the keys known there are {', '.join(known)}."
 
 
-def _missing_key(table: Keys, key: str, where: str, spelled: Spelling, model: type[BaseModel]) -> str:
+def _missing_key(table: Keys, key: str, where: str, spelled: Spelling, model: type[Table]) -> str:
     field = known_fields(table, model)[key]
     if table_of(field) is not None:
         inner_fields = known_fields([*table, key], model)
@@ -133,17 +140,21 @@ def same_but_for_unit(key: str, name: str, unit: str) -> bool:
     return key == stem or key.startswith(f"{stem}_") or key.lower() == name.lower()
 
 
-def field_of(model: type[BaseModel], key: str) -> FieldInfo | None:
+def field_of(model: type[Table], key: str) -> FieldInfo | None:
     """The model's field of a key or of a synonym of it; None if there is none."""
     named = (field for field in model.model_fields.values() if key in getattr(field.validation_alias, "choices", ()))
     return model.model_fields.get(key) or next(named, None)
 
 
-def known_fields(table: Keys, model: type[BaseModel]) -> Mapping[str, FieldInfo]:
+def known_fields(table: Keys, model: type[Table]) -> Mapping[str, FieldInfo]:
     """The fields by key of the table at the path `table` in a model; empty if no table is there."""
-    inner: type[BaseModel] | None = model
+    return _table_at(table, model).model_fields
+
+
+def _table_at(table: Keys, model: type[Table]) -> type[Table]:
+    inner: type[Table] | None = model
     # The place of a table in a list is no key.
     for key in (one for one in table if isinstance(one, str)):
         field = field_of(inner, key) if inner is not None else None
         inner = table_of(field) if field is not None else None
-    return inner.model_fields if inner is not None else {}
+    return Table if inner is None else inner

@@ -209,10 +209,14 @@ def _described() -> str:
 class GrippedBody(MountedBody):
     """Keys of a body of one material that is meshed as a block, held at its back and sides."""
 
-    half_width_mm: Extent | None = Field(
-        None, description="of the block that is meshed, to each side; without it the program chooses"
+    elsewhere = dict.fromkeys(
+        ("shape", *MESH_KEYS), 'bodies of any shape, also from files, are those of kind = "point-contact"'
     )
-    height_mm: Extent | None = Field(None, description="of the block, from its contact to its held back")
+
+    half_width_mm: Extent | None = Field(
+        None, description="half-width of the block that is meshed, to each side; without it the program chooses"
+    )
+    height_mm: Extent | None = Field(None, description="height of the block, from its contact to its held back")
 
     def block(
         self, name: str, curvatures: tuple[float, float], size_mm: float, of_pad: Face | None = None

@@ -236,6 +236,8 @@ class _OfWires(StatesItsKind):
 class StudyTables(ContactTables, _OfWires):
     """The tables of a study of crossed wires, without its variants."""
 
+    elsewhere = {"bodies": "one wire alone is [wires.moving] or [wires.fixed]"}
+
     kind: Annotated[Literal["crossed-wires"], PlainValidator(_checked_kind)] = Field(
         description="kind of contact", examples=["crossed-wires"]
     )
