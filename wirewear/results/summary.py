@@ -12,7 +12,7 @@ from rich.text import Text
 from wirewear.base.errors import ResultError
 from wirewear.base.words import counted
 from wirewear.results import RunResult
-from wirewear.results.evolution import PRESSURE_LENGTH
+from wirewear.results.evolution import OVER_YIELD, PLASTIC_VOLUME, PRESSURE_LENGTH
 from wirewear.results.health import flagged, limit_of, remedies
 
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}
@@ -45,6 +45,7 @@ def summary(results: Sequence[RunResult]) -> RenderableType:
                 (f"worn volume, {name_of(body)} [10⁻³ mm³]", _at(f"worn_volume_{body}_mm3", -1, 1e-3))
                 for body in bodies
             ),
+            *(_PRINTS if any(PLASTIC_VOLUME in result.evolution for result in results) else ()),
         ],
         _PRESSURES,
         _quality_rows(results),
@@ -70,8 +71,8 @@ def _at(column: str, place: int, unit: float = 1.0) -> Callable[[RunResult], str
     """A function that gives the text of a column's value at the first (0) or last (−1) measured cycle, over `unit`."""
 
     def cell(result: RunResult) -> str:
-        values = result.evolution[column]
-        return _number(float(values[place]) / unit) if values.size else NOTHING
+        values = result.evolution[column] if column in result.evolution else ()
+        return _number(float(values[place]) / unit) if len(values) else NOTHING
 
     return cell
 
@@ -153,6 +154,11 @@ _MOTION: list[Row] = [
     ("energy per cycle, first → last [mJ]", _first_and_last("dissipated_energy_mJ")),
     ("friction energy in all [J]", _at("accumulated_energy_J", -1)),
     ("largest tangential force [N]", _largest("max_tangential_force_N")),
+]
+
+_PRINTS: list[Row] = [
+    ("volume of prints [10⁻³ mm³]", _at(PLASTIC_VOLUME, -1, 1e-3)),
+    ("mean pressure over yield stress, first → last", _first_and_last(OVER_YIELD)),
 ]
 
 _PRESSURES: list[Row] = [
