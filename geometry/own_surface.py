@@ -173,8 +173,8 @@ def own_surface(source: MeshSource) -> OwnSurface:
     # Beside an edge both sets may share a few faces, all of whose corners are on it.
     if np.isin(contact, held).mean() > 0.5:
         raise GeometryError(
-            f"most of its contact surface {source.contact!r} is in the held set {source.held!r}, too: what touches must be "
-            "free to give way"
+            f"most of its contact surface {source.contact!r} is in the held set {source.held!r}, too: what touches "
+            "must be free to give way"
         )
     for name, *_ in source.parts:
         if name not in solid.parts:

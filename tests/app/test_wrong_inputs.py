@@ -275,6 +275,11 @@ displacement_amplitude_um = 60.0 => stroke_um = 120
 friction = 0.62 => frction = 0.62\ncolour = 1
     unknown key 'frction' in [contact] of s.toml: did you mean 'friction'? Unknown key 'colour' in [contact] of s.toml:
     the keys known there are friction, friction_law, plasticity, formulation, primary_wire.
+[contact] => [bodies.moving]\n[contact]
+    unknown key 'bodies' in s.toml: one wire alone is [wires.moving] or [wires.fixed].
+friction = 0.62 => friction = 0.62\ncolour = 1\nnoise = 2
+    unknown key 'colour' in [contact] of s.toml: the keys known there are friction, friction_law, plasticity,
+    formulation, primary_wire. Unknown key 'noise' in [contact] of s.toml.
 friction = 0.62 => friction = 0,62
     s.toml is not valid TOML: expected newline or end of document after a statement (at line 14, column 13); the decimal
     sign is a point: friction = 0.62.

@@ -297,7 +297,7 @@ def _below(data: dict[str, Any], table: Sequence[int | str]) -> dict[str, Any]:
     return cast("dict[str, Any]", here)
 
 
-def _looks_misspelt(keys: Sequence[int | str], data: Mapping[str, Any], model: type[BaseModel]) -> bool:
+def _looks_misspelt(keys: Sequence[int | str], data: Mapping[str, Any], model: type[Table]) -> bool:
     """True if an unknown key resembles a known one that is missing from its table."""
     *table, last = keys
     key = str(last)

@@ -124,9 +124,7 @@ def body_named(name: str, where: str, bodies: Sequence[str]) -> str:
     for body, also in zip(bodies, _BY_PLACE, strict=True):
         if name == body or (name in also and name not in bodies):
             return body
-    raise ResultError(
-        f"{where}: the body must be one of {', '.join(bodies)}, or lower or upper, not {name!r}"
-    )
+    raise ResultError(f"{where}: the body must be one of {', '.join(bodies)}, or lower or upper, not {name!r}")
 
 
 def noun_of(body: str) -> str:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 
+import numpy as np
 from rich import box
 from rich.console import Group, RenderableType
 from rich.markup import escape
@@ -71,8 +72,8 @@ def _at(column: str, place: int, unit: float = 1.0) -> Callable[[RunResult], str
     """A function that gives the text of a column's value at the first (0) or last (−1) measured cycle, over `unit`."""
 
     def cell(result: RunResult) -> str:
-        values = result.evolution[column] if column in result.evolution else ()
-        return _number(float(values[place]) / unit) if len(values) else NOTHING
+        values = result.evolution.get(column, np.zeros(0))
+        return _number(float(values[place]) / unit) if values.size else NOTHING
 
     return cell
 

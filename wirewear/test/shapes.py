@@ -209,7 +209,7 @@ def _described() -> str:
 class GrippedBody(MountedBody):
     """Keys of a body of one material that is meshed as a block, held at its back and sides."""
 
-    elsewhere = dict.fromkeys(
+    elsewhere: ClassVar = dict.fromkeys(
         ("shape", *MESH_KEYS), 'bodies of any shape, also from files, are those of kind = "point-contact"'
     )
 

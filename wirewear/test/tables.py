@@ -7,7 +7,7 @@ The driven body lies below, the held one above. A variant is a set of values tha
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, PlainValidator, model_validator
 
@@ -236,7 +236,7 @@ class _OfWires(StatesItsKind):
 class StudyTables(ContactTables, _OfWires):
     """The tables of a study of crossed wires, without its variants."""
 
-    elsewhere = {"bodies": "one wire alone is [wires.moving] or [wires.fixed]"}
+    elsewhere: ClassVar = {"bodies": "one wire alone is [wires.moving] or [wires.fixed]"}
 
     kind: Annotated[Literal["crossed-wires"], PlainValidator(_checked_kind)] = Field(
         description="kind of contact", examples=["crossed-wires"]
