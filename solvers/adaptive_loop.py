@@ -16,7 +16,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.contact import ContactProblem, advance
 from solvers.contact.linearising import sliding_force
-from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
+from solvers.contact_state import ContactState, FirstGuess, Guide, IncrementReport, guide_from
 from solvers.drive import Drive, phases
 from solvers.fretting import CycleTrace, Watch, closed_cycle, last_stroke, settled
 from solvers.wear_path import forced_path
@@ -106,7 +106,8 @@ def _closed_by_mirror(
         places = forced_path(drive, side, increments, *last_stroke(moved)).drive[: increments // 2]
         out, state, begin = list[_Step](), start, 0.0
         for place in places:
-            after, reports = advance(problem, state, float(place), 0.0)
+            guess = _extrapolated(out[-1].before, state) if out else None
+            after, reports = advance(problem, state, float(place), 0.0, guess)
             end = abs(float(place) - start.drive)
             out.append(_Step(state, after, begin, end, tuple(reports)))
             state, begin = after, end
@@ -115,6 +116,12 @@ def _closed_by_mirror(
         if _closes(moved):
             break
     return moved.states[-1], moved
+
+
+def _extrapolated(before: ContactState, state: ContactState) -> FirstGuess:
+    """First guess of the state after `state` where forces grow alike from step to step."""
+    traction = np.where(state.traction[:, 2:] > 0.0, 2.0 * state.traction - before.traction, 0.0)
+    return FirstGuess(2.0 * state.holder_x - before.holder_x, state.overlap_area, traction)
 
 
 def _show(steps: "Sequence[_Step]", watch: Watch | None) -> None:

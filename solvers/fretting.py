@@ -16,7 +16,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact.problem import facing_offset
-from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
+from solvers.contact_state import ContactState, FirstGuess, Guide, IncrementReport, guide_from
 from solvers.drive import Drive, Path
 from solvers.errors import SolverError
 from solvers.wear_path import WornPlaces, cosine_places, forced_path, loop_path, traced_path
@@ -24,7 +24,10 @@ from solvers.wear_path import WornPlaces, cosine_places, forced_path, loop_path,
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
 _CLOSURE = 2e-3
 _MOST_REPEATS = 4
+_MET, _MOST_CORRECTIONS = 2e-4, 4  # What counts as not lacking, and how often an end of the stroke is moved.
 
+#: What a drive's figure lacks at a state, as a share of what it holds: positive where the stroke is too short.
+Lacking = Callable[[ContactState], float]
 Watch = Callable[[ContactState, IncrementReport], None]  #: Called after every increment.
 
 
@@ -124,13 +127,14 @@ def traced_cycle(
     half: bool,
     watch: Watch | None = None,
     guide: Guide | None = None,
+    goes_on: bool = False,
 ) -> tuple[ContactState, CycleTrace]:
     """Simulate a cycle without wear, or its first half only (`half`), whose increments are those by which surfaces
     wear: spread evenly over the slip that the guide shows, see `solvers.wear_path`. Returns the state at the end and
-    the trace.
+    the trace. goes_on: True if the increments before were part of the same simulation.
     """
     path = traced_path(drive, _side(state), state.holder_x, increments, guide, half=half)
-    return _follow(problem, state, path, 0.0, watch, guide)
+    return _follow(problem, state, path, 0.0, watch, guide, goes_on=goes_on)
 
 
 def closed_cycle(
@@ -205,21 +209,53 @@ def sticks_throughout(start: ContactState, end: ContactState) -> bool:
 
 
 def restarted(
-    problem: ContactProblem, state: ContactState, drive: Drive, increments: int, watch: Watch | None = None
+    problem: ContactProblem,
+    state: ContactState,
+    drive: Drive,
+    increments: int,
+    watch: Watch | None = None,
+    lacking: Lacking | None = None,
 ) -> ContactState:
     """The state of the worn bodies pressed together at mid-stroke and moved, without wear, to the end of the stroke
     where `state` is. Its core, the nodes that have stuck ever since the first pressing, is kept.
 
     The core has not moved, however much has worn around it; tractions carried over from the surfaces before a jump
     would let it move by what they have lost. Slopes of the worn surface beside it must not turn its normals during
-    pressing either: radial tractions would be left at its edge, which would slip sooner.
+    pressing either: radial tractions would be left at its edge, which would slip sooner. The stroke is as long as
+    `lacking` asks; None: the drive's.
     """
+    for body in (problem.primary, problem.secondary):
+        body.forget()
     blank = unloaded_state(problem)
     blank = replace(blank, wear=state.wear, core=state.core, bulk=drive.mean_bulk, holder_z=state.holder_z)
-    pressed, _ = press(problem, blank)
+    pressed, _ = press(problem, blank, FirstGuess(0.0, state.overlap_area, state.traction))
     pressed = replace(pressed, pressed_z=state.pressed_z, grip=state.grip)
     path = _cosine_stroke(drive, -_side(state), increments).from_middle
-    return _follow(problem, pressed, path, 0.0, watch, None)[0]
+    guide = guide_from(path.phase[-1:], [state])
+    end, trace = _follow(problem, pressed, path, 0.0, watch, guide, goes_on=True)
+    return end if lacking is None else _met(problem, (pressed, *trace.states)[-2:], lacking, watch)
+
+
+def _met(
+    problem: ContactProblem, latest: tuple[ContactState, ...], lacking: Lacking, watch: Watch | None
+) -> ContactState:
+    """The state moved on, or less far, until nothing is lacking; latest: two on the way there from mid-stroke."""
+    behind, end = latest
+    places, left = [behind.drive, end.drive], [lacking(behind), lacking(end)]
+    for _ in range(_MOST_CORRECTIONS):
+        slope = (left[-1] - left[-2]) / (places[-1] - places[-2])
+        if abs(left[-1]) <= _MET or slope * end.drive >= 0.0:
+            break
+        place = places[-1] - left[-1] / slope
+        start = end if left[-1] > 0.0 else behind
+        if abs(place) <= abs(start.drive):
+            break
+        end, reports = advance(problem, start, place, 0.0)
+        if watch:
+            for report in reports:
+                watch(end, report)
+        places, left, behind = [*places, place], [*left, lacking(end)], start
+    return end
 
 
 def _side(state: ContactState) -> float:
@@ -231,15 +267,22 @@ def _cosine_stroke(drive: Drive, side: float, increments: int) -> Path:
 
 
 def _follow(
-    problem: ContactProblem, state: ContactState, path: Path, cycles: float, watch: Watch | None, guide: Guide | None
+    problem: ContactProblem,
+    state: ContactState,
+    path: Path,
+    cycles: float,
+    watch: Watch | None,
+    guide: Guide | None,
+    *,
+    goes_on: bool = False,
 ) -> tuple[ContactState, CycleTrace]:
     rows: list[tuple[float, float, float, float]] = []
     everything: list[IncrementReport] = []
     states: list[ContactState] = []
     middle = start = state
     # What has been gathered before decides about round-off: a resumed run is to end with the very same numbers.
-    for body in (problem.primary, problem.secondary):
-        body.latest_block.clear()
+    for body in () if goes_on else (problem.primary, problem.secondary):
+        body.forget()
     for drive, phase, _time, load, bulk in path:
         rising = drive > state.drive
         guess = guide.at(float(phase), float(drive)) if guide is not None else None

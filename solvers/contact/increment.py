@@ -17,6 +17,7 @@ from solvers.contact.problem import ContactProblem, faced, levers, vertical_gaps
 from solvers.contact_conditions import LOST_CONTACT, ContactGuess, ContactOutcome, Linearisation
 from solvers.contact_state import ContactState, FirstGuess, IncrementReport
 from solvers.elasticity.compliance import displacement_at
+from solvers.elasticity.pairing import Pairing
 
 _PRINTED = 1e-4  # Prints have settled when they change by no more than this share of the holder's height.
 
@@ -62,11 +63,18 @@ def solve_increment(
     else:
         # The scar's shape changes less than the height at which it is met: guess the overlap by its area.
         nodes = _either(len(gap), active, closest(gap, areas, 1.15 * like.overlap_area))
-    height, iterations, before, slip_share = state.holder_z, 0, paired_before(problem, state), state.slip_share
+    height, iterations, slip_share = state.holder_z, 0, state.slip_share
+    before: Pairing | None = None
+    loaded = np.flatnonzero(state.traction[:, 2] > 0.0)
     images = images_across(problem, state)
     for pairings in range(1, 13):
         if not len(nodes):
             raise LostContactError("the bodies have lost contact")
+        # Around a core that does not tilt, surfaces stay paired.
+        if state.core.any() and tilt == begins.holder_tilt:
+            nodes = _either(len(gap), nodes, loaded)
+        elif before is None:
+            before = paired_before(problem, begins)
         nodes = nodes if images is None else _either(len(gap), nodes, images[nodes])
         pairing = faced(problem, state, nodes, drive, holder_x, tilt)
         system = linearised(problem, state, before, pairing, drive, holder_x, prescribed_height, slip_share, guess)

@@ -28,7 +28,7 @@ def paired_before(problem: ContactProblem, state: ContactState) -> Pairing:
 def linearised(
     problem: ContactProblem,
     state: ContactState,
-    before: Pairing,
+    before: Pairing | None,
     pairing: Pairing,
     drive: float,
     holder_x: float,
@@ -38,7 +38,8 @@ def linearised(
 ) -> Linearisation:
     """The linear system of a pairing, made with the holder at `holder_x` (mm), for a step from `state` to `drive` (mm).
 
-    before: pairing of the nodes loaded before the step. prescribed_height: of the holder, in mm, in place of the load;
+    before: pairing of the nodes loaded before the step; None if these are among those of `pairing`, and go on facing
+    each other as they did. prescribed_height: of the holder, in mm, in place of the load;
     None: loaded, or lowered by the holder's own approach. slip_share, guess: (n,) slip per drive's motion and (n, 3)
     tractions in MPa, on which friction may depend; see `ContactState`.
     """
@@ -46,8 +47,11 @@ def linearised(
     if prescribed_height is None and holder.approach_mm is not None:
         prescribed_height = -holder.approach_mm
     bodies, forces = (problem.primary, problem.secondary), (state.primary_force, state.secondary_force)
-    compliance = PairedCompliance(pairing, before, bodies, forces, problem.layer_mm_per_MPa)
-    traction = state.traction[pairing.nodes]
+    traction, still = state.traction[pairing.nodes], None
+    if before is None:
+        rows = np.flatnonzero(traction[:, 2] > 0.0)
+        before, still = pairing.among(rows), (rows, traction)
+    compliance = PairedCompliance(pairing, before, bodies, forces, problem.layer_mm_per_MPa, still)
     before_step = law_at(problem, state, pairing, state.slip_share, state.drive, state.traction)
     limit = before_step.limit(normal_of(traction, pairing.frames))
     old_displacement = _old_displacement(

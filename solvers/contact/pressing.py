@@ -7,31 +7,33 @@ from scipy.optimize import brentq
 
 from solvers.contact.increment import IncrementFailedError, LostContactError, closest, solve_increment
 from solvers.contact.problem import ContactProblem, vertical_gaps
-from solvers.contact_state import ContactState, IncrementReport
+from solvers.contact_state import ContactState, FirstGuess, IncrementReport
 from solvers.errors import PatchLeftError, SolverError
 
 _BRACKET, _HEIGHT_TOLERANCE = 1.25, 1e-8  # Of heights at which surfaces that yield bear the load.
 
 
-def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
+def press(
+    problem: ContactProblem, state: ContactState, expected: FirstGuess | None = None
+) -> tuple[ContactState, IncrementReport]:
     """Apply the normal load, or the holder's approach, without friction and without motion. Returns the state and its
     report.
 
-    Nodes that touch become the core. A holder's height other than 0 at which bodies overlap is a first guess. Raises
-    SolverError when no contact is found under the load.
+    Nodes that touch become the core. A holder's height other than 0 at which bodies overlap is a first guess; expected:
+    what goes with it, None: nothing. Raises SolverError when no contact is found under the load.
     """
     frictionless = replace(problem, friction=0.0)
     if problem.holder.approach_mm is not None:
         lowered = replace(state, holder_z=-problem.holder.approach_mm, pressed_z=-problem.holder.approach_mm)
-        held, report = solve_increment(frictionless, lowered, state.drive, 0.0)
+        held, report = solve_increment(frictionless, lowered, state.drive, 0.0, expected=expected)
         return _stuck(held), report
     height, gaps = state.holder_z, vertical_gaps(problem, state, state.drive, state.holder_x)
     if height == 0.0 or not (gaps + height < 0.0).any():
-        height = min(height_under_load(frictionless, state), _height_that_bears(problem, state))
+        height, expected = min(height_under_load(frictionless, state), _height_that_bears(problem, state)), None
     start = replace(state, holder_z=height, pressed_z=height)
     rigid = replace(frictionless, holder=replace(problem.holder, normal_stiffness_N_per_mm=0.0))
     try:
-        pressed, report = solve_increment(rigid, start, state.drive, 0.0)
+        pressed, report = solve_increment(rigid, start, state.drive, 0.0, expected=expected)
     except IncrementFailedError:
         if problem.limit is None:
             raise

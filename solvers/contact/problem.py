@@ -228,11 +228,32 @@ def faced(
 
     drive, holder_x, tilt: displacement of the lower body, position and tilt of the holder, mm and rad.
     """
-    core = bool(state.core.any())
     offset, depths = facing_offset(problem, state, drive, holder_x), open_depths(problem, state)
-    pairing = pair(problem.surface, problem.secondary, nodes, offset, *depths, tilt, at_nodes=core)
-    if not core:
-        return pairing
+    if not state.core.any():
+        return pair(problem.surface, problem.secondary, nodes, offset, *depths, tilt)
+    latest, key = problem.primary.latest_pairing, (nodes, state.core, offset, np.array([tilt]))
+    bodies = problem.secondary, *depths
+    if not latest or not (
+        all(one is other for one, other in zip(latest[0][0], bodies, strict=True))
+        and all(np.array_equal(one, other) for one, other in zip(latest[0][1], key, strict=True))
+    ):
+        latest[:] = [(bodies, key, _around_core(problem, state, nodes, offset, depths, tilt))]
+    pairing: Pairing = latest[0][2]
+    # What strain makes up for is motion along the surfaces, up and down their slope.
+    moved = holder_x - drive + state.pressed_ahead
+    return replace(pairing, gap=pairing.gap + pairing.gap_rate * moved)
+
+
+def _around_core(
+    problem: ContactProblem,
+    state: ContactState,
+    nodes: IntArray,
+    offset: Array,
+    depths: tuple[Array, Array],
+    tilt: float,
+) -> Pairing:
+    """The pairing around a core as the bodies were pressed together, at their `offset` (2,) then, worn to `depths`."""
+    pairing = pair(problem.surface, problem.secondary, nodes, offset, *depths, tilt, at_nodes=True)
     # What sticks stands as it stood: what has worn beside the core must neither open it, as it would where a node lies
     # between one of the other body that sticks and one that has worn, nor turn its normals.
     sticks = np.flatnonzero(state.core[nodes])
@@ -242,11 +263,8 @@ def faced(
     inside = _no_deeper(depths[0], depths[0].ravel()[nodes[sticks]]), _no_deeper(depths[1], faced_depth[sticks])
     frames = pairing.frames.copy()
     frames[sticks] = pair(problem.surface, problem.secondary, nodes[sticks], offset, *inside, tilt).frames
-    # What strain makes up for is motion along the surfaces, up and down their slope.
-    normals = frames[:, 0, :]
-    rate = normals[:, 0] / normals[:, 2]
-    moved = holder_x - drive + state.pressed_ahead
-    return replace(pairing, frames=frames, gap=pairing.gap + opened + rate * moved, gap_rate=rate, depths=facing)
+    rate = frames[:, 0, 0] / frames[:, 0, 2]
+    return replace(pairing, frames=frames, gap=pairing.gap + opened, gap_rate=rate, depths=facing)
 
 
 def _no_deeper(depth: Array, core: Array) -> Array:

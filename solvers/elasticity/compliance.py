@@ -4,6 +4,7 @@ A node is known once the displacements by unit forces or tractions on it are sto
 became known: `place` and `row` hold a node's number in such an order, -1 where it is not known.
 """
 
+from functools import cached_property
 from weakref import proxy
 
 import numpy as np
@@ -94,23 +95,36 @@ class PairedCompliance:
         bodies: tuple[PlacedBody, PlacedBody],
         old_forces: tuple[Array, Array],
         layer: float = 0.0,
+        still: tuple[IntArray, Array] | None = None,
     ) -> None:
         """bodies: primary and secondary. before: pairing of the l nodes that were loaded before the increment, as the
         bodies stood then. old_forces: (n, 3) nodal forces in N on each body's patch before it, with the sign of the
-        force on the upper body. layer: mm per MPa, 0 for none.
+        force on the upper body. layer: mm per MPa, 0 for none. still: if the bodies go on facing each other as they did
+        then, (l,) indices of these nodes among the pairing's, and tractions (k, 3) in MPa then; None if they do not.
         """
-        self._pairing, self._before, self.layer = pairing, before, layer
-        primary, secondary = bodies
-        self._blocks = (
-            _block_between(primary, pairing.own, before.own),
-            _block_between(secondary, pairing.opposite, before.opposite),
-        )
-        self.old, self.old_before = self._mean(pairing, old_forces), self._mean(before, old_forces)
+        self._pairing, self._before, self.layer, self._bodies = pairing, before, layer, bodies
+        self._still = None if still is None else still[0]
         self.place, self.known = np.full(len(pairing.nodes), -1), 0
         self.matrix = np.empty((3 * len(pairing.nodes), 3 * len(pairing.nodes)))
-        self._latest, self._facing = primary.latest_compliance, secondary
         self.taken_over: PairedCompliance | None = None  #: An earlier increment's, whose matrix this one uses.
         self.mirrored: MirroredCompliance | None = None  #: For tractions that are their own mirror image, if they are.
+        self.latest: tuple[Array, Array] | None = None  #: The tractions seen last, and the displacements by them.
+        alike = self._alike() if still is not None else None
+        known = None if alike is None else alike.latest
+        if still is not None and known is not None and np.array_equal(known[0], still[1]):
+            self.old, self.old_before = known[1], known[1][still[0]]
+        else:
+            self.old, self.old_before = self._mean(pairing, old_forces), self._mean(before, old_forces)
+
+    @cached_property
+    def _blocks(self) -> tuple[Block, Block]:
+        (primary, secondary), now, before = self._bodies, self._pairing, self._before
+        return _block_between(primary, now.own, before.own), _block_between(secondary, now.opposite, before.opposite)
+
+    def _alike(self) -> "PairedCompliance | None":
+        """The latest compliance of the two bodies if they faced each other in it as they do here."""
+        latest = [own for body, own in self._bodies[0].latest_compliance if body is self._bodies[1]]
+        return latest[0] if latest and latest[0].faces_as(self._pairing) else None
 
     def faces_as(self, pairing: Pairing) -> bool:
         """True if another pairing of the same two bodies has the same nodes at the same relative position."""
@@ -123,14 +137,16 @@ class PairedCompliance:
         missing, pairing = loaded[self.place[loaded] < 0], self._pairing
         if not len(missing):
             return
-        latest = [] if self.known else [own for body, own in self._latest if body is self._facing]
-        self._latest[:] = [(self._facing, self)]
-        if latest and latest[0].faces_as(pairing) and latest[0].known_first(missing):
+        alike = None if self.known else self._alike()
+        self._bodies[0].latest_compliance[:] = [(self._bodies[1], self)]
+        if alike is not None:
             # Where a contact sticks, the bodies go on facing each other as they did.
-            self.matrix, self.known, self.taken_over = latest[0].matrix, len(missing), latest[0]
-            latest[0].taken_over = None  # Else no increment's matrices would ever be given back.
-            self.place[missing] = np.arange(len(missing))
-            return
+            self.matrix, self.known, self.taken_over = alike.matrix, alike.known, alike
+            alike.taken_over = None  # Else no increment's matrices would ever be given back.
+            self.place[:] = alike.place
+            missing = loaded[self.place[loaded] < 0]
+            if not len(missing):
+                return
         begin, self.known = 3 * self.known, self.known + len(missing)
         self.place[missing] = begin // 3 + np.arange(len(missing))
         self.matrix[:, begin : 3 * self.known] = 0.0
@@ -138,15 +154,14 @@ class PairedCompliance:
             block.know(_unknown(block.row, transfer, missing))
             _add_responses(self.matrix, begin, block.rows, block.row, block.place, missing, pairing.areas, transfer)
 
-    def known_first(self, nodes: IntArray) -> bool:
-        """True if the nodes of index `nodes` (l,) were the first to become known, in this order."""
-        return len(nodes) <= self.known and np.array_equal(self.place[nodes], np.arange(len(nodes)))
-
     def displacement(self, traction: Array) -> Array:
         """Displacement (k, 3) in mm of the upper relative to the lower body under tractions (k, 3) in MPa."""
         if self.mirrored is not None:
-            return self.mirrored.displacement(traction)
-        return self.displaced(self.in_order(traction))
+            moved = self.mirrored.displacement(traction)
+        else:
+            moved = self.displaced(self.in_order(traction))
+        self.latest = traction, moved
+        return moved
 
     def in_order(self, traction: Array) -> Array:
         """Tractions (k, 3) in MPa as (3 m,), node by node in the order in which the m nodes became known; 0 for those
@@ -170,7 +185,10 @@ class PairedCompliance:
 
         traction: (k, 3) in MPa at its end. forces: (n, 3) the same as nodal forces in N on (primary, secondary).
         """
-        return self.displacement(traction) - self.old, self._mean(self._before, forces) - self.old_before
+        moved = self.displacement(traction) - self.old
+        if self._still is not None:
+            return moved, moved[self._still]
+        return moved, self._mean(self._before, forces) - self.old_before
 
     def _mean(self, pairing: Pairing, forces: tuple[Array, Array]) -> Array:
         """Mean displacement (k, 3) of the upper relative to the lower body at a pairing's nodes, by nodal forces on
@@ -203,14 +221,16 @@ class MirroredCompliance:
             return
         whole, first, before = self._whole, self.known, None
         whole.know(self.kept[missing])
-        self.place[missing] = first + np.arange(len(missing))
-        self.known = first + len(missing)
         if first == 0 and whole.taken_over is not None:
             before = whole.taken_over.mirrored
-        if before is not None and np.array_equal(before.kept, self.kept) and before.known >= self.known:
-            # What became known first on the whole did so on the side.
-            self.matrix = before.matrix
-            return
+        if before is not None and np.array_equal(before.kept, self.kept):
+            self.matrix, self.known = before.matrix, before.known
+            self.place[:] = before.place
+            first, missing = self.known, missing[self.place[missing] < 0]
+            if not len(missing):
+                return
+        self.place[missing] = first + np.arange(len(missing))
+        self.known = first + len(missing)
         columns, alone = whole.place[self.kept[missing]], self._images[missing] == self.kept[missing]
         _fold(self.matrix, first, whole.matrix, self.kept, self._images, columns, alone)
 

@@ -57,6 +57,12 @@ class NodalTransfer(NamedTuple):
         result = _spread(self.first, self.columns, self.weights, rows, self.size)
         return result.reshape(self.size, *values.shape[1:])
 
+    def among(self, rows: IntArray) -> NodalTransfer:
+        """The contact nodes of index `rows` (m,) alone."""
+        first = np.concatenate([[0], np.cumsum(np.diff(self.first)[rows])])
+        entries = np.arange(first[-1]) + np.repeat(self.first[rows] - first[:-1], np.diff(first))
+        return NodalTransfer(first, self.columns[entries], self.weights[entries], self.size)
+
     def faced_by(self, rows: IntArray) -> IntArray:
         """The patch nodes (e,) of all entries of contact nodes of index `rows` (m,), row after row, with repeats."""
         return _entries(self.first, self.columns, rows)

@@ -63,6 +63,20 @@ class Pairing:
     depths: NodalTransfer  #: From the secondary's worn depths to the opened gap times area.
     inside: BoolArray  #: (k,) True if the secondary patch faces the whole support of the node.
 
+    def among(self, rows: IntArray) -> "Pairing":
+        """The nodes of index `rows` (m,) alone."""
+        return Pairing(
+            nodes=self.nodes[rows],
+            areas=self.areas[rows],
+            gap=self.gap[rows],
+            gap_rate=self.gap_rate[rows],
+            frames=self.frames[rows],
+            own=self.own.among(rows),
+            opposite=self.opposite.among(rows),
+            depths=self.depths.among(rows),
+            inside=self.inside[rows],
+        )
+
     @cached_property
     def primary(self) -> csr_matrix:
         """`own` as a sparse (k, n) matrix."""

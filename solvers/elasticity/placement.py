@@ -113,9 +113,19 @@ class PlacedBody:
     def _latest_worn(self) -> list[WornNodes]:
         return []
 
+    def forget(self) -> None:
+        """Drop what was gathered or paired before."""
+        for latest in (self.latest_block, self.latest_pairing, self.latest_compliance):
+            latest.clear()
+
     @cached_property
     def latest_block(self) -> list[Any]:
         """The block of compliance gathered last, in a list of at most one; see `solvers.elasticity.compliance`."""
+        return []
+
+    @cached_property
+    def latest_pairing(self) -> list[Any]:
+        """The pairing around a core made last, and of what, in a list of at most one; see `solvers.contact.problem`."""
         return []
 
     @cached_property

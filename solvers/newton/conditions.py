@@ -261,9 +261,9 @@ def _judged(
 def _scales(system: Linearisation, loaded: BoolArray) -> Scales:
     nodes = np.flatnonzero(loaded) if loaded.any() else np.arange(len(loaded))
     normals, compliance = system.pairing.frames[nodes, 0], system.compliance
-    compliance.know(nodes)
-    # They are the first that become known, and known in this order.
-    elastic = compliance.displaced(normals.ravel())[nodes] + compliance.layer * normals
+    unit = np.zeros((len(loaded), 3))
+    unit[nodes] = normals
+    elastic = compliance.displaced(compliance.in_order(unit))[nodes] + compliance.layer * normals
     collective = float(np.einsum("ij,ij->i", elastic, normals).max())
     area = float(system.pairing.areas[nodes].sum())
     rig = system.holder.compliance_at_contact_mm_per_N * area

@@ -13,7 +13,7 @@ import numpy as np
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState, Guide
 from solvers.drive import Drive
-from solvers.fretting import CycleTrace, Watch, restarted, sticks_throughout, traced_cycle
+from solvers.fretting import CycleTrace, Lacking, Watch, restarted, sticks_throughout, traced_cycle
 from solvers.wear_path import sliding_increments
 from solvers.wear_step.grip import grip_of_core
 from solvers.wear_step.orbits import Position
@@ -34,12 +34,14 @@ def closed_trace(
     symmetry: Symmetry,
     watch: Watch | None = None,
     guide: Guide | None = None,
+    lacking: Lacking | None = None,
 ) -> tuple[ContactState, CycleTrace]:
     """Trace a cycle, repeated up to 4 times until it closes, with the worn depths held fixed: the state where it
     starts, at either end of the stroke, and its trace. Where the symmetry maps its first half onto the second, the
     first half only.
 
     increments: of a cycle. watch: called after each increment. guide: first guesses from a similar cycle; None: none.
+    lacking: what the drive's figure lacks at a stroke's end; with a core the amplitude follows. None: the drive's own.
     Sliding wipes out what a state remembers of surfaces before they wore; a contact with a core is instead moved again
     from mid-stroke. Under a load or bulk stress that changes, `trace.worn` says by which increments surfaces wear.
     """
@@ -48,9 +50,13 @@ def closed_trace(
     sticks = drive.steady and bool(state.core.any())
     if sticks:
         start = replace(start, grip=grip_of_core(problem, start, symmetry.across))
-        start, guide = restarted(problem, start, drive, increments, watch), None
+        start = restarted(problem, start, drive, increments, watch, lacking)
+        drive = replace(drive, amplitude_mm=abs(start.drive))
     for cycle in range(_MOST_CYCLES):
-        end, trace = traced_cycle(problem, start, drive, increments, half=mirror is not None, watch=watch, guide=guide)
+        half, goes_on = mirror is not None, sticks and cycle == 0
+        end, trace = traced_cycle(
+            problem, start, drive, increments, half=half, watch=watch, guide=guide, goes_on=goes_on
+        )
         if cycle == 0 and not sticks and sticks_throughout(start, end):
             start, guide = restarted(problem, start, drive, increments, watch), None
             continue

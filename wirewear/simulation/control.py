@@ -47,6 +47,12 @@ class HeldFigure:
     first_mm: float
     of_state: Callable[[ContactState], float] | None = None
 
+    @property
+    def lacking(self) -> Callable[[ContactState], float] | None:
+        """1 - figure / target at a state at the end of a stroke; None if a state does not show the figure."""
+        of_state, target = self.of_state, self.target
+        return None if of_state is None else lambda state: 1.0 - of_state(state) / target
+
     def error(self, trace: CycleTrace) -> float:
         """Relative difference of a measured loop's figure from the target: figure / target - 1."""
         return self.measure(trace, None) / self.target - 1.0

@@ -172,7 +172,11 @@ class Cycler:
         search = None if self.motion.held is None else AmplitudeSearch(self.motion.held)
         while True:
             state, trace = cycle(begin, drive, guide)
-            wanted = None if search is None else search.following(drive.amplitude_mm, trace, probe)
+            if search is None:
+                return state, trace, guide
+            # With a core the amplitude may have been met on the way from mid-stroke.
+            drive = replace(drive, amplitude_mm=abs(trace.start.drive))
+            wanted = search.following(drive.amplitude_mm, trace, probe)
             if wanted is None:
                 return state, trace, guide
             drive = replace(drive, amplitude_mm=wanted)
@@ -284,7 +288,8 @@ class Cycler:
             return after
 
         def cycle(begin: solvers.ContactState, drive: solvers.Drive, guide: solvers.Guide | None) -> _Cycle:
-            return solvers.closed_trace(current, begin, drive, motion.wear_increments, symmetry, watch, guide)
+            how = (current, begin, drive, motion.wear_increments, symmetry, watch, guide)
+            return solvers.closed_trace(*how, None if motion.held is None else motion.held.lacking)
 
         probe = forced if motion.drive.steady else None
         start, trace, _ = self._holding(current, begins, self._drive(state), cycle, watch, probe)
