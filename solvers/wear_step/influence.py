@@ -54,23 +54,37 @@ class Influences:
         self._bodies, self._pairings, self._rows, self.across = bodies, pairings, rows, across
         self._start = np.concatenate([[0], np.cumsum([len(own) for own in rows])])
         self.at, self.store, self._used = np.full(self._start[-1], -1), np.empty(0), 0
+        self._dense: tuple[int, int, Array] | None = None  #: The latest of `dense`: of what it is, and itself.
+        #: For each position, the first one at which the bodies face each other alike, as they do around a core.
+        self._like = [
+            next(k for k in range(index + 1) if _alike(pairings[k], own) and np.array_equal(rows[k], rows[index]))
+            for index, own in enumerate(pairings)
+        ]
 
     def know(self, loaded: BoolArray) -> None:
         """Compute and keep the influences, not yet known, of tractions on the unknowns marked in `loaded` (N,)."""
         missing = np.flatnonzero(loaded & (self.at < 0))
         for k in np.unique(np.searchsorted(self._start, missing, side="right") - 1):
-            begin, end = self._start[k], self._start[k + 1]
-            self._add(k, missing[(missing >= begin) & (missing < end)] - begin)
+            begin, end, first = self._start[k], self._start[k + 1], self._start[self._like[k]]
+            own = missing[(missing >= begin) & (missing < end)] - begin
+            new = own[self.at[first + own] < 0]
+            if len(new):
+                self._add(self._like[k], new)
+            self.at[begin + own] = self.at[first + own]
 
     def dense(self, k: int) -> Array:
         """Influences at the position of index k as (u, 3, u, 3) in mm/MPa: [i, a, j, b] is displacement a at unknown i
         by traction b on unknown j; 0 where they are not yet known.
         """
+        k = self._like[k]
+        if self._dense is not None and self._dense[:2] == (k, self._used):
+            return self._dense[2]
         begin, end = self._start[k], self._start[k + 1]
         matrix, known = np.zeros((end - begin, 3, end - begin, 3)), begin + np.flatnonzero(self.at[begin:end] >= 0)
         for j in known:
             block = self.store[self.at[j] : self.at[j] + 9 * (end - begin)]
             matrix[:, :, j - begin] = block.reshape(-1, 3, 3)
+        self._dense = k, self._used, matrix
         return matrix
 
     def _add(self, k: int, missing: IntArray) -> None:
@@ -102,6 +116,12 @@ class Influences:
             images = (self.across.primary, self.across.secondary)[body]
             between(nodes, images[loaded], out=moved, add=self.across.signs)
         return moved
+
+
+def _alike(one: Pairing, other: Pairing) -> bool:
+    """Whether two pairings are of the same nodes, at the same relative position of the bodies."""
+    pairs = zip((one.nodes, *one.opposite[:3]), (other.nodes, *other.opposite[:3]), strict=True)
+    return one is other or all(np.array_equal(own, its) for own, its in pairs)
 
 
 def _numbered(nodes: IntArray, size: int) -> tuple[IntArray, IntArray]:

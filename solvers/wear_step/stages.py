@@ -223,6 +223,9 @@ def jump_cycles(
     problem, across = problem_at(done, start.wear.energy_mJ), symmetry.across
     passed = stops_of(start, trace, symmetry.half_cycle)
     nodes = [_with_images(facing_nodes(problem, stop.state, _MARGIN), across) for stop in passed]
+    if start.core.any():
+        # Around a core surfaces face each other alike at all positions: so do their nodes.
+        nodes = [np.unique(np.concatenate(nodes))] * len(nodes)
     work = symmetry.strokes * trace.friction_work
     for _ in range(6):
         kept, cycle = _cycle(problem, start.wear, passed, nodes, symmetry, work)

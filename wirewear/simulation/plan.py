@@ -21,6 +21,7 @@ from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, follows
 from wirewear.simulation.expected_contact import ExpectedContact
 from wirewear.simulation.problem import contact_problem, with_nodes_moved, worn_depths
+from wirewear.simulation.sliding_onset import stated_core
 from wirewear.simulation.store import Meshes, MeshHistory, Report
 from wirewear.test import AnyStudy, Study
 from wirewear.test.any_study import Of
@@ -140,11 +141,16 @@ class PointMeshes(Meshes):
     def first(self) -> MeshHistory:
         """The history with the stage for the fresh contact, or for the flattened one."""
         if self.begins_sticking and self.sticking is not None:
-            return MeshHistory(_STICKING)
+            return MeshHistory(_STICKING, core=self._stated_core)
         stage = 0
         while self._outgrown(stage, self.expected.flattened_mm3):
             stage += 1
-        return MeshHistory(stage)
+        return MeshHistory(stage, core=self._stated_core if self.expected.sticks and stage == 0 else None)
+
+    @property
+    def _stated_core(self) -> float | None:
+        one_block = len(self.study.schedule.stretches) == 1
+        return stated_core(self.study) if one_block and self.for_core is not None else None
 
     def problem(self, history: MeshHistory, report: Report) -> ContactProblem:
         meshes = self.every[history.stage]

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from solvers.laws.friction_law import Coulomb
 from wirewear import reference
 from wirewear.effects import Age, ContactLaw, Loading, Seam, applied
 from wirewear.simulation.control import HELD_FIGURES, SlidingOnset
@@ -75,3 +76,16 @@ def point_sticks(study: Study) -> bool:
         return SlidingOnset(friction_N, 1e3 * slip, energy, lambda: 1e3 * motion)
 
     return expected_to_stick(study, onset)
+
+
+def stated_core(study: Study) -> float | None:
+    """Share (0 to 1) of a fresh contact's axes that sticks at the end of the first loading by the tangential force that
+    a study holds, by Cattaneo and Mindlin.
+
+    None where that is to be seen: the drive holds something else, friction is not Coulomb's alone, or loads change.
+    """
+    held, plain = study.conditions.held_tangential_force_N, type(study.contact.friction_law) is Coulomb
+    if held is None or study.effects or not plain or not study.drive.steady:
+        return None
+    friction_N = least_friction_N(study)
+    return float(1.0 - held / friction_N) ** (1.0 / 3.0) if held < friction_N else None
