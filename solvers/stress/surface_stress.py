@@ -27,6 +27,7 @@ from solvers.jit_cache import compiled, inlined
 from solvers.stress.lattice_error import ComplexArray, lattice_error
 from solvers.stress.subgrid_traction import SubgridTraction, bicubic_coefficients, polynomial
 
+_DIGITS = 9  #: Proportions of elements that differ beyond these decimals are the same.
 _ALIKE = 0.02  #: Elements are alike that differ by no more than this share.
 #: Tractions act on a point from so many mean elements away, along so many directions, at so many distances.
 _REACH = 8.0
@@ -98,15 +99,24 @@ class SurfaceStress:
         """(2 w + 1, 2 w + 1, 6, 3) stresses that elements give, around a node, by component of a unit traction at it
         that falls bilinearly to zero at the next; none beyond w nodes.
         """
-        return _stencil(*self.spacing_mm, *self.layers, self.material.poissons_ratio)
+        return _stencil(*self._elements)
+
+    @property
+    def _elements(self) -> tuple[float, float, float, float, float]:
+        """Sizes of the elements along and across and thickness of the first layer, over the mean of both sizes; growth
+        of the layers; Poisson's ratio. Rounded, so that elements alike are one case: stencils take a second each.
+        """
+        (along, across), (first, growth) = self.spacing_mm, self.layers
+        mean = np.sqrt(along * across)
+        along, across, first = (round(float(size / mean), _DIGITS) for size in (along, across, first))
+        return along, across, first, growth, self.material.poissons_ratio
 
     @cached_property
     def waves(self) -> tuple[tuple[int, int], ComplexArray]:
         """A size (rows, columns) of the grid on which the stencil's sums over the window do not come round, and the
         stencil's Fourier transform (rows, columns // 2 + 1, 6, 3) on it.
         """
-        nu = self.material.poissons_ratio
-        return _waves(*self.spacing_mm, *self.layers, nu, *(len(lines) for lines in self.lines))
+        return _waves(*self._elements, *(len(lines) for lines in self.lines))
 
     @cached_property
     def is_symmetric(self) -> bool:
@@ -260,12 +270,12 @@ def corrected_nodes(size: Array, spacing_mm: tuple[float, ...]) -> BoolArray:
 
 
 @lru_cache(maxsize=8)
-def _stencil(along_mm: float, across_mm: float, first_layer_mm: float, growth: float, nu: float) -> Array:
-    """The `SurfaceStress.stencil` of elements of that size, mm, under layers that grow from the first by a factor."""
-    result: Array = lattice_error(along_mm, across_mm, first_layer_mm, growth, nu).copy()
+def _stencil(along: float, across: float, first_layer: float, growth: float, nu: float) -> Array:
+    """The `SurfaceStress.stencil` of elements of these proportions under layers that grow from the first."""
+    result: Array = lattice_error(along, across, first_layer, growth, nu).copy()
     size, middle = result.shape[0], result.shape[0] // 2
     places = np.argwhere(np.ones((size, size))).astype(float)
-    proportions = _proportions(along_mm, across_mm)
+    proportions = _proportions(along, across)
     for component in range(3):
         unit = np.zeros((size, size, 3))
         unit[middle, middle, component] = 1.0
@@ -276,10 +286,10 @@ def _stencil(along_mm: float, across_mm: float, first_layer_mm: float, growth: f
 
 @lru_cache(maxsize=8)
 def _waves(
-    along_mm: float, across_mm: float, first_layer_mm: float, growth: float, nu: float, rows: int, columns: int
+    along: float, across: float, first_layer: float, growth: float, nu: float, rows: int, columns: int
 ) -> tuple[tuple[int, int], ComplexArray]:
     """Shape of the transform and the stencil's transform for a window of so many rows and columns of elements."""
-    stencil = _stencil(along_mm, across_mm, first_layer_mm, growth, nu)
+    stencil = _stencil(along, across, first_layer, growth, nu)
     size = tuple(next_fast_len(len(stencil) + lines - 1, real=True) for lines in (rows, columns))
     return (size[0], size[1]), np.fft.rfft2(stencil, size, axes=(0, 1))
 

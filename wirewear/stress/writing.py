@@ -154,14 +154,23 @@ def strength_table(strengths: Sequence[Strength]) -> Table:
     return table
 
 
-def write_strength(one: Strength, folder: Path) -> tuple[Path, Path]:
-    """Write a VTU file with the fields of a strength and a picture of its maps; return (VTU, picture). Raises
-    ResultError if they cannot be written.
-    """
-    path = folder / f"strength_{one.wire}_{one.cycle:07d}.vtu"
+def write_strength(one: Strength, folder: Path) -> Path:
+    """Write a VTU file with the fields of a strength; return its path. Raises ResultError if it cannot be written."""
     with writing(ResultError, f"cannot write strengths to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        return write_grid(path, one.grid), save(partial(draw_strength, one), path.with_suffix(".png"))
+        return write_grid(_path(one, folder), one.grid)
+
+
+def save_strength(one: Strength, folder: Path) -> Path:
+    """Draw the maps of a strength beside its VTU file; return the picture's path. Raises ResultError if it cannot be
+    written.
+    """
+    with writing(ResultError, f"cannot write strengths to {folder}"):
+        return save(partial(draw_strength, one), _path(one, folder).with_suffix(".png"))
+
+
+def _path(one: Strength, folder: Path) -> Path:
+    return folder / f"strength_{one.wire}_{one.cycle:07d}.vtu"
 
 
 def write_strength_table(strengths: Sequence[Strength], folder: Path) -> Path:

@@ -139,11 +139,12 @@ def strength(
 ) -> None:
     """Say where and until when the bodies of a run yield, and where cracks begin first.
 
-    Both bodies at every recorded cycle, unless --cycle and --body ask for less.
+    Both bodies at every recorded cycle, unless --cycle and --body ask for less. Pictures are drawn of each --cycle;
+    without it of each body's first, last and largest von Mises stress. Files for ParaView hold all cycles.
     """
     from wirewear.app.cli.study_script import progress_bar, wide_console
     from wirewear.stress.strength import StrengthAsked, yield_sentence
-    from wirewear.stress.writing import strength_table, write_strength, write_strength_table
+    from wirewear.stress.writing import save_strength, strength_table, write_strength, write_strength_table
 
     asked = StrengthAsked(yield_strength, crossland_slope, averaging_length)
     chosen, strength_at = _assessing(result_path, body, cycles, asked)
@@ -153,16 +154,23 @@ def strength(
     with progress_bar() as bar:
         task = bar.add_task("", total=sum(map(len, chosen.values())))
         for one, its_cycles in chosen.items():
+            worst: Strength | None = None
             for cycle in its_cycles:
                 doing = f"{one}, cycle {counted(cycle)}"
                 bar.update(task, description=doing)
                 if bar.disable:
                     click.echo(f"wirewear: {doing}", err=True)
                 found = strength_at(one, cycle)
-                written += write_strength(found, folder)
+                written.append(write_strength(found, folder))
+                if cycles or cycle in (its_cycles[0], its_cycles[-1]):
+                    written.append(save_strength(found, folder))
+                elif worst is None or found.von_mises.value_MPa > worst.von_mises.value_MPa:
+                    worst = found
                 # What is written need not be held.
                 courses[one].append(replace(found, grid=type(found.grid)()))
                 bar.advance(task)
+            if worst and worst.von_mises.value_MPa >= max(each.von_mises.value_MPa for each in courses[one]):
+                written.append(save_strength(worst, folder))
     every = [one for course in courses.values() for one in course]
     wide_console(110).print(strength_table(every))
     for course in courses.values():
