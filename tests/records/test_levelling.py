@@ -19,6 +19,7 @@ from wirewear.diagnosis.observe.scars import ScarFigures
 from wirewear.kinds import any_study
 from wirewear.records import AnyRecord, check_record
 from wirewear.records.importing import import_record
+from wirewear.records.scars import MeasuredScar
 
 RADIUS_um = 3000.0
 NOISE_um = 0.03
@@ -150,6 +151,17 @@ def test_single_points_that_stand_out_count_for_nothing_and_are_counted_by_impor
     assert any(remark.text.startswith(said) for remark in check_record(again).remarks)
     assert again.scars[0].sizes == record.scars[0].sizes
     np.testing.assert_allclose(again.scars[0].points["depth_um"], record.scars[0].points["depth_um"])
+
+
+def test_a_depth_that_few_points_leave_uncertain_is_given_with_that_of_the_deepest_point() -> None:
+    few, many = (np.linspace(-200.0, 200.0, n) for n in (21, 401))
+
+    def sizes(line: Array) -> str:
+        x, y = (one.ravel() for one in np.meshgrid(line, line, indexing="ij"))
+        return MeasuredScar.from_points(1, "flat", x, y, np.maximum(6.0 - (x**2 + y**2) / 4e3, 0.0)).sizes
+
+    assert sizes(few).startswith("5.9 µm deep (6 at the deepest point), ")
+    assert sizes(many).startswith("6 µm deep, ")
 
 
 def test_a_tiny_scar_without_noise_is_no_spike() -> None:

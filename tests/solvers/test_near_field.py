@@ -1,5 +1,6 @@
 """What elements lack near a loaded node: checked against closed forms of the half-space and by symmetry."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -209,6 +210,13 @@ def test_a_contact_that_leaves_the_elements_alike_is_not_corrected_there_and_its
     assert np.abs(there[grid[:, 1] < 1.2]).max() > 0.05
     # What changes little from node to node the elements have.
     assert np.abs(LoadedSurface(surface, hertz(4.0, (0.0, 0.0))).correction(np.zeros((1, 2)))).max() < 0.2
+
+
+def test_elements_alike_in_proportion_share_one_stencil() -> None:
+    # To scale, and apart by round-off, as grids are that were made in another order.
+    first, larger = flat(), flat(3.0 * (1.0 + 1e-13))
+    assert first.stencil is larger.stencil
+    assert first.stencil is not replace(first, layers=(2.0 * first.layers[0], 1.0)).stencil
 
 
 @pytest.mark.seconds

@@ -1,5 +1,6 @@
 """Stresses inside the bodies of a line contact from the forces that its run records."""
 
+import csv
 from dataclasses import replace
 from pathlib import Path
 
@@ -45,6 +46,22 @@ def test_fields_strength_and_lives_take_one_body_of_a_line_contact_by_the_same_n
     assert ("pad" in table) == (body == "pad")
     (life,) = lives(read_result(folder), [asked], values={"tensile_strength_MPa": 800.0})
     assert life.body == body
+
+
+def test_strengths_of_all_cycles_are_drawn_where_a_course_begins_ends_and_peaks(tmp_path: Path) -> None:
+    cycles = [1, 2, 3, 4, 5]
+    study = line_study(conditions={"cycles": 5}, log={"loop_cycles": cycles}, mesh={"contact_mesh_um": 12.0})
+    run_study(study, fidelity="quick", output=tmp_path)
+    asked = "strength", tmp_path, "--body", "pad"
+    wirewear(*asked)
+    drawn = {path.stem for path in (tmp_path / "strength").glob("*.png")}
+    with (tmp_path / "strength" / "strength.csv").open() as file:
+        stresses = [float(row["von_mises_MPa"]) for row in csv.DictReader(file)]
+    worst = cycles[int(np.argmax(stresses))]
+    assert drawn == {f"strength_pad_{cycle:07d}" for cycle in (1, worst, 5)}
+    assert len(list((tmp_path / "strength").glob("*.vtu"))) == len(cycles)
+    wirewear(*asked, "--cycle", "2", "--output", tmp_path / "second")
+    assert [path.stem for path in (tmp_path / "second").glob("*.png")] == ["strength_pad_0000002"]
 
 
 def test_recorded_forces_carry_the_load_and_the_friction(folder: Path) -> None:

@@ -169,7 +169,10 @@ class MeasuredScar:
 
     @property
     def sizes(self) -> str:
-        return f"{self.figures['depth']:.3g} µm deep, {1e6 * self.volume_mm3:.4g}·10⁻⁶ mm³"
+        deep, deepest = self.figures["depth"], float(self.worn_um.max())
+        # On a map of few points, or of much noise, the deepest points differ by more than a depth is read to.
+        single = f" ({deepest:.3g} at the deepest point)" if deepest > 1.005 * deep > 0.0 else ""
+        return f"{deep:.3g} µm deep{single}, {1e6 * self.volume_mm3:.4g}·10⁻⁶ mm³"
 
     def volume_of(self, _length_mm: float | None) -> float:
         """Worn volume in mm³; the length has no effect, as a map covers the whole contact."""
