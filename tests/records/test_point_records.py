@@ -16,6 +16,7 @@ from tests.simulation.point_contacts import STEEL
 from tests.synthetic_results import AMPLITUDE_um, bowl
 from wirewear import RecordError, read_record, record_of_result, write_record, write_result
 from wirewear.comparison.comparison import compare
+from wirewear.diagnosis.fit.wear import fitted_wear
 from wirewear.diagnosis.surrogate.nominal import nominal_study
 from wirewear.records import ExperimentRecord, MeasuredScar, RecordTables, check_record
 from wirewear.records.importing import import_record
@@ -78,6 +79,20 @@ def test_scars_of_a_ball_that_cannot_be_are_stated(spoil: Any, says: str) -> Non
     flat, ball = record.scars
     problems = check_record(dataclasses.replace(record, scars=(spoil(flat), ball))).problems
     assert any(says.lower() in problem.text.lower() for problem in problems), problems
+
+
+def test_a_scar_without_loops_is_said_and_one_of_noise_alone_shows_no_wear() -> None:
+    record = record_of_result(run_of("ball-on-flat"), depth_noise_um=NOISE_um)
+    first = record.scars[0]
+    bare = [
+        one.of_field(NOISE_um * np.random.default_rng(1).standard_normal(one.depth_um.shape)) for one in record.scars
+    ]
+    assert fitted_wear(record)[0]
+    worn, _, notes = fitted_wear(dataclasses.replace(record, scars=tuple(bare)))
+    assert not worn
+    assert "the scars of repeat 1 may be noise" in notes[0]
+    two = check_record(dataclasses.replace(record, scars=(*record.scars, dataclasses.replace(first, repeat=2))))
+    assert any(f"Repeat 2 has a scar of the {first.body} and no loops" in one.text for one in two.problems)
 
 
 def test_lists_of_an_export_that_are_repeated_add_up(tmp_path: Path) -> None:

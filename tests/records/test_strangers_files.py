@@ -203,6 +203,32 @@ def test_one_file_that_cannot_be_read_does_not_keep_the_others_from_being_guesse
     assert "save it as .xlsx or as CSV" in remarks
 
 
+@pytest.mark.parametrize(
+    ("names", "left"),
+    [
+        (("fixed_before", "fixed_after"), "fixed_before"),
+        (("Fixed apres essai", "Fixed avant essai"), "Fixed avant essai"),
+        (("fixed", "FixedNeu"), "FixedNeu"),
+        (("fixed_new",), ""),
+        (("fixed_after_minus_before",), ""),
+        (("fixed_1", "fixed_2"), ""),
+    ],
+)
+def test_a_map_from_before_the_test_is_no_scar_and_scars_without_loops_are_said(
+    tmp_path: Path, names: Sequence[str], left: str
+) -> None:
+    maps = [tmp_path / f"{name}.csv" for name in names]
+    for path in maps:
+        rows = (f"{10 * (place % 12)},{10 * (place // 12)},0" for place in range(144))
+        path.write_text("\n".join(("x_um,y_um,depth_um", *rows)), encoding="utf-8")
+    guess = guessed([*write(KINDS["units in brackets"](ENGLISH), tmp_path), *maps], {"diameter_mm": 0.45})
+    kept = sorted(f"{name}.csv" for name in names if name != left)
+    assert guess.tables["scars"]["fixed"]["files"] == (kept if len(kept) > 1 else kept[0])
+    remarks = " ".join(guess.remarks)
+    assert (f"{left}.csv was left out" in remarks) == bool(left)
+    assert ("the fixed wire has 2 scars" in remarks) == (len(kept) > 1)
+
+
 def test_what_is_assumed_of_the_wires_is_said(tmp_path: Path) -> None:
     files = write(KINDS["units in brackets"](ENGLISH), tmp_path)
     remarks = " ".join(guessed(files, {"diameter_mm": 0.45}).remarks)

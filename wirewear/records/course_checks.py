@@ -13,6 +13,7 @@ from wirewear.base.course import enclosed_energy
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records.remarks import CheckedRecord, Remark, listed, plural
 from wirewear.records.values import AnyRecord, MeasuredEvolution, MeasuredLoop
+from wirewear.results.scar import called
 
 DRIFT, OFFSET_DRIFT = 0.05, 0.05  #: What counts as notable: drifts over the test, of amplitudes or load and of means.
 
@@ -136,8 +137,17 @@ def drift(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def repeats(checked: CheckedRecord) -> Iterator[Remark]:
-    """Remarks on a single repeat, and on loops whose area differs much from those of the other repeats."""
+    """Remarks on a single repeat, on worn surfaces without loops, and on loops whose area differs much from those of
+    the other repeats.
+    """
     record = checked.record
+    for number in sorted({one.repeat for one in record.scars} - {loop.repeat for loop in record.loops}):
+        of_bodies = " and of the ".join(called(one.body) for one in record.scars if one.repeat == number)
+        text = (
+            f"Repeat {number} has a {record.tables.worn.name} of the {of_bodies} and no loops, so that the test that "
+            "wore it is not known: is it a copy, or was it measured before the test?"
+        )
+        yield Remark("problem", "repeats", text)
     if len(record.repeats) == 1:
         yield Remark("note", "repeats", "There is one repeat only.")
     s = checked.statistics

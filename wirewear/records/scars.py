@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
-from wirewear.records.levelling import unworn_surface
+from wirewear.records.levelling import CERTAIN, Unworn, unworn_surface
 from wirewear.records.spikes import BORDER, as_measured, border_text, noise_um, spikes_text, without_spikes
 from wirewear.records.unworn_bodies import LevelSurface
 from wirewear.results.scar import SCAR_FIGURES, Scar, called, scar_figures
@@ -147,15 +147,19 @@ class MeasuredScar:
         return np.where(~np.isfinite(self.depth_um) & known.any(axis=0), means, self.depth_um)
 
     @cached_property
-    def ground_um(self) -> float:
-        """Depth in µm that the map shows where nothing is worn; 0 if it cannot be distinguished from 0."""
-        known = np.isfinite(self.depth_um)
-        if np.count_nonzero(known) < FEWEST_LEVELLED:
-            return 0.0
+    def _level(self) -> Unworn | None:
+        """Level of what is not worn; None if the map does not show it."""
+        if np.count_nonzero(np.isfinite(self.depth_um)) < FEWEST_LEVELLED:
+            return None
         places = np.stack(np.meshgrid(self.x_um, self.y_um, indexing="ij"))
         found = unworn_surface(LevelSurface(), places, -self.depth_um, np.zeros(1))
-        ground = -float(found.parameters[0])
-        return ground if abs(ground) > OFF_ZERO * noise_um(self.depth_um) and not found.doubtful else 0.0
+        return None if found.doubtful else found
+
+    @property
+    def ground_um(self) -> float:
+        """Depth in µm that the map shows where nothing is worn; 0 if it cannot be distinguished from 0."""
+        ground = -float(self._level.parameters[0]) if self._level else 0.0
+        return ground if abs(ground) > OFF_ZERO * noise_um(self.depth_um) else 0.0
 
     @cached_property
     def worn_um(self) -> Array:
@@ -181,6 +185,11 @@ class MeasuredScar:
     @property
     def volume_mm3(self) -> float:
         return 1e-9 * self.figures["volume"]
+
+    @property
+    def doubt_mm3(self) -> float:
+        """Half of the worn volume's 95 % interval, for the level of what is not worn alone; 0 if no level is seen."""
+        return 1e-9 * CERTAIN * self._level.doubt_um3 if self._level else 0.0
 
     @property
     def rim_um(self) -> Array:

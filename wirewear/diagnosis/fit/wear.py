@@ -3,7 +3,7 @@
 A kind of contact has one coefficient for each body, or a common one with the share of the first body.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ from wirewear.diagnosis.fit.values import FittedParameter
 from wirewear.records import AnyRecord
 from wirewear.records.contact_tables import AnyTables
 from wirewear.records.course_checks import accumulated_energy_J
+from wirewear.records.surfaces import SCARS
 from wirewear.results.scar import called
 
 #: Wear coefficient of both bodies with which wear states are made where the record does not show it: steel on steel's.
@@ -41,7 +42,11 @@ def fitted_wear(record: AnyRecord) -> tuple[dict[str, FittedParameter], dict[str
     """
     energies = {repeat: accumulated_energy_J(record, repeat) for repeat in record.repeats}
     known = {repeat: energy for repeat, energy in energies.items() if energy}
-    volumes = record.worn_volumes_mm3
+    volumes = {
+        body: {repeat: volume for repeat, volume in own.items() if repeat in energies}
+        for body, own in record.worn_volumes_mm3.items()
+    }
+    unseen = dict(_unseen(record))
     found = {
         f"worn_volume_{body}_mm3": FittedParameter.of_repeats([*own.values()], "mm3")
         for body, own in volumes.items()
@@ -49,8 +54,19 @@ def fitted_wear(record: AnyRecord) -> tuple[dict[str, FittedParameter], dict[str
     }
     if known:
         found["accumulated_energy_J"] = FittedParameter.of_repeats([*known.values()], "J")
-    fitted, notes = _worn(record.tables, volumes, known)
-    return fitted, found, notes
+    seen = {repeat: energy for repeat, energy in known.items() if repeat not in unseen}
+    fitted, notes = _worn(record.tables, volumes, seen)
+    return fitted, found, [*unseen.values(), *notes]
+
+
+def _unseen(record: AnyRecord) -> Iterator[tuple[int, str]]:
+    """Repeats whose worn volume, that of all measured scars together, may be none, and a sentence on each."""
+    for repeat in record.repeats if record.tables.worn.name == SCARS.name else ():
+        scars = [scar for scar in record.scars if scar.repeat == repeat]
+        volume, doubt = sum(scar.volume_mm3 for scar in scars), sum(scar.doubt_mm3 for scar in scars)
+        if scars and volume <= doubt:
+            known = f"{volume:.2g} mm³ are known within ±{doubt:.2g} mm³"
+            yield repeat, f"the scars of repeat {repeat} may be noise, and show no wear coefficient: {known}"
 
 
 def _worn(tables: AnyTables, volumes: Mapping[str, Mapping[int, float]], energies_J: Mapping[int, float]) -> Worn:

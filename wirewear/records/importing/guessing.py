@@ -4,6 +4,7 @@ A value of a mapping is open if the files do not show it, so that the user must 
 """
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 
 from wirewear.base.errors import RecordError
 from wirewear.base.files import toml_text
+from wirewear.base.naming import plain
 from wirewear.base.words import as_sentence
 from wirewear.records.importing.guessed_columns import GuessedFile
 from wirewear.records.importing.guessed_conditions import Touching, body_of, conditions_of, listed, map_source, scars_of
@@ -18,7 +20,9 @@ from wirewear.records.importing.guessed_files import joined, listed_once, looked
 from wirewear.records.importing.height_maps import is_map, matrix_of
 from wirewear.records.importing.sources import name_pattern
 from wirewear.records.importing.text_reader import open_lines
+from wirewear.records.remarks import plural
 from wirewear.records.test_tables import FRICTION_FORCE
+from wirewear.results.scar import called
 from wirewear.test.bodies import OPEN
 from wirewear.test.lengths import extent_of
 
@@ -31,6 +35,16 @@ _OPTIONS = {
 }
 
 SURFACES = ("scars", "profiles")  #: Tables of a mapping that hold one of surfaces for each body.
+#: Words of a file's name by which its surface is not worn yet, or is what wear has left; those in `_NEW` may also say
+#: that the file was written again, and count only where other surfaces are there.
+_BEFORE = frozenset(("before", "unworn", "vorher", "vor", "unverschlissen", "avant", "antes", "prima"))
+_NEW = frozenset(
+    ("new", "fresh", "pristine", "virgin", "initial", "pre", "neu", "neuf", "neuve", "nuevo", "nuova", "nuovo")
+)
+_AFTER = frozenset(
+    ("after", "worn", "post", "nachher", "nach", "verschlissen", "apres", "despues", "dopo", "minus", "diff")
+)
+
 _HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unknown": "unknown"}
 
 
@@ -117,6 +131,7 @@ def guessed_mapping(files: Sequence[Path], known: Mapping[str, object], touching
         tables["conditions"] = {key: own for key, own in asked.items() if key != FRICTION_FORCE}
         tables["stated"] = {key: own for key, own in asked.items() if key == FRICTION_FORCE}
         tables["loops"] = source
+        remarks += _without_loops(worn, source, extent.worn.removesuffix("s"))
     elif not stated.needs_loops and (worn or evolution):
         tables["conditions"] = asked_of(known)
     else:
@@ -170,7 +185,39 @@ def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
     if held["loops"] + whole or others:
         held["unknown"], maps = others, [*maps, *matrices]
         unread = {path: reason for path, reason in unread.items() if path not in matrices}
+    early = _unworn([*(own.path for own in held["surfaces"]), *maps])
+    held["surfaces"] = tuple(own for own in held["surfaces"] if own.path not in early)
+    maps = [path for path in maps if path not in early]
+    why = "by its name it shows what was not worn yet; the unworn surface is fitted to the worn map itself"
+    unread |= {path: f"{path.name} was left out: {why}" for path in early}
     return RecognisedFiles(**held | {"loops": held["loops"] + whole}, maps=tuple(maps), unread=tuple(unread.values()))
+
+
+def _unworn(surfaces: Sequence[Path]) -> list[Path]:
+    """Those of these files of surfaces that hold unworn ones, by words in their names."""
+    words = {
+        path: frozenset(re.findall(r"[^\W\d_]+", plain(re.sub(r"(?<=[a-z])(?=[A-Z])", "_", path.stem))))
+        for path in surfaces
+    }
+    found = [path for path, own in words.items() if own & (_BEFORE | _NEW) and not own & _AFTER]
+    return [path for path in found if words[path] & _BEFORE or len(found) < len(surfaces)]
+
+
+def _without_loops(worn: Mapping[str, Any], loops: Mapping[str, Any], name: str) -> list[str]:
+    """A sentence on each body with more files of worn surfaces than the loops have repeats; none if columns number
+    these. worn: a mapping's tables by body. loops: its table. name: of a worn surface.
+    """
+    pattern, repeats = loops.get("name_pattern", ""), {"1"}
+    if "(?P<repeat>" in pattern:
+        repeats = {found["repeat"] for file in listed(loops["files"]) if (found := re.search(pattern, file))}
+    if "repeat" in loops["columns"]:
+        return []
+    return [
+        f"the {called(body)} has {len(files)} {name}s ({', '.join(files)}), which count as one repeat each, and the "
+        f"loops {plural(len(repeats), 'repeat')}: keep those {name}s alone whose loops are there"
+        for body, source in worn.items()
+        if len(files := listed(source["files"])) > len(repeats) and "repeat" not in source.get("columns", {})
+    ]
 
 
 def left_out(unknown: Sequence[GuessedFile]) -> list[str]:
