@@ -46,11 +46,6 @@ class ElementKind:
     points: Array  #: (q, d) integration points in the reference element.
     weights: Array  #: (q,) integration weights.
 
-    @property
-    def is_linear(self) -> bool:
-        """True if it has nodes at its corners only."""
-        return len(self.nodes) == self.corners
-
     @cached_property
     def face_nodes(self) -> tuple[IntArray, ...]:
         """For each face, the indices (m,) of all its m nodes, corners first."""

@@ -106,7 +106,6 @@ class OwnSurface:
 
     solid: SolidMesh  #: In the body's own axes.
     face: FittedFace
-    origin_mm: Array  #: (3,) in the file's axes.
     axes: Array  #: (3, 3) rows are x, y and z in the file's axes.
     #: (t, 3) faces of the contact's set, split into triangles, that look along z within 60 degrees.
     triangles: IntArray
@@ -144,20 +143,6 @@ class OwnSurface:
         away = np.linalg.norm(self.solid.middles, axis=1)
         near = (away <= reach_mm) | (away <= np.partition(away, min(7, len(away) - 1))[min(7, len(away) - 1)])
         return float(np.percentile(self.solid.edges_mm[near], 90.0))
-
-    def deviation_mm(self, half_extents_mm: tuple[float, float]) -> float:
-        """Largest distance along z of the file's faces from the fitted face, within a patch of these half-extents
-        (along, across).
-        """
-        at = self.solid.points[self.triangles]
-        weights = np.array([[1, 1, 1], [1.5, 1.5, 0], [0, 1.5, 1.5], [1.5, 0, 1.5]]) / 3.0
-        places = np.einsum("wc,tcd->twd", weights, at).reshape(-1, 3)
-        inside = (np.abs(places[:, :2]) <= np.array(half_extents_mm)).all(axis=1)
-        if not inside.any():
-            near = np.linalg.norm(at.mean(axis=1), axis=1).argmin()
-            places, inside = at[near], np.ones(3, dtype=bool)
-        places = places[inside]
-        return float(np.abs(places[:, 2] - self.face.height(places[:, :2])).max())
 
 
 @lru_cache(maxsize=4)
@@ -204,7 +189,7 @@ def own_surface(source: MeshSource) -> OwnSurface:
         face = FittedFace(barrel, local[nodes, :2], off)
         rise = np.array([0.0, 0.0, float(face.height(np.zeros((1, 2)))[0])])
         face, local, origin = FittedFace(barrel, local[nodes, :2], off - rise[2]), local - rise, origin + rise @ axes
-    return OwnSurface(solid.moved(local), face, origin, axes, triangles, nodes, largest)
+    return OwnSurface(solid.moved(local), face, axes, triangles, nodes, largest)
 
 
 def face_through(nodes: Array) -> FittedFace:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from solvers.elasticity.body import Compliance, ContactBody
     from solvers.elasticity.condensation import CondensedBody, condense
     from solvers.elasticity.placement import PlacedBody, facing, place
+    from solvers.elasticity.stuck_bodies import StuckMotion, move_stuck
     from solvers.errors import NotConvergedError, PatchLeftError, SolverError
     from solvers.fretting import (
         CycleTrace,
@@ -58,7 +59,6 @@ if TYPE_CHECKING:
         wear_laws,
     )
     from solvers.laws.yielding import PressureLimit
-    from solvers.stress.interior import StuckMotion, move_stuck
     from solvers.transfer import flattened, remeshed, transferred, transferred_wear
     from solvers.wear import OxygenSupply, WearRates
     from solvers.wear_step import (

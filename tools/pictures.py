@@ -38,7 +38,7 @@ DRAWN = {
         f"wirewear compare runs/pictures/fit/run {_RECORD} --output runs/pictures/compared  # loops.png",
     ),
     "diagnosed.png": (f"wirewear diagnose {_RECORD} --output runs/pictures/diagnosis  # report.html",),
-    "effects.png": ("python studies/effects/gallery.py --output runs/pictures/effects  # effects.png",),
+    "effects.png": ("python -m studies.effects.gallery --output runs/pictures/effects  # effects.png",),
     "first_loop.png": (
         f"install -D --mode 644 {_RECORD}/loops.csv runs/pictures/log/loops.csv",
         "rm -f runs/pictures/log/mapping.toml",
@@ -46,7 +46,7 @@ DRAWN = {
         "wirewear import runs/pictures/log/mapping.toml --dry-run --output runs/pictures/log/a  # ../a_first_loop.png",
     ),
     "inside.png": (_STEEL, "wirewear fields runs/pictures/steel --cycle 100  # fields/section_0000100_016.png"),
-    "mechanism.png": ("python studies/rope_wires/mechanism.py --output runs/pictures/mechanism  # mechanism.png",),
+    "mechanism.png": ("python -m studies.rope_wires.mechanism --output runs/pictures/mechanism  # mechanism.png",),
     "mesh.png": (f"{_MESH}  # mesh.png",),
     "own_bodies.png": (
         "wirewear mesh studies/own_body/study.toml --output runs/pictures/own_body  # upper_of_file.png",

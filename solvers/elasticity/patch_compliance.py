@@ -15,8 +15,10 @@ transformed). It fades within a few elements, since bricks resolve long waves. A
 which its phase turns from node to node along and across. Displacements and forces are (..., 3): x, y, and z outwards.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from itertools import product
 
 import numpy as np
 
@@ -29,9 +31,6 @@ from solvers.jit_cache import compiled
 Pair = tuple[float, float]
 
 _DEPTH, _WAVES = 24.0, 2.0  #: How deep the lattice reaches at least, in elements and in longest waves.
-_REACH = 6.0  #: The correction reaches so many of the larger elements.
-_ALIASES = 4  #: Shorter waves beneath those that a lattice resolves, which a cell's uniform traction contains.
-_NEGLIGIBLE = 1e-3  #: Shares of a wave that are left out.
 #: Corners of a brick along each axis, in the order of its nodes; the first four are below.
 _CORNERS = (BRICK.nodes + 1.0) / 2.0
 
@@ -48,7 +47,7 @@ class Bricks:
 
 def reach(size_mm: Pair) -> tuple[int, int]:
     """How many elements (along, across) of the size (along, across) in mm a near-field correction reaches."""
-    along, across = (int(np.ceil(_REACH * max(size_mm) / each)) for each in size_mm)
+    along, across = (int(np.ceil(6.0 * max(size_mm) / each)) for each in size_mm)
     return along, across
 
 
@@ -93,16 +92,14 @@ def half_space_response(kx: Array, ky: Array, material: Elastic) -> ComplexArray
     return np.asarray(result * ((1.0 + nu) / material.youngs_modulus_MPa))
 
 
-def _aliases(along: Array, across: Array, count: int) -> list[tuple[Array, Array, Array]]:
-    """Waves that look alike at the nodes: a list of angles (n,) along and across, and the share of each in the traction
-    that is uniform on the nodes' cells.
+def _aliases(along: Array, across: Array) -> Iterator[tuple[Array, Array, Array]]:
+    """Waves that look alike at the nodes: angles (n,) along and across, and the share of each in the traction that is
+    uniform on the nodes' cells.
     """
-    found = []
-    for m in range(-count, count + 1):
-        for n in range(-count, count + 1):
-            x, y = along + 2.0 * np.pi * m, across + 2.0 * np.pi * n
-            found.append((x, y, np.sinc(x / (2.0 * np.pi)) * np.sinc(y / (2.0 * np.pi))))
-    return found
+    # Shorter waves beneath those that a lattice resolves, which a cell's uniform traction contains.
+    for m, n in product(range(-4, 5), repeat=2):
+        x, y = along + 2.0 * np.pi * m, across + 2.0 * np.pi * n
+        yield x, y, np.sinc(x / (2.0 * np.pi)) * np.sinc(y / (2.0 * np.pi))
 
 
 def _of_cells(along: Array, across: Array, size: Pair, material: Elastic) -> ComplexArray:
@@ -110,7 +107,7 @@ def _of_cells(along: Array, across: Array, size: Pair, material: Elastic) -> Com
     in mm/N.
     """
     result = np.zeros((len(along), 3, 3), dtype=np.complex128)
-    for x, y, cell in _aliases(along, across, _ALIASES):
+    for x, y, cell in _aliases(along, across):
         result += (cell**2)[:, None, None] * half_space_response(x / size[0], y / size[1], material)
     return np.asarray(result / (size[0] * size[1]))
 
@@ -124,17 +121,16 @@ def _lacking_in_other(
     """
     result = np.zeros((len(along), 3, 3), dtype=np.complex128)
     seen: list[tuple[IntArray, Array, Array]] = []
-    for x, y, cell in _aliases(along, across, _ALIASES):
+    for x, y, cell in _aliases(along, across):
         k = to_other[:2, :2] @ np.stack([x / size[0], y / size[1]])
         result += (cell**2)[:, None, None] * half_space_response(k[0], k[1], bricks.material)
         angles = k * np.array(other)[:, None]
         share = (cell * np.sinc(angles[0] / (2.0 * np.pi)) * np.sinc(angles[1] / (2.0 * np.pi))) ** 4
-        which = np.flatnonzero((share > _NEGLIGIBLE) & (np.hypot(*angles) > 0.0))
+        # What has a smaller share is left out.
+        which = np.flatnonzero((share > 1e-3) & (np.hypot(*angles) > 0.0))
         seen.append((which, share[which] * other[0] * other[1], angles[:, which]))
-    all_angles = np.concatenate([angles for *_, angles in seen], axis=1)
-    found = _of_bricks(all_angles[0], all_angles[1], other, bricks)
-    weights = np.concatenate([share for _, share, _ in seen])
-    np.subtract.at(result, np.concatenate([which for which, *_ in seen]), weights[:, None, None] * found)
+    wave, weight, angles = (np.concatenate(parts, axis=-1) for parts in zip(*seen, strict=True))
+    np.subtract.at(result, wave, weight[:, None, None] * _of_bricks(angles[0], angles[1], other, bricks))
     return np.asarray(result / (size[0] * size[1]))
 
 
@@ -270,25 +266,23 @@ class PatchCompliance:
         """For each node (n,): which image of the piece it belongs to, and which node of the piece it is the
         image of.
         """
-        along, across = (np.arange(n) for n in self.shape)
+        places = [np.arange(n) for n in self.shape]
         sides = [np.zeros(n, dtype=np.int64) for n in self.shape]
         for k, axis in enumerate(self.planes):
             middle = self.shape[axis] // 2
             lines = np.arange(self.shape[axis]) - middle
             sides[axis] = np.where(lines < 0, 2 ** (len(self.planes) - 1 - k), 0)
-            if axis == 0:
-                along = np.abs(lines)
-            else:
-                across = np.abs(lines)
+            places[axis] = np.abs(lines)
         width = _piece(self.shape, self.planes)[1]
-        return (sides[0][:, None] + sides[1]).ravel(), (along[:, None] * width + across).ravel()
+        return (sides[0][:, None] + sides[1]).ravel(), (places[0][:, None] * width + places[1]).ravel()
 
     @cached_property
     def _reflections(self) -> Array:
         """Matrices (2^p, 3, 3) that turn vectors of the piece into those of each image."""
         found = [np.eye(3)]
         for axis in self.planes:
-            found = [each for one in found for each in (one, one @ self._reflection(axis))]
+            mirror = self.rotation @ np.diag(np.where(np.arange(3) == axis, -1.0, 1.0)) @ self.rotation.T
+            found = [each for one in found for each in (one, one @ mirror)]
         return np.array(found)
 
     @cached_property
@@ -297,12 +291,6 @@ class PatchCompliance:
         if (self._reflections * (1.0 - np.eye(3))).any():
             return None
         return np.ascontiguousarray(np.einsum("gkk->gk", self._reflections))
-
-    def _reflection(self, axis: int) -> Array:
-        """Matrix (3, 3) of the reflection about one plane, in the axes of forces and displacements."""
-        mirror = np.eye(3)
-        mirror[axis, axis] = -1.0
-        return np.asarray(self.rotation @ mirror @ self.rotation.T)
 
 
 def _piece(shape: tuple[int, int], planes: tuple[int, ...]) -> tuple[int, int]:

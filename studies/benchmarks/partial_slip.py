@@ -17,8 +17,8 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from studies.scripts import StudyScript
 from wirewear import reference
-from wirewear.app.cli.study_script import StudyScript
 from wirewear.pictures import style
 from wirewear.simulation.workbench import (
     ContactProblem,
@@ -30,8 +30,8 @@ from wirewear.simulation.workbench import (
     unloaded_state,
 )
 from wirewear.test import Study, study_from_tables
-from wirewear.test.bodies import hertz_of
 from wirewear.test.fidelity import FIDELITIES
+from wirewear.test.gaps import hertz_of
 
 SHARES = (0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.7, 0.85, 0.95)
 DRAWN = 0.5  #: Share of µP at which the annulus is drawn.

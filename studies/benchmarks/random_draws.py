@@ -9,7 +9,7 @@ import numpy as np
 
 from wirewear import reference
 from wirewear.base.files import toml_text
-from wirewear.test.bodies import hertz_of
+from wirewear.test.gaps import hertz_of
 from wirewear.test.points import LowerAndUpper
 
 #: Ranges the studies are drawn from; lengths and stiffnesses on a logarithmic scale.

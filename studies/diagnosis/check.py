@@ -1,6 +1,6 @@
 """Diagnoses of finished simulations, and of records, beside what is known to be in them.
 
-    python studies/diagnosis/check.py RESULT_OR_RECORD... [--output DIR] [--repeats N] [--samples N] [--seed N]
+    python -m studies.diagnosis.check RESULT_OR_RECORD... [--output DIR] [--repeats N] [--samples N] [--seed N]
 
 A result (result.h5, or the folder that holds it) is read by noisy sensors into a record of several repeats, which
 states the nominal model only; its truth are the effects of its study. Records are diagnosed as they are. Diagnoses are
@@ -16,8 +16,9 @@ import click
 from rich import box
 from rich.table import Table
 
+from studies.scripts import StudyScript
 from wirewear import ExperimentRecord, RecordError, WirewearError, read_record
-from wirewear.app.cli.study_script import StudyScript, wide_console
+from wirewear.app.cli.group import wide_console
 from wirewear.diagnosis import Diagnosis, diagnose
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records.exporting import record_of_result

@@ -1,6 +1,6 @@
 """A picture of every effect from real runs of the steel-wire test, 100 000 cycles at quick fidelity.
 
-    python studies/effects/gallery.py [--output DIR] [--only NAME]... [--fidelity LEVEL]
+    python -m studies.effects.gallery [--output DIR] [--only NAME]... [--fidelity LEVEL]
 
 Each effect is run at the size that its library entry calls easy to see, beside one nominal run. Finished runs are
 kept, interrupted ones continued, so the script may be stopped and started again at any time. It leaves in DIR
@@ -15,7 +15,7 @@ import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
-from wirewear.app.cli.study_script import StudyScript
+from studies.scripts import StudyScript
 from wirewear.base.writing import prepared_folder, write_csv
 from wirewear.diagnosis.wording import plain
 from wirewear.effects import all_effects

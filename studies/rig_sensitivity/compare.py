@@ -1,7 +1,7 @@
 """Sensitivities of the first loop beside those of its closed form, run by run and index by index.
 
     wirewear sweep studies/rig_sensitivity/sweep.toml --output DIR
-    python studies/rig_sensitivity/compare.py DIR
+    python -m studies.rig_sensitivity.compare DIR
 
 The closed form is a spring in series with Cattaneo and Mindlin's contact of circular area, without wear.
 """
@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 
-from wirewear.app.cli.study_script import StudyScript, wide_console
+from studies.scripts import StudyScript
+from wirewear.app.cli.group import wide_console
 from wirewear.base.errors import ResultError
 from wirewear.reference import hertz_crossed_cylinders, tangential_contact_modulus
 from wirewear.reference.cattaneo_mindlin import dissipated_energy, force_amplitude, partial_slip_point, slip_amplitude

@@ -1,6 +1,6 @@
 """A Dask cluster on SLURM: prints the scheduler's address and stays until it is interrupted.
 
-    python studies/rig_sensitivity/slurm_cluster.py --jobs 20 --queue normal
+    python -m studies.rig_sensitivity.slurm_cluster --jobs 20 --queue normal
     wirewear sweep studies/rig_sensitivity/sweep.toml --output DIR --scheduler ADDRESS     # elsewhere on that machine
 
 Each SLURM job has one worker with one core. DIR must be on a disk that all nodes see.
@@ -11,7 +11,7 @@ import threading
 
 import click
 
-from wirewear.app.cli.study_script import StudyScript
+from studies.scripts import StudyScript
 
 
 @click.command(cls=StudyScript, help=__doc__)

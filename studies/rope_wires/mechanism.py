@@ -1,6 +1,6 @@
 """Why lives of rope wires fall with load, and fall and rise again with stroke: what stress does, and what removal does.
 
-    python studies/rope_wires/mechanism.py --output DIR
+    python -m studies.rope_wires.mechanism --output DIR
 
 Lives of the driven wire four ways: without wear; with the stresses of the worn states, but nothing removed; with those
 of the unworn state under a surface that recedes; and as they are. Leaves mechanism.csv and mechanism.png.

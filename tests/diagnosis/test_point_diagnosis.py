@@ -25,7 +25,8 @@ from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import AnyRecord
 from wirewear.simulation import run_study
 from wirewear.test import study_from_tables
-from wirewear.test.bodies import Gap, Wire
+from wirewear.test.bodies import Wire
+from wirewear.test.gaps import Gap
 from wirewear.views.fit_report import fit_table
 
 

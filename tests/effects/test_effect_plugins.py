@@ -24,7 +24,7 @@ from wirewear.diagnosis.surrogate.candidates import library, unsupported
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Effect, Seam, all_effects, applied, effect_named
 from wirewear.effects import registry as registry_module
 from wirewear.records.importing import import_record
-from wirewear.records.importing.guessed_conditions import Touching
+from wirewear.records.importing.guessed_scars import Touching
 from wirewear.records.importing.guessing import guessed_mapping
 from wirewear.records.importing.loggers import readers
 from wirewear.sweeps.signature import signature_study

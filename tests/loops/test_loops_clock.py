@@ -13,7 +13,7 @@ from wirewear.base.errors import RecordError
 from wirewear.loops import analyse_loop
 from wirewear.loops.clock import read_clock
 from wirewear.records.importing import guessing, import_record
-from wirewear.records.importing.guessed_conditions import Touching
+from wirewear.records.importing.guessed_scars import Touching
 from wirewear.records.importing.loop_sources import read_loops
 
 RATE_Hz, FREQUENCY_Hz = 600.0, 3.0

@@ -19,7 +19,7 @@ from wirewear.base.delimited import DelimitedLayout, DelimitedText
 from wirewear.base.errors import RecordError
 from wirewear.loops.sensor import enclosed_area
 from wirewear.records.importing import guessing, import_record
-from wirewear.records.importing.guessed_conditions import Touching
+from wirewear.records.importing.guessed_scars import Touching
 from wirewear.records.importing.loop_sources import read_loops
 from wirewear.records.importing.text_reader import open_lines
 from wirewear.records.values import ExperimentRecord

@@ -15,7 +15,7 @@ from tests.records.strangers_files import STIFFNESS_N_per_um, loops
 from wirewear.base.blocks import counts_in
 from wirewear.base.errors import RecordError
 from wirewear.records.importing import guessing, import_record
-from wirewear.records.importing.guessed_conditions import Touching
+from wirewear.records.importing.guessed_scars import Touching
 from wirewear.records.importing.loop_sources import read_loops
 
 CYCLES, FORCES_N = (1, 100, 1000, 5000), (0.8, 0.9, 1.0, 1.24)

@@ -10,8 +10,8 @@ from wirewear.base.errors import RecordError
 from wirewear.base.naming import encoding_of, recognised
 from wirewear.loops.sensor import enclosed_area
 from wirewear.records.importing import guessing
-from wirewear.records.importing.guessed_conditions import Touching
 from wirewear.records.importing.guessed_files import looked_into
+from wirewear.records.importing.guessed_scars import Touching
 from wirewear.records.importing.loop_sources import SampledLoop, read_loops
 from wirewear.views.loops_report import analyse_loops, remarks
 

@@ -18,7 +18,8 @@ from wirewear.simulation import discretise, run_study
 from wirewear.simulation.problem import held_is_primary
 from wirewear.sweeps.sweep import figures_of
 from wirewear.test import Study, study_from_tables
-from wirewear.test.bodies import Wire, hertz_of
+from wirewear.test.bodies import Wire
+from wirewear.test.gaps import hertz_of
 
 BALL = {"kind": "ball-on-flat", "bodies": {"ball": {"diameter_mm": 2 * RADIUS_mm, **STEEL}, "flat": STEEL}}
 

@@ -25,7 +25,7 @@ from wirewear.reference import (
 from wirewear.results.health import remedies
 from wirewear.simulation import simulate
 from wirewear.test import Study, study_from_tables
-from wirewear.test.bodies import hertz_of
+from wirewear.test.gaps import hertz_of
 
 STEEL = Elastic(210_000.0, 0.3)
 LOAD_N, FRICTION, AMPLITUDE_um, COEFFICIENT = 5.0, 0.5, 42.0, 1e-9

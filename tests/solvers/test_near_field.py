@@ -15,8 +15,8 @@ from solvers.stress.body_forces import forces_on_bodies
 from solvers.stress.interior import Interior
 from solvers.stress.lattice_error import line_lattice_error
 from solvers.stress.line_surface_stress import LineSurfaceStress, LoadedLine
-from solvers.stress.subgrid_traction import SubgridTraction
-from solvers.stress.surface_stress import LoadedSurface, SurfaceStress, half_space_stress, window_lines
+from solvers.stress.subgrid_traction import SubgridTraction, half_space_stress
+from solvers.stress.surface_stress import LoadedSurface, SurfaceStress, window_lines
 from solvers.transfer import hat_products
 from tests import bodies
 from tests.bodies import STEEL
@@ -229,7 +229,7 @@ def test_a_symmetric_contact_is_corrected_on_one_side_of_its_middle_only(monkeyp
         counts.append(len(places))
         return half_space_stress(places, *others)
 
-    monkeypatch.setattr("solvers.stress.surface_stress.half_space_stress", counted)
+    monkeypatch.setattr("solvers.stress.subgrid_traction.half_space_stress", counted)
     grid = surface.patch.grid()
     np.testing.assert_allclose(loaded.correction(grid), loaded._correction(grid), atol=1e-9)
     assert counts[0] < 0.6 * counts[1]

@@ -9,7 +9,7 @@ from geometry.arrays import Array
 from tests.studies import minimal
 from wirewear import StudyError
 from wirewear.kinds import any_study
-from wirewear.records.importing.guessed_conditions import Touching, along_motion, along_x, laid
+from wirewear.records.importing.guessed_scars import Touching, along_motion, along_x, laid
 from wirewear.test.bodies import BodiesByOptions
 
 STEEL = {"youngs_modulus_MPa": 210_000.0, "poissons_ratio": 0.3}

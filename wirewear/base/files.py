@@ -1,8 +1,10 @@
-"""Reading of whole files, TOML among them, with one clear sentence if that fails."""
+"""Reading of whole files, TOML among them, with one clear sentence if that fails, and where paths lead."""
 
 import codecs
+import errno
 import hashlib
 import json
+import os
 import re
 import tomllib
 from collections.abc import Mapping
@@ -178,3 +180,36 @@ def utf8(data: bytes, path: Path, kind: type[WirewearError]) -> str:
     except UnicodeDecodeError as problem:
         line = data.count(b"\n", 0, problem.start) + 1
         raise kind(f"{path}, line {line}: this is not text in UTF-8.") from None
+
+
+_MOST_LINKS = 40  #: As many as Linux follows.
+
+
+def is_special(path: Path) -> bool:
+    """True for a device, pipe or socket, and for a path, as /dev/stdout, that leads to this process's open stream."""
+    return open_number(path) is not None or (path.exists() and not path.is_file() and not path.is_dir())
+
+
+def open_number(path: Path) -> int | None:
+    """Descriptor of this process's open stream that a path leads to, as 1 for /dev/stdout; None for other paths."""
+    for _ in range(_MOST_LINKS):
+        if path.name.isdecimal() and path.parent.resolve() == Path("/proc/self/fd").resolve():
+            return int(path.name)
+        if not path.is_symlink():
+            return None
+        path = path.parent / path.readlink()
+    return None
+
+
+def link_followed(path: Path) -> Path:
+    """Final target of a symbolic link; the path itself if it is not a link.
+
+    Raises OSError if links form a circle, or one belongs to another user, who could redirect the file.
+    """
+    for _ in range(_MOST_LINKS):
+        if not path.is_symlink():
+            return path
+        if path.lstat().st_uid not in (os.geteuid(), 0):
+            raise PermissionError(errno.EPERM, "it is a link of another user")
+        path = path.parent / path.readlink()
+    raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))

@@ -16,19 +16,20 @@ import shutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from glob import escape
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
 from typing import TYPE_CHECKING, overload
 
 from wirewear.base.errors import RunError, WirewearError
+from wirewear.base.files import is_special, link_followed, open_number
 
 if TYPE_CHECKING:
     import polars as pl
     from vtkmodules.vtkCommonDataModel import vtkDataObject
 
 _BEGINS_FORMULA = r"^[=+\-@\t\r]"  #: Signs with which spreadsheets let a formula begin: OWASP, "CSV injection".
-_MOST_LINKS = 40  #: As many as Linux follows.
 
 _BEFORE = ".before."  #: In the name of a folder that is exchanged in two steps.
 _AT_WORKING_FOLDER, _SWAP = -100, 2  #: Of renameat2, in Linux's fcntl.h and fs.h.
@@ -242,7 +243,7 @@ def set_aside(path: Path) -> Path | None:
     """The one folder beside `path` that a process killed during an exchange has left as its previous contents; None if
     `path` exists, or there is no such folder or several.
     """
-    found = [] if os.path.lexists(path) else [*path.parent.glob(f"{_literal(path.name)}{_BEFORE}*")]
+    found = [] if os.path.lexists(path) else [*path.parent.glob(f"{escape(path.name)}{_BEFORE}*")]
     return found[0] if len(found) == 1 else None
 
 
@@ -287,22 +288,6 @@ def require_absent(paths: Iterable[Path], kind: type[WirewearError], otherwise: 
         raise kind(f"{there} exists already, and is not overwritten unasked: choose another folder{otherwise}.")
 
 
-def is_special(path: Path) -> bool:
-    """True for a device, pipe or socket, and for a path, as /dev/stdout, that leads to this process's open stream."""
-    return open_number(path) is not None or (path.exists() and not path.is_file() and not path.is_dir())
-
-
-def open_number(path: Path) -> int | None:
-    """Descriptor of this process's open stream that a path leads to, as 1 for /dev/stdout; None for other paths."""
-    for _ in range(_MOST_LINKS):
-        if path.name.isdecimal() and path.parent.resolve() == Path("/proc/self/fd").resolve():
-            return int(path.name)
-        if not path.is_symlink():
-            return None
-        path = path.parent / path.readlink()
-    return None
-
-
 @contextmanager
 def temporary_folder(prefix: str = "wirewear-") -> Iterator[Path]:
     """Create a folder in the system's temporary folder and delete it at the end of the context.
@@ -313,20 +298,6 @@ def temporary_folder(prefix: str = "wirewear-") -> Iterator[Path]:
         made = TemporaryDirectory(prefix=prefix)
     with made as name:
         yield Path(name)
-
-
-def link_followed(path: Path) -> Path:
-    """Final target of a symbolic link; the path itself if it is not a link.
-
-    Raises OSError if links form a circle, or one belongs to another user, who could redirect the file.
-    """
-    for _ in range(_MOST_LINKS):
-        if not path.is_symlink():
-            return path
-        if path.lstat().st_uid not in (os.geteuid(), 0):
-            raise PermissionError(errno.EPERM, "it is a link of another user")
-        path = path.parent / path.readlink()
-    raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
 
 
 @contextmanager
@@ -387,12 +358,7 @@ def _remove_abandoned(path: Path) -> None:
 
 def _partials(path: Path) -> Iterator[Path]:
     """Unfinished files or folders beside `path` that were named by `name_beside`."""
-    return path.parent.glob(f".{_literal(path.stem)}.*.partial{_literal(path.suffix)}")
-
-
-def _literal(text: str) -> str:
-    """Pattern of file names that matches only this text."""
-    return "".join(f"[{sign}]" if sign in "*?[" else sign for sign in text)
+    return path.parent.glob(f".{escape(path.stem)}.*.partial{escape(path.suffix)}")
 
 
 def _locked(descriptor: int) -> bool:

@@ -10,12 +10,11 @@ from wirewear.base.errors import StudyError
 from wirewear.diagnosis.answer import Diagnosis, causes_of, causes_of_fit, partial_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.left_open import joined, masses, measurement_after, plausible, unseen
-from wirewear.diagnosis.infer.physical_gap import physical_gap
 from wirewear.diagnosis.infer.resembling import Resemblance, resemblances
 from wirewear.diagnosis.infer.search import Search, search, updated
 from wirewear.diagnosis.infer.shrink import shrink_of
 from wirewear.diagnosis.infer.weighing import classes_of, force_zero, gains_of, leading_fit, relevant, weigh
-from wirewear.diagnosis.infer.where import changes, findings, places, relevance_of
+from wirewear.diagnosis.infer.where import changes, findings, physical_gap, places, relevance_of
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.preparation import PreparedRecord, prepared
 from wirewear.diagnosis.surrogate.candidates import effect_of

@@ -221,11 +221,6 @@ class LineTest(OfRecord):
         needs = {"friction": self.stated.final_friction is not None, "a wear coefficient of pad or specimen": worn}
         return tuple(key for key, given in needs.items() if not given)
 
-    @property
-    def assumed(self) -> str:
-        """ "", as assumed heights have a remark of their own."""
-        return ""
-
 
 class LineRecordTables(LineTest):
     """All tables of a line contact's experiment.toml."""
@@ -383,10 +378,6 @@ class JointTest(OfRecord):
     @property
     def missing(self) -> tuple[str, ...]:
         return ("friction",) if self.stated.final_friction is None else ()
-
-    @property
-    def assumed(self) -> str:
-        return ""
 
 
 class JointRecordTables(JointTest):

@@ -30,7 +30,7 @@ from wirewear.records.swap_checks import copied_scars
 from wirewear.records.values import ExperimentRecord, LineRecord
 from wirewear.reference.hertz import contact_modulus, hertz_line
 from wirewear.results.scar import called
-from wirewear.test.bodies import Gap, hertz_of
+from wirewear.test.gaps import Gap, hertz_of
 
 #: Curvatures along the motion that carry a contact nowhere, and leans that are none, by round-off.
 STRAIGHT_per_mm, UPRIGHT = 1e-9, 1e-9

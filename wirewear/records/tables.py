@@ -16,8 +16,9 @@ from wirewear.records.surfaces import SCARS
 from wirewear.records.test_tables import Metadata, OfRecord, OfTest
 from wirewear.results.scar import WIRES, called
 from wirewear.test import keys
-from wirewear.test.bodies import Body, unworn_stiffness_N_per_um
+from wirewear.test.bodies import Body
 from wirewear.test.conditions import Asked, HolderTable
+from wirewear.test.gaps import unworn_stiffness_N_per_um
 from wirewear.test.keys import Inconsistency
 from wirewear.test.wires import BothWires, Wires
 
@@ -314,11 +315,6 @@ class PointRecordTables(OfRecord, PointTest):
             "energy_wear_coefficient_mm3_per_J": self.stated.energy_wear_coefficient_mm3_per_J,
         }
         return tuple(key for key, value in needs.items() if value is None)
-
-    @property
-    def assumed(self) -> str:
-        """Assumptions about the bodies as the end of a sentence, after a semicolon; "" if there are none."""
-        return ""
 
 
 class RecordTables(PointRecordTables, WiresTest):

@@ -157,6 +157,11 @@ class OfRecord(OfTest, ABC):
         """
 
     @property
+    def assumed(self) -> str:
+        """Assumptions about the bodies as the end of a sentence, after a semicolon; "" if there are none."""
+        return ""
+
+    @property
     def contact_stiffness_N_per_um(self) -> float | None:
         """Tangential stiffness of the unworn contact in N/µm; None without a closed form."""
         return None

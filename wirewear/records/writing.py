@@ -14,17 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wirewear.base.errors import RecordError
-from wirewear.base.files import TABLE_FILE_NAME, read_bytes, spelled, toml_text
+from wirewear.base.files import TABLE_FILE_NAME, link_followed, read_bytes, spelled, toml_text
 from wirewear.base.locks import occupied
-from wirewear.base.writing import (
-    folder_in_one_step,
-    link_followed,
-    put_back,
-    usable_folder,
-    write_csv,
-    write_text,
-    writing,
-)
+from wirewear.base.writing import folder_in_one_step, put_back, usable_folder, write_csv, write_text, writing
 from wirewear.records.contact_tables import RECORDS
 from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.reading import EVOLUTION_COLUMNS, require_unchanged

@@ -18,11 +18,11 @@ from wirewear import reference
 from wirewear.effects import Age, AnyEffect, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.results import BORNE, BORNE_IS
 from wirewear.results.scar import called
-from wirewear.simulation.sliding_onset import point_sticks
+from wirewear.simulation.control import point_sticks
 from wirewear.simulation.yielding import limit_of_points, spread_by_yield
 from wirewear.test import AnyStudy, Study
-from wirewear.test.bodies import hertz_of, on_pad
 from wirewear.test.faces import Face, half_width_of
+from wirewear.test.gaps import hertz_of, on_pad
 from wirewear.test.life import TENSILE_STRENGTH, LifeTable
 
 # Effects may add this factor to the worn volume before the patch grows: 8 % of its half-width in 3D. Runs with and

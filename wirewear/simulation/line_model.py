@@ -27,10 +27,9 @@ from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.base.memory import free_memory
 from wirewear.results import PRESSURE_LENGTH
-from wirewear.simulation.control import SlidingOnset
+from wirewear.simulation.control import SlidingOnset, expected_to_stick
 from wirewear.simulation.expected_contact import wear_factors
 from wirewear.simulation.problem import laws_of, measured, too_much
-from wirewear.simulation.sliding_onset import expected_to_stick
 from wirewear.simulation.yielding import pressure_limit, spread_by_yield
 from wirewear.test.conditions import HolderTable
 from wirewear.test.faces import Face, WIDEST_mm, half_width_of

@@ -22,10 +22,11 @@ from solvers.stress.pressing import largest_MPa
 from solvers.stress.rubbing import Rubbed, Rubbing
 from wirewear import reference
 from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, RATCHETTING, PlasticStrain
-from wirewear.simulation.sliding_onset import point_sticks, round_contact
+from wirewear.simulation.control import point_sticks, round_contact
 from wirewear.simulation.yielding import limit_of_points, spread_by_yield
 from wirewear.test import Study, study_from_tables
-from wirewear.test.bodies import Body, hertz_of
+from wirewear.test.bodies import Body
+from wirewear.test.gaps import hertz_of
 
 NEAR_ZONE = "near zone"  #: What a study's `plasticity` is called.
 #: Points to the smaller semi-axis for pressing and for sliding, semi-axes around, points along a side.

@@ -17,11 +17,11 @@ from geometry import BodyGeometry
 from solvers import ContactProblem, ContactState, stuck_share
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import StudyError
+from wirewear.simulation.control import stated_core
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, follows
 from wirewear.simulation.expected_contact import ExpectedContact
 from wirewear.simulation.problem import contact_problem, with_nodes_moved, worn_depths
-from wirewear.simulation.sliding_onset import stated_core
 from wirewear.simulation.store import Meshes, MeshHistory, Report
 from wirewear.test import AnyStudy, Study
 from wirewear.test.any_study import Of

@@ -8,7 +8,7 @@ from math import pi, sqrt
 from solvers import ContactProblem, IncrementReport, PressureLimit
 from wirewear import reference
 from wirewear.test import AnyStudy, Study
-from wirewear.test.bodies import hertz_of
+from wirewear.test.gaps import hertz_of
 
 STRAIN = "fresh_indentation_strain"  #: Name in results of 0.2 a/R of the fresh contact of bodies that yield.
 _ALIKE = 1e-6  #: Yield stresses that differ by less, relative, are equal.

@@ -6,7 +6,7 @@ the rope's axis. The extrados is the outer side of the bend. Slip is largest at 
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import atan2, cos, degrees, hypot, inf, nan, pi, sin
+from math import atan2, cos, hypot, inf, nan, pi, sin
 from typing import Literal, cast
 
 from geometry import Elastic
@@ -392,14 +392,3 @@ def _on_sheave(rope: Strand, tension_N: float, bend: Bend, groove: SheaveGroove)
         is_line=False,
         upper_curvature_per_mm=curvature,
     )
-
-
-def degrees_of(contact: WireContact) -> tuple[float, float]:
-    """(crossing angle, 0 to 180°, direction of slip, −90 to 90°), as a study of crossed wires states them.
-
-    Both are about the outward normal; the lower wire is the driven one. Axis, direction around it and outward normal
-    form a left-handed system.
-    """
-    crossing = degrees(contact.lower_rad - contact.upper_rad) % 180.0
-    motion = degrees(contact.lower_rad - contact.motion_rad)
-    return crossing, (motion + 90.0) % 180.0 - 90.0

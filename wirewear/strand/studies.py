@@ -6,6 +6,7 @@ A contact has a study if its motion is known and at least 0.1 µm in amplitude.
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import degrees
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from wirewear.base.errors import ResultError
 from wirewear.base.files import toml_text
 from wirewear.base.writing import write_text, writing
 from wirewear.kinds import any_study
-from wirewear.strand.contacts import LoadedWire, degrees_of
+from wirewear.strand.contacts import LoadedWire, WireContact
 from wirewear.strand.estimates import ContactEstimate
 from wirewear.strand.tables import RopeTables
 from wirewear.sweeps.running import SweepObserver, run_sweep
@@ -244,3 +245,14 @@ def _of_run(row: SweepRow | None) -> dict[str, Any]:
     figures = {} if row is None or row.figures is None else row.figures
     failure = "" if row is None else row.failure
     return {own: figures.get(key) for key, own in OF_RUN.items()} | {"run_failure": failure}
+
+
+def degrees_of(contact: WireContact) -> tuple[float, float]:
+    """(crossing angle, 0 to 180°, direction of slip, −90 to 90°), as a study of crossed wires states them.
+
+    Both are about the outward normal; the lower wire is the driven one. Axis, direction around it and outward normal
+    form a left-handed system.
+    """
+    crossing = degrees(contact.lower_rad - contact.upper_rad) % 180.0
+    motion = degrees(contact.lower_rad - contact.motion_rad)
+    return crossing, (motion + 90.0) % 180.0 - 90.0

@@ -20,7 +20,7 @@ from wirewear.base.errors import StudyError
 from wirewear.results import RunResult
 from wirewear.sweeps.beam import Beam, Yielding, contact_forces
 from wirewear.test import Study
-from wirewear.test.bodies import hertz_of
+from wirewear.test.gaps import hertz_of
 from wirewear.test.many_contacts import LoadedBlock, ManyContacts
 
 _MOST_ROUNDS = 8

@@ -12,7 +12,8 @@ from pydantic import Field
 from wirewear.base import kinds
 from wirewear.effects import Age, Seam, Specimens, applied
 from wirewear.test import keys
-from wirewear.test.bodies import OPEN, BlockBody, BodiesByOptions, Body, StatedBodies, touch_along_line
+from wirewear.test.bodies import OPEN, BlockBody, BodiesByOptions, Body, StatedBodies
+from wirewear.test.gaps import touch_along_line
 from wirewear.test.keys import Inconsistency
 from wirewear.test.shapes import PAD, Diameter, GrippedBody, ShapedBody
 from wirewear.test.tables import ContactTables, StatesItsKind

@@ -14,16 +14,8 @@ from pydantic import AliasChoices, BeforeValidator, Field
 from wirewear.base.errors import AssumedWarning
 from wirewear.base.words import shown
 from wirewear.test import keys
-from wirewear.test.bodies import (
-    OPEN,
-    BodiesByOptions,
-    GripKeys,
-    MaterialKeys,
-    StatedBodies,
-    SurfaceKeys,
-    Wire,
-    touch_along_line,
-)
+from wirewear.test.bodies import OPEN, BodiesByOptions, GripKeys, MaterialKeys, StatedBodies, SurfaceKeys, Wire
+from wirewear.test.gaps import touch_along_line
 
 #: Keys that each wire needs; the fixed wire has the moving one's values if it does not state its own.
 _NEEDED = ("diameter_mm", "youngs_modulus_MPa", "poissons_ratio")

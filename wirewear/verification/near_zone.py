@@ -19,7 +19,7 @@ from solvers.laws.plasticity import Metal
 from solvers.stress.half_space import HalfSpace
 from solvers.stress.plastic_zone import PlasticZone
 from solvers.stress.pressing import Indentation, indented
-from wirewear.test.bodies import hertz_of
+from wirewear.test.gaps import hertz_of
 from wirewear.verification.rows import Level, Row, compared
 from wirewear.verification.yielding import CASES, Pressed, study_of, wires
 

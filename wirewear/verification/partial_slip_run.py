@@ -16,7 +16,7 @@ from solvers import CondensedBody, Holder
 from wirewear import reference
 from wirewear.simulation import discretise, simulate
 from wirewear.test import Study, study_from_tables
-from wirewear.test.bodies import hertz_of
+from wirewear.test.gaps import hertz_of
 from wirewear.verification import hertz
 from wirewear.verification.partial_slip import FRICTION, sliding_rows
 from wirewear.verification.rows import Level, Row, compared

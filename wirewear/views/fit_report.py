@@ -11,8 +11,8 @@ from wirewear.base.files import TABLE_FILE_NAME, parsed_toml, read_text, table_o
 from wirewear.base.units import UNIT_SYMBOLS
 from wirewear.base.words import counted
 from wirewear.base.writing import prepared_folder, require_absent, write_text
-from wirewear.diagnosis.fit.fit import CheckedRun, stated_by
-from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
+from wirewear.diagnosis.fit.fit import stated_by
+from wirewear.diagnosis.fit.values import CheckedRun, FittedParameter, FittedTest
 from wirewear.records.writing import with_checksums
 from wirewear.results.scar import called
 from wirewear.test.kinds import kind_of

@@ -10,10 +10,10 @@ import click
 from wirewear.app.cli.group import Given, OutputFile, OutputFolder, busy, cli, given
 from wirewear.base import kinds
 from wirewear.base.errors import RecordError, StudyError
-from wirewear.base.files import parsed_toml
+from wirewear.base.files import is_special, parsed_toml
 from wirewear.base.recognising import Held, recognised, require_no_other
 from wirewear.base.words import as_sentence
-from wirewear.base.writing import is_special, prepared_folder, usable_file, write_text
+from wirewear.base.writing import prepared_folder, usable_file, write_text
 from wirewear.kinds import any_study
 
 if TYPE_CHECKING:
@@ -154,7 +154,7 @@ def _new_mapping(
     known: dict[str, Any],
     kind: "Kind",
 ) -> None:
-    from wirewear.records.importing.guessed_conditions import Touching
+    from wirewear.records.importing.guessed_scars import Touching
     from wirewear.records.importing.guessing import guessed_mapping, mapping_text, with_files_from
     from wirewear.records.importing.text_reader import lines_to_fill_in
     from wirewear.test.bodies import OPEN

@@ -62,6 +62,11 @@ class LoopsOfTests:
         return _has_play(self.plays, self.figures)
 
     @property
+    def friction(self) -> float:
+        """Mean friction coefficient of all loops."""
+        return float(np.nanmean(self.figures[:, :, 0]))
+
+    @property
     def mean(self) -> Array:
         """Means over all repeats (cycles, FITTED); NaN where none has the figure."""
         known = np.isfinite(self.figures)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from wirewear.diagnosis.fit import wear
 from wirewear.diagnosis.fit.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
 from wirewear.diagnosis.fit.partial_slip import StickingFit, fitted_sticking, left_out
 from wirewear.diagnosis.fit.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
-from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
+from wirewear.diagnosis.fit.values import CheckedRun, FittedParameter, FittedTest
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.loops import LoopError
@@ -25,7 +25,7 @@ from wirewear.records import AnyRecord
 from wirewear.records.checking import remarks_of
 from wirewear.records.exporting import true_loop
 from wirewear.records.values import stated_friction, stated_tables
-from wirewear.results import RunResult, read_loops
+from wirewear.results import read_loops
 from wirewear.simulation import Observer, run_study
 from wirewear.test import AnyStudy, study_from_tables
 from wirewear.test.kinds import kind_of
@@ -36,38 +36,6 @@ WEAR_KEYS = (
     "specimen_energy_wear_coefficient_mm3_per_J",
 )  # fmt: skip
 _STIFFNESS = list(FITTED).index("measured_stiffness_N_per_um")
-
-
-@dataclass(frozen=True, eq=False)
-class CheckedRun:
-    """A run of the fitted study beside its record.
-
-    result: the run. cycles: (c,). measured, simulated: (c, FITTED) figures of the record and of the run; NaN where
-    missing. deviations: (c, FITTED) standard deviations of one test.
-    """
-
-    result: RunResult
-    cycles: Array
-    measured: Array
-    simulated: Array
-    deviations: Array
-
-    @property
-    def differences(self) -> dict[str, float]:
-        """Mean relative difference over the cycles, run less record, by name of each figure that both have."""
-        found = {}
-        for place, name in enumerate(FITTED):
-            share = self.simulated[:, place] / self.measured[:, place] - 1.0
-            if np.isfinite(share).any():
-                found[name] = float(np.nanmean(share))
-        return found
-
-    @property
-    def scatters(self) -> float | None:
-        """Root mean square of all differences over the standard deviations of one test; None if no figure is common."""
-        both = np.isfinite(self.simulated - self.measured)
-        off = (self.simulated - self.measured)[both] / self.deviations[both]
-        return float(np.sqrt(np.mean(off**2))) if both.any() else None
 
 
 def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: ObserverOf | None = None) -> CheckedRun:
@@ -125,7 +93,7 @@ def fit_record(
             worn, notes = wear.wear_given(given, tables, worn, found)
     with stage("the contact on a rigid rig"):
         some_wear = {} if wear.stated_wear(tables) else {key: one.value for key, one in _some_wear(tables)[0].items()}
-        contact = contact_stiffness(record, _friction_of(tests), some_wear)
+        contact = contact_stiffness(record, tests.friction, some_wear)
         found |= _stiffnesses(contact, tests, rigid)
     if tables.fitted_by_loops:
         parameters = _of_loops(record, contact, tests) | _play(tests)
@@ -186,7 +154,7 @@ def _friction_of_loops(record: AnyRecord) -> float:
     """Coefficient of friction from the loops. Raises RecordError if they do not show it."""
     try:
         sticking = fitted_sticking(record, kind_of(record).rigid_N_per_mm)
-        found = _friction_of(loops_of_tests(record)) if sticking is None else sticking.parameters["friction"].value
+        found = loops_of_tests(record).friction if sticking is None else sticking.parameters["friction"].value
         return round(found, 3)
     except RecordError as problem:
         raise RecordError(f"[stated] gives no friction, and {problem}") from None
@@ -245,10 +213,6 @@ def stated_by(parameters: dict[str, FittedParameter], rigid_N_per_mm: float) -> 
     return stated | {key: parameters[key].value for key in (SPRING, *WEAR_KEYS) if key in parameters}
 
 
-def _friction_of(tests: LoopsOfTests) -> float:
-    return float(np.nanmean(tests.figures[:, :, 0]))
-
-
 def _some_wear(tables: Any) -> wear.Worn:
     return wear.parted(tables, FittedParameter(wear.ANY_WEAR_mm3_per_J, (0.0, 0.0), "mm3_per_J", 1))
 
@@ -256,7 +220,7 @@ def _some_wear(tables: Any) -> wear.Worn:
 def _rough_study(
     record: AnyRecord, contact: ContactStiffness, tests: LoopsOfTests, worn: dict[str, FittedParameter]
 ) -> Any:
-    friction, tables, first = _friction_of(tests), record.tables, _first(tests)
+    friction, tables, first = tests.friction, record.tables, _first(tests)
     compliance = 0.0 if first is None else contact.rig_um_per_N(float(first[1].mean()))
     stiffness = 1e3 / max(compliance, 1e3 / kind_of(record).rigid_N_per_mm)
     rough = {

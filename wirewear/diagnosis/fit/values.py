@@ -8,9 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
+from geometry.arrays import Array
 from wirewear.base.frame import notebook_table
 from wirewear.base.units import UNIT_SYMBOLS
+from wirewear.diagnosis.fit.fast_fit import FITTED
 from wirewear.records import AnyRecord
+from wirewear.results import RunResult
 from wirewear.test import AnyStudy
 
 #: Logarithm of the factor beyond which an interval is as good as open: Student's t of two tests leaves at most that.
@@ -72,3 +75,35 @@ class FittedTest:
             for name, one in (self.parameters | self.found).items()
         }
         return notebook_table(f"fit of “{self.record.name}”", rows, note=" ".join(self.notes))
+
+
+@dataclass(frozen=True, eq=False)
+class CheckedRun:
+    """A run of the fitted study beside its record.
+
+    result: the run. cycles: (c,). measured, simulated: (c, FITTED) figures of the record and of the run; NaN where
+    missing. deviations: (c, FITTED) standard deviations of one test.
+    """
+
+    result: RunResult
+    cycles: Array
+    measured: Array
+    simulated: Array
+    deviations: Array
+
+    @property
+    def differences(self) -> dict[str, float]:
+        """Mean relative difference over the cycles, run less record, by name of each figure that both have."""
+        found = {}
+        for place, name in enumerate(FITTED):
+            share = self.simulated[:, place] / self.measured[:, place] - 1.0
+            if np.isfinite(share).any():
+                found[name] = float(np.nanmean(share))
+        return found
+
+    @property
+    def scatters(self) -> float | None:
+        """Root mean square of all differences over the standard deviations of one test; None if no figure is common."""
+        both = np.isfinite(self.simulated - self.measured)
+        off = (self.simulated - self.measured)[both] / self.deviations[both]
+        return float(np.sqrt(np.mean(off**2))) if both.any() else None

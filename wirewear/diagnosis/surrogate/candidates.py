@@ -21,7 +21,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.effects import AnyEffect, Parameter, Stated, all_effects
 from wirewear.test import LineStudy, Study
-from wirewear.test.bodies import Gap
+from wirewear.test.gaps import Gap
 
 #: Where numerical freedoms lie on average, if not at their neutral value: a quick run sees a scar longer than the slip
 #: and blunts its walls, so that the state that fits others' loops is one of less wear with steeper slopes.

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from geometry.arrays import Array
 from wirewear.diagnosis.surrogate import sensing
 from wirewear.diagnosis.surrogate.followed import CyclePath, Followed, followed
-from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
+from wirewear.diagnosis.surrogate.held import LEAST_SLIP, driven, half_reading, missing_of
+from wirewear.diagnosis.surrogate.inputs import NUMBERS, SurrogateInputs
 from wirewear.diagnosis.surrogate.layered_wires import LAYER_MEMORY, SHEAR_RATIO, remembered
 from wirewear.diagnosis.surrogate.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
 from wirewear.diagnosis.surrogate.wear_states import WearStates
@@ -38,19 +39,9 @@ _ODD = np.stack([sensing.POSITIONS**power for power in ODD_POWERS])
 _EVEN = np.stack([sensing.POSITIONS**power for power in EVEN_POWERS])
 _LIFT = np.stack([sensing.POSITIONS**power for power in LIFT_POWERS])
 
-#: Contacts that slide less than this share of the amplitude stick in their middle; halvings of what is reached.
-_LEAST_SLIP, _HALVINGS = 0.02, 32
 
 #: What is steeper towards the ends of the stroke, without a mean over it.
 _ENDS = sensing.POSITIONS**4 - 0.2
-
-
-#: Numbers of a setup that its chain does not hold.
-_NUMBERS = (
-    *("amplitude_um", "load_N", "friction", "load_factor", "normal_spring_N_per_um", "slope_factor", "tip_factor"),
-    *("tip_trend", "stretch", "stick_factor", "stick_trend", "micro_slip", "angle_rise", "held_share"),
-    *("displacement_offset_um", "force_offset_N"),
-)
 
 
 #: Columns of a course that are of its loops.
@@ -161,7 +152,7 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
         true = course.displacement_um, course.force_N, course.load_N
     loops = sensing.read_by_sensors(setup, chain, *true, contact.share)
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
-    reach = states.reach(np.maximum(slip[ends], [_LEAST_SLIP * one.amplitude_um for one in setups]))
+    reach = states.reach(np.maximum(slip[ends], [LEAST_SLIP * one.amplitude_um for one in setups]))
     scars, skews = _scars(states, end, reach, under), _skews(states, end, reach)
     profiles = [
         states.profiles(one, end.taken(np.array([place])), float(reach[place]), float(share[ends[place]]))
@@ -173,7 +164,7 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
 
 def _columns(setups: Sequence[SurrogateInputs], moments: int) -> SurrogateInputs:
     """Several setups as one whose numbers are arrays (n,), one for each of so many moments of each."""
-    each: dict[str, Any] = {name: np.repeat([getattr(setup, name) for setup in setups], moments) for name in _NUMBERS}
+    each: dict[str, Any] = {name: np.repeat([getattr(setup, name) for setup in setups], moments) for name in NUMBERS}
     return replace(setups[0], **each)
 
 
@@ -206,7 +197,7 @@ def _wear_path(
         for _ in range(_SLIP_SWEEPS):
             contact = _contact(states, setup, chain, slip, layer)
             if setup.load_cycle.steady:
-                slip, share = _driven(setup, chain, contact, slip)
+                slip, share = driven(setup, chain, contact, slip)
                 energy = sensing.loop_energy(replace(contact, share=share), slip)
             else:
                 course = _followed(setup, chain, contact, slip)
@@ -224,7 +215,7 @@ def _contact(
     states: WearStates, setup: SurrogateInputs, chain: Chain, slip: Array, layer: _Layer | None
 ) -> sensing.SlidingContact:
     """The contact's force curve at a slip amplitude, from the state of equal V R/δ⁴."""
-    slip = states.reach(np.maximum(slip, _LEAST_SLIP * setup.amplitude_um))
+    slip = states.reach(np.maximum(slip, LEAST_SLIP * setup.amplitude_um))
     own = setup.stretch * slip
     similarity = states.similar(states.open_share(chain) * chain.worn_um3, own)
     row, share = _places(states, similarity)
@@ -277,19 +268,9 @@ def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
     return row, np.minimum(np.maximum(share, 0.0), 3.0)
 
 
-def _driven(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> tuple[Array, Array]:
-    """Slip amplitudes (n,) by which a drive holds what it holds, and shares (n,) of the friction that are reached."""
-    share, least = np.ones_like(slip), _LEAST_SLIP * setup.amplitude_um
-    wanted = slip + _missing_slip(setup, chain, contact, slip)
-    if (at := np.flatnonzero(wanted < least)).size:
-        numbers: dict[str, Any] = {name: np.take(getattr(setup, name), at) for name in _NUMBERS}
-        share[at] = _sticking_share(replace(setup, **numbers), chain.taken(at), contact.taken(at))
-    return np.where(share < 1.0, 0.0, np.maximum(wanted, least)), share
-
-
 def _followed(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Followed:
     """The cycle under a load that varies, by which a drive holds what it holds."""
-    course, slip = CyclePath.of(setup.motion, setup.load_cycle), np.maximum(slip, _LEAST_SLIP * setup.amplitude_um)
+    course, slip = CyclePath.of(setup.motion, setup.load_cycle), np.maximum(slip, LEAST_SLIP * setup.amplitude_um)
     held, stroke = bool(setup.held) & np.isnan(chain.amplitude_um), np.array(chain.amplitude_um)
     stroke[held] = np.asarray(setup.amplitude_um)[held]
     reads = setup.drive == "sensor" and not setup.held
@@ -299,96 +280,11 @@ def _followed(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingCont
     found = followed(contact, chain, course, slip, stroke)
     for _ in range(_STROKE_SWEEPS if reads or held.any() else 0):
         if reads:
-            stroke = stroke + (target - _half_reading(chain, found.displacement_um, found.force_N)) / chain.gain
+            stroke = stroke + (target - half_reading(chain, found.displacement_um, found.force_N)) / chain.gain
         else:
-            stroke = np.where(held, stroke + _missing_of(setup, chain, contact, found, target), stroke)
+            stroke = np.where(held, stroke + missing_of(setup, chain, contact, found, target), stroke)
         found = followed(contact, chain, course, slip, stroke)
     return found
-
-
-def _missing_of(
-    setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, found: Followed, target: Array
-) -> Array:
-    """By how much (n,) a drive has to move farther for cycles to have the figure that it holds in place of a stroke."""
-    force = 0.5 * np.ptp(found.force_N, axis=(1, 2))
-    if setup.held == "tangential":
-        return np.asarray((target - force) * (contact.springs_um_per_N + 1.0 / contact.stiffness_N_per_um))
-    if setup.held == "energy":
-        return (target - found.energy_mJ) / (4e-3 * contact.tip_N)
-    if setup.held == "motion":
-        stroke = 0.5 * np.ptp(found.displacement_um, axis=(1, 2))
-        return np.asarray(target - stroke + chain.compliance_um_per_N * force + 0.5 * chain.free_play_um)
-    return target - found.slip_um
-
-
-def _sticking_share(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact) -> Array:
-    """Share (n,) of the friction with which a contact that sticks in its middle holds what a drive holds; one where it
-    slides. By bisection: all that is held grows with it.
-    """
-    tip, held = contact.tip_N, setup.held if np.isnan(chain.amplitude_um).all() else ""
-    target = np.asarray(setup.held_share * setup.amplitude_um) if held else chain.amplitude_um
-    gain, coupling = (chain.gain, chain.linear_um_per_N) if setup.drive == "sensor" and not held else (1.0, 0.0)
-
-    def reached(share: Array) -> Array:
-        own = replace(contact, share=share)
-        if held == "energy":
-            return sensing.loop_energy(own, np.zeros_like(share))
-        if held == "slip":
-            return sensing.slip_amplitude(own, np.zeros_like(share))
-        if held == "tangential":
-            return share * tip
-        springs = contact.springs_um_per_N * share * tip + 0.5 * chain.free_play_um
-        if held == "motion":
-            springs = springs - chain.compliance_um_per_N * share * tip - 0.5 * chain.free_play_um
-        return np.asarray(gain * (sensing.micro_slip(own) + springs) + coupling * share * tip)
-
-    low, high = np.zeros_like(tip), np.full_like(tip, 1.0 - 1e-9)
-    whole = reached(high) <= target
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        above = reached(middle) > target
-        low, high = np.where(above, low, middle), np.where(above, middle, high)
-    return np.where(whole, 1.0, np.maximum(low, 1e-4))
-
-
-def _missing_slip(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
-    """How much farther (n,) the contact has to slide for the drive to hold what it holds."""
-    tip = contact.tip_N
-    stroke = slip + sensing.elastic_of(contact) * tip + 0.5 * chain.free_play_um
-    if setup.held:
-        missing = _missing_held(setup, chain, contact, slip)
-        return np.where(np.isnan(chain.amplitude_um), missing, chain.amplitude_um - stroke)
-    if setup.drive == "sensor":
-        missing = chain.amplitude_um / chain.gain - stroke
-        if (at := np.flatnonzero((chain.linear_um_per_N != 0.0) | (chain.quadratic_um_per_N2 != 0.0))).size:
-            moved = chain.taken(at)
-            half = _half_reading(moved, *sensing.branches_of(contact.taken(at), moved, slip[at]))
-            missing[at] = (moved.amplitude_um - half) / moved.gain
-        return missing
-    return np.asarray(chain.amplitude_um - stroke)
-
-
-def _missing_held(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
-    """By how much a loop misses the figure that the drive holds in place of its amplitude, (n,)."""
-    target, tip = setup.held_share * setup.amplitude_um, contact.tip_N
-    if setup.held == "tangential":
-        return target - tip  # Less than friction: it sticks in its middle.
-    if setup.held == "energy":
-        per_um = 2e-3 * np.trapezoid(contact.force_N, sensing.POSITIONS, axis=2).mean(axis=1)
-        return np.asarray((target - sensing.loop_energy(contact, slip)) / per_um)
-    if setup.held == "motion":
-        return np.asarray(target - slip - (sensing.elastic_of(contact) - chain.compliance_um_per_N) * tip)
-    return target - sensing.slip_amplitude(contact, slip)
-
-
-def _half_reading(chain: Chain, x: Array, q: Array) -> Array:
-    """Half of what a sensor that the force moves reads in all (n,) of loops with such branches (n, 2, m).
-
-    A reading that leans against the force is outermost neither at the tip nor at the knee, but somewhere in stick.
-    """
-    gain, linear, quadratic = chain.gain, chain.linear_um_per_N, chain.quadratic_um_per_N2
-    read = (gain * x.T + linear * q.T + quadratic * q.T**2).T
-    return np.asarray(0.5 * np.ptp(read, axis=(1, 2)))
 
 
 def _scars(states: WearStates, last: Chain, slip: Array, worn_under_um: Array) -> Array:

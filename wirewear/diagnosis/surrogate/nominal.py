@@ -26,8 +26,8 @@ from wirewear.records import AnyRecord
 from wirewear.records.values import stated_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
 from wirewear.test import AnyStudy, LineStudy, Study
-from wirewear.test.bodies import Gap
 from wirewear.test.conditions import Wear
+from wirewear.test.gaps import Gap
 
 Result = TypeVar("Result")
 

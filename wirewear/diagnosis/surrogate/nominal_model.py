@@ -14,9 +14,9 @@ from wirewear.base.errors import RecordError, RunError
 from wirewear.diagnosis.surrogate import nominal
 from wirewear.diagnosis.surrogate.candidates import nominal_inputs, nominal_line_setup
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
-from wirewear.diagnosis.surrogate.joint_states import JointStates
 from wirewear.diagnosis.surrogate.line_states import LineStates
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_the_same, wears_evenly
+from wirewear.diagnosis.surrogate.sticking import JointStates
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import AnyEffect
 from wirewear.records import AnyRecord, ExperimentRecord, LineRecord

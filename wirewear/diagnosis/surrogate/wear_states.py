@@ -31,7 +31,7 @@ from wirewear.diagnosis.surrogate.layered_wires import (
 from wirewear.diagnosis.surrogate.loop_states import FULL_SLIP, ODD_POWERS, sliding, state_of, states_of
 from wirewear.diagnosis.surrogate.sticking import FREEDOMS, sticking_states, sticks
 from wirewear.test import study_from_tables
-from wirewear.test.bodies import Gap, hertz_of, unworn_stiffness_N_per_um
+from wirewear.test.gaps import Gap, hertz_of, unworn_stiffness_N_per_um
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.surrogate.inputs import SurrogateInputs

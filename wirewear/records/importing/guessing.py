@@ -15,8 +15,9 @@ from wirewear.base.files import toml_text
 from wirewear.base.naming import plain
 from wirewear.base.words import as_sentence
 from wirewear.records.importing.guessed_columns import GuessedFile
-from wirewear.records.importing.guessed_conditions import Touching, body_of, conditions_of, listed, map_source, scars_of
+from wirewear.records.importing.guessed_conditions import conditions_of
 from wirewear.records.importing.guessed_files import joined, listed_once, looked_into, mapped_columns
+from wirewear.records.importing.guessed_scars import Touching, body_of, listed, map_source, scars_of
 from wirewear.records.importing.height_maps import is_map, matrix_of
 from wirewear.records.importing.sources import name_pattern
 from wirewear.records.importing.text_reader import open_lines

@@ -18,10 +18,10 @@ from geometry.arrays import Array
 from solvers.laws.plugins import installed
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
+from wirewear.base.files import is_special
 from wirewear.base.hdf5 import require_self_contained
 from wirewear.base.memory import HARMLESS, MOST_EXPANSION, require_room
 from wirewear.base.words import nearest, shown
-from wirewear.base.writing import is_special
 from wirewear.records.importing.text_reader import DAMAGED_FILE_ERRORS, Channel, Reader, TextReader, reason_of
 
 #: The head of a file, whose last four bytes say the version and how numbers are ordered.

@@ -1,0 +1,110 @@
+"""The slip by which a drive holds what it holds: a stroke, its own or its sensor's, or a figure of the loop instead."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array
+from wirewear.diagnosis.surrogate import sensing
+from wirewear.diagnosis.surrogate.followed import Followed
+from wirewear.diagnosis.surrogate.inputs import NUMBERS, SurrogateInputs
+from wirewear.effects import Chain
+
+#: Contacts that slide less than this share of the amplitude stick in their middle; halvings of what is reached.
+LEAST_SLIP, _HALVINGS = 0.02, 32
+
+
+def driven(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> tuple[Array, Array]:
+    """Slip amplitudes (n,) by which a drive holds what it holds, and shares (n,) of the friction that are reached."""
+    share, least = np.ones_like(slip), LEAST_SLIP * setup.amplitude_um
+    wanted = slip + _missing_slip(setup, chain, contact, slip)
+    if (at := np.flatnonzero(wanted < least)).size:
+        numbers: dict[str, Any] = {name: np.take(getattr(setup, name), at) for name in NUMBERS}
+        share[at] = _sticking_share(replace(setup, **numbers), chain.taken(at), contact.taken(at))
+    return np.where(share < 1.0, 0.0, np.maximum(wanted, least)), share
+
+
+def missing_of(
+    setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, found: Followed, target: Array
+) -> Array:
+    """By how much (n,) a drive has to move farther for cycles to have the figure that it holds in place of a stroke."""
+    force = 0.5 * np.ptp(found.force_N, axis=(1, 2))
+    if setup.held == "tangential":
+        return np.asarray((target - force) * (contact.springs_um_per_N + 1.0 / contact.stiffness_N_per_um))
+    if setup.held == "energy":
+        return (target - found.energy_mJ) / (4e-3 * contact.tip_N)
+    if setup.held == "motion":
+        stroke = 0.5 * np.ptp(found.displacement_um, axis=(1, 2))
+        return np.asarray(target - stroke + chain.compliance_um_per_N * force + 0.5 * chain.free_play_um)
+    return target - found.slip_um
+
+
+def _sticking_share(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact) -> Array:
+    """Share (n,) of the friction with which a contact that sticks in its middle holds what a drive holds; one where it
+    slides. By bisection: all that is held grows with it.
+    """
+    tip, held = contact.tip_N, setup.held if np.isnan(chain.amplitude_um).all() else ""
+    target = np.asarray(setup.held_share * setup.amplitude_um) if held else chain.amplitude_um
+    gain, coupling = (chain.gain, chain.linear_um_per_N) if setup.drive == "sensor" and not held else (1.0, 0.0)
+
+    def reached(share: Array) -> Array:
+        own = replace(contact, share=share)
+        if held == "energy":
+            return sensing.loop_energy(own, np.zeros_like(share))
+        if held == "slip":
+            return sensing.slip_amplitude(own, np.zeros_like(share))
+        if held == "tangential":
+            return share * tip
+        springs = contact.springs_um_per_N * share * tip + 0.5 * chain.free_play_um
+        if held == "motion":
+            springs = springs - chain.compliance_um_per_N * share * tip - 0.5 * chain.free_play_um
+        return np.asarray(gain * (sensing.micro_slip(own) + springs) + coupling * share * tip)
+
+    low, high = np.zeros_like(tip), np.full_like(tip, 1.0 - 1e-9)
+    whole = reached(high) <= target
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        above = reached(middle) > target
+        low, high = np.where(above, low, middle), np.where(above, middle, high)
+    return np.where(whole, 1.0, np.maximum(low, 1e-4))
+
+
+def _missing_slip(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
+    """How much farther (n,) the contact has to slide for the drive to hold what it holds."""
+    tip = contact.tip_N
+    stroke = slip + sensing.elastic_of(contact) * tip + 0.5 * chain.free_play_um
+    if setup.held:
+        missing = _missing_held(setup, chain, contact, slip)
+        return np.where(np.isnan(chain.amplitude_um), missing, chain.amplitude_um - stroke)
+    if setup.drive == "sensor":
+        missing = chain.amplitude_um / chain.gain - stroke
+        if (at := np.flatnonzero((chain.linear_um_per_N != 0.0) | (chain.quadratic_um_per_N2 != 0.0))).size:
+            moved = chain.taken(at)
+            half = half_reading(moved, *sensing.branches_of(contact.taken(at), moved, slip[at]))
+            missing[at] = (moved.amplitude_um - half) / moved.gain
+        return missing
+    return np.asarray(chain.amplitude_um - stroke)
+
+
+def _missing_held(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
+    """By how much a loop misses the figure that the drive holds in place of its amplitude, (n,)."""
+    target, tip = setup.held_share * setup.amplitude_um, contact.tip_N
+    if setup.held == "tangential":
+        return target - tip  # Less than friction: it sticks in its middle.
+    if setup.held == "energy":
+        per_um = 2e-3 * np.trapezoid(contact.force_N, sensing.POSITIONS, axis=2).mean(axis=1)
+        return np.asarray((target - sensing.loop_energy(contact, slip)) / per_um)
+    if setup.held == "motion":
+        return np.asarray(target - slip - (sensing.elastic_of(contact) - chain.compliance_um_per_N) * tip)
+    return target - sensing.slip_amplitude(contact, slip)
+
+
+def half_reading(chain: Chain, x: Array, q: Array) -> Array:
+    """Half of what a sensor that the force moves reads in all (n,) of loops with such branches (n, 2, m).
+
+    A reading that leans against the force is outermost neither at the tip nor at the knee, but somewhere in stick.
+    """
+    gain, linear, quadratic = chain.gain, chain.linear_um_per_N, chain.quadratic_um_per_N2
+    read = (gain * x.T + linear * q.T + quadratic * q.T**2).T
+    return np.asarray(0.5 * np.ptp(read, axis=(1, 2)))

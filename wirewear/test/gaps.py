@@ -1,0 +1,104 @@
+"""The gap between two unworn bodies, and how they touch: along a line, or at a point as Hertz says."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import radians
+from typing import Self, TypeVar
+
+import numpy as np
+
+from geometry.arrays import Array
+from wirewear import reference
+from wirewear.base.errors import StudyError
+from wirewear.test.bodies import Body
+from wirewear.test.faces import half_width_of
+
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True)
+class Gap:
+    """The gap rᵀHr between two unworn bodies, with r along and across the motion; `form` is H (2, 2) in 1/mm.
+
+    Sheared by x → x + shear·y, which does not affect motion along x, the gap is (along·x² + y²)/2R: crossed wires of
+    radius R have along = sin²θ and shear = −cot θ; a ball on a flat has the gap of wires at 90°.
+    """
+
+    form: Array
+
+    @classmethod
+    def of(cls, driven: Body, held: Body, turned_deg: float = 0.0) -> Self:
+        """The gap of two bodies, the held one turned by `turned_deg` about the normal beyond its angle.
+        Raises StudyError if one has the face of a pad, whose worn shapes are not similar to each other.
+        """
+        if driven.face or held.face:
+            raise StudyError(
+                "what a pad wears under other loads and strokes is not known: it has no radius of its own."
+            )
+        return cls(0.5 * (driven.curvature_per_mm() + held.curvature_per_mm(turned_deg)))
+
+    @classmethod
+    def like(cls, normal_load_N: float, driven: Body, held: Body) -> Self:
+        """The gap of two bodies; with a pad, of a ball on a flat whose Hertz contact under this load is as wide."""
+        if not (driven.face or held.face):
+            return cls.of(driven, held)
+        modulus = reference.contact_modulus(driven.material, held.material)
+        radius_mm = hertz_of(normal_load_N, driven, held).contact_radius_mm
+        return cls(np.eye(2) * 0.375 * normal_load_N / (modulus * radius_mm**3))
+
+    @property
+    def spot_mm(self) -> Array:
+        """H⁻¹ (2, 2) in mm. Times a depth, its diagonal holds the squares of the half-widths, along x and y, of the
+        ellipse where the gap is below that depth.
+        """
+        return np.asarray(np.linalg.inv(self.form), dtype=np.float64)
+
+    @property
+    def radius_mm(self) -> float:
+        """Effective radius R in mm of the sheared gap (along·x² + y²)/2R."""
+        return 0.5 * float(self.spot_mm[1, 1])
+
+    @property
+    def along(self) -> float:
+        """Ratio of the sheared gap's curvatures, along the motion over across it."""
+        return 2.0 * float(self.form[0, 0]) * self.radius_mm
+
+    @property
+    def shear(self) -> float:
+        """λ = H_xy/H_xx, by which x → x + λ·y removes the gap's term in x·y."""
+        return float(self.form[0, 1] / self.form[0, 0])
+
+
+def touch_along_line(driven: Body, held: Body) -> bool:
+    """True if two unworn bodies touch along a line or nearly so: their gap's curvatures differ a thousandfold."""
+    crossing = radians(held.axis_angle_deg - driven.axis_angle_deg)
+    small, large, _ = reference.gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, crossing)
+    # Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
+    return small <= 1e-3 * large
+
+
+def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointContact:
+    """Hertz's contact of two unworn bodies; its angle is from the driven body's axis to the contact's major axis.
+    Raises StudyError if a pad is too small for the load.
+    """
+    if (face := driven.face or held.face) is not None:
+        modulus = reference.contact_modulus(driven.material, held.material)
+        return on_pad(lambda: reference.turned_contact(face, normal_load_N, modulus, half_width_of(face)))
+    pair = driven.curvatures_per_mm, held.curvatures_per_mm, radians(held.axis_angle_deg - driven.axis_angle_deg)
+    return reference.hertz_bodies(normal_load_N, *pair, first=driven.material, second=held.material)
+
+
+def unworn_stiffness_N_per_um(normal_load_N: float, driven: Body, held: Body) -> float:
+    """Mindlin's tangential stiffness of a circular contact with the radius of Hertz's contact of two unworn bodies."""
+    modulus = reference.tangential_contact_modulus(driven.material, held.material)
+    return 1e-3 * reference.mindlin_stiffness(modulus, hertz_of(normal_load_N, driven, held).contact_radius_mm)
+
+
+def on_pad(found: Callable[[], Found]) -> Found:
+    """A pad's contact or scar, as the function `found` returns it. Raises StudyError where that raises ValueError,
+    because the pad's face does not reach far enough.
+    """
+    try:
+        return found()
+    except ValueError as problem:
+        raise StudyError(f"the pad is too small for this test: {problem}; lower load, cycles or wear.") from None
