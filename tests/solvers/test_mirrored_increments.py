@@ -79,9 +79,7 @@ def test_increments_that_stick_give_back_their_matrices_without_waiting_for_garb
     state = pressed(problem)[0]
 
     def held() -> int:
-        return sum(
-            type(one) in (PairedCompliance, MirroredCompliance) for one in gc.get_objects()
-        )  # proxies may be dead
+        return sum(type(one) in (PairedCompliance, MirroredCompliance) for one in gc.get_objects())
 
     gc.disable()
     try:

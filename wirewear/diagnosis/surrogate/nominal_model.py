@@ -16,8 +16,7 @@ from wirewear.diagnosis.surrogate.candidates import nominal_inputs, nominal_line
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.line_states import LineStates
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_the_same, wears_evenly
-from wirewear.diagnosis.surrogate.sticking import JointStates
-from wirewear.diagnosis.surrogate.wear_states import WearStates
+from wirewear.diagnosis.surrogate.wear_states import JointStates, WearStates
 from wirewear.effects import AnyEffect
 from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
 from wirewear.records.contact_tables import AnyTables
