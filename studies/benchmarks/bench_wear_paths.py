@@ -17,9 +17,8 @@ import click
 import numpy as np
 from rich.table import Table
 
-from studies.scripts import StudyScript
 from wirewear import RunResult, Study, load_study, run_study
-from wirewear.app.cli.group import wide_console
+from wirewear.app.cli.study_script import StudyScript, wide_console
 from wirewear.base.writing import prepared_folder
 from wirewear.test.fidelity import FIDELITIES
 

@@ -17,8 +17,8 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from studies.scripts import StudyScript
 from wirewear import reference
+from wirewear.app.cli.study_script import StudyScript
 from wirewear.pictures import style
 from wirewear.simulation.workbench import (
     ContactProblem,

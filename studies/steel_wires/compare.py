@@ -17,7 +17,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from wirewear import ExperimentRecord, read_record
-from wirewear.app.cli.group import wide_console
+from wirewear.app.cli.study_script import comparison_command, wide_console
 from wirewear.comparison.comparison import RecordComparison, compare
 from wirewear.pictures import amplitude_evolution, loops_by_cycle, save, scar_sections
 from wirewear.views.comparison_page import write_comparison
@@ -27,7 +27,6 @@ if not __package__:
     sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
     __package__ = "studies.steel_wires"
 
-from studies.scripts import comparison_command
 from studies.verdicts import Finding, comparison_table, finding_table
 
 from .closed_forms import first_loop_comparisons, volume_comparisons, worn_friction_comparison

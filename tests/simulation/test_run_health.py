@@ -31,16 +31,17 @@ from wirewear import ExperimentRecord, read_record
 from wirewear.diagnosis.observe.observed_record import of_own_definitions
 from wirewear.records import check_record
 from wirewear.simulation import simulate
-from wirewear.simulation.contact_forces import (
+from wirewear.simulation.measures import unresolved_slip
+from wirewear.simulation.statistics import Counters, bends, energy_mismatch, judge
+from wirewear.simulation.traced_bodies import (
     at_mid_stroke,
+    depth_spread,
     forces_on,
     mean_pressures,
     nodal_pressures,
     pressure_figures,
+    worn_bodies,
 )
-from wirewear.simulation.measures import unresolved_slip
-from wirewear.simulation.scars import depth_spread, worn_bodies
-from wirewear.simulation.statistics import Counters, bends, energy_mismatch, judge
 from wirewear.test import study_from_tables
 from wirewear.views.run_page import run_page
 from wirewear.views.run_words import runs_json, sentence

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from geometry.lazy import loaded_late
 
 if TYPE_CHECKING:
-    from wirewear.simulation.contact_forces import mean_pressures
     from wirewear.simulation.convergence import (
         LINES,
         POINTS,
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from wirewear.simulation.point_runs import require_affordable_wires
     from wirewear.simulation.problem import contact_problem
     from wirewear.simulation.runs import ObserverOf, files_of_runs, needed_memory, run_study, simulate
+    from wirewear.simulation.traced_bodies import mean_pressures
     from wirewear.simulation.workbench import write_line_meshes, write_meshes
 
 __all__ = [

@@ -15,7 +15,6 @@ from wirewear.base import kinds
 from wirewear.base.cache import Identity
 from wirewear.effects import problem_with
 from wirewear.results import ContactForces, Loop, RunResult, Scar
-from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.control import held_of
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.line_model import (
@@ -30,8 +29,8 @@ from wirewear.simulation.line_model import (
 from wirewear.simulation.plan import PlannedRun
 from wirewear.simulation.problem import laws_of
 from wirewear.simulation.recorded import Recorded
-from wirewear.simulation.scars import worn_bodies
 from wirewear.simulation.store import MeshHistory, OneMesh
+from wirewear.simulation.traced_bodies import forces_on, worn_bodies
 from wirewear.test import LineStudy
 
 

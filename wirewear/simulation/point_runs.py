@@ -20,7 +20,6 @@ from wirewear.base.words import counted
 from wirewear.results import PRESSURE_LENGTH, ContactForces, RunResult, Scar
 from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.results.values import PlasticStrain
-from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.control import held_of, point_sticks
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, discretise, unknowns
@@ -28,9 +27,9 @@ from wirewear.simulation.near_zone import near_zone_of
 from wirewear.simulation.plan import PlannedRun, PointMeshes, core_stages, mesh_stages, spare_stages, sticking_stage
 from wirewear.simulation.problem import condense_bodies, fresh_state, laws_of, problem_at, too_much
 from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings
-from wirewear.simulation.scars import scars_of
 from wirewear.simulation.statistics import bends
 from wirewear.simulation.store import MeshHistory, Report
+from wirewear.simulation.traced_bodies import forces_on, scars_of
 from wirewear.test import Study
 from wirewear.test.consistency import default_loop_cycles
 from wirewear.test.fidelity import WIRE_LEVELS, level_of

@@ -30,14 +30,13 @@ from wirewear.results import (
     RunResult,
     Scar,
 )
-from wirewear.simulation.contact_forces import pressure_figures
 from wirewear.simulation.control import HeldFigure
 from wirewear.simulation.expected_contact import borne_settings, law_error
 from wirewear.simulation.measures import dissipated_energy_mJ, slip_amplitude_mm, unresolved_slip
 from wirewear.simulation.problem import worn_depths
-from wirewear.simulation.scars import depth_spread, volume_mismatch
 from wirewear.simulation.statistics import Tally, friction_work_mJ, judge, mirrored_mismatch
 from wirewear.simulation.store import MeshHistory
+from wirewear.simulation.traced_bodies import depth_spread, pressure_figures, volume_mismatch
 from wirewear.simulation.yielding import STRAIN, limit_settings
 from wirewear.test.conditions import held_keys
 from wirewear.test.surfaces import LayerTable

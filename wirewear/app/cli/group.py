@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 from click.core import ParameterSource
@@ -24,10 +24,6 @@ from wirewear.base.memory import MOST_MEMORY_GB
 from wirewear.base.recognising import example
 from wirewear.base.units import Quantity
 from wirewear.base.writing import usable_file, usable_folder, why_not_written
-
-if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.progress import Progress, ProgressColumn
 
 #: What can be said of a command that was interrupted.
 GOES_ON = {
@@ -348,23 +344,3 @@ def default_output(study_path: Path) -> Path:
     """
     full = study_path.resolve()
     return Path("runs") / (full.parent.name if full.stem == "study" and full.parent.name else full.stem)
-
-
-def wide_console(width: int = 116) -> "Console":
-    """A rich console at least `width` characters wide."""
-    from rich.console import Console
-
-    console = Console()
-    console.width = max(console.width, width)
-    return console
-
-
-def progress_bar(*columns: "ProgressColumn") -> "Progress":
-    """A rich progress bar on standard error that vanishes at its end, and shows nothing without a terminal. columns: of
-    the bar; rich's own if none are given.
-    """
-    from rich.console import Console
-    from rich.progress import Progress
-
-    console = Console(stderr=True)
-    return Progress(*columns, console=console, transient=True, disable=not console.is_interactive)

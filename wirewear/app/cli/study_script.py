@@ -1,4 +1,4 @@
-"""Commands of study scripts: expected errors in one sentence, and comparisons of a result."""
+"""Parts shared by commands and study scripts: one-sentence errors, wide tables, progress bars."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import click
+from rich.console import Console
+from rich.progress import Progress, ProgressColumn
 
 from wirewear.base.errors import ResultError, WirewearError
 from wirewear.base.writing import why_not_written
@@ -68,6 +70,21 @@ def understanding(path: Path, what: str) -> Iterator[None]:
         yield
     except (LookupError, TypeError, ValueError, AttributeError) as problem:
         raise ResultError(f"{path} is no {what} ({type(problem).__name__}: {problem}).") from None
+
+
+def wide_console(width: int = 116) -> Console:
+    """A rich console at least `width` characters wide."""
+    console = Console()
+    console.width = max(console.width, width)
+    return console
+
+
+def progress_bar(*columns: ProgressColumn) -> Progress:
+    """A rich progress bar on standard error that vanishes at its end, and shows nothing without a terminal. columns: of
+    the bar; rich's own if none are given.
+    """
+    console = Console(stderr=True)
+    return Progress(*columns, console=console, transient=True, disable=not console.is_interactive)
 
 
 def comparison_command(compare: Callable[[Path, Path], None]) -> click.Command:
