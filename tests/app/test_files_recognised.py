@@ -54,6 +54,7 @@ def invoked(line: str) -> Result:
         ("scar.xyz", Held.NUMBERS),
         ("book.xlsx", Held.NUMBERS),
         ("letter.txt", None),
+        (".", Held.FILES),
         ("nowhere", None),
     ],
 )
@@ -88,6 +89,9 @@ def test_what_a_path_holds_is_seen_by_its_contents(name: str, held: Held | None)
         ("loops study.toml", "study.toml is a study, and no file of measured numbers or record or result of a run"),
         ("new german.csv", "german.csv holds numbers: `wirewear new "),
         ("new --mapping study.toml", "study.toml is a study, and no file of measured numbers"),
+        ("new --mapping .", ". is a folder of measured files, and no file of measured numbers: `wirewear new "),
+        ("import . --output o", ". is a folder of measured files, and no mapping"),
+        ("loops .", ". is a folder of measured files, and no file of measured numbers or record"),
     ],
 )
 def test_a_file_of_another_kind_is_named_with_the_command_that_takes_it(line: str, sentence: str) -> None:

@@ -19,6 +19,8 @@ _PACKED = (b"PK\x03\x04", b"MATLAB 5.0", b"TDSm")
 _NUMBER = r'"?[-+]?\d[\d.,]*(?:e[-+]?\d+)?"?'
 _ROW = re.compile(rf"\s*{_NUMBER}(?:\s*[\s;,|]\s*{_NUMBER})+[\s;,|]*", re.IGNORECASE)
 
+_RUNS_BELOW = f"*/{RESULT_FILE_NAME}"
+
 STUDIES = ("steel_wires", "ball_on_flat", "cylinder_on_flat")
 RECORDS = ("no_gap", "free_play_rig", "rigid_stated_compliant_rig")
 _HERE = Path(__file__).resolve()
@@ -37,6 +39,7 @@ class Held(StrEnum):
     ROPE = "rope's construction"
     MAPPING = "mapping of measured files"
     NUMBERS = "file of measured numbers"
+    FILES = "folder of measured files"
 
 
 #: The commands that take it, PATH being its place.
@@ -49,6 +52,7 @@ _TAKEN = {
     Held.MAPPING: "`wirewear import PATH --output DIR` makes a record by it",
     Held.NUMBERS: "`wirewear new --mapping PATH` begins a mapping that says how to read it, and `wirewear loops PATH` "
     "analyses friction loops",
+    Held.FILES: "`wirewear new --mapping PATH/*` begins a mapping that says how to read them",
 }
 
 
@@ -60,6 +64,8 @@ def require_no_other(path: Path, kind: type[WirewearError], *wanted: Held) -> No
     held = None
     with suppress(OSError, ValueError):
         held = recognised(path)
+    if held == Held.FILES and Held.NUMBERS not in wanted and any(path.glob(_RUNS_BELOW)):
+        held = Held.RUN if Held.RUN in wanted else held
     if held is not None and held not in wanted:
         place = path.parent if held == Held.RECORD and path.name == TABLE_FILE_NAME else path
         needed = " or ".join(wanted)
@@ -71,8 +77,7 @@ def recognised(path: Path) -> Held | None:
     if (path / TABLE_FILE_NAME).is_file() or (path.name == TABLE_FILE_NAME and path.is_file()):
         return Held.RECORD
     if path.is_dir():
-        is_run = any(any(path.glob(where)) for where in (RESULT_FILE_NAME, f"*/{RESULT_FILE_NAME}"))
-        return Held.RUN if is_run else None
+        return _in_folder(path)
     if not path.is_file():
         return None
     with path.open("rb") as file:
@@ -87,6 +92,14 @@ def recognised(path: Path) -> Held | None:
     rows = start.decode("latin-1").replace("\0", "").splitlines()
     is_numbers = start.startswith(_PACKED) or any(map(_ROW.fullmatch, rows))
     return Held.NUMBERS if is_numbers and path.suffix != ".toml" else None
+
+
+def _in_folder(path: Path) -> Held | None:
+    if (path / RESULT_FILE_NAME).exists():
+        return Held.RUN
+    # Tables that runs leave stand beside their pages.
+    own = () if any(path.glob("*.html")) else (one for one in path.iterdir() if one.is_file())
+    return Held.FILES if Held.NUMBERS in map(recognised, own) else Held.RUN if any(path.glob(_RUNS_BELOW)) else None
 
 
 def _held_by(tables: Mapping[str, object]) -> Held | None:

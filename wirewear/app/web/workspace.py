@@ -23,7 +23,7 @@ import click
 
 from wirewear.app.cli.group import cli
 from wirewear.base.errors import RunError, WirewearError
-from wirewear.base.recognising import Held, recognised
+from wirewear.base.recognising import Held, recognised, require_no_other
 from wirewear.base.words import as_sentence, shown
 from wirewear.base.writing import prepared_folder
 
@@ -135,6 +135,7 @@ class Workspace:
                 with path.open("rb") as file:
                     self.add(path.name, iter(lambda: file.read(CHUNK), b""))
             case _:
+                require_no_other(path, RunError)
                 raise RunError(f"{path} is no record, result or file of measured numbers.")
 
     def add(self, name: str, content: bytes | Iterable[bytes]) -> None:
