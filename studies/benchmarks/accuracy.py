@@ -3,8 +3,8 @@
 Usage: python -m studies.benchmarks.accuracy [--level quick --level standard --level fine] [--output DIR]
 
 The steel wires on the compliant rig at every level, beside closed forms at the first cycle and beside their limit at
-the last; wires that wear out in partial slip, beside the shape at which that ends. Runs that are complete in the output
-folder stay; all of them take about 13 minutes of CPU time.
+the last; a ball on a flat that wears out in partial slip under a held force, beside the shape at which that ends. Runs
+that are complete in the output folder stay.
 """
 
 from collections.abc import Mapping
@@ -23,11 +23,10 @@ from wirewear.app.cli.study_script import StudyScript
 from wirewear.pictures import style
 from wirewear.pictures.panels import draw_loop, name_axes
 from wirewear.test.fidelity import FIDELITIES
-from wirewear.verification.partial_slip_run import limiting_shape, worn_out_study
+from wirewear.verification.partial_slip_run import held_force_shape, held_force_study
 
 STUDY = Path(__file__).parents[1] / "steel_wires" / "study.toml"
 RIG_N_per_mm, AMPLITUDE_mm = 167.0, 0.06
-ELEMENTS = (4, 8)  #: In the radius of the contact that wears out in partial slip.
 _STEEL = reference.Elastic(210000.0, 0.3)
 _MODULI_MPa = (reference.contact_modulus(_STEEL, _STEEL), reference.tangential_contact_modulus(_STEEL, _STEEL))
 _HERTZ = reference.hertz_point(2.0, 0.225, _MODULI_MPa[0])
@@ -64,6 +63,28 @@ def rows(runs: Mapping[str, RunResult]) -> list[str]:
         f"| {name} | {words} | " + " | ".join(f"{100.0 * one[name]:+.1f} %".replace("-", "−") for one in found) + " |"
         for name, words, *_ in LIMITS
     ]
+
+
+def worn_out_row(runs: Mapping[str, RunResult]) -> str:
+    """Line of the table in the docs on wear in partial slip: errors of volume and largest depth at the end."""
+    exact, volume = held_force_shape()
+    cells = [
+        f"{100.0 * (float(volume_of(run)[-1]) / volume - 1.0):+.1f}; "
+        f"{100.0 * (1e-6 * float(depth_of(run).max()) / exact.deepest_mm[0] - 1.0):+.1f} %"
+        for run in runs.values()
+    ]
+    return f"| worn volume; largest depth | Ciavarella and Hills | {' | '.join(cells)} |".replace("-", "−")
+
+
+def volume_of(run: RunResult) -> NDArray[np.float64]:
+    """Worn volume of both bodies at each computed cycle, mm³."""
+    return np.asarray(run.worn_volume_mm3)
+
+
+def depth_of(run: RunResult) -> NDArray[np.float64]:
+    """Worn depth of both bodies at all nodes of the last map, nm."""
+    fixed, moving = (run.scar(run.scar_cycles()[-1], body) for body in ("fixed", "moving"))
+    return np.asarray(1e3 * (fixed.depth_um + moving.depth_um))
 
 
 def fresh(runs: Mapping[str, RunResult]) -> Figure:
@@ -105,26 +126,23 @@ def levels(runs: Mapping[str, RunResult]) -> Figure:
     return figure
 
 
-def worn_out(runs: Mapping[int, RunResult]) -> Figure:
-    """Depth at all nodes and worn volume of wires in partial slip, beside the closed form of the shape at the end."""
+def worn_out(runs: Mapping[str, RunResult]) -> Figure:
+    """Depth at all nodes and worn volume of a ball on a flat in partial slip, beside the shape at the end."""
     figure = style.new_figure(3.1)
     depths, volumes = figure.subplots(1, 2)
-    exact = limiting_shape(max(runs))
-    radius_um = np.linspace(0.0, 30.0, 600)
+    exact, volume_mm3 = held_force_shape()
+    radius_um = np.linspace(0.0, 1.3e3 * exact.edge_radius_mm, 600)
     depths.plot(radius_um, 1e6 * exact.depth(1e-3 * radius_um), color=style.INK, label="closed form")
-    volumes.axhline(1e9 * exact.volume_mm3, color=style.INK, label="closed form")
-    for index, (elements, run) in enumerate(runs.items()):
-        look = {"color": style.VARIANT_COLOURS[index], "label": f"{elements} elements in the radius"}
-        fixed, moving = (run.scar(run.scar_cycles()[-1], wire) for wire in ("fixed", "moving"))
-        distance = _distance_um(fixed.axial_um, fixed.transverse_um)
-        # Equal wires at right angles: what is axial on one is transverse on the other.
-        both = 1e3 * (fixed.depth_um + moving.depth_um.T)
+    volumes.axhline(1e9 * volume_mm3, color=style.INK, label="closed form")
+    for index, (level, run) in enumerate(runs.items()):
+        look = {"color": style.VARIANT_COLOURS[index], "label": level, "marker": "osd"[index % 3], "markersize": 3.0}
+        last = run.scar(run.scar_cycles()[-1], "fixed")
+        distance = _distance_um(last.axial_um, last.transverse_um)
         near = distance <= radius_um[-1]
-        depths.plot(distance[near], both[near], linestyle="", marker="os"[index % 2], markersize=3.0, **look)
-        volume = sum(run.evolution[f"worn_volume_{wire}_mm3"] for wire in ("fixed", "moving"))
-        volumes.plot(run.evolution["cycle"], 1e9 * volume, marker="os"[index % 2], markersize=3.0, **look)
-    depths.set(title="depth", xlabel="distance from the middle [µm]", ylabel="worn depth of both wires [nm]")
-    volumes.set(title="volume", ylabel="worn volume of both wires [µm³]")
+        depths.plot(distance[near], depth_of(run)[near], linestyle="", **look)
+        volumes.plot(run.evolution["cycle"], 1e9 * volume_of(run), **look)
+    depths.set(title="depth", xlabel="distance from the middle [µm]", ylabel="worn depth of both bodies [nm]")
+    volumes.set(title="volume", ylabel="worn volume of both bodies [µm³]")
     style.cycle_axis(volumes)
     return _finished(figure, depths, volumes)
 
@@ -147,14 +165,15 @@ def main(chosen: tuple[str, ...], output: Path) -> None:
     """Run what is not there yet, draw accuracy_*.png and print the rows."""
     study = ww.load(STUDY).variant("compliant")
     runs = {level: ww.run(study, fidelity=level, output=output / level, resume=True) for level in chosen}
-    out = {n: ww.run(worn_out_study(n), fidelity="quick", output=output / f"slip_{n}", resume=True) for n in ELEMENTS}
+    held = held_force_study()
+    out = {level: ww.run(held, fidelity=level, output=output / f"slip_{level}", resume=True) for level in chosen}
     for name, draw in (
         ("fresh", lambda: fresh(runs)),
         ("levels", lambda: levels(runs)),
         ("partial_slip", lambda: worn_out(out)),
     ):
         click.echo(style.save(draw, output / f"accuracy_{name}.png"))
-    click.echo("\n".join(rows(runs)))
+    click.echo("\n".join([*rows(runs), worn_out_row(out)]))
 
 
 if __name__ == "__main__":

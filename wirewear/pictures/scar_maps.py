@@ -177,9 +177,9 @@ def scars_from_above(results: Sequence[RunResult]) -> Figure:
     figure, grid = _grid_of_maps(rows, Normalize(0.0, deepest(rows)))
     for row, scars, result in zip(grid, rows, results, strict=True):
         for axes, scar in zip(row, scars, strict=True):
-            axes.set_title(f"{result.label}: {result.called(scar.body)}")
+            axes.set_title(style.titled(results, result, result.called(scar.body)))
             _draw_layers(axes, result, scar)
-            note = f"{style.cycle_name(scar.cycle)} cycles\ndeepest {scar.max_depth_um:.1f} µm"
+            note = f"{style.cycle_name(scar.cycle)} cycles\ndeepest {scar.max_depth_um:.3g} µm"
             axes.text(0.03, 0.96, note, transform=axes.transAxes, ha="left", va="top", fontsize=7.5)
             style.sliding_arrow(axes)
             style.scale_bar(axes, style.round_below(0.4 * axes.get_xlim()[1]))

@@ -18,7 +18,16 @@ from numpy.typing import ArrayLike, NDArray
 from geometry.arrays import Array
 from wirewear.pictures.scar_maps import deepest, last_scars
 from wirewear.pictures.smooth import smooth_scar, worn_half_extent
-from wirewear.pictures.style import DEPTH_COLOURS, INK, WIDTH_in, cycle_name, new_figure, panel_letters, round_below
+from wirewear.pictures.style import (
+    DEPTH_COLOURS,
+    INK,
+    WIDTH_in,
+    cycle_name,
+    new_figure,
+    panel_letters,
+    round_below,
+    titled,
+)
 from wirewear.results import RunResult, Scar
 
 if TYPE_CHECKING:
@@ -89,7 +98,7 @@ def scars_in_3d(results: Sequence[RunResult]) -> Figure:
             axes.set(
                 xlim=(left, right),
                 ylim=(bottom, top),
-                title=f"{result.label}: {result.called(scar.body)}, {cycle_name(scar.cycle)} cycles",
+                title=titled(results, result, f"{result.called(scar.body)}, {cycle_name(scar.cycle)} cycles"),
             )
             _draw_rulers(axes, round_below(0.5 * half_length), text_um)
     panel_letters(list(grid.flat))

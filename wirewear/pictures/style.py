@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from io import BytesIO
 from pathlib import Path
+from textwrap import fill
 from typing import Any, TypedDict
 
 import matplotlib as mpl
@@ -24,6 +25,7 @@ from wirewear.base import frame
 from wirewear.base.errors import ResultError
 from wirewear.base.words import counted
 from wirewear.base.writing import in_one_step, writing
+from wirewear.results import RunResult
 
 GREY = "#8a8a8a"
 
@@ -177,6 +179,13 @@ def _narrow(axes: Axes) -> bool:
     width_in = axes.get_position().width * (figure.get_figwidth() if figure is not None else WIDTH_in)
     # Room that the number of a decade takes on an axis of cycles.
     return width_in < 0.36 * (math.log10(max(axes.get_xlim()[1], 1.0)) + 1.0)
+
+
+def titled(results: Sequence[RunResult], result: RunResult, text: str) -> str:
+    """Title of one of several runs' panels, in lines that fit into half of a picture; a single run goes without its
+    name, which may be long.
+    """
+    return text if len(results) == 1 else fill(f"{result.label}: {text}", 40)
 
 
 def panel_letters(panels: Sequence[Axes]) -> None:

@@ -50,19 +50,8 @@ def held_force_rows(_level: Level) -> tuple[Row, ...]:
     """Rows on volume and largest depth of both bodies and pressure in the middle, once a ball on a flat has ceased to
     wear under a held load and force, at quick fidelity.
     """
-    force_N = _HELD_SHARE * FRICTION * _HELD_N
-    study = study_of(
-        _FLAT,
-        _BALL,
-        cycles=_HELD_CYCLES,
-        conditions={"normal_load_N": _HELD_N, "held_tangential_force_N": force_N},
-        wear=_WEAR | {"energy_wear_coefficient_mm3_per_J": 2.0e-3},
-        log={"loop_cycles": [1, _HELD_CYCLES]},
-    )
-    result, radius, modulus = simulate(study, fidelity="quick"), 0.5 * _BALL_mm, hertz.CONTACT_MODULUS_MPa
-    exact = reference.worn_under_load(radius, modulus, _HELD_N, _HELD_SHARE)
-    slip = exact.slip_mm(FRICTION, modulus, reference.tangential_contact_modulus(hertz.STEEL, hertz.STEEL))
-    volume, deep = exact.volume_after_slip_mm3(slip, 0.5 / radius), exact.deepest_mm[0]
+    result, (exact, volume) = simulate(held_force_study(), fidelity="quick"), held_force_shape()
+    deep, modulus = exact.deepest_mm[0], hertz.CONTACT_MODULUS_MPa
     moving, fixed = (result.scar(_HELD_CYCLES, body) for body in ("moving", "fixed"))
     depth, pressure = 1e-3 * float((moving.depth_um + fixed.depth_um).max()), fixed.pressure_MPa
     middle, peak = float(pressure[tuple(size // 2 for size in pressure.shape)]), float(exact.pressure(0.0, modulus))
@@ -72,6 +61,26 @@ def held_force_rows(_level: Level) -> tuple[Row, ...]:
         compared(name, "largest depth of both bodies [mm]", depth, deep, most),
         compared(name, "pressure in the middle [MPa]", middle, peak, most),
     )
+
+
+def held_force_study() -> Study:
+    """Study of a ball on a flat under a held load and a held tangential force, until next to nothing wears."""
+    return study_of(
+        _FLAT,
+        _BALL,
+        cycles=_HELD_CYCLES,
+        conditions={"normal_load_N": _HELD_N, "held_tangential_force_N": _HELD_SHARE * FRICTION * _HELD_N},
+        wear=_WEAR | {"energy_wear_coefficient_mm3_per_J": 2.0e-3},
+        log={"loop_cycles": [1, _HELD_CYCLES]},
+    )
+
+
+def held_force_shape() -> tuple[reference.LimitingShape, float]:
+    """The shape at which wear of the run of `held_force_study` ends, and its volume in mm³ as slip is not small."""
+    radius, modulus = 0.5 * _BALL_mm, hertz.CONTACT_MODULUS_MPa
+    exact = reference.worn_under_load(radius, modulus, _HELD_N, _HELD_SHARE)
+    slip = exact.slip_mm(FRICTION, modulus, reference.tangential_contact_modulus(hertz.STEEL, hertz.STEEL))
+    return exact, exact.volume_after_slip_mm3(slip, 0.5 / radius)
 
 
 def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
