@@ -124,29 +124,21 @@ class PairedCompliance:
     def _alike(self) -> "PairedCompliance | None":
         """The latest compliance of the two bodies if they faced each other in it as they do here."""
         latest = [own for body, own in self._bodies[0].latest_compliance if body is self._bodies[1]]
-        return latest[0] if latest and latest[0].faces_as(self._pairing) else None
-
-    def faces_as(self, pairing: Pairing) -> bool:
-        """True if another pairing of the same two bodies has the same nodes at the same relative position."""
-        own = self._pairing
-        pairs = zip((own.nodes, *own.opposite[:3]), (pairing.nodes, *pairing.opposite[:3]), strict=True)
-        return all(np.array_equal(one, other) for one, other in pairs)
+        return latest[0] if latest and latest[0]._pairing.faces_as(self._pairing) else None  # noqa: SLF001 - its own
 
     def know(self, loaded: IntArray) -> None:
         """Gather the displacements by unit tractions on the nodes of index `loaded` (l,) that are not yet known."""
+        if not self.known and len(loaded):
+            alike = self._alike()
+            self._bodies[0].latest_compliance[:] = [(self._bodies[1], self)]
+            if alike is not None:
+                # Where a contact sticks, the bodies go on facing each other as they did.
+                self.matrix, self.known, self.taken_over = alike.matrix, alike.known, alike
+                alike.taken_over = None  # Else no increment's matrices would ever be given back.
+                self.place[:] = alike.place
         missing, pairing = loaded[self.place[loaded] < 0], self._pairing
         if not len(missing):
             return
-        alike = None if self.known else self._alike()
-        self._bodies[0].latest_compliance[:] = [(self._bodies[1], self)]
-        if alike is not None:
-            # Where a contact sticks, the bodies go on facing each other as they did.
-            self.matrix, self.known, self.taken_over = alike.matrix, alike.known, alike
-            alike.taken_over = None  # Else no increment's matrices would ever be given back.
-            self.place[:] = alike.place
-            missing = loaded[self.place[loaded] < 0]
-            if not len(missing):
-                return
         begin, self.known = 3 * self.known, self.known + len(missing)
         self.place[missing] = begin // 3 + np.arange(len(missing))
         self.matrix[:, begin : 3 * self.known] = 0.0
@@ -156,10 +148,8 @@ class PairedCompliance:
 
     def displacement(self, traction: Array) -> Array:
         """Displacement (k, 3) in mm of the upper relative to the lower body under tractions (k, 3) in MPa."""
-        if self.mirrored is not None:
-            moved = self.mirrored.displacement(traction)
-        else:
-            moved = self.displaced(self.in_order(traction))
+        side = self.mirrored
+        moved = self.displaced(self.in_order(traction)) if side is None else side.displacement(traction)
         self.latest = traction, moved
         return moved
 
@@ -186,9 +176,8 @@ class PairedCompliance:
         traction: (k, 3) in MPa at its end. forces: (n, 3) the same as nodal forces in N on (primary, secondary).
         """
         moved = self.displacement(traction) - self.old
-        if self._still is not None:
-            return moved, moved[self._still]
-        return moved, self._mean(self._before, forces) - self.old_before
+        still = self._still
+        return moved, self._mean(self._before, forces) - self.old_before if still is None else moved[still]
 
     def _mean(self, pairing: Pairing, forces: tuple[Array, Array]) -> Array:
         """Mean displacement (k, 3) of the upper relative to the lower body at a pairing's nodes, by nodal forces on

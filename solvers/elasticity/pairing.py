@@ -63,6 +63,11 @@ class Pairing:
     depths: NodalTransfer  #: From the secondary's worn depths to the opened gap times area.
     inside: BoolArray  #: (k,) True if the secondary patch faces the whole support of the node.
 
+    def faces_as(self, other: "Pairing") -> bool:
+        """True if another pairing of the same two bodies has the same nodes at the same relative position."""
+        pairs = zip((self.nodes, *self.opposite[:3]), (other.nodes, *other.opposite[:3]), strict=True)
+        return self is other or all(np.array_equal(own, its) for own, its in pairs)
+
     def among(self, rows: IntArray) -> "Pairing":
         """The nodes of index `rows` (m,) alone."""
         return Pairing(

@@ -57,7 +57,7 @@ class Influences:
         self._dense: tuple[int, int, Array] | None = None  #: The latest of `dense`: of what it is, and itself.
         #: For each position, the first one at which the bodies face each other alike, as they do around a core.
         self._like = [
-            next(k for k in range(index + 1) if _alike(pairings[k], own) and np.array_equal(rows[k], rows[index]))
+            next(k for k in range(index + 1) if pairings[k].faces_as(own) and np.array_equal(rows[k], rows[index]))
             for index, own in enumerate(pairings)
         ]
 
@@ -116,12 +116,6 @@ class Influences:
             images = (self.across.primary, self.across.secondary)[body]
             between(nodes, images[loaded], out=moved, add=self.across.signs)
         return moved
-
-
-def _alike(one: Pairing, other: Pairing) -> bool:
-    """Whether two pairings are of the same nodes, at the same relative position of the bodies."""
-    pairs = zip((one.nodes, *one.opposite[:3]), (other.nodes, *other.opposite[:3]), strict=True)
-    return one is other or all(np.array_equal(own, its) for own, its in pairs)
 
 
 def _numbered(nodes: IntArray, size: int) -> tuple[IntArray, IntArray]:
