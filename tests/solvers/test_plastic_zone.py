@@ -169,8 +169,8 @@ def test_metal_that_flows_keeps_of_its_penetration_the_part_that_finite_elements
 @pytest.mark.slow
 @pytest.mark.parametrize("beyond", [1.05, 1.5, 2.5, 4.1, 8.7, 16.0, 27.0, 58.0, 110.0, 210.0, 458.0])
 def test_metal_that_flows_bears_what_published_curves_say(beyond: float) -> None:
-    """Penetrations of 1 to 100 times that of first yield."""
-    limit, last = sphere_at(beyond)
+    """Penetrations of 1 to 100 times that of first yield; 4 points to a radius miss one by 6 %."""
+    limit, last = sphere_at(beyond, 6)
     assert jackson_green(limit, last.approach_mm) == pytest.approx(known.LOAD_N, rel=0.05)
     assert kogut_etsion(limit, last.approach_mm) == pytest.approx(known.LOAD_N, rel=0.05)
 
