@@ -19,7 +19,7 @@ import numpy as np
 from scipy.linalg import solveh_banded
 
 from geometry import ContactPatch
-from geometry.arrays import Array
+from geometry.arrays import Array, BoolArray
 from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity.pairing import PrimarySurface, primary_surface, vertical_gap
@@ -86,6 +86,19 @@ def transferred(field: Array, old: ContactPatch, new: ContactPatch) -> Array:
             "wider patch"
         )
     return moved
+
+
+def lies_within(marked: BoolArray, old: tuple[Array, Array], new: tuple[Array, Array]) -> bool:
+    """True if a field, bilinear between the lines `old` along and across and not zero at `marked` nodes (n_a, n_t), is
+    zero beyond the lines `new`: it falls to zero within an element beside these nodes.
+    """
+    for axis, (lines, others) in enumerate(zip(old, new, strict=True)):
+        at = np.flatnonzero(marked.any(axis=1 - axis))
+        if at.size:
+            first, last = lines[max(at[0] - 1, 0)], lines[min(at[-1] + 1, len(lines) - 1)]
+            if first < (1.0 + 1e-9) * others[0] or last > (1.0 + 1e-9) * others[-1]:
+                return False
+    return True
 
 
 def _transferred_along(field: Array, old: Array, new: Array) -> Array:

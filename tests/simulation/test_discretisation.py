@@ -6,13 +6,15 @@ from itertools import pairwise
 from math import hypot, pi, radians, sqrt
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import cast
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from solvers import ContactState
+from solvers.contact_state import WearState
 from tests import synthetic_results
 from tests.studies import MINIMAL
 from wirewear import parse_study
@@ -21,7 +23,7 @@ from wirewear.results import Evolution, RunResult
 from wirewear.simulation import Observer, convergence, discretise
 from wirewear.simulation.discretisation import unknowns
 from wirewear.simulation.expected_contact import Ellipse, patch_axes, scar_ellipse
-from wirewear.simulation.plan import mesh_stages, spare_stages
+from wirewear.simulation.plan import MeshStage, mesh_stages, spare_stages
 from wirewear.simulation.point_runs import PointRun
 from wirewear.test import Study
 from wirewear.test.fidelity import WIRE_LEVELS
@@ -231,7 +233,11 @@ def test_each_block_has_meshes_for_what_slips_in_it_while_the_contact_is_fresh()
     assert meshes.every[first.stage] == meshes.sticking
     rim = meshes.expected.fresh.major_mm
     assert meshes.sticking.fixed.axial.half_lines()[-1] < 1.7 * rim < meshes.stages[0].moving.axial.half_extent_mm
-    unworn: Any = SimpleNamespace(wear=SimpleNamespace(primary_volume_mm3=0.0, secondary_volume_mm3=0.0))
+    wear = _slid_to(meshes.stages[0], 0)
+    unworn, worn, wide = (
+        cast("ContactState", SimpleNamespace(wear=one))
+        for one in (wear, replace(wear, primary_volume_mm3=1e-4), _slid_to(meshes.stages[0], 99))
+    )
     assert meshes.fitting(first, unworn, (0.0, 10.0), True) is None
     slides = meshes.fitting(first, unworn, (10.0, 20.0), False)
     assert slides is not None
@@ -240,8 +246,18 @@ def test_each_block_has_meshes_for_what_slips_in_it_while_the_contact_is_fresh()
     assert sticks is not None
     assert meshes.every[sticks.stage] == meshes.sticking
     assert meshes.fitting(slides, unworn, (10.0, 20.0), True) is None  # not to and fro in one block
-    worn: Any = SimpleNamespace(wear=SimpleNamespace(primary_volume_mm3=1e-4, secondary_volume_mm3=0.0))
     assert meshes.fitting(slides, worn, (20.0, 30.0), True) is None
+    assert meshes.fitting(slides, wide, (20.0, 30.0), True) is None  # a scar beyond their patches, however little
+
+
+def _slid_to(meshes: MeshStage, lines: int) -> WearState:
+    """Wear of (held, driven) on meshes, of no volume, with energy as many lines from the middle as there are or so."""
+    shapes = [(len(body.axial.lines()), len(body.transverse.lines())) for body in (meshes.fixed, meshes.moving)]
+    depths = [np.zeros(shape) for shape in shapes]
+    energies = [np.zeros(shape) for shape in shapes]
+    for energy in energies:
+        energy[min(len(energy) // 2 + lines, len(energy) - 2), energy.shape[1] // 2] = 1e-9
+    return WearState(depths[0], depths[1], energies[0], energies[1])
 
 
 @pytest.mark.parametrize("worn", [False, True])

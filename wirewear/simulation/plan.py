@@ -15,13 +15,15 @@ import numpy as np
 
 from geometry import BodyGeometry
 from solvers import ContactProblem, ContactState, stuck_share
+from solvers.contact_state import WearState
+from solvers.transfer import lies_within
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import StudyError
 from wirewear.simulation.control import stated_core
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, follows
 from wirewear.simulation.expected_contact import ExpectedContact
-from wirewear.simulation.problem import contact_problem, with_nodes_moved, worn_depths
+from wirewear.simulation.problem import contact_problem, held_is_primary, with_nodes_moved, worn_depths
 from wirewear.simulation.store import Meshes, MeshHistory, Report
 from wirewear.test import AnyStudy, Study
 from wirewear.test.any_study import Of
@@ -180,9 +182,26 @@ class PointMeshes(Meshes):
             return None
         since, now = cycles
         back = any(change["cycle"] > since for change in history.changes)
-        if sticks and (back or self.expected.scar_half_width_mm(worn) > self.sticking.to_half_width_mm):
+        if sticks and (
+            back
+            or self.expected.scar_half_width_mm(worn) > self.sticking.to_half_width_mm
+            or not self._holds(self.sticking, self.every[history.stage], state.wear)
+        ):
             return None
         return self.next_stage(replace(history, stage=_STICKING - 1 if sticks else _STICKING), now)
+
+    def _holds(self, meshes: MeshStage, now: MeshStage, wear: WearState) -> bool:
+        """True if the patches of other meshes hold what has slid, or a print, on those in use, `now`."""
+        bodies = [(now.fixed, meshes.fixed), (now.moving, meshes.moving)]
+        pairs = bodies if held_is_primary(self.study) else bodies[::-1]
+        slid = wear.primary_energy, wear.secondary_energy
+        return all(
+            lies_within(
+                energy + (0.0 if moved is None else np.abs(moved)) > 0.0,
+                *((body.axial.lines(), body.transverse.lines()) for body in pair),
+            )
+            for pair, energy, moved in zip(pairs, slid, wear.prints, strict=True)
+        )
 
     def fitted(self, history: MeshHistory, problem: ContactProblem, state: ContactState, /) -> MeshHistory | None:
         sticking = history.stage == (0 if self.expected.sticks else _STICKING)
