@@ -20,8 +20,7 @@ def results_in(runs: Path) -> list[RunResult]:
 
 def damage_of(run: RunResult) -> tuple[list[float], list[float]]:
     """(cycles, largest damage sum of the moving wire) that `wirewear life` has written beside a run; empty without."""
-    path = run.path.parent / "life" / "life.csv" if run.path else Path()
-    if not path.is_file():
+    if run.path is None or not (path := run.path.parent / "life" / "life.csv").is_file():
         return [], []
     with path.open(encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["body"] == "moving" and float(row["cycle"]) > 0.0]
@@ -33,12 +32,10 @@ def damage_of(run: RunResult) -> tuple[list[float], list[float]]:
 @click.option("--output", type=click.Path(path_type=Path), required=True, help="Folder of the picture.")
 def draw(runs: Path, output: Path) -> None:
     """Draw yielding_wires.png, and print its numbers."""
-    figure, ((loops, pressures, depths), (prints, scars, sums)) = plt.subplots(
-        2, 3, figsize=(14.0, 7.0), layout="constrained"
-    )
-    results = results_in(runs)
-    elastic = results[0].evolution
-    for run in results:
+    figure, axes = plt.subplots(2, 3, figsize=(14.0, 7.0), layout="constrained")
+    loops, pressures, depths, prints, scars, sums = axes.flat
+    elastic = results_in(runs)[0].evolution
+    for run in results_in(runs):
         first, evolution = run.loops[0], run.evolution
         loops.plot(first.displacement_um, first.tangential_force_N, label=run.variant)
         pressures.semilogx(evolution["cycle"], 1e-3 * evolution["max_pressure_MPa"])
@@ -55,15 +52,12 @@ def draw(runs: Path, output: Path) -> None:
         click.echo(
             f"{run.variant}: {evolution['max_pressure_MPa'][0]:.0f} MPa, first loop {energy[0]:.4f} mJ, first cycle "
             f"{1e3 * depth[0]:.1f} nm deep, print {left.max():.3f} um, rim {-left.min():.3f} um, last loop "
-            f"{energy[-1]:.4f} mJ, {depth[-1]:.2f} um deep; {run.settings.get('fresh_flow_cycles', 0):g} cycles, "
-            f"{100 * float(run.settings.get('fresh_ratchetting_strain_per_cycle', 0)):.2f} % a cycle"
+            f"{energy[-1]:.4f} mJ, {depth[-1]:.2f} um deep"
         )
     loops.set(title="first loop", xlabel="displacement [µm]", ylabel="tangential force [N]")
     pressures.set(title="largest pressure at a node", xlabel="cycle", ylabel="pressure [GPa]")
     depths.set(title="worn depth of the fixed wire", xlabel="cycle", ylabel="over that of elastic wires")
-    prints.set(
-        title="print of the fixed wire after one cycle", xlabel="along its axis [µm]", ylabel="µm", xlim=(-60, 60)
-    )
+    prints.set(title="print of the fixed wire after a cycle", xlabel="along its axis [µm]", ylabel="µm", xlim=(-60, 60))
     scars.set(title="its scar after 100 000 cycles, as measured", xlabel="along its axis [µm]", ylabel="µm")
     sums.set(title="largest damage sum of the moving wire", xlabel="cycle", ylabel="1: a crack begins")
     loops.legend()
