@@ -206,11 +206,11 @@ def transfer_along_axes(
     lines = (patch.transverse_mm, patch.axial_mm) if axes.swapped else (patch.axial_mm, patch.transverse_mm)
     strides = (1, len(patch.transverse_mm)) if axes.swapped else (len(patch.transverse_mm), 1)
     count_t = 1 if across.planar else len(across.positions) + 1
-    of_axes = (
-        (own.positions, own.lengths, own.lower, axes.signs[c], axes.offset[c], lines[c], own.planar, strides[c])
-        for c, own in enumerate((along, across))
-    )
-    return _products(nodes, count_t, *next(of_axes), *next(of_axes))
+    own = [
+        (each.positions, each.lengths, each.lower, axes.signs[c], axes.offset[c], lines[c], each.planar)
+        for c, each in enumerate((along, across))
+    ]
+    return _products(nodes, count_t, own[0], own[1], strides)
 
 
 @inlined
@@ -223,6 +223,10 @@ def cell_of(lines: Array, value: float, near: int) -> int:
     while near < len(lines) - 2 and lines[near + 1] <= value:
         near += 1
     return near
+
+
+#: Arguments of `_along_line`.
+_Line = tuple[Array, Array, Array, float, float, Array, bool]
 
 
 @compiled
@@ -266,34 +270,13 @@ def _along_line(
 
 @compiled
 def _products(
-    nodes: IntArray,
-    count_t: int,
-    positions_a: Array,
-    lengths_a: Array,
-    lower_a: Array,
-    sign_a: float,
-    offset_a: float,
-    other_a: Array,
-    planar_a: bool,
-    stride_a: int,
-    positions_t: Array,
-    lengths_t: Array,
-    lower_t: Array,
-    sign_t: float,
-    offset_t: float,
-    other_t: Array,
-    planar_t: bool,
-    stride_t: int,
+    nodes: IntArray, count_t: int, along: _Line, across: _Line, strides: tuple[int, int]
 ) -> tuple[BoolArray, IntArray, IntArray, Array]:
-    """Outer products of the rows along both axes, from the arguments of `_along_line` for each and the strides of the
-    other grid's nodes. Returns as `transfer_along_axes`.
+    """Outer products of the rows along both axes, and the strides of the other grid's nodes along each. Returns as
+    `transfer_along_axes`.
     """
-    outside_a, first_a, columns_a, values_a = _along_line(
-        positions_a, lengths_a, lower_a, sign_a, offset_a, other_a, planar_a
-    )
-    outside_t, first_t, columns_t, values_t = _along_line(
-        positions_t, lengths_t, lower_t, sign_t, offset_t, other_t, planar_t
-    )
+    outside_a, first_a, columns_a, values_a = _along_line(*along)
+    outside_t, first_t, columns_t, values_t = _along_line(*across)
     count = len(nodes)
     outside, first = np.empty(count, dtype=np.bool_), np.zeros(count + 1, dtype=np.int64)
     for k in range(count):
@@ -306,7 +289,7 @@ def _products(
         i, j = nodes[k] // count_t, nodes[k] % count_t
         for a in range(first_a[i], first_a[i + 1]):
             for t in range(first_t[j], first_t[j + 1]):
-                columns[used] = columns_a[a] * stride_a + columns_t[t] * stride_t
+                columns[used] = columns_a[a] * strides[0] + columns_t[t] * strides[1]
                 weights[used] = values_a[a] * values_t[t]
                 used += 1
     return outside, first, columns, weights

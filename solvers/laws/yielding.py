@@ -22,7 +22,6 @@ _GROWTH, _LARGEST = 0.205, 2.95  #: Growth with ln(P/P_y) and largest value of H
 #: Strain of an indentation is 0.2 a/R (Tabor, The Hardness of Metals (1951)); the contact's radius a grows about with
 #: this power of the load, between Hertz' 1/3 and full plasticity's 1/2.
 _SPREADING = 0.4
-_NONE = 1e3  #: Factor of a limit that no pressure reaches.
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,8 @@ class PressureLimit:
         """The limits at k nodes under a load in N, one or (k,), with the prints `printed_mm` (k,) that both bodies
         together have already.
         """
-        limit = self.limit_MPa(load) * np.where(np.asarray(load) > self.printed_load, 1.0, _NONE)
+        # Factor of a limit that no pressure reaches.
+        limit = self.limit_MPa(load) * np.where(np.asarray(load) > self.printed_load, 1.0, 1e3)
         # It rises by this share where the print is as deep as Hertz' approach, which keeps the equations regular.
         rise = np.broadcast_to(0.005 * limit / self.overlap_mm, printed_mm.shape)
         return YieldAtNodes(limit + rise * printed_mm, rise)

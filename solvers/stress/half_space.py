@@ -18,7 +18,6 @@ from geometry import Elastic
 from geometry.arrays import Array, ComplexArray
 from solvers.jit_cache import compiled
 
-_BAND = 6  #: Unknowns of two neighbouring levels.
 _FLAT = 1e-6  #: Wave number of the mean over the smallest other one: its limit is that of a single load.
 
 
@@ -121,7 +120,8 @@ class HalfSpace:
     def _factor(self) -> Array:
         """Cholesky factors of all waves, banded: (n_x, n_y // 2 + 1, 3 (l + 1), _BAND)."""
         length, _, _ = self._waves
-        band = np.zeros((*length.shape, 3 * (len(self.layers_mm) + 1), _BAND))
+        # Unknowns of two neighbouring levels.
+        band = np.zeros((*length.shape, 3 * (len(self.layers_mm) + 1), 6))
         _factorise(length, self.layers_mm, *self.elastic, self.material.poissons_ratio, band)
         return band
 

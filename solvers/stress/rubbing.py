@@ -18,8 +18,6 @@ from solvers.stress.pressing import Indenter
 _TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 _TOLERANCE = 5e-3  #: Of plastic strain over a step of sliding, in the place of a pressing's.
 _FINER = 1e-3  #: Of the contact's accuracy, over the tolerance of plastic strain.
-_SHAKEN = 0.02  #: Plastic strain of a cycle, over the elastic one at yield, below which metal has shaken down.
-_STEADY = 0.05  #: Change of a cycle's strains from those of the cycle before, over its own, below which cycles repeat.
 
 
 @dataclass(frozen=True)
@@ -137,7 +135,8 @@ class Rubbing:
         through, left = 0.0, 0.0
         for zone, old, new in zip(self.zones, before, self.states, strict=True):
             own = float((new.flow.accumulated - old.flow.accumulated).max())
-            if own * 2.0 * zone.space.material.shear_modulus_MPa > _SHAKEN * zone.metal.yield_stress_MPa:
+            # Plastic strain of a cycle, over the elastic one at yield, below which metal has shaken down.
+            if own * 2.0 * zone.space.material.shear_modulus_MPa > 0.02 * zone.metal.yield_stress_MPa:
                 change = (new.flow.strain - old.flow.strain) ** 2 @ _TWICE
                 through, left = max(through, own), max(left, sqrt(float(change.max()) / 1.5))
         return FlowOfCycle(through, left)
@@ -150,7 +149,8 @@ class Rubbing:
         if len(cycles) < 2:
             return False
         before, last = cycles[-2:]
-        return max(abs(last.through - before.through), abs(last.left - before.left)) < _STEADY * last.through
+        # Change of a cycle's strains from those of the cycle before, over its own, below which cycles repeat.
+        return max(abs(last.through - before.through), abs(last.left - before.left)) < 0.05 * last.through
 
 
 def shifted(field: Array, cells: int) -> Array:

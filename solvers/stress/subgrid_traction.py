@@ -43,6 +43,9 @@ _HALVINGS = 40
 KEYS = 0.5 * np.array([[0.0, -1.0, 2.0, -1.0], [2.0, 0.0, -5.0, 3.0], [0.0, 1.0, 4.0, -3.0], [0.0, 0.0, -1.0, 1.0]])
 _POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 
+#: Tractions act on a point from so many mean elements away, along so many directions, at so many distances.
+_REACH, _DIRECTIONS, _DISTANCES = 8.0, 48, 48
+
 
 @dataclass(frozen=True, eq=False)
 class SubgridTraction:
@@ -281,13 +284,6 @@ def polynomial(coefficients: Array, u: float, v: float) -> float:
         total = total * u + (((row[3] * v + row[2]) * v + row[1]) * v + row[0])
     return total
 
-
-#: Tractions act on a point from so many mean elements away, along so many directions, at so many distances.
-_REACH = 8.0
-
-_DIRECTIONS = 48
-
-_DISTANCES = 48
 
 #: Places along each side of a cell at which its square is tried, and the share of its range by which it may be higher.
 _SAMPLED, _ROOM = 4, 0.1

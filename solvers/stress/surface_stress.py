@@ -26,7 +26,6 @@ from solvers.elasticity.strain import components, tensors
 from solvers.stress.lattice_error import ComplexArray, lattice_error
 from solvers.stress.subgrid_traction import SubgridTraction, half_space_stress
 
-_DIGITS = 9  #: Proportions of elements that differ beyond these decimals are the same.
 _ALIKE = 0.02  #: Elements are alike that differ by no more than this share.
 _LOADED = 1e-6  #: Share of the largest traction that counts as some.
 #: What differs from its mirror image by no more than this share is its own: its stresses are computed on one side.
@@ -101,7 +100,8 @@ class SurfaceStress:
         """
         (along, across), (first, growth) = self.spacing_mm, self.layers
         mean = np.sqrt(along * across)
-        along, across, first = (round(float(size / mean), _DIGITS) for size in (along, across, first))
+        # Proportions of elements that differ beyond these decimals are the same.
+        along, across, first = (round(float(size / mean), 9) for size in (along, across, first))
         return along, across, first, growth, self.material.poissons_ratio
 
     @cached_property

@@ -33,6 +33,8 @@ DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": None}
 _NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined")
 _TOML = ("study file", "sweep file", "TOML file")  #: What is called so is a TOML file.
 
+_MOST_LINKS = 40  #: As many as Linux follows.
+
 
 def read_toml(path: Path, kind: type[WirewearError], what: str = "TOML file") -> dict[str, object]:
     """Tables of a TOML file; `what` names its kind in messages. Raises an error of class `kind` if it cannot be read or
@@ -180,9 +182,6 @@ def utf8(data: bytes, path: Path, kind: type[WirewearError]) -> str:
     except UnicodeDecodeError as problem:
         line = data.count(b"\n", 0, problem.start) + 1
         raise kind(f"{path}, line {line}: this is not text in UTF-8.") from None
-
-
-_MOST_LINKS = 40  #: As many as Linux follows.
 
 
 def is_special(path: Path) -> bool:

@@ -19,6 +19,8 @@ from wirewear.results import Scar
 
 DISPLACEMENT = "displacement δ [µm]"
 
+RESOLUTION = 420  #: Pixels along the longer side of a map of a simulated scar.
+
 
 def draw_loop(axes: Axes, displacement_um: Array, force: Array, *, label: str = "", **line: Unpack[LineLook]) -> None:
     """Draw a loop of n samples (n,) as one closed line. label: for the legend; empty for none."""
@@ -40,9 +42,6 @@ def name_axes(axes: Axes, unit: str = "N") -> None:
     for line in (axes.axhline, axes.axvline):
         line(0.0, color=GREY, linewidth=0.6, zorder=1)
     axes.set(xlabel=DISPLACEMENT, ylabel=f"tangential force Q [{unit}]")
-
-
-RESOLUTION = 420  #: Pixels along the longer side of a map of a simulated scar.
 
 
 def draw_scar(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normalize) -> None:

@@ -30,6 +30,8 @@ _FAR = 0.4  # Of an amplitude: as far the next one goes after a slow correction 
 #: The figure of a cycle, or of half of one whose other half is its mirror image; with a probe if increments are long.
 Measure = Callable[[CycleTrace, Probe | None], float]
 
+_AGES = 200  # Of a test at which effects are looked at for the least friction.
+
 
 @dataclass(frozen=True)
 class HeldFigure:
@@ -258,9 +260,6 @@ def held_of(study: AnyStudy) -> HeldFigure | None:
         1e-3 * stated.first_um(friction_N, carried_um, largest_um),
         figure.of_state,
     )
-
-
-_AGES = 200
 
 
 def least_friction_N(study: AnyStudy) -> float:

@@ -26,9 +26,6 @@ _BEYOND = 0.02  #: Of an element: by how much nodes may lie beyond the outline a
 _MIDDLE = 1e-9  #: Of the outline: nodes as near to its middle lie there.
 #: Of an element: nodes nearer to the outline within and beyond it might slip or stick.
 _CLEAR = -0.12, 0.1
-#: Of a mean element of the core: by how much a punch of finite elements is larger than one of as many cells of even
-#: pressure that are held at their middles.
-_LARGER = 0.08
 _FITS = 1, 16  #: Of how many lines of nearly one area stiffness is found: of the core's area, then of the one it needs.
 
 _Lines = tuple[RimGradedAxis, RimGradedAxis]
@@ -51,7 +48,9 @@ class _Cells(NamedTuple):
     @property
     def stiffness(self) -> float:
         """`punch_stiffness` of a punch of finite elements with these nodes."""
-        return punch_stiffness(*self[:4]) * (1.0 + _LARGER * sqrt(pi / len(self.x)))
+        # Of a mean element of the core: by how much a punch of finite elements is larger than one of as many cells of
+        # even pressure that are held at their middles.
+        return punch_stiffness(*self[:4]) * (1.0 + 0.08 * sqrt(pi / len(self.x)))
 
 
 @lru_cache(maxsize=16)

@@ -32,9 +32,6 @@ SCAR_MARGIN = 1.2
 # Extent of the patch over that of a contact that sticks in its middle, without wear and with it, which widens it.
 _STUCK_MARGIN, _WORN_MARGIN = 1.3, 1.6
 _EVENLY, _EVEN_MORE = 0.01, 1.25  #: Grading of lines that are spaced evenly, and how many more elements they need.
-#: Of the rim: where the last of them lies. One that only touches it makes what slips a tenth too small at Q/µP of 0.15,
-#: in the mean of ellipses at 12 to 30° by cells on a half-space.
-_OFF_RIM = 0.99
 
 
 @dataclass(frozen=True)
@@ -297,7 +294,9 @@ def _graded_to_rim(contact: Ellipse, axis_rad: float, margin: float, level: Wire
     rim, chord = contact.reach(axis_rad), contact.chord(axis_rad)
     # Chord over reach of an ellipse along a patch's axis, below which lines cannot be fine at its rim.
     if chord < 0.95 * rim:
-        return RimGradedAxis(_OFF_RIM * rim, round(_EVEN_MORE * level.to_rim * rim / chord), margin * rim, _EVENLY)
+        # Of the rim: where the last of them lies. One that only touches it makes what slips a tenth too small at Q/µP
+        # of 0.15, in the mean of ellipses at 12 to 30° by cells on a half-space.
+        return RimGradedAxis(0.99 * rim, round(_EVEN_MORE * level.to_rim * rim / chord), margin * rim, _EVENLY)
     return RimGradedAxis(rim, round(level.to_rim), margin * rim, level.rim_share)
 
 

@@ -40,8 +40,6 @@ from wirewear.test.surfaces import StatedSurface
 # Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 5.0
 
-_CORE_BELOW = 0.9  # Radii of a pin between its surface and its core, at most.
-_LEAST_PRESSED = 0.1  # Share of the pressing against the wall that bears the load: at least a tenth.
 _WIDEST_OF_PINS = 85.0 / 180.0 * pi  # In rad; a bore's patch reaches further.
 
 _MARGIN, _UNWORN_MARGIN, _STUCK_MARGIN = 1.3, 1.15, 1.6
@@ -251,14 +249,16 @@ def _rings(
     pin_mm, bore_mm = face.radius_mm, face.bore_radius_mm
     moved = asin(min(stroke / face.clearance_mm, 1.0))
     pressed = cos(moved) - study.contact.friction * sin(moved)
-    if moved > _WIDEST_OF_PINS or pressed <= _LEAST_PRESSED:
+    # Share of the pressing against the wall that bears the load: at least a tenth.
+    if moved > _WIDEST_OF_PINS or pressed <= 0.1:
         raise StudyError(
             f"a pin that moves by {1e3 * stroke:g} um in a clearance of {1e3 * face.clearance_mm:g} um wedges itself "
             "against the wall of the bore: lower the stroke or friction, or give a wider bore"
         )
     angle = min(half_mm / pin_mm / sqrt(pressed) + moved, _WIDEST_OF_PINS)
     further = bore_mm * asin((pin_mm * sin(angle) + stroke) / bore_mm) - pin_mm * angle
-    pin = RingGeometry(pin_mm, min(study.pad.height_mm, _CORE_BELOW * pin_mm), along(pin_mm * angle))
+    # Radii of a pin between its surface and its core, at most.
+    pin = RingGeometry(pin_mm, min(study.pad.height_mm, 0.9 * pin_mm), along(pin_mm * angle))
     return study.pad.held(pin), study.specimen.held(
         RingGeometry(-bore_mm, study.specimen.height_mm, along(pin_mm * angle, further))
     )

@@ -34,10 +34,6 @@ NEAR_ZONE = "near zone"  #: What a study's `plasticity` is called.
 _PRESSED, _SLID, _MARGIN, _MOST = 5.0, 4.0, 4.0, 129
 _LAYERS = np.asarray(0.1 * 1.1 ** np.arange(15), dtype=np.float64)  #: Over the smaller semi-axis.
 _LOADS = (np.arange(1, 17) / 16) ** 2  #: Steps of the load.
-_STEPS_OUT = 4  #: At which a stroke is halved, of half a smaller semi-axis or more.
-#: Least hardening of metal that slides, over its modulus: without, friction at the yield stress in shear finds no end.
-_HARDENS = 0.01
-_LONGEST = 8.0  #: Slip amplitude over the smaller semi-axis beyond which the flow of sliding is not followed.
 _CYCLES = 20
 
 
@@ -166,14 +162,17 @@ def _on_grid(study: Study, load_N: float, semi_axes_mm: tuple[float, float], sli
     def zone(body: Body) -> PlasticZone:
         space = HalfSpace(body.material, (along, across), (size, size), minor * _LAYERS)
         stress, hardening = study.tables.yields[body.name] or (np.inf, 0.0)
-        least = _HARDENS * body.material.youngs_modulus_MPa if stroke else 0.0
+        # Least hardening of metal that slides, over its modulus: without, friction at the yield stress in shear finds
+        # no end.
+        least = 0.01 * body.material.youngs_modulus_MPa if stroke else 0.0
         return PlasticZone(space, Metal(stress, max(hardening, least)))
 
     zones, modulus = (zone(held), zone(driven)), reference.contact_modulus(driven.material, held.material)
     rubbing = Rubbing(zones, curvatures, modulus, study.contact.friction)
     # Shared between cores, small problems cost more than they gain.
     with threadpool_limits(limits=1, user_api="blas"):
-        rubbed = rubbing.rubbed(load_N * _LOADS, stroke, max(2, -(-stroke // _STEPS_OUT)), _CYCLES if stroke else 0)
+        # At which a stroke is halved, of half a smaller semi-axis or more.
+        rubbed = rubbing.rubbed(load_N * _LOADS, stroke, max(2, -(-stroke // 4)), _CYCLES if stroke else 0)
     return FlowGrid(zones[0].space.axes_mm(), zones[0].space.depths_mm, rubbed)
 
 
@@ -187,4 +186,5 @@ def _slip_mm(study: Study) -> float:
     contact = reference.partial_slip_point(study.conditions.normal_load_N, study.contact.friction, radius, modulus)
     compliance = rig.compliance_at_contact_mm_per_N
     slip = reference.slip_amplitude(contact, amplitude, np.inf if compliance == 0.0 else 1.0 / compliance)
-    return slip if 0.0 < slip <= _LONGEST * hertz.minor_semi_axis_mm else 0.0
+    # Slip amplitude over the smaller semi-axis beyond which the flow of sliding is not followed.
+    return slip if 0.0 < slip <= 8.0 * hertz.minor_semi_axis_mm else 0.0

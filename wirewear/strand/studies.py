@@ -34,6 +34,15 @@ _LINE = (
     "bulk stress along the motion are kept. Energy and wear of a contact that slides as a whole are the same."
 )
 
+#: Figures of a run that stand in the table, by their names there.
+OF_RUN = {
+    "dissipated_energy_mJ": "run_friction_energy_mJ",
+    "slip_amplitude_um": "run_slip_amplitude_um",
+    "max_mean_pressure_MPa": "run_mean_pressure_MPa",
+    "worn_volume_mm3": "run_worn_volume_mm3",
+    LIFE: "run_life_cycles",
+}
+
 
 def file_name(contact_name: str) -> str:
     """Name of the file with the study of the contact with this name."""
@@ -182,16 +191,6 @@ def _wear(coefficient: float, is_line: bool) -> Mapping[str, float]:
 def _figure(value: float) -> float:
     """Value rounded to six digits."""
     return float(f"{value:.6g}")
-
-
-#: Figures of a run that stand in the table, by their names there.
-OF_RUN = {
-    "dissipated_energy_mJ": "run_friction_energy_mJ",
-    "slip_amplitude_um": "run_slip_amplitude_um",
-    "max_mean_pressure_MPa": "run_mean_pressure_MPa",
-    "worn_volume_mm3": "run_worn_volume_mm3",
-    LIFE: "run_life_cycles",
-}
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,7 +38,6 @@ _SHARE = 0.7
 
 #: Load of a ball, share of its friction at which the force is held, and cycles until next to nothing wears.
 _HELD_N, _HELD_SHARE, _HELD_CYCLES = 40.0, 0.6, 20_000
-_HELD_TOLERANCE = 0.08
 _BALL_mm = 12.7
 
 _WEAR = {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.5}
@@ -55,7 +54,7 @@ def held_force_rows(_level: Level) -> tuple[Row, ...]:
     moving, fixed = (result.scar(_HELD_CYCLES, body) for body in ("moving", "fixed"))
     depth, pressure = 1e-3 * float((moving.depth_um + fixed.depth_um).max()), fixed.pressure_MPa
     middle, peak = float(pressure[tuple(size // 2 for size in pressure.shape)]), float(exact.pressure(0.0, modulus))
-    name, most = "Partial slip, a run under a held force", _HELD_TOLERANCE
+    name, most = "Partial slip, a run under a held force", 0.08
     return (
         compared(name, "worn volume of both bodies [mm³]", float(result.worn_volume_mm3[-1]), volume, most),
         compared(name, "largest depth of both bodies [mm]", depth, deep, most),

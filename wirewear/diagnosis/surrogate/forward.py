@@ -29,8 +29,6 @@ from wirewear.effects import Chain
 #: Sweeps of wear path against loop energy, and of slip against force; each gains a digit or more.
 _WEAR_SWEEPS, _SLIP_SWEEPS = 3, 2
 
-#: Sweeps of a stroke against what a drive holds in place of it, where the load varies within the cycle.
-_STROKE_SWEEPS = 3
 
 #: Relative change of `SCAR_FIGURES` per retained fraction, from a simulation with 40 %: debris holds wear in place.
 _CONCENTRATION = np.array([0.0, 0.5, -0.34, -0.25])
@@ -278,7 +276,8 @@ def _followed(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingCont
     if reads:
         stroke = stroke / chain.gain
     found = followed(contact, chain, course, slip, stroke)
-    for _ in range(_STROKE_SWEEPS if reads or held.any() else 0):
+    # Sweeps of a stroke against what a drive holds in place of it, where the load varies within the cycle.
+    for _ in range(3 if reads or held.any() else 0):
         if reads:
             stroke = stroke + (target - half_reading(chain, found.displacement_um, found.force_N)) / chain.gain
         else:

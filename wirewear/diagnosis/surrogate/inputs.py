@@ -33,6 +33,13 @@ STEADY = LoadCycle()
 #: Energy wear coefficients: 1 mm³/J in µm³/mJ.
 UM3_PER_MJ = 1e6
 
+#: Numbers of a setup that its chain does not hold.
+NUMBERS = (
+    *("amplitude_um", "load_N", "friction", "load_factor", "normal_spring_N_per_um", "slope_factor", "tip_factor"),
+    *("tip_trend", "stretch", "stick_factor", "stick_trend", "micro_slip", "angle_rise", "held_share"),
+    *("displacement_offset_um", "force_offset_N"),
+)
+
 
 class AtWork(Protocol):
     """A change of the test as fast models represent it: an effect, or a quantity that may change freely over the
@@ -245,11 +252,3 @@ def _worked(
 
     own = worn(study)
     return worked_course(schedule.stretches, lambda other: worn(other.study) / own if own else 1.0)
-
-
-#: Numbers of a setup that its chain does not hold.
-NUMBERS = (
-    *("amplitude_um", "load_N", "friction", "load_factor", "normal_spring_N_per_um", "slope_factor", "tip_factor"),
-    *("tip_trend", "stretch", "stick_factor", "stick_trend", "micro_slip", "angle_rise", "held_share"),
-    *("displacement_offset_um", "force_offset_N"),
-)
