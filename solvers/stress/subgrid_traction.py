@@ -32,6 +32,7 @@ _WIDTH = 3.0  #: Of the fits' weights, in elements.
 #: 0.17, 0.12, 0.06); weights in a fit that explains them so, and in one that misses them by twice as much, as it does
 #: the pressures of worn surfaces. Other nodes have 1.
 _OFF, _DOUBTED, _TRUSTED = (0.25, 0.18, 0.09), (0.001, 0.02, 0.2), (0.2, 1.0, 1.0)
+_ROUND_OFF = 1e-12  #: Of squares over the largest one.
 _BEYOND = 3  #: The square is continued so many elements beyond the contact.
 #: An edge lies no farther out than one element: squares beyond are below zero by this share of the largest one within
 #: so many elements.
@@ -89,7 +90,7 @@ def fitted_square(pressure: Array, trust: float | None = None, lines: tuple[Arra
     fit = _fit(square, loaded, doubted, moments)
     if trust is None:
         off = _by_row(loaded, _OFF, np.inf) * np.hypot(fit[..., 1], fit[..., 2])
-        missed = np.clip(np.abs(fit[..., 0] - square) / np.maximum(off, np.finfo(float).tiny) - 1.0, 0.0, 1.0)
+        missed = np.clip(np.abs(fit[..., 0] - square) / np.maximum(off, _ROUND_OFF) - 1.0, 0.0, 1.0)
         weight = doubted + missed * (_by_row(loaded, _TRUSTED, 1.0) - doubted)
         fit = _fit(square, loaded, weight, moments)
     return largest * _continued(fit[..., 0], loaded)
