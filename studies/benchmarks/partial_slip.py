@@ -1,10 +1,11 @@
 """The picture of docs/partial_slip.md, and errors of loops' energies in partial slip at each level.
 
-Usage: python -m studies.benchmarks.partial_slip [--level quick --level standard] [--output DIR]
+Usage: python -m studies.benchmarks.partial_slip [--level quick --level standard] [--runs fine] [--output DIR]
 
-A ball of 12.7 mm on a flat and wires of 0.45 mm at 90° are pressed on the meshes of their runs and loaded until they
-all but slide. Loops of every amplitude follow from the first loading, twice as large (Masing), and are compared with
-Mindlin and Deresiewicz at the same force.
+A ball of 12.7 mm on a flat, wires of 0.45 mm at 90° and of 1 mm at 30° and a barrel are pressed on the meshes of their
+runs and loaded until they all but slide. Loops of every amplitude follow from the first loading, twice as large
+(Masing), and are compared with Mindlin and Deresiewicz at the same force. --runs adds whole runs at half of the sliding
+force, on a rigid rig and on one as stiff as the contact.
 """
 
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ from scipy.interpolate import CubicSpline
 from wirewear import reference
 from wirewear.app.cli.study_script import StudyScript
 from wirewear.pictures import style
+from wirewear.simulation import simulate
 from wirewear.simulation.workbench import (
     ContactProblem,
     ContactState,
@@ -46,10 +48,24 @@ _KINDS: dict[str, tuple[float, float, dict[str, Any]]] = {
             "bodies": {"lower": {"shape": "flat", **_STEEL}, "upper": {"shape": "ball", "diameter_mm": 12.7, **_STEEL}},
         },
     ),
-    "wires at 90°": (
-        2.0,
-        0.62,
-        {"kind": "crossed-wires", "wires": {"diameter_mm": 0.45, "crossing_angle_deg": 90.0, **_STEEL}},
+    **{
+        f"wires at {angle:g}°": (
+            load,
+            friction,
+            {"kind": "crossed-wires", "wires": {"diameter_mm": diameter, "crossing_angle_deg": angle, **_STEEL}},
+        )
+        for diameter, angle, load, friction in ((0.45, 90.0, 2.0, 0.62), (1.0, 30.0, 10.0, 0.5))
+    },
+    "barrel 6:1": (
+        30.0,
+        0.6,
+        {
+            "kind": "point-contact",
+            "bodies": {
+                "lower": {"shape": "flat", **_STEEL},
+                "upper": {"shape": "barrel", "diameter_mm": 10.0, "diameter_along_mm": 60.0, **_STEEL},
+            },
+        },
     ),
 }
 
@@ -77,8 +93,8 @@ class Loading:
         return np.array(energy / [reference.energy_per_cycle(self.exact, force) for force in self.force[1:]] - 1.0)
 
 
-def study_of(kind: str, held_N: float) -> Study:
-    """One cycle of a contact under a held force."""
+def study_of(kind: str, held_N: float, rig: dict[str, Any] | None = None) -> Study:
+    """One cycle of a contact under a held force, on a rigid rig or one with the keys `rig`."""
     load, friction, bodies = _KINDS[kind]
     conditions = {"normal_load_N": load, "displacement_amplitude_um": 30.0, "frequency_Hz": 1.0, "cycles": 1}
     tables = {
@@ -87,9 +103,32 @@ def study_of(kind: str, held_N: float) -> Study:
         **bodies,
         "contact": {"friction": friction},
         "conditions": conditions | {"held_tangential_force_N": held_N},
+        "log": {"loop_cycles": [1]},
+        **({"holder": rig} if rig else {}),
     }
     study: Study = study_from_tables(tables, kind)
     return study
+
+
+def exact_of(kind: str) -> reference.PartialSlipPoint:
+    """The closed form of a contact, which moves along x."""
+    load, friction, _ = _KINDS[kind]
+    lower, upper = study_of(kind, 0.5 * friction * load).bodies
+    hertz = hertz_of(load, lower, upper)
+    stiffness = reference.elliptic_stiffness(hertz, lower.material, hertz.major_angle_rad)
+    return reference.PartialSlipPoint(load, friction, hertz.contact_radius_mm, stiffness)
+
+
+def run_error(kind: str, level: str, rig_over_contact: float) -> float:
+    """Relative error of a run's energy under half of the sliding force; the rig's stiffness is so many times the
+    contact's, infinite for a rigid one.
+    """
+    exact = exact_of(kind)
+    rig = {"tangential_stiffness_N_per_mm": rig_over_contact * exact.stiffness_N_per_mm}
+    study = study_of(kind, DRAWN * exact.limit_N, rig if np.isfinite(rig_over_contact) else None)
+    first = simulate(study, fidelity=level).evolution[0]
+    force = float(first["max_tangential_force_N"])
+    return float(first["dissipated_energy_mJ"]) / reference.energy_per_cycle(exact, force) - 1.0
 
 
 def loaded(kind: str, level: str) -> Loading:
@@ -97,9 +136,7 @@ def loaded(kind: str, level: str) -> Loading:
     load, friction, _ = _KINDS[kind]
     study = study_of(kind, 0.5 * friction * load)
     problem = contact_problem(study, discretise(study, level), lambda _stage: None)
-    modulus = reference.tangential_contact_modulus(*(body.material for body in study.bodies))
-    radius = hertz_of(load, *study.bodies).contact_radius_mm
-    exact = reference.partial_slip_point(load, friction, radius, modulus)
+    exact = exact_of(kind)
     pressed, _ = press(problem, unloaded_state(problem))
     stiffness = exact.stiffness_N_per_mm
     tiny = advance(problem, pressed, 1e-6 * exact.limit_N / stiffness, 0.0)[0]
@@ -162,13 +199,18 @@ def picture(loadings: dict[tuple[str, str], Loading]) -> Any:
 
 @click.command(cls=StudyScript)
 @click.option("--level", "levels", multiple=True, type=click.Choice(FIDELITIES), default=FIDELITIES[:2])
+@click.option("--runs", type=click.Choice(FIDELITIES), help="Level of whole runs.")
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/partial_slip"), show_default=True)
-def main(levels: tuple[str, ...], output: Path) -> None:
-    """Load both contacts at each level, draw partial_slip.png and print the rows."""
+def main(levels: tuple[str, ...], runs: str | None, output: Path) -> None:
+    """Load the contacts at each level, draw partial_slip.png and print the rows."""
     output.mkdir(parents=True, exist_ok=True)
     loadings = {(kind, level): loaded(kind, level) for kind in _KINDS for level in levels}
-    click.echo(style.save(lambda: picture(loadings), output / "partial_slip.png"))
+    drawn = {named: one for named, one in loadings.items() if named[0] in tuple(_KINDS)[:2]}
+    click.echo(style.save(lambda: picture(drawn), output / "partial_slip.png"))
     click.echo("\n".join(rows(loadings)))
+    for rig in (np.inf, 1.0) if runs else ():
+        errors = " | ".join(f"{100.0 * run_error(kind, runs, rig):+.2f}" for kind in _KINDS)
+        click.echo(f"| rig {rig:g} times as stiff, {runs} | {errors} |".replace("-", "−"))
 
 
 if __name__ == "__main__":

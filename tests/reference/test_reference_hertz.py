@@ -282,3 +282,14 @@ def test_a_bulk_stress_rubs_a_line_contact_as_a_plane_code_has_it_and_either_way
     assert both == pytest.approx([6.2828e-4, 6.2828e-4], rel=1e-3)
     with pytest.raises(ValueError, match="within the contact"):
         reference.line_energy_per_cycle(PULLED, 0.6, MODULUS, 27.0, 400.0)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "along", "across"), [(1.0, 2.35294, 2.35294), (1.5, 1.90710, 1.97597), (6.0, 1.08307, 1.24264)]
+)
+def test_an_ellipse_that_sticks_is_as_stiff_as_boundary_elements_and_mindlin_have_it(
+    ratio: float, along: float, across: float
+) -> None:
+    contact, unit = PointContact(1.0, 2.0, 2.0 / ratio, 1.0, 1.0), 2.0 * STEEL.shear_modulus_MPa
+    found = [reference.elliptic_stiffness(contact, STEEL, angle) / unit for angle in (0.0, 0.5 * pi, 0.25 * pi)]
+    assert found == pytest.approx([along, across, 0.5 * (along + across)], rel=1e-5)

@@ -17,8 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geometry import Elastic
 from geometry.arrays import Array
-from wirewear.reference.hertz import require_positive
+from wirewear.reference.hertz import PointContact, require_positive
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,22 @@ class PartialSlipPoint:
 def mindlin_stiffness(tangential_modulus_MPa: float, contact_radius_mm: float) -> float:
     """Mindlin's tangential stiffness K = 2G*a in N/mm (Johnson 1985, section 7.2)."""
     return 2.0 * tangential_modulus_MPa * contact_radius_mm
+
+
+def elliptic_stiffness(contact: PointContact, material: Elastic, angle_rad: float = 0.0) -> float:
+    """Tangential stiffness in N/mm of an elliptic contact of two bodies of one material that sticks all over, moved at
+    an angle from its major axis and held sideways.
+
+    Along the axes a and b it is πGa/[(1 − ν)K + νD] and πGa/[K − νD], K and D = (K − E)/e² by the complete integrals of
+    the eccentricity e (Mindlin, J. Appl. Mech. 16 (1949) 259).
+    """
+    from scipy.special import elliprd, elliprf
+
+    squared = (contact.minor_semi_axis_mm / contact.major_semi_axis_mm) ** 2
+    k, d, nu = float(elliprf(0.0, squared, 1.0)), float(elliprd(0.0, squared, 1.0)) / 3.0, material.poissons_ratio
+    stiffness = math.pi * material.shear_modulus_MPa * contact.major_semi_axis_mm
+    along, across = stiffness / ((1.0 - nu) * k + nu * d), stiffness / (k - nu * d)
+    return along * math.cos(angle_rad) ** 2 + across * math.sin(angle_rad) ** 2
 
 
 def partial_slip_point(
