@@ -126,9 +126,9 @@ def run_error(kind: str, level: str, rig_over_contact: float) -> float:
     exact = exact_of(kind)
     rig = {"tangential_stiffness_N_per_mm": rig_over_contact * exact.stiffness_N_per_mm}
     study = study_of(kind, DRAWN * exact.limit_N, rig if np.isfinite(rig_over_contact) else None)
-    first = simulate(study, fidelity=level).evolution[0]
-    force = float(first["max_tangential_force_N"])
-    return float(first["dissipated_energy_mJ"]) / reference.energy_per_cycle(exact, force) - 1.0
+    first = simulate(study, fidelity=level).evolution
+    force = float(first["max_tangential_force_N"][0])
+    return float(first["dissipated_energy_mJ"][0]) / reference.energy_per_cycle(exact, force) - 1.0
 
 
 def loaded(kind: str, level: str) -> Loading:
@@ -208,7 +208,9 @@ def main(levels: tuple[str, ...], runs: str | None, output: Path) -> None:
     drawn = {named: one for named, one in loadings.items() if named[0] in tuple(_KINDS)[:2]}
     click.echo(style.save(lambda: picture(drawn), output / "partial_slip.png"))
     click.echo("\n".join(rows(loadings)))
-    for rig in (np.inf, 1.0) if runs else ():
+    if runs is None:
+        return
+    for rig in (np.inf, 1.0):
         errors = " | ".join(f"{100.0 * run_error(kind, runs, rig):+.2f}" for kind in _KINDS)
         click.echo(f"| rig {rig:g} times as stiff, {runs} | {errors} |".replace("-", "−"))
 
