@@ -5,7 +5,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.contact import ContactProblem
 from solvers.contact.linearising import paired_before
-from solvers.contact.problem import facing_offset
+from solvers.contact.problem import facing_offset, open_depths
 from solvers.contact_state import ContactState
 from solvers.elasticity.pairing import frames_on, pair
 
@@ -20,7 +20,9 @@ def forces_on_bodies(problem: ContactProblem, state: ContactState) -> tuple[Arra
     """
     surface, pairing = problem.surface, paired_before(problem, state)
     traction, common = state.traction[pairing.nodes], pairing.frames[:, 0]
-    offset, (own_depth, other_depth) = facing_offset(problem, state, state.drive, state.holder_x), _unworn(problem)
+    # Elements are moved with what wears, so a body's own surface is the worn one.
+    own_depth, other_depth = open_depths(problem, state)
+    offset = facing_offset(problem, state, state.drive, state.holder_x)
     mean = pair(surface, problem.secondary, pairing.nodes, offset, own_depth, other_depth).frames[:, 0]
     own_slope = surface.mean_slope(pairing.nodes, own_depth)
     other_slope = -2.0 * mean[:, :2] / mean[:, 2:] - own_slope
@@ -30,10 +32,6 @@ def forces_on_bodies(problem: ContactProblem, state: ContactState) -> tuple[Arra
     secondary = pairing.opposite.spread(_turned(traction, common, frames_on(other_slope)[:, 0]))
     upper, lower = (primary, -secondary) if problem.primary_is_upper else (secondary, -primary)
     return upper @ problem.upper.folded.rotation, lower @ problem.lower.folded.rotation
-
-
-def _unworn(problem: ContactProblem) -> tuple[Array, Array]:
-    return np.zeros(problem.primary.patch.shape), np.zeros(problem.secondary.patch.shape)
 
 
 def _turned(vectors: Array, before: Array, after: Array) -> Array:

@@ -37,7 +37,7 @@ from dataclasses import dataclass, replace
 
 from solvers import RoughLayer
 from wirewear.effects import Effect, Seam
-from wirewear.records.importing.guessed_conditions import Touching
+from wirewear.records.importing.guessed_scars import Touching
 
 
 @dataclass(frozen=True)

@@ -142,6 +142,7 @@ def test_pictures_and_loops_of_a_run_are_had_from_its_file(result: RunResult, tm
 
 def test_what_is_wrong_with_a_record_is_stated(record: LineRecord) -> None:
     loop, profile = record.loops[0], record.scars[0]
+    record = replace(record, scars=tuple(one for one in record.scars if one.repeat == loop.repeat))
 
     def topics(changed: LineRecord) -> set[str]:
         return {remark.topic for remark in check_record(changed).problems}

@@ -32,7 +32,7 @@ def test_bodies_are_found_by_their_names_and_by_how_they_stand(bodies: tuple[str
     assert [body_named(one, "run", bodies) for one in bodies] == list(bodies)
     for names, body in ((("lower", "driven", "moving"), driven), (("upper", "held", "fixed"), held)):
         assert {body_named(name, "run", bodies) for name in names if name not in bodies} == {body}
-    with pytest.raises(ResultError, match=f"^run: (wire|body) must be one of {driven}, {held}, or lower or upper, not"):
+    with pytest.raises(ResultError, match=f"^run: the body must be one of {driven}, {held}, or lower or upper, not"):
         body_named("middle", "run", bodies)
 
 

@@ -229,7 +229,7 @@ def test_a_symmetric_contact_is_corrected_on_one_side_of_its_middle_only(monkeyp
         counts.append(len(places))
         return half_space_stress(places, *others)
 
-    monkeypatch.setattr("solvers.stress.subgrid_traction.half_space_stress", counted)
+    monkeypatch.setattr("solvers.stress.surface_stress.half_space_stress", counted)
     grid = surface.patch.grid()
     np.testing.assert_allclose(loaded.correction(grid), loaded._correction(grid), atol=1e-9)
     assert counts[0] < 0.6 * counts[1]

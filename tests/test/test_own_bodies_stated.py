@@ -96,7 +96,7 @@ def test_a_face_that_is_no_barrel_passes_through_the_files_nodes(tmp_path: Path)
         ({"more": "half_width_mm = 3.0"}, "half_width_mm"),
         ({"more": "outward = [0, 0, 0]"}, r"outward.*must be a direction"),
         ({"more": "[bodies.upper.parts.core]\nmaterial = 'steel'"}, "core"),
-        ({"held": "contact"}, "'contact' is in the held set 'contact', too"),
+        ({"held": "face"}, "'face' is in the held set 'face', too"),
     ],
     ids=["no contact", "not held", "metres", "unknown unit", "of a block", "no direction", "no such part", "held"],
 )
