@@ -220,7 +220,7 @@ def sentence_of(
     explains = f"{words[0].upper()}{words[1:]}, explain{'s' if len(named[0].causes) == 1 else ''} the gap"
     if not shrink.shows_gap:
         seen = f" in the {where[0].place}" if where else ""
-        return f"{explains}{seen}; what was left out of the fit shows no gap by which to check it."
+        return f"{explains}{seen}; tests may scatter by more than what was left out of the fit, which cannot check it."
     left_out = "a scar" if shrink.scar_held_out else "cycles"
     return (
         f"{explains}: on {left_out} left out of the fit the difference from the model falls from {shrink.before:.2g} "

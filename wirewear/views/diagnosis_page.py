@@ -145,7 +145,8 @@ def _checked(shrink: Shrink) -> str:
     """Sentence on the gap before and after the explanation, and on the floor that chance leaves."""
     floor = f"chance alone leaves {shrink.floor:.2f}"
     if not shrink.shows_gap:
-        return f"the model alone differs by {shrink.before:.2f} scatters, {floor}: no gap by which to judge"
+        hidden = "how far tests may scatter hides the gap from this check"
+        return f"the model alone differs by {shrink.before:.2f} scatters, {floor}: {hidden}"
     share, low, high = (f"{100.0 * one + 0.0:.0f} %" for one in (shrink.shrink, *shrink.interval95))
     fall = f"the difference falls from {shrink.before:.2f} to {shrink.after:.2f} scatters, {floor}"
     return f"{fall}; shrink {share} ({low} to {high})"
