@@ -280,6 +280,8 @@ friction = 0.62 => frction = 0.62\ncolour = 1
 friction = 0.62 => friction = 0.62\ncolour = 1\nnoise = 2
     unknown key 'colour' in [contact] of s.toml: the keys known there are friction, friction_law, plasticity,
     formulation, primary_wire. Unknown key 'noise' in [contact] of s.toml.
+friction = 0.62 => friction = 0.62\nfriction = 0.5
+    s.toml is not valid TOML: cannot overwrite a value (at line 15, column 15): friction was given before.
 friction = 0.62 => friction = 0,62
     s.toml is not valid TOML: expected newline or end of document after a statement (at line 14, column 13); the decimal
     sign is a point: friction = 0.62.

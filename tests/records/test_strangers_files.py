@@ -229,6 +229,12 @@ def test_a_map_from_before_the_test_is_no_scar_and_scars_without_loops_are_said(
     assert ("the fixed wire has 2 scars" in remarks) == (len(kept) > 1)
 
 
+def test_a_profile_along_a_line_is_no_map_of_a_scar(tmp_path: Path) -> None:
+    (tmp_path / "profil.csv").write_text("Position [mm];Profiltiefe [µm]\n" + "0,5;1,0\n" * 20, encoding="utf-8")
+    files = [*write(KINDS["units in brackets"](ENGLISH), tmp_path), tmp_path / "profil.csv"]
+    assert "profil.csv was left out: it is a profile along a line" in " ".join(guessed(files, {}).remarks)
+
+
 def test_what_is_assumed_of_the_wires_is_said(tmp_path: Path) -> None:
     files = write(KINDS["units in brackets"](ENGLISH), tmp_path)
     remarks = " ".join(guessed(files, {"diameter_mm": 0.45}).remarks)

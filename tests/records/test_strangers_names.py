@@ -71,6 +71,13 @@ def test_words_that_nothing_distinguishes_are_read_as_before(encoding: str) -> N
     assert encoding_of(head.encode(encoding)) == {"gbk": "gb18030"}.get(encoding, encoding)
 
 
+def test_an_amplitude_that_looks_like_another_units_is_asked_for(tmp_path: Path) -> None:
+    path = written(tmp_path, "time_s,Stroke position (um),force_N,normal_N", TIME, 1e-3 * X, FORCE, 2.0 + 0.0 * X)
+    found = guessing.guessed_mapping([path], {}, NO_WIRES)
+    assert found.tables["conditions"]["displacement_amplitude_um"] == "?"
+    assert "it looks like millimetres" in " ".join(found.remarks)
+
+
 def test_unknown_names_in_an_encoding_that_was_guessed_are_listed_with_the_option(tmp_path: Path) -> None:
     path = written(tmp_path, "ABC;кол;дол", TIME, X, FORCE, encoding="cp1251")
     with pytest.raises(RecordError, match=r"--displacement COLUMN:UNIT, or another --encoding than cp1252, which is a"):

@@ -68,6 +68,8 @@ def _hint(text: str, reason: str) -> str:
     if (at := re.search(r"line (\d+)", reason)) is None:
         return ""
     key, is_given, value = text.splitlines()[int(at[1]) - 1].split("#")[0].partition("=")
+    if reason.startswith("Cannot overwrite"):
+        return f": {key.strip(' []')} was given before"
     for wrong, right in _HINTS.items():
         if is_given and (found := re.fullmatch(wrong, value.strip())):
             return f"; {found.expand(right).replace(': ', f': {key.strip()} = ', 1)}"

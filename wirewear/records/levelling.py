@@ -92,8 +92,9 @@ class Unworn:
             )
         volume = float(np.abs(np.nansum(depth))) * _cell(places)
         if body and self.doubt_um3 * CERTAIN > WELL_KNOWN * volume > 0.0:
-            share = min(CERTAIN * self.doubt_um3 / volume, 9.99)
-            said.append(f"what is unworn shows the worn volume within {share:.1%} only; {HELPS}")
+            share = CERTAIN * self.doubt_um3 / volume
+            shows = f"shows the worn volume within {share:.1%} only" if share < 1.0 else "cannot show the worn volume"
+            said.append(f"what is unworn {shows}; {HELPS}")
         if self.form_um and body:
             whose = self.parameters if self.unclear is None else self.unclear
             what = "that is taken off" if self.unclear is None else f"that may be the scar, and is left; {HELPS}"

@@ -76,7 +76,8 @@ def border_text(share: float, where: str) -> str:
     """
     if abs(share) < MOST_AT_BORDER:
         return ""
-    what = f"{share:.1%} of what is worn lies" if share > 0.0 else f"{-share:.1%} of what is worn is piled up"
+    much = f"{abs(share):.1%} of what is worn" if abs(share) < 1.0 else "more than is worn in all"
+    what = f"{much} lies" if share > 0.0 else f"{much} is piled up"
     return (
         f"{what} along the border of {where}, which cuts the scar off, or whose outermost points are off; a map that "
         "reaches farther beyond the scar would help, or one without those points"

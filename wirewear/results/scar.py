@@ -127,6 +127,11 @@ def body_named(name: str, where: str, bodies: Sequence[str]) -> str:
     raise ResultError(f"{where}: the body must be one of {', '.join(bodies)}, or lower or upper, not {name!r}")
 
 
+def figure_volume(volume_mm3: float) -> str:
+    """Worn volume as text: in µm³ below 10⁻⁶ mm³, else in 10⁻³ mm³."""
+    return f"{1e9 * volume_mm3:.3g} µm³" if volume_mm3 < 1e-6 else f"{1e3 * volume_mm3:.3g}·10⁻³ mm³"
+
+
 def noun_of(body: str) -> str:
     """The word for a body in columns and messages: "wire" for one of crossed wires, "body" for any other."""
     return _NOUNS.get(body, "body")

@@ -13,6 +13,7 @@ from wirewear.comparison.maps import energy_ratio, line_through_origin, slides
 from wirewear.results import BORNE, BORNE_IS, PLAY_TRAVEL, SPRING_TRAVEL, RunResult
 from wirewear.results.flat import named_for_users
 from wirewear.results.health import limit_of
+from wirewear.results.scar import figure_volume
 from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, RATCHETTING
 
 
@@ -129,11 +130,6 @@ def regime(result: RunResult) -> str:
     if not whole.size or whole.all():
         return "gross slip throughout" if whole.size else "no loop that encloses energy"
     return "both partial and gross slip (a mixed regime)" if whole.any() else "partial slip throughout"
-
-
-def figure_volume(volume_mm3: float) -> str:
-    """Worn volume as text: in µm³ below 10⁻⁶ mm³, else in 10⁻³ mm³."""
-    return f"{1e9 * volume_mm3:.3g} µm³" if volume_mm3 < 1e-6 else f"{1e3 * volume_mm3:.3g}·10⁻³ mm³"
 
 
 def balance(result: RunResult) -> list[tuple[str, str]]:

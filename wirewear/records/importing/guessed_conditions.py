@@ -22,6 +22,7 @@ from wirewear.records.importing.mapping import LoopSource
 from wirewear.records.test_tables import FRICTION_FORCE
 from wirewear.records.values import MeasuredLoop
 from wirewear.test.bodies import OPEN
+from wirewear.test.keys import AMPLITUDE_um
 
 #: Frequencies of fretting rigs, from creeping drives to piezos; numbers without a unit beyond are no seconds.
 _RIGS_Hz = 0.1, 1000.0
@@ -213,6 +214,10 @@ def _amplitude(
     if min(amplitudes) < (1.0 - 0.1) * max(amplitudes):
         message = f"amplitudes of the loops go from {min(amplitudes):.3g} to {max(amplitudes):.3g} µm"
         return amplitude, f"the {message}; their median stands in the mapping"
+    try:
+        AMPLITUDE_um(amplitude)
+    except ValueError as problem:
+        return OPEN, f"the displacement amplitude, that of the loops, {problem}: is the unit of its column wrong?"
     return amplitude, f"the displacement amplitude, {amplitude:g} µm, is that of the loops"
 
 

@@ -8,6 +8,7 @@ from typing import Any, Self
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.base.files import table_of
+from wirewear.base.naming import plain
 from wirewear.records.importing.guessed_columns import GuessedFile
 from wirewear.records.importing.guessed_files import mapped_columns
 from wirewear.records.importing.height_maps import MapScale, StatedMap, stated_map
@@ -18,14 +19,17 @@ from wirewear.results.scar import called
 from wirewear.test.bodies import OPEN, BodiesByOptions, Body
 from wirewear.test.kinds import KINDS
 
+_A_LINE = "it is a profile along a line, and contacts at a point need maps of their scars: x, y and height or depth"
+_PLANE = ("flat", "plan", "ebene", "platte", "plaque", "placa", "piastra", "lower", "unten")
+
 #: Words in a file's name that show whose scar it holds.
 WORDS = {
     "moving": ("moving", "upper", "oben", "oberer", "beweg", "mobile"),
     "fixed": ("fixed", "lower", "unten", "unterer", "fest", "ruhend", "static"),
-    "flat": ("flat", "disc", "disk", "plane", "ebene", "platte", "scheibe", "lower", "unten"),
-    "ball": ("ball", "sphere", "kugel", "upper", "oben"),
+    "flat": (*_PLANE, "disc", "disk", "scheibe", "disque", "disco"),
+    "ball": ("ball", "sphere", "kugel", "bille", "boule", "bola", "sfera", "esfera", "upper", "oben"),
     "pad": ("pad", "cylinder", "zylinder", "punch", "stempel", "upper", "oben", "oberer"),
-    "specimen": ("specimen", "flat", "plane", "probe", "ebene", "platte", "lower", "unten", "unterer"),
+    "specimen": (*_PLANE, "specimen", "probe", "eprouvette", "probeta", "provino", "unterer"),
 }
 
 #: What a map may not state.
@@ -67,7 +71,9 @@ def scars_of(
     remarks = [f"{text.path.name} was left out: there are no bodies" for text in points if not touching.names]
     for text in points if touching.names else ():
         if not {"x_um", "y_um"} <= text.columns.keys() or not {"depth_um", "height_um"} & text.columns.keys():
-            remarks.append(f"{text.path.name} was left out: neither loops nor a scar were recognised in it")
+            line = "x_um" in text.columns and "y_um" not in text.columns
+            why = _A_LINE if line else "neither loops nor a scar were recognised in it"
+            remarks.append(f"{text.path.name} was left out: {why}")
             continue
         body = body_of(text.path, touching.names, _next(scars, touching), remarks)
         columns, more = mapped_columns(text)
@@ -139,7 +145,7 @@ def body_of(path: Path, names: Sequence[str], otherwise: str, remarks: list[str]
     """Name of the body whose surface a file holds, by words in the file's name; else `otherwise`, and a sentence is
     appended to `remarks`. names: of the bodies in contact.
     """
-    name = path.stem.lower()
+    name = plain(path.stem)
     for body in names:
         if any(word in name for word in WORDS[body]):
             return body

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError
+from wirewear.pictures.panels import draw_axis
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, WIDTH_in, depth_scale, new_figure, save
 from wirewear.records.contact_tables import LineRecordTables
 from wirewear.records.profiles import MeasuredProfile
@@ -19,7 +20,7 @@ from wirewear.records.scars import MeasuredScar
 from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.tables import PointRecordTables
 from wirewear.records.values import AnyRecord, MeasuredLoop
-from wirewear.results.scar import called
+from wirewear.results.scar import called, figure_volume
 
 
 def import_text(record: AnyRecord) -> str:
@@ -87,10 +88,10 @@ def _scar_picture(scars: Sequence[MeasuredScar], body: str, tables: PointRecordT
     for axes, scar in zip(panels, scars, strict=True):
         image = axes.pcolormesh(scar.x_um, scar.y_um, scar.depth_um.T, norm=norm, cmap=colours)
         axes.set_aspect("equal")
-        along = np.radians(tables.body(body).axis_angle_deg)
-        axes.axline((0.0, 0.0), (np.cos(along), np.sin(along)), color=GREY, linewidth=0.7, linestyle=(0, (8, 2, 1, 2)))
-        axes.set(title=f"repeat {scar.repeat}\n{1e6 * scar.volume_mm3:.3g}·10⁻⁶ mm³", xlabel="x, along the motion [µm]")
-    panels[0].set_ylabel(f"{called(body)} (its axis dash-dotted), y [µm]")
+        if has_axis := tables.body(body).has_axis:
+            draw_axis(axes, tables.body(body).axis_angle_deg)
+        axes.set(title=f"repeat {scar.repeat}\n{figure_volume(scar.volume_mm3)}", xlabel="x, along the motion [µm]")
+    panels[0].set_ylabel(f"{called(body)}{' (its axis dash-dotted)' if has_axis else ''}, y [µm]")
     figure.colorbar(image, ax=list(panels), label="worn depth, raised if negative [µm]", shrink=0.8)
     return figure
 
