@@ -118,8 +118,8 @@ def test_a_run_keeps_the_contact_forces_of_its_logged_cycles(unbroken: RunResult
         assert 0.0 < named["end-forward"] - named["after-end-forward"] < 0.1 * named["end-forward"]
         # The wires cross at right angles: the fixed one's own transverse axis is the direction of motion.
         # Tractions are turned back by the bodies' own slopes, up to a/2R.
-        np.testing.assert_allclose(fixed.force_N[..., 1].sum(axis=1), fixed.tangential_force_N, rtol=0.0, atol=4e-3)
-        np.testing.assert_allclose(moving.force_N[..., 0].sum(axis=1), -fixed.tangential_force_N, rtol=0.0, atol=4e-3)
+        np.testing.assert_allclose(fixed.force_N[..., 1].sum(axis=1), fixed.tangential_force_N, rtol=0.0, atol=6e-3)
+        np.testing.assert_allclose(moving.force_N[..., 0].sum(axis=1), -fixed.tangential_force_N, rtol=0.0, atol=6e-3)
         np.testing.assert_allclose(
-            moving.force_N[..., 2].sum(axis=1), fixed.force_N[..., 2].sum(axis=1), rtol=0.0, atol=4e-3
+            moving.force_N[..., 2].sum(axis=1), fixed.force_N[..., 2].sum(axis=1), rtol=0.0, atol=6e-3
         )
