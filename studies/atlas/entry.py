@@ -13,11 +13,12 @@ from typing import Any
 import polars as pl
 from polars import selectors
 from polars.exceptions import PolarsError
-from pydantic import BaseModel, ConfigDict
+from pydantic import ConfigDict
 
 from wirewear import StudyError
 from wirewear.base.files import read_toml
 from wirewear.base.words import as_sentence
+from wirewear.test.keys import Table
 from wirewear.test.messages import validated
 
 ENTRIES = Path(__file__).parent
@@ -28,8 +29,8 @@ ALL = "all"  #: What stands for the test where a comparison is of all of them to
 Simulated = Callable[[Mapping[str, Any]], Mapping[str, float]]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+class _Table(Table):
+    model_config = ConfigDict(defer_build=False)
 
 
 class Compared(_Table):
