@@ -52,8 +52,7 @@ _TAKEN = {
     Held.MAPPING: "`wirewear import PATH --output DIR` makes a record by it",
     Held.NUMBERS: "`wirewear new --mapping PATH` begins a mapping that says how to read it, and `wirewear loops PATH` "
     "analyses friction loops",
-    Held.FILES: f"there is no file {TABLE_FILE_NAME} in it, and `wirewear new --mapping PATH/*` begins a mapping that "
-    "says how to read them",
+    Held.FILES: "`wirewear new --mapping PATH/*` begins a mapping that says how to read them",
 }
 
 
@@ -70,7 +69,10 @@ def require_no_other(path: Path, kind: type[WirewearError], *wanted: Held) -> No
     if held is not None and held not in wanted:
         place = path.parent if held == Held.RECORD and path.name == TABLE_FILE_NAME else path
         needed = " or ".join(wanted)
-        raise kind(f"{path} is a {held}, and no {needed}: {_TAKEN[held].replace('PATH', str(place))}.")
+        lacks = (
+            f"there is no file {TABLE_FILE_NAME} in it, and " if (held, *wanted) == (Held.FILES, Held.RECORD) else ""
+        )
+        raise kind(f"{path} is a {held}, and no {needed}: {lacks}{_TAKEN[held].replace('PATH', str(place))}.")
 
 
 def recognised(path: Path) -> Held | None:
