@@ -224,8 +224,7 @@ def restarted(
     pressing either: radial tractions would be left at its edge, which would slip sooner. The stroke is as long as
     `lacking` asks; None: the drive's.
     """
-    for body in (problem.primary, problem.secondary):
-        body.forget()
+    problem.forget()
     blank = unloaded_state(problem)
     blank = replace(blank, wear=state.wear, core=state.core, bulk=drive.mean_bulk, holder_z=state.holder_z)
     pressed, _ = press(problem, blank, FirstGuess(0.0, state.overlap_area, state.traction))
@@ -281,8 +280,8 @@ def _follow(
     states: list[ContactState] = []
     middle = start = state
     # What has been gathered before decides about round-off: a resumed run is to end with the very same numbers.
-    for body in () if goes_on else (problem.primary, problem.secondary):
-        body.forget()
+    if not goes_on:
+        problem.forget()
     for drive, phase, _time, load, bulk in path:
         rising = drive > state.drive
         guess = guide.at(float(phase), float(drive)) if guide is not None else None

@@ -77,6 +77,11 @@ class ContactProblem:
         """The friction law with its coefficient, of surfaces that neither slide nor have slid."""
         return Friction(self.friction, self.friction_law)
 
+    def forget(self) -> None:
+        """Drop what was gathered and paired in increments before."""
+        for body in (self.primary, self.secondary):
+            body.forget()
+
     def law_at(self, local: LocalState) -> Friction:
         """The friction law with the coefficients (k,) that the local state at k nodes gives."""
         factor = self.friction_law.factor(local) * self.wear.friction_factor(local)

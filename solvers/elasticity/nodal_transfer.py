@@ -60,12 +60,12 @@ class NodalTransfer(NamedTuple):
     def among(self, rows: IntArray) -> NodalTransfer:
         """The contact nodes of index `rows` (m,) alone."""
         first = np.concatenate([[0], np.cumsum(np.diff(self.first)[rows])])
-        entries = np.arange(first[-1]) + np.repeat(self.first[rows] - first[:-1], np.diff(first))
+        entries = _entries(self.first, rows)
         return NodalTransfer(first, self.columns[entries], self.weights[entries], self.size)
 
     def faced_by(self, rows: IntArray) -> IntArray:
         """The patch nodes (e,) of all entries of contact nodes of index `rows` (m,), row after row, with repeats."""
-        return _entries(self.first, self.columns, rows)
+        return np.asarray(self.columns[_entries(self.first, rows)])
 
     def at_heaviest(self, chosen: IntArray) -> NodalTransfer:
         """This transfer with, in the rows of index `chosen` (m,), all weight on the patch node that has the largest."""
@@ -90,7 +90,8 @@ def loaded_nodes(forces: Array) -> IntArray:
 
 
 @compiled
-def _entries(first: IntArray, columns: IntArray, rows: IntArray) -> IntArray:
+def _entries(first: IntArray, rows: IntArray) -> IntArray:
+    """Indices (e,) of the entries of some rows, row after row."""
     size = 0
     for row in rows:
         size += first[row + 1] - first[row]
@@ -98,7 +99,7 @@ def _entries(first: IntArray, columns: IntArray, rows: IntArray) -> IntArray:
     used = 0
     for row in rows:
         for entry in range(first[row], first[row + 1]):
-            found[used] = columns[entry]
+            found[used] = entry
             used += 1
     return found
 
