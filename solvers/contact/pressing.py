@@ -10,7 +10,7 @@ from solvers.contact.problem import ContactProblem, vertical_gaps
 from solvers.contact_state import ContactState, FirstGuess, IncrementReport
 from solvers.errors import PatchLeftError, SolverError
 
-_BRACKET, _HEIGHT_TOLERANCE = 1.25, 1e-8  # Of heights at which surfaces that yield bear the load.
+_BRACKET, _HEIGHT_TOLERANCE = 1.25, 1e-8  # Of heights at which surfaces that yield carry the load.
 
 
 def press(
@@ -42,7 +42,7 @@ def press(
 
 
 def _lowered_to_load(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
-    """Press by seeking the holder's height at which the load is borne.
+    """Press by seeking the holder's height at which it carries the load.
 
     Needed where everything that touches yields: a little more load then moves the bodies far and presses many more
     nodes, but a little more height does not.
@@ -75,14 +75,14 @@ def _stuck(state: ContactState) -> ContactState:
 
 
 def _height_that_bears(problem: ContactProblem, state: ContactState) -> float:
-    """First guess of the holder's height (<= 0): where yielding surfaces overlap on an area that bears the load at
+    """First guess of the holder's height (<= 0): where yielding surfaces overlap on an area that carries the load at
     their limit.
     """
     if problem.limit is None:
         return 0.0
     load = problem.holder.under(state.load_share).normal_load_N
     gap, areas = vertical_gaps(problem, state, state.drive, state.holder_x), problem.surface.areas
-    # Of the area that bears the load with surfaces that yield all over.
+    # Of the area that carries the load with surfaces that yield all over.
     return -float(gap[closest(gap, areas, 1.2 * load / float(problem.limit.limit_MPa(load)))].max(initial=0.0))
 
 

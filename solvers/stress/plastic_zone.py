@@ -80,7 +80,7 @@ def loaded_together(
     """Half-spaces after a step to tractions that depend on the residual displacements of all.
 
     tolerance: of the plastic strain, over yield stress over 2 G. guess: of the plastic strain (k, 6) of each after the
-    step; None: that before. Raises NotConvergedError if they cannot be borne, or nearly so.
+    step; None: that before. Raises NotConvergedError if they cannot be carried, or nearly so.
     """
     strain = [one.flow.strain for one in before] if guess is None else guess
     mixing, ends = _Mixing(), np.cumsum([len(own) for own in strain])[:-1]

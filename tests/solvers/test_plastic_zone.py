@@ -143,7 +143,7 @@ def test_metal_that_may_not_spread_between_layers_of_strain_leaves_its_thickness
 
 
 def sphere_at(beyond: float, points: int = 4) -> tuple[PressureLimit, Indentation]:
-    """What a perfectly plastic body at so many times the load of first yield bears, and its state under a sphere."""
+    """What a perfectly plastic body at so many times the load of first yield carries, and its state under a sphere."""
     limit = limit_at(beyond)
     contact = (0.75 * known.LOAD_N * known.RADIUS_mm / MODULUS_MPa) ** (1.0 / 3.0) * beyond**0.08
     material = Elastic(MODULUS_MPa * (1.0 - 0.3**2), 0.3)

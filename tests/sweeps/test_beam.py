@@ -45,7 +45,7 @@ def test_a_pulled_wire_sinks_as_a_tie_rod_does() -> None:
     assert 1.0 / stiffness[1, 1] == pytest.approx(expected, rel=1e-4)
 
 
-def test_the_prop_of_a_clamped_wire_bears_what_its_lever_gives() -> None:
+def test_the_prop_of_a_clamped_wire_carries_what_its_lever_gives() -> None:
     """Load P at a beyond a rigid prop at L from the clamp: R = P (1 + 3a/2L)."""
     stiffness, load = Beam(BENDING, inf, 5.0, (15.0,), clamped_at_mm=(0.0,)).at(np.array([10.0]))
     assert load[0] == pytest.approx(5.0 * 1.75, rel=1e-9)

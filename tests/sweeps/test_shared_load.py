@@ -152,7 +152,7 @@ conditions = { displacement_amplitude_um = 5.0 }
 
 
 def test_the_first_contact_of_a_saddle_unloads_as_it_wears_and_the_second_takes_over(tmp_path: Path) -> None:
-    """As published of stay cables (Adv. Struct. Eng. 2024, doi 10.1177/13694332241246379)."""
+    """Published for stay cables in Adv. Struct. Eng. 2024, doi 10.1177/13694332241246379."""
     pulled = STUDY.replace("normal_load_N = 6.0", "normal_load_N = 13.0").replace("cycles = 3600", "cycles = 150000")
     found = shared(pulled + SADDLE, tmp_path, Analytic(softness=7e-4, wear=6e-5))
     first, second, third = found.load_N

@@ -263,8 +263,8 @@ def held_of(study: AnyStudy) -> HeldFigure | None:
 
 
 def least_friction_N(study: AnyStudy) -> float:
-    """Largest amplitude in N of a tangential force, in proportion to the drive, that friction bears at all times of the
-    test.
+    """Largest amplitude (N) of a tangential force, in proportion to the drive, that friction carries in all of a test.
+
     0 if effects such as layers or misalignment let the bodies touch elsewhere.
     """
     law, loading = ContactLaw(study.contact.friction), Loading(study.conditions.normal_load_N)

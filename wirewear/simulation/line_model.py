@@ -249,7 +249,7 @@ def _rings(
     pin_mm, bore_mm = face.radius_mm, face.bore_radius_mm
     moved = asin(min(stroke / face.clearance_mm, 1.0))
     pressed = cos(moved) - study.contact.friction * sin(moved)
-    # Share of the pressing against the wall that bears the load: at least a tenth.
+    # Share of the pressing against the wall that carries the load: at least a tenth.
     if moved > _WIDEST_OF_PINS or pressed <= 0.1:
         raise StudyError(
             f"a pin that moves by {1e3 * stroke:g} um in a clearance of {1e3 * face.clearance_mm:g} um wedges itself "

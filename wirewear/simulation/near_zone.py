@@ -171,7 +171,7 @@ def _on_grid(study: Study, load_N: float, semi_axes_mm: tuple[float, float], sli
     rubbing = Rubbing(zones, curvatures, modulus, study.contact.friction)
     # Shared between cores, small problems cost more than they gain.
     with threadpool_limits(limits=1, user_api="blas"):
-        # At which a stroke is halved, of half a smaller semi-axis or more.
+        # At most four steps from mid-stroke to its end, each of half a smaller semi-axis or more.
         rubbed = rubbing.rubbed(load_N * _LOADS, stroke, max(2, -(-stroke // 4)), _CYCLES if stroke else 0)
     return FlowGrid(zones[0].space.axes_mm(), zones[0].space.depths_mm, rubbed)
 

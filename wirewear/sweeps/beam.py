@@ -1,4 +1,4 @@
-"""A wire as a beam on several contacts, which press one way only: what each of them bears (N, mm).
+"""A wire as a beam on several contacts, which press one way only: what each of them carries (N, mm).
 
 The beam bends, shears (Timoshenko) and is pulled along its axis. Places are along it, deflections towards the contacts.
 """

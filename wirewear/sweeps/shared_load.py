@@ -122,7 +122,7 @@ def _rubbing(test: ManyContacts, share: Array, load: Array, force: Array, better
     rig = float("inf") if isinstance(stated, str) else stated
     stroke = test.strokes_mm[:, None]
     known, before = load > 0.0, np.where(load > 0.0, load, 1.0)
-    # A contact that sticks in its middle bears less than its friction.
+    # A contact that sticks in its middle carries less than its friction.
     sticks = known & (force < 0.99 * test.frictions[:, None] * load)
     most = np.where(known & ~sticks, force / before, test.frictions[:, None]) * better
     travel = force / (rig * np.where(known, share, 1.0))

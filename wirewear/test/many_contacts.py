@@ -138,7 +138,7 @@ class ManyContacts:
         return point_study(keys.merged(keys.merged(self.tables, own), {**change, "name": name}), name)
 
     def _rig(self, share: float) -> dict[str, float]:
-        """Stiffnesses of the rig behind a contact that bears this share of its force; rigid ones are left out."""
+        """Stiffnesses of the rig behind a contact that carries this share of its force; rigid ones are left out."""
         rig = self.study.holder
         stated = {key: getattr(rig, key) for key in _SHARED_STIFFNESSES}
         return {key: share * value for key, value in stated.items() if not isinstance(value, str)}

@@ -195,7 +195,7 @@ def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
 
 
 def _unworn(surfaces: Sequence[Path]) -> list[Path]:
-    """Those of these files of surfaces that hold unworn ones, by words in their names."""
+    """Which of these files hold a surface that is not worn yet, by words in their names."""
     words = {
         path: frozenset(re.findall(r"[^\W\d_]+", plain(re.sub(r"(?<=[a-z])(?=[A-Z])", "_", path.stem))))
         for path in surfaces
