@@ -99,12 +99,6 @@ class ContactPatch:
         along, across = np.gradient(field, *self._axes)
         return np.column_stack([along.ravel(), across.ravel()])
 
-    def quadrature(self, points: int) -> tuple[Array, Array]:
-        """Gauss points of all cells, `points` in each direction: plane positions (g, 2) in mm, areas (g,) in mm²."""
-        (a, wide), (t, deep) = (_gauss_on_lines(lines, points) for lines in self._axes)
-        along, across = np.meshgrid(a, t, indexing="ij")
-        return np.column_stack([along.ravel(), across.ravel()]), np.outer(wide, deep).ravel()
-
 
 def located(axial: Array, transverse: Array, places: Array) -> tuple[IntArray, Array, BoolArray]:
     """Nodes and weights that interpolate a field bilinearly at places (n, 2) on a grid of increasing lines (n_a,) and
@@ -133,15 +127,6 @@ def _line_weights(lines: Array) -> Array:
     weights[:-1] += spacing / 2.0
     weights[1:] += spacing / 2.0
     return weights
-
-
-def _gauss_on_lines(lines: Array, points: int) -> tuple[Array, Array]:
-    if len(lines) == 1:
-        return lines, np.ones(1)
-    abscissae, weights = np.polynomial.legendre.leggauss(points)
-    size = np.diff(lines)
-    positions = (lines[:-1, None] + 0.5 * (abscissae + 1.0) * size[:, None]).ravel()
-    return positions, (0.5 * weights * size[:, None]).ravel()
 
 
 def _cell(lines: Array, values: Array) -> tuple[IntArray, Array]:

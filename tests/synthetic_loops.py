@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.loops import LoopFigures, Measured, analyse_loop
-from wirewear.reference import PartialSlipPoint, branch_force, displacement_after_reversal
+from wirewear.reference import PartialSlipPoint, branch_force, loading_displacement
 
 
 @dataclass(frozen=True)
@@ -110,8 +110,8 @@ def partial_slip_loop(ratio: float, samples: int, rig_stiffness: float = 167.0) 
     peak = ratio * contact.limit_N
     force = peak * np.sin(2.0 * np.pi * time)
     sign = np.where(np.cos(2.0 * np.pi * time) >= 0.0, 1.0, -1.0)
-    own = sign * displacement_after_reversal(contact, sign * force, -peak)
-    return time, 1e3 * (own + force / rig_stiffness), force
+    own = 2.0 * loading_displacement(contact, 0.5 * (peak + sign * force)) - loading_displacement(contact, peak)
+    return time, 1e3 * (sign * own + force / rig_stiffness), force
 
 
 def bristle_loop(

@@ -42,11 +42,6 @@ class Rubbed:
     pressed_mJ: float
     endless: bool
 
-    @property
-    def shaken(self) -> bool:
-        """True if the last cycle left the metal elastic."""
-        return not self.endless and (not self.cycles or self.cycles[-1].through == 0.0)
-
 
 @dataclass
 class Rubbing:

@@ -1,7 +1,5 @@
 """The test that the benchmarks share: the article's steel wires pressed by 2 N and moved by ±20 µm, without wear."""
 
-import click
-
 from wirewear import Study, parse_study
 from wirewear.simulation.workbench import Discretisation, discretise
 
@@ -10,16 +8,6 @@ DRIVES_um = (5.0, 10.0, 15.0, 20.0, 13.3333333333, 6.6666666667, 0.0, -6.6666666
 #: Increments of the two steps that this takes.
 OUT, BACK = 4, 6
 AMPLITUDE_um = 20.0
-
-#: Option of benchmarks that are run on several meshes.
-of_contact_meshes = click.option(
-    "--contact-mesh-um",
-    type=click.FloatRange(0.0, min_open=True),
-    multiple=True,
-    default=(10.0, 7.0),
-    show_default=True,
-    help="Size of the contact's elements; may be repeated.",
-)
 
 
 def study(

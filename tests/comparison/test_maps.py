@@ -22,8 +22,6 @@ from wirewear.comparison.maps import (
     fresh_contact,
     line_through_origin,
     line_with_threshold,
-    tension_at,
-    transition,
 )
 from wirewear.records import read_record, write_record
 from wirewear.results import write_result
@@ -45,15 +43,6 @@ def test_the_edges_tension_lies_between_those_of_a_pressed_and_a_sliding_sphere(
     assert found[0] == pytest.approx((1.0 - 2.0 * nu) / 3.0, rel=1e-6)
     assert found[-1] == pytest.approx((1.0 - 2.0 * nu) / 3.0 + own.friction * np.pi * (4.0 + nu) / 8.0, rel=1e-4)
     assert np.all(np.diff(found) > 0.0)
-
-
-def test_a_sliding_contact_is_not_pulled_more_by_a_longer_stroke() -> None:
-    own = contact()
-    slides = float(transition(own, [2.0]).test_um[0])
-    assert tension_at(own, 10.0 * slides, 2.0) == pytest.approx(tension_at(own, slides, 2.0), rel=1e-9)
-    assert tension_at(own, 0.5 * slides, 2.0) < 0.95 * tension_at(own, slides, 2.0)
-    # A Hertz contact's pressure grows with the cube root of the load.
-    assert tension_at(own, 1e3, 16.0) == pytest.approx(2.0 * tension_at(own, 1e3, 2.0), rel=1e-6)
 
 
 def test_unlike_bodies_are_pressed_as_their_contact_modulus_says_whichever_is_named_first() -> None:

@@ -1,6 +1,6 @@
 """Layouts of observables at some sites and cycles."""
 
-from wirewear.diagnosis.observe import Observable, Site, channels
+from wirewear.diagnosis.observe import Observable, Site, Sites, channels
 from wirewear.diagnosis.observe.along_branches import KneePeak, PlateauForce, ShelfTravel, Stick
 from wirewear.diagnosis.observe.channels import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.reduction import Layout, all_observables
@@ -33,4 +33,8 @@ SITES: dict[type[Observable], list[Site]] = {
 
 
 def layout(*kinds: type[Observable]) -> Layout:
-    return Layout.of_sites(*((one, SITES[type(one)]) for one in all_observables() if not kinds or type(one) in kinds))
+    return at_sites(*((one, SITES[type(one)]) for one in all_observables() if not kinds or type(one) in kinds))
+
+
+def at_sites(*observables: tuple[Observable, list[Site]]) -> Layout:
+    return Layout.of((observable, Sites.of(sites)) for observable, sites in observables)

@@ -12,7 +12,7 @@ from scipy.signal import lfilter
 
 from geometry.arrays import Array
 from tests.diagnosis.diagnosis_cases import autoregressive, nominal, record, states
-from tests.diagnosis.layouts import SITES, layout
+from tests.diagnosis.layouts import SITES, at_sites, layout
 from wirewear.diagnosis.infer.covariance import (
     EXPECTED_NUMBERS,
     Covariance,
@@ -65,7 +65,7 @@ def test_the_order_in_which_numbers_are_listed_changes_nothing(random: Random) -
     random.shuffle(parts)
     for _, sites in parts:
         random.shuffle(sites)
-    shuffled = Layout.of_sites(*parts)
+    shuffled = at_sites(*parts)
     whole = layout()
 
     def names(one: Layout) -> list[tuple[str, Site]]:
@@ -198,7 +198,7 @@ COUNT = 400
 def observations(true_factor: float, repeats: int = 3, scatter: float = 0.0, seed: int = 1) -> Observations:
     """Repeats of plateaus whose noise has so many times the variance that is expected of it; stick branches as is."""
     sites = [Site(cycle, 1, 0.0) for cycle in range(1, COUNT + 1)]
-    layout = Layout.of_sites((PlateauForce(), sites), (Stick(), sites))
+    layout = at_sites((PlateauForce(), sites), (Stick(), sites))
     random = np.random.default_rng(seed)
     noise = np.full((repeats, 2 * COUNT), 0.01)
     true = noise * np.repeat([true_factor**0.5, 1.0], COUNT)

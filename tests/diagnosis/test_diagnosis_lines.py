@@ -71,7 +71,6 @@ def test_a_profile_is_read_about_its_middle_with_its_roughness_and_the_error_of_
     assert x - read.x_um == pytest.approx(np.full(x.size, 50.0), abs=1.0)
     # Running means over 21 µm widen it by a few.
     assert read.half_width_um == pytest.approx(103.0, rel=0.03)
-    assert read.deepest_um == pytest.approx(5.15, abs=0.1)
     assert read.rough_um == pytest.approx(0.1, rel=0.15)
     assert read.zero_um == pytest.approx(0.15, abs=0.04)
     assert read.alike < 0.1

@@ -11,13 +11,14 @@ from studies.blind.generators.nominal import BallNominal
 from studies.blind.generators.nuisances import Nuisances, Scatter
 from studies.blind.generators.waveform import Waveform
 from tests.diagnosis.diagnosis_cases import nominal, record, states
+from tests.diagnosis.layouts import at_sites
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Fit, Problem, fit
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of
 from wirewear.diagnosis.observe import Site
 from wirewear.diagnosis.observe.channels import own_noise
-from wirewear.diagnosis.observe.reduction import Layout, reduce
+from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.scars import ScarSkew
 from wirewear.diagnosis.surrogate.candidates import Candidate, library
 from wirewear.diagnosis.wording import of_remainder, remaining
@@ -48,7 +49,7 @@ def test_the_largest_force_of_a_loop_with_an_outlying_sample_is_left_out() -> No
 
 def test_an_angle_far_beyond_what_is_expected_is_found() -> None:
     true = 20.0
-    layout = Layout.of_sites((ScarSkew(), [Site(100_000, level=float(wire)) for wire in (0, 1)]))
+    layout = at_sites((ScarSkew(), [Site(100_000, level=float(wire)) for wire in (0, 1)]))
     angle = candidate("crossing_angle_error")
     mean = layout.computed(
         states(), nominal().with_effect(angle.effect(np.array([angle.parameters["angle_deg"].coordinate(true)])))

@@ -8,18 +8,16 @@ import pytest
 
 from geometry.arrays import Array
 from studies.blind import generator_of
-from studies.blind.generators.cases import Case, TrueEffect, planned_cases
+from studies.blind.generators.cases import TrueEffect, planned_cases
 from studies.blind.generators.files import record_hash, record_tables, write_traceless
 from studies.blind.generators.finite_element import model
 from studies.blind.generators.finite_element.changes import changes_of
 from studies.blind.generators.finite_element.model import FIDELITY, NUMERICS, nominal_study
 from studies.blind.generators.finite_element.readings import moments, read_test
 from studies.blind.generators.generator import POINT_TIERS, Generator
-from studies.blind.generators.independent.fair_size import fair_size
 from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.nominal import Nominal
-from studies.blind.generators.nuisances import Nuisances, Scatter, SpecimenDraw
-from studies.blind.generators.waveform import Waveform
+from studies.blind.generators.nuisances import SpecimenDraw
 from tests.exam.blind_batches import PlainModel
 from tests.exam.finite_element_cases import a_case, a_loop, plain_nuisances
 from tests.synthetic_results import bowl, result
@@ -146,46 +144,7 @@ def test_a_map_reaches_as_far_as_the_scar_of_wires_at_any_angle(angle_deg: float
     assert wires.scar_reach_mm == pytest.approx((scar.reach(0.0), scar.reach(0.5 * np.pi)))
 
 
-MODEL = IndependentModel("dahl", points=12, library=("tangential_compliance", "friction_offset"))
-NUISANCES = Nuisances(
-    repeats=1, scatter=Scatter(0.01, 0.005, 0.04, 0.3), displacement_noise_um=0.15, force_noise_N=0.008,
-    correlation=0.0, outlier_share=0.0, waveform=Waveform(0.0, 0.0), amplitude_drift=0.0, drive="stroke", samples=200,
-    has_normal_force=True, has_evolution=True, has_scars=True, loop_cycles=((100, 20_000),),
-    evolution_cycles=(100, 20_000),
-)  # fmt: skip
-SPRING = TrueEffect("tangential_compliance", {"stiffness_N_per_mm": 300.0})
-SLIPPERY = TrueEffect("friction_offset", {"friction": 0.55})
 LAST_DIGITS = slice(9, None, 7)
-
-
-def case(kind: str, *effects: TrueEffect, left_out: tuple[str, ...] = ()) -> Case:
-    return Case("a case", kind, "easy", effects, left_out, Nominal(cycles=20_000), NUISANCES, 1)
-
-
-@pytest.mark.slow
-def test_what_a_known_effect_makes_alone_is_imitated_by_it() -> None:
-    whole = fair_size(case("single", SPRING), MODEL)
-    assert fair_size(case("pair", SPRING), MODEL) < 1e-3
-    assert whole > 100.0
-
-
-@pytest.mark.slow
-def test_a_pair_is_larger_than_what_one_of_it_leaves_and_smaller_than_both() -> None:
-    pair = fair_size(case("pair", SPRING, SLIPPERY), MODEL)
-    assert 1.0 < pair < fair_size(case("single", SPRING, SLIPPERY), MODEL)
-
-
-@pytest.mark.first_case
-@pytest.mark.seconds
-@pytest.mark.parametrize("share", [0.5, 2.0])
-def test_a_gap_is_smaller_under_more_noise(share: float) -> None:
-    noisier = replace(
-        NUISANCES,
-        displacement_noise_um=share * NUISANCES.displacement_noise_um,
-        force_noise_N=share * NUISANCES.force_noise_N,
-    )
-    own = fair_size(case("single", SPRING), MODEL)
-    assert (fair_size(replace(case("single", SPRING), nuisances=noisier), MODEL) < own) == (share > 1.0)
 
 
 def metadata(folder: Path) -> list[float]:

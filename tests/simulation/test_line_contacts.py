@@ -264,11 +264,7 @@ def test_a_line_patch_reproduces_linear_fields_and_their_gradient(x: list[float]
 
 def test_a_line_patch_stands_for_a_strip_of_unit_thickness() -> None:
     patch = line([-1.0, -0.4, 0.0, 0.3, 1.0])
-    points, areas = patch.quadrature(3)
     assert patch.node_areas().sum() == pytest.approx(2.0)
-    assert areas.sum() == pytest.approx(2.0)
-    assert areas @ points[:, 0] ** 4 == pytest.approx(2.0 / 5.0)
-    assert not points[:, 1].any()
     assert patch.edge_nodes().tolist() == [True, False, False, False, True]
     assert patch.smallest_element == pytest.approx(0.3)
     _, weights, inside = patch.locate(np.array([[1.1, 0.0], [-1.2, 0.0]]))

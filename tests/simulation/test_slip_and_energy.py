@@ -10,18 +10,11 @@ from geometry import Elastic
 from solvers.contact_state import Guide, Stroke
 from solvers.drive import Drive, LoadCycle, trapezoidal
 from solvers.wear_path import loop_path, traced_path, wear_path
+from tests.simulation.slider import SliderLoop, SlidingBall, slider_loop
 from tests.studies import line_study, steel_wires
 from wirewear import RunResult, parse_study
 from wirewear.effects.holder import FreePlay
-from wirewear.reference import (
-    SliderLoop,
-    SlidingBall,
-    contact_modulus,
-    energy_per_cycle,
-    partial_slip_point,
-    slider_loop,
-    tangential_contact_modulus,
-)
+from wirewear.reference import contact_modulus, energy_per_cycle, partial_slip_point, tangential_contact_modulus
 from wirewear.results.health import remedies
 from wirewear.simulation import simulate
 from wirewear.test import Study, study_from_tables

@@ -222,7 +222,7 @@ def test_energy_and_stiffness_of_a_loop_are_closed_forms(gross_slip: Slip, mindl
     top = int(np.argmax([state.drive for state in states]))
     before, after = states[top], states[top + 1]
     slope = (forces(reports)[top] - forces(reports)[top + 1]) / (before.drive - after.drive)
-    assert slope == pytest.approx(reference.unloading_stiffness(mindlin, RIG_N_per_mm), rel=0.05)
+    assert 1.0 / slope == pytest.approx(1.0 / RIG_N_per_mm + 1.0 / mindlin.stiffness_N_per_mm, rel=0.05)
 
 
 def test_mirrored_motion_gives_mirrored_forces(rig: ContactProblem, gross_slip: Slip) -> None:

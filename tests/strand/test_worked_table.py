@@ -11,7 +11,7 @@ from geometry import Elastic
 from geometry.arrays import Array
 from tests.strand.ropes import conductor, nineteen_wires, rope, seven_wires, strands_of_seven
 from wirewear import strand_contacts
-from wirewear.strand.bending import BentLayer, slip_courses
+from wirewear.strand.bending import BentLayer, SlipCourse, slip_courses
 from wirewear.strand.construction import Layer, RopeWire, Strand
 from wirewear.strand.contacts import Bend, contacts_of
 from wirewear.strand.estimates import ContactEstimate, estimated
@@ -54,6 +54,11 @@ def test_a_strand_of_seven_wires_has_the_loads_and_slips_of_strand_mechanics(
         assert one.contact.upper.bending_amplitude_MPa == near(580.0 * 500.0 / radius)
 
 
+def full_per_mm(course: SlipCourse) -> float:
+    """Curvature from which the whole member slips: its tension grows no further."""
+    return float(course.gain_N[-1]) / (course.gained_N(1e-9) / 1e-9)
+
+
 @pytest.mark.parametrize(
     ("radius_mm", "lay_mm", "tension_N", "first_m", "full_m"),
     [(2.95, 60, 2896.5, 27.7, 17.1), (3.01, 60, 2859.2, 28.1, 17.2), (2.95, 90, 2860.3, 43.2, 26.9)],
@@ -63,10 +68,10 @@ def test_wires_begin_to_slip_and_slip_throughout_at_the_radii_of_papailiou(
 ) -> None:
     layer = BentLayer(Helix(radius_mm, lay_mm, 1), 6, tension_N, 200_000.0 * pi * 2.9**2 / 4.0)
     (course,) = slip_courses([layer], 0.15, 0.0, [True])
-    assert (1e-3 / course.first_per_mm, 1e-3 / course.full_per_mm) == near((first_m, full_m))
+    assert (1e-3 / course.first_per_mm, 1e-3 / full_per_mm(course)) == near((first_m, full_m))
     assert course.slip_mm(0.999 * course.first_per_mm) == 0.0
     # Slip sets in, and goes over into that of a wire that slips throughout, without a step.
-    curvatures = np.linspace(0.9 * course.first_per_mm, 1.2 * course.full_per_mm, 60)
+    curvatures = np.linspace(0.9 * course.first_per_mm, 1.2 * full_per_mm(course), 60)
     slips = [course.slip_mm(one) for one in curvatures]
     assert np.all(np.diff(slips) >= 0.0)
     assert np.diff(slips).max() < 0.05 * slips[-1]
@@ -174,7 +179,7 @@ def test_inner_layers_of_a_conductor_are_held_by_what_presses_on_them() -> None:
         for own in found.rope.layers
     ]  # fmt: skip
     courses = slip_courses(layers, 0.5, 0.0, [True] * 3)
-    *inner, first, full = (1e-3 / one for own in courses for one in (own.first_per_mm, own.full_per_mm))
+    *inner, first, full = (1e-3 / one for own in courses for one in (own.first_per_mm, full_per_mm(own)))
     assert (first, full) == near((88.0, 51.0))
     assert inner == pytest.approx([7.2, 3.8, 16.8, 9.3], rel=0.015)
 

@@ -179,15 +179,6 @@ def edge_tension(contact: FreshContact) -> Array:
     return found
 
 
-def tension_at(contact: FreshContact, displacement_um: float, load_N: float) -> float:
-    """Largest tension in MPa at the contact's edge in a test of this displacement amplitude, with the rig's part, and
-    load; that of sliding as a whole beyond its onset.
-    """
-    point, peak = contact.at(load_N)
-    reached = 1e3 * loading_displacement(point, SHARES * point.limit_N) + contact.rig_um_per_N * SHARES * point.limit_N
-    return float(peak * np.interp(np.interp(displacement_um, reached, SHARES), SHARES, edge_tension(contact)))
-
-
 def tension_lines(
     contact: FreshContact, reach_um: float, loads_N: tuple[float, float], tensions_MPa: Sequence[float] = ()
 ) -> list[TensionLine]:

@@ -333,14 +333,11 @@ OTHER_NUMBERS = tuple(name for name in NUMBERS if not name.endswith("_gain"))
 
 @dataclass(frozen=True, eq=False)
 class HeldStroke:
-    """A stroke for which the sensor reads the asked amplitude: the true amplitude, the true loop, its readings, and the
-    number of loops that were computed to find it.
-    """
+    """A stroke for which the sensor reads the asked amplitude: the true amplitude, the true loop and its readings."""
 
     amplitude_um: float
     truth: LoopSignals
     readings: LoopSignals
-    evaluations: int
 
 
 def sensor_held_stroke(
@@ -364,12 +361,12 @@ def sensor_held_stroke(
     amplitude = asked_um if first_guess_um is None else first_guess_um
     before: tuple[float, float] | None = None
     read = float("nan")
-    for evaluation in range(1, most_evaluations + 1):
+    for _ in range(most_evaluations):
         truth = loop_at(amplitude)
         readings = sensor.read(truth)
         read = readings.displacement_amplitude_um
         if abs(read - asked_um) <= tolerance * asked_um:
-            return HeldStroke(amplitude, truth, readings, evaluation)
+            return HeldStroke(amplitude, truth, readings)
         slope = 1.0 if before is None else (read - before[1]) / (amplitude - before[0])
         before = amplitude, read
         # A reading that hardly follows the stroke would throw the next guess far away.

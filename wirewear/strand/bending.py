@@ -45,11 +45,6 @@ class SlipCourse:
         """Curvature in 1/mm at which slip begins, at the neutral axis."""
         return float(self._ratio[0])
 
-    @property
-    def full_per_mm(self) -> float:
-        """Curvature in 1/mm from which the whole member slips."""
-        return float(self._ratio[-1])
-
     def slip_mm(self, curvature_per_mm: float) -> float:
         """Slip along the member at the neutral axis when the strand is bent to this curvature; 0 while it sticks."""
         reached = float(np.interp(curvature_per_mm, self._ratio, ANGLES))

@@ -53,13 +53,6 @@ class BodyState(InnerState[WornBody]):
     """Displacements and stresses of a body at one position of a cycle; see `InnerState`."""
 
     @cached_property
-    def reaction_N(self) -> Array:
-        """Forces (h, 3) in N by the grip on the held nodes, from the stresses inside."""
-        points = self.body.points
-        inner = points.internal_forces(points.stresses(self.body.material, self.displacement)) - self.applied
-        return np.asarray(inner[self.body.mesh.surface_nodes("grip")])
-
-    @cached_property
     def _surface_vectors(self) -> Array:
         """The area of the contact patch that belongs to each node, (n, 3) along the outward normal, mm²."""
         mesh = self.body.mesh

@@ -21,7 +21,7 @@ from wirewear.diagnosis.observe import channels
 from wirewear.diagnosis.observe.along_branches import KneePeak, PlateauForce, ShelfTravel, Stick
 from wirewear.diagnosis.observe.channels import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
-from wirewear.diagnosis.observe.observable import AlongBranch, Observable, Site, Sites
+from wirewear.diagnosis.observe.observable import AlongBranch, Observable, Sites
 from wirewear.diagnosis.observe.observed_record import Reading, read
 from wirewear.diagnosis.observe.scars import ProfileDepths, ScarFigures, ScarSkew
 from wirewear.diagnosis.surrogate.forward import OF_LOOPS, PredictedLoops, simulated
@@ -153,11 +153,6 @@ class Layout:
                 parts.append(Part(observable, sites, start))
                 start += len(sites)
         return cls(tuple(parts))
-
-    @classmethod
-    def of_sites(cls, *observables: tuple[Observable, Sequence[Site]]) -> Layout:
-        """Layout of observables with lists of single sites."""
-        return cls.of((observable, Sites.of(sites)) for observable, sites in observables)
 
     def __len__(self) -> int:
         return sum(len(part.sites) for part in self.parts)

@@ -156,7 +156,7 @@ def _shallow(figures: Mapping[str, float], least_um: float = 0.0) -> float:
 
 @dataclass(frozen=True, eq=False)
 class ReadProfile:
-    """Measured profile (n,) centred on its scar, with half-width, largest depth, roughness and uncertainty of its zero
+    """Measured profile (n,) centred on its scar, with half-width, roughness and uncertainty of its zero
     in µm.
 
     alike: correlation of the roughness of neighbouring depths.
@@ -165,7 +165,6 @@ class ReadProfile:
     x_um: Array
     depth_um: Array
     half_width_um: float
-    deepest_um: float
     rough_um: float
     zero_um: float
     alike: float
@@ -202,7 +201,7 @@ def read_profile(profile: MeasuredProfile) -> ReadProfile:
         rough_um = max(rough_um, float(depth[outside].std()))
         rough = np.where(outside, depth - depth[outside].mean(), rough)
     alike = float(np.corrcoef(rough[:-1], rough[1:])[0, 1]) if np.ptp(rough) > 0.0 else 0.0
-    return ReadProfile(x, depth, half, deepest, rough_um, max(off, FIGURE_ERROR * deepest), max(alike, 0.0))
+    return ReadProfile(x, depth, half, rough_um, max(off, FIGURE_ERROR * deepest), max(alike, 0.0))
 
 
 class ProfileDepths(observable.Observable):
