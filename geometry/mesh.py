@@ -202,8 +202,14 @@ class HexMesh(ElementMesh):
         mesh.write(path, file_format=_FORMATS[path.suffix])
 
 
+@dataclass(frozen=True)
 class QuadMesh(ElementMesh):
-    """A mesh of four-node quadrilaterals in the plane (x, z), counter-clockwise, z upwards; facets are edges (k, 2)."""
+    """A mesh of four-node quadrilaterals in the plane (x, z), counter-clockwise, z upwards; facets are edges (k, 2).
+
+    axis_mm: height z of an axis along x about which the mesh turns into a ring; None: it has unit thickness along y.
+    """
+
+    axis_mm: float | None = None
 
     AXES = "xz"
     SIDES = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])

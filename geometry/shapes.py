@@ -163,6 +163,8 @@ class BlockGeometry(BodyGeometry):
 class PlanarGeometry:
     """Dimensions and mesh sizes of a planar body below a contact surface, held at its back. Raises GeometryError if it
     is too small for its patch, or a face.
+
+    With an axis it is a ring about it: a shaft, or a hub around one, held along its axis at one end.
     """
 
     profile: Profile  #: The contact surface.
@@ -173,6 +175,9 @@ class PlanarGeometry:
     growth: float = 1.3  #: Ratio of the sizes of neighbouring elements away from the patch.
     grip_half_width_mm: float | None = None  #: Half-width of the held part of the back; None: all of it.
     grip_stiffness_N_per_mm3: float | None = None  #: Stiffness of the grip per area; None: the grip is rigid.
+    axis_mm: float | None = None  #: Height of the ring's axis: below 0 for a shaft, above for a hub.
+    rise: float = 0.0  #: Of the ring's contact surface along x beyond its profile, mm per mm: a taper.
+    held_end: int = 1  #: The end of a ring that is held: 1 at the largest x, -1 at the smallest.
 
     def __post_init__(self) -> None:
         if not self.half_width_mm > self.along.half_extent_mm:
@@ -208,19 +213,22 @@ class PlanarGeometry:
         depth = np.concatenate([np.cumsum(layers)[::-1], [0.0]]) / layers.sum()
         face = self.profile.height(np.column_stack([x, np.zeros_like(x)]))
         # The rows follow the face and flatten out towards the back.
-        z = face[:, None] * (1.0 - depth) - self.height_mm * depth
+        z = (face + self.rise * x)[:, None] * (1.0 - depth) - self.height_mm * depth
         n = np.arange(z.size).reshape(z.shape)
         points = np.column_stack([np.repeat(x, len(depth)), z.ravel()])
         cells = np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], axis=-1).reshape(-1, 4)
         inside = np.flatnonzero(np.abs(x) <= self.along.half_extent_mm * (1.0 + 1e-12))
         top = n[inside, -1]
+        ends = [np.column_stack([side[:-1], side[1:]]) for side in (n[0], n[-1])]
         surfaces = {
             "contact": np.column_stack([top[:-1], top[1:]]),
-            "grip": _held(np.column_stack([n[:-1, 0], n[1:, 0]]), points, self.grip_half_width_mm),
-            "sides": np.vstack([np.column_stack([side[:-1], side[1:]]) for side in (n[0], n[-1])]),
+            "grip": ends[self.held_end > 0]
+            if self.axis_mm is not None
+            else _held(np.column_stack([n[:-1, 0], n[1:, 0]]), points, self.grip_half_width_mm),
+            "sides": np.vstack(ends),
         }
         patch = ContactPatch(x[inside], np.zeros(1), top[:, None], self.profile)
-        return QuadMesh(points, cells, surfaces), patch
+        return QuadMesh(points, cells, surfaces, self.axis_mm), patch
 
 
 @dataclass(frozen=True)
@@ -250,7 +258,7 @@ class PlanarMesh:
         patch, points = self.patch, self.mesh.points.copy()
         along = np.interp(points[:, 0], patch.axial_mm, depth_mm, 0.0, 0.0)
         points[:, 1] -= along * self.geometry.above_back(points)
-        mesh = QuadMesh(points, self.mesh.cells, self.mesh.surfaces)
+        mesh = replace(self.mesh, points=points)
         moved = replace(patch, repositioned_depth_mm=depth_mm[:, None])
         return PlanarMesh(self.geometry, mesh, moved, mesh.require_quality(_LEAST_QUALITY))
 

@@ -104,7 +104,17 @@ def bedded(
 
 
 def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: IntArray) -> Piece:
-    """The smallest piece of a body from which its compliance follows. gripped: nodes held rigidly, maybe none."""
+    """The smallest piece of a body from which its compliance follows. gripped: nodes held rigidly, maybe none.
+
+    A ring is held along its axis and around it alone, so that its ends are free to widen.
+    """
+    if isinstance(mesh, QuadMesh) and mesh.axis_mm is not None:
+        inner = np.setdiff1d(np.arange(len(mesh.points)), patch.nodes)
+        held = np.zeros((len(mesh.points), 3), dtype=bool)
+        held[gripped, :2] = True
+        # So near to the axis, over the ring's radius, a node lies on it.
+        held[np.abs(mesh.points[:, 1] / mesh.axis_mm - 1.0) < 1e-9, 1:] = True
+        return Piece((), mesh, patch.nodes.ravel(), inner, held.reshape(1, -1), np.arange(len(mesh.points)))
     across = () if isinstance(mesh, QuadMesh) else (1,)
     planes = tuple(axis for axis in (0, *across) if _is_symmetric(mesh, patch, gripped, axis))
     part, number = one_side(mesh, planes)

@@ -103,6 +103,10 @@ def primary_surface(body: PlacedBody) -> PrimarySurface:
     rise = np.zeros(patch.size)
     if isinstance(patch.profile, Arc):
         rise = body.facing * (own.height / own.area - patch.profile.height(patch.grid()))
+    if body.incline != 0.0:
+        # The secondary's is averaged, too; where elements differ in size, nodes are not the middles of their supports.
+        middle = own.moment @ body.world_to_patch[:, 0] / own.area
+        rise = rise + body.incline * (middle - body.node_positions[:, 0])
     return PrimarySurface(body, along, across, own.area, own.slope / own.area[:, None], own.transfer, rise)
 
 

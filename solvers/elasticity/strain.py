@@ -9,6 +9,7 @@ a brick has. scikit-fem assembles the stiffness.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -34,14 +35,23 @@ TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and co
 
 
 def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
-    """Stiffness matrix (3 n, 3 n) in N/mm (of a planar body per mm of thickness) of a mesh with n nodes.
+    """Stiffness matrix (3 n, 3 n) in N/mm (of a planar body per mm of thickness, of a ring per mm of the circumference
+    at z = 0) of a mesh with n nodes.
 
     The displacement of node i in direction k is unknown 3 i + k. Poisson's ratio must be below 0.5. The matrix is
     assembled from the scalar forms G_ab = integral of (d phi_i / d x_a)(d phi_j / d x_b), several times faster than
-    from the vector form: the block of directions a, b is lambda G_ab + mu G_ba + delta_ab mu trace(G).
+    from the vector form: the block of directions a, b is lambda G_ab + mu G_ba + delta_ab mu trace(G). In a ring the
+    circumference is strained by u_z/r, and turning by u_y shears by -u_y/r.
     """
     from skfem import BilinearForm
     from skfem.models.elasticity import lame_parameters
+
+    axis = mesh.axis_mm if isinstance(mesh, QuadMesh) else None
+
+    def integral(product: Callable[..., Array]) -> csr_matrix:
+        if axis is None:
+            return BilinearForm(product).assemble(basis)
+        return BilinearForm(lambda u, v, w: product(u, v, w) * np.abs(w.x[1] / axis - 1.0)).assemble(basis)
 
     basis, axes = _basis(mesh)
     lame_lambda, shear = lame_parameters(material.youngs_modulus_MPa, material.poissons_ratio)
@@ -49,13 +59,20 @@ def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
     gradients = {(a, b): csr_matrix((n, n)) for a in range(3) for b in range(3)}
     for i, a in enumerate(axes):
         for j, b in list(enumerate(axes))[i:]:
-            form = BilinearForm(lambda u, v, _, i=i, j=j: v.grad[i] * u.grad[j]).assemble(basis)
+            form = integral(lambda u, v, _, i=i, j=j: v.grad[i] * u.grad[j])
             gradients[a, b] = form
             gradients[b, a] = form if a == b else form.T
     laplacian = gradients[0, 0] + gradients[1, 1] + gradients[2, 2]
     blocks = [[lame_lambda * gradients[a, b] + shear * gradients[b, a] for b in range(3)] for a in range(3)]
     for a in range(3):
         blocks[a][a] = blocks[a][a] + shear * laplacian
+    if axis is not None:
+        around = integral(lambda u, v, w: v * u / (w.x[1] - axis) ** 2)
+        along, out = (integral(lambda u, v, w, i=i: v * u.grad[i] / (w.x[1] - axis)) for i in (0, 1))
+        blocks[0][2] = blocks[0][2] + lame_lambda * along.T
+        blocks[2][0] = blocks[2][0] + lame_lambda * along
+        blocks[1][1] = blocks[1][1] + shear * (around - out - out.T)
+        blocks[2][2] = blocks[2][2] + (lame_lambda + 2.0 * shear) * around + lame_lambda * (out + out.T)
     # Unknowns by direction, then interleaved node by node.
     order = np.arange(3 * n).reshape(3, n).T.ravel()
     return bmat(blocks, format="csr")[order][:, order]

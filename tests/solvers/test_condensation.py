@@ -14,7 +14,7 @@ from scipy.sparse.linalg import splu
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-from geometry import Elastic, HexMesh, QuadMesh, mirror_images
+from geometry import Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, QuadMesh, build_planar, mirror_images
 from geometry.arrays import Array, IntArray
 from solvers import CondensedBody, SolverError, condense, place
 from solvers.elasticity.elimination import _separator, divided, node_graph, schur_complements
@@ -218,3 +218,22 @@ def test_substructures_are_parted_by_no_more_nodes_than_either_side_shows(block:
         assert separator.sum() <= min(rims)
         fewer += separator.sum() < min(rims)
     assert fewer == 5
+
+
+@pytest.mark.parametrize("axis_mm", [-10.0, 10.0])
+def test_a_ring_widens_as_lame_and_twists_as_saint_venant_say(axis_mm: float) -> None:
+    """A solid shaft, and a hub of twice its radius: far from the held end, under even pressure and even turning."""
+    half, radius = 15.0, 10.0
+    lines = GradedAxis(0.2, half - 0.01, 0.2, half - 0.01)
+    ring = build_planar(PlanarGeometry(Flat(), half, 10.0, lines, growth=1.2, axis_mm=axis_mm))
+    compliance = condense(ring.mesh, ring.patch, STEEL).compliance
+    moved = [compliance[:, k::3] @ ring.patch.node_areas() for k in (1, 2)]
+    middle = ring.patch.size // 2
+    inner, outer = (0.0, radius) if axis_mm < 0.0 else (radius, 2.0 * radius)
+    widened = (outer**2 + radius**2) / (outer**2 - radius**2) + 0.3 if inner else 0.7
+    assert moved[1][3 * middle + 2] == pytest.approx(widened * radius / STEEL.youngs_modulus_MPa, rel=2e-3)
+    # From the free end the torque grows as 2 pi r^2 x.
+    turned = np.gradient(moved[0][1::3], ring.patch.axial_mm)[middle] / radius
+    polar = 0.5 * np.pi * (outer**4 - inner**4)
+    torque = 2.0 * np.pi * radius**2 * half
+    assert abs(turned) == pytest.approx(torque / (STEEL.shear_modulus_MPa * polar), rel=1e-2)

@@ -6,7 +6,7 @@ each of which compares one computed quantity with its closed form.
 
 from collections.abc import Callable
 
-from wirewear.verification.conforming import pin_rows
+from wirewear.verification.conforming import pin_rows, taper_rows
 from wirewear.verification.hertz import ellipse_rows, hertz_rows
 from wirewear.verification.interior import interior_rows, surface_rows
 from wirewear.verification.line_contact import bulk_rows, line_contact_rows, line_surface_rows, stuck_line_rows
@@ -29,6 +29,7 @@ FAMILIES: tuple[Family, ...] = (
     ("line contact in plane strain", line_contact_rows),
     ("stuck line contact in plane strain", stuck_line_rows),
     ("a pin in a bore", pin_rows),
+    ("a taper pushed into its hub", taper_rows),
     ("stresses inside the bodies", interior_rows),
     ("tension at the contact's edge", surface_rows),
     ("tension at a line contact's edge", line_surface_rows),

@@ -1,12 +1,15 @@
-"""A pin in a bore, meshed as in runs: against Persson's contact, and as it slides up the bore's wall.
+"""Contacts that conform: a pin in a bore, meshed as in runs, against Persson's contact, and as it slides up the bore's
+wall; a taper pushed into a hub.
 
 Rows compare a computed quantity with a closed form, on the meshes and with the tolerance of a level. A half-angle is
 that of the contact, seen from the pin's centre.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
-from geometry import Elastic, build_planar
+from geometry import EdgeGradedAxis, Elastic, Flat, PlanarGeometry, RoundedFlat, build_planar
 from solvers import ContactProblem, ContactState, Holder, WearRates, advance, condense, place, press, unloaded_state
 from wirewear import reference
 from wirewear.simulation import line_plan
@@ -19,6 +22,8 @@ _HALF_ANGLES_deg = (10.0, 40.0, 80.0)
 _TOLERANCE = 0.03
 # A light pin touches the bore nearly at a point, where statics alone give the force.
 _LIGHT_N, _FRICTION, _WIDE_mm, _SHARE = 1.0, 0.3, 0.1, 0.3
+#: Tapers: radius and thickness of the hub, overlap before the push, and how far the hub's edges are rounded.
+_RADIUS_mm, _WALL_mm, _SEATED_mm, _EDGE_mm = 10.0, 10.0, 0.0005, 0.3
 
 
 def pin_rows(level: Level) -> tuple[Row, ...]:
@@ -35,6 +40,42 @@ def pin_rows(level: Level) -> tuple[Row, ...]:
             compared(name, "peak pressure [MPa]", report.max_pressure, peak, _TOLERANCE),
         ]
     return (*rows, *climbing_rows())
+
+
+def taper_rows(level: Level) -> tuple[Row, ...]:
+    """Rows on the force that pushes a pin into a hub, by length, taper, friction and push."""
+    del level  # A finer mesh changes it by less than 0.01 %.
+    found = []
+    for length, rise, friction, push in ((20.0, 0.05, 0.1, 0.1), (40.0, 0.05, 0.1, 0.1), (40.0, 0.02, 0.4, 0.25)):
+        closed = reference.Taper(_RADIUS_mm, _RADIUS_mm + _WALL_mm, length, rise, Elastic(**_STEEL))
+        exact = closed.assembly_force_N(push, _SEATED_mm, friction)
+        name = f"Taper of {length:g} mm, rise {rise:g}, µ {friction:g}"
+        found.append(compared(name, "F [N]", pushed_taper_N(closed, friction, push), exact, _TOLERANCE))
+    return tuple(found)
+
+
+def pushed_taper_N(taper: reference.Taper, friction: float, push_mm: float) -> float:
+    """Force in N that pushes a pin into its hub; both are rings of finite elements."""
+    half, fine = 0.5 * taper.length_mm, 0.05
+    along = EdgeGradedAxis(fine, 16.0 * fine, half - 0.5, half + 0.1)
+    ring = PlanarGeometry(
+        RoundedFlat(half, _EDGE_mm), half + 0.15, taper.hub_radius_mm - taper.radius_mm, along, growth=1.2,
+        axis_mm=taper.radius_mm, rise=-taper.rise, held_end=-1,
+    )  # fmt: skip
+    further = replace(along, half_extent_mm=half + 0.1 + push_mm)
+    pin = PlanarGeometry(
+        Flat(), half + 0.15 + push_mm, taper.radius_mm, further, growth=1.2, axis_mm=-taper.radius_mm, rise=taper.rise
+    )
+    hub, shaft = (
+        replace(place(condense(body.mesh, body.patch, taper.elastic), upper=up, axis_angle_rad=0.0), incline=taper.rise)
+        for up, body in ((True, build_planar(ring)), (False, build_planar(pin)))
+    )
+    holder = Holder(1.0, approach_mm=_SEATED_mm)
+    problem = ContactProblem(hub, shaft, holder=holder, friction=friction, wear=WearRates())
+    state, _ = press(problem, unloaded_state(problem))
+    for step in np.linspace(0.0, push_mm, 5)[1:]:
+        state, _ = advance(problem, state, -step, 0.0)
+    return float(2.0 * np.pi * taper.radius_mm * abs(state.primary_force[:, 0].sum()))
 
 
 def climbing_rows() -> tuple[Row, ...]:
