@@ -205,13 +205,14 @@ class Holder:
     approach_mm: float | None = None
     #: Total width of the free play in series with the springs: between two stops it floats without force.
     play_mm: float = 0.0
+    mass_kg: float = 0.0  #: Mass that moves with it; contact and wear are solved as if it stood still.
 
     def __post_init__(self) -> None:
         if not self.normal_load_N > 0.0:
             raise SolverError(f"the normal load must be positive, but is {self.normal_load_N} N")
         springs = self.tangential_compliance_mm_per_N, self.normal_stiffness_N_per_mm
-        if min(*springs, self.rotational_compliance_rad_per_N_mm, self.play_mm) < 0.0:
-            raise SolverError("the holder's compliances, loading spring and free play must not be negative")
+        if min(*springs, self.rotational_compliance_rad_per_N_mm, self.play_mm, self.mass_kg) < 0.0:
+            raise SolverError("the holder's compliances, loading spring, free play and mass must not be negative")
 
     @property
     def compliance_at_contact_mm_per_N(self) -> float:

@@ -16,6 +16,7 @@ FAULTS = (
     (Rig(play_um=25.0), "free_play", "gap_um", 25.0),
     (Rig(force_lag_s=0.08), "sensor_lag", "time_s", 0.08),
     (Rig(gain=1.15), "displacement_gain", "gain", 1.15),
+    (Rig(mass_kg=0.5, frequency_Hz=30.0), "holder_inertia", "mass_kg", 0.5),
     (Rig(friction=0.8, last_friction=1.1), "friction_evolution", "final", 1.1),
 )
 

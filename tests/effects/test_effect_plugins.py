@@ -208,7 +208,7 @@ def chain() -> Chain:
     """Four moments of a test in which nothing but wear changes."""
     nothing = np.zeros(4)
     names = (
-        "misalignment_rad retained_fraction bed_MPa oxygen_W free_play_um flattening_um rough_um bed_um "
+        "misalignment_rad retained_fraction bed_MPa oxygen_W free_play_um mass_kg flattening_um rough_um bed_um "
         "crossing_error_rad linear_um_per_N quadratic_um_per_N2 crosstalk force_zero_N lag_s force_lag_s"
     )
     still: dict[str, Any] = dict.fromkeys(names.split(), nothing)

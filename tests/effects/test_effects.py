@@ -18,7 +18,9 @@ from wirewear.test.study import study_from_tables
 #: Names and parameters that other programs and files rely on.
 FIXED = {
     "tangential_compliance": ["stiffness_N_per_mm"], "rotational_compliance": ["stiffness_N_mm_per_rad", "arm_mm"],
-    "free_play": ["gap_um"], "friction_offset": ["friction"], "friction_evolution": ["initial", "final", "cycles"],
+    "free_play": ["gap_um"],
+    "holder_inertia": ["mass_kg"], "friction_offset": ["friction"],
+    "friction_evolution": ["initial", "final", "cycles"],
     "roughness_compliance": ["layer_um", "cycles"], "third_body": ["retained_fraction", "modulus_MPa"],
     "plasticity": ["flattening_um"], "crossing_angle_error": ["angle_deg"], "misalignment": ["angle_deg"],
     "normal_load_drift": ["fraction_per_100k_cycles"], "wear_rate_offset": ["factor"],

@@ -17,7 +17,7 @@ kind = "joint"
 contact_stiffness_N_per_mm = {own}
 [conditions]
 {load}displacement_amplitude_um = 500.0
-frequency_Hz = 0.25
+frequency_Hz = {frequency}
 cycles = 30
 [stated]
 {friction}
@@ -37,6 +37,26 @@ class Rig:
     play_um: float = 0.0
     force_lag_s: float = 0.0
     gain: float = 1.0
+    mass_kg: float = 0.0
+    frequency_Hz: float = 0.25
+
+    def swinging(self, count: int) -> tuple[Array, Array]:
+        """As `loop`, of a joint whose holder has a mass and 1 % of critical damping, by central differences."""
+        turns, parts = 12, 40
+        angle = 2.0 * np.pi * np.arange(turns * parts * count) / (parts * count)
+        step, spring, own = 1.0 / (self.frequency_Hz * parts * count), 1e3 * RIG_N_per_mm, 1e3 * OWN_N_per_mm
+        damper = 0.02 * np.sqrt(spring * self.mass_kg)
+        moved = before = slip = 0.0
+        held = np.zeros(angle.size)
+        for i, place in enumerate((1e-6 * AMPLITUDE_um * np.sin(angle)).tolist()):
+            force = own * (place - moved - slip)
+            if abs(force) > FORCE_N:
+                force = np.copysign(FORCE_N, force)
+                slip = place - moved - force / own
+            pushed = (force - spring * moved - damper * (moved - before) / step) / self.mass_kg
+            before, moved = moved, 2.0 * moved - before + pushed * step**2
+            held[i] = spring * before
+        return AMPLITUDE_um * np.sin(angle[-parts * count :: parts]), held[-parts * count :: parts]
 
     def loop(self, cycle: int, count: int) -> tuple[Array, Array]:
         """Displacement and force (count,) of the closed loop of a cycle of 30, as they are read."""
@@ -62,18 +82,20 @@ def joint(
     load: str = "",
     friction: str = "friction_force_N = 39.0",
     own: object = OWN_N_per_mm,
-    rig: Rig | None = None,
+    rig: Rig = Rig(),
 ) -> Path:
     """A record of a joint of two repeats and three cycles."""
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "experiment.toml").write_text(TABLES.format(load=load, friction=friction, own=own), encoding="utf-8")
+    tables = TABLES.format(load=load, friction=friction, own=own, frequency=rig.frequency_Hz)
+    (folder / "experiment.toml").write_text(tables, encoding="utf-8")
     random, count = np.random.default_rng(1), 400
+    swings = rig.swinging(count) if rig.mass_kg else None
     lines = ["repeat,cycle,sample,time_s,displacement_um,tangential_force_N"]
     for repeat in (1, 2):
         for cycle in (1, 5, 30):
-            stroke, force = (rig or Rig()).loop(cycle, count)
+            stroke, force = swings or rig.loop(cycle, count)
             noise = 0.1 * random.standard_normal(count)
             rows = enumerate(zip(stroke, force + noise, strict=True))
-            lines += [f"{repeat},{cycle},{i},{4.0 * i / count},{x},{q}" for i, (x, q) in rows]
+            lines += [f"{repeat},{cycle},{i},{i / count / rig.frequency_Hz},{x},{q}" for i, (x, q) in rows]
     (folder / "loops.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
     return folder

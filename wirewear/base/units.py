@@ -25,6 +25,7 @@ _UNITS = {
     "mm3_per_N_m": (" mm³/(N·m)", "cubic millimetres per newton metre"),
     "um_per_N": (" µm/N", "micrometres per newton"),
     "um_per_N2": (" µm/N²", "micrometres per newton squared"),
+    "kg": (" kg", "kilograms"),
     "s": (" s", "seconds"),
     "J": (" J", "joules"),
     "mJ": (" mJ", "millijoules"),

@@ -58,6 +58,7 @@ class Chain:
     starved_factor: Array  #: Factor on wear where there is no oxygen.
     compliance_um_per_N: Array  #: Compliance in series with the contact along the motion.
     free_play_um: Array  #: Free play in series with it.
+    mass_kg: Array  #: Mass that moves with the holder.
     flattening_um: Array  #: Approach of the wires by flattening before any wear.
     rough_um: Array  #: Height of a layer of asperities that spreads the contact's pressures.
     bed_um: Array  #: Height of a layer of asperities that closes like a bed of debris.
@@ -141,7 +142,7 @@ def _other(description: type[Any], *read: str) -> tuple[str, ...]:
 
 _VIEWS: dict[Seam, _SeamView] = {
     Seam.HOLDER: _SeamView(
-        ("load_N", "compliance_um_per_N", "free_play_um"),
+        ("load_N", "compliance_um_per_N", "free_play_um", "mass_kg"),
         _other(
             Holder,
             "normal_load_N",
@@ -149,11 +150,17 @@ _VIEWS: dict[Seam, _SeamView] = {
             "rotational_compliance_rad_per_N_mm",
             "pivot_height_mm",
             "play_mm",
+            "mass_kg",
         ),
-        lambda load, compliance, play: Holder(
-            load, tangential_compliance_mm_per_N=1e-3 * compliance, play_mm=1e-3 * play
+        lambda load, compliance, play, mass: Holder(
+            load, tangential_compliance_mm_per_N=1e-3 * compliance, play_mm=1e-3 * play, mass_kg=mass
         ),
-        lambda holder: (holder.normal_load_N, 1e3 * holder.compliance_at_contact_mm_per_N, 1e3 * holder.play_mm),
+        lambda holder: (
+            holder.normal_load_N,
+            1e3 * holder.compliance_at_contact_mm_per_N,
+            1e3 * holder.play_mm,
+            holder.mass_kg,
+        ),
     ),
     Seam.CONTACT: _SeamView(("friction",), _other(ContactLaw, "friction"), ContactLaw, lambda law: (law.friction,)),
     Seam.WEAR: _SeamView(

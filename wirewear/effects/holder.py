@@ -151,6 +151,43 @@ class FreePlay(Effect[Holder]):
 
 
 @dataclass(frozen=True)
+class HolderInertia(Effect[Holder]):
+    """A holder whose mass swings on its springs.
+
+    The force cell in the rig reads u/C, of a holder that moves by m ü + c u̇ + u/C = Q. After each change of the sign of
+    friction the reading rings about the plateau with the holder's own frequency, and it is larger than the force by
+    (ω/ω₀)² where that changes as a sine. A simulation moves the holder as if it stood still at each instant; its mass
+    acts on what the force cell reads. Source: Den Hartog, Trans. ASME 53 (1931) APM-107.
+    """
+
+    name = "holder_inertia"
+    seam = Seam.HOLDER
+    ages = Ageing.NEVER
+    signature = "the force overshoots the plateau after each reversal and rings about it; not so at a low frequency"
+    remedy = "test at a lower frequency, or stiffen and lighten what lies between contact and force cell"
+    confused_with = ("sensor_lag",)
+    answers = (
+        measurements.LOWER_FREQUENCY.shows("the ringing is gone"),
+        measurements.SECOND_HEIGHT.shows("the holder rings, too"),
+        measurements.ENCODER.shows("a stroke without ringing"),
+    )
+
+    mass_kg: float = parameter(
+        "mass that moves with the holder between contact and force cell",
+        Quantity("kg", 0.0, 1e3),
+        neutral=0.0,
+        easy=0.3,
+        hard=0.03,
+        interest=(0.01, 3.0),
+        logarithmic=True,
+    )
+
+    def changed(self, described: Holder, _age: Age) -> Holder:
+        """The holder with this mass added to its own."""
+        return replace(described, mass_kg=described.mass_kg + self.mass_kg)
+
+
+@dataclass(frozen=True)
 class Misalignment(Effect[Loading]):
     """A motion that is not parallel to the plane of contact.
 

@@ -23,7 +23,8 @@ ENTRY_POINT_GROUP = "wirewear.effects"  #: Entry point group in which a package 
 EffectType = type[AnyEffect]
 
 LIBRARY: tuple[EffectType, ...] = (
-    holder.TangentialCompliance, holder.RotationalCompliance, holder.FreePlay, contact.FrictionOffset,
+    holder.TangentialCompliance, holder.RotationalCompliance, holder.FreePlay, holder.HolderInertia,
+    contact.FrictionOffset,
     contact.FrictionEvolution, contact.RoughnessCompliance, contact.ThirdBodyLayer, holder.Plasticity,
     holder.CrossingAngleError, holder.Misalignment, holder.NormalLoadDrift, wear.WearRateOffset, wear.WearRateEvolution,
     wear.ContactOxygenation, sensors.DisplacementGain, sensors.DisplacementLoadCoupling, sensors.ForceCrosstalk,

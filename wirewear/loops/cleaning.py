@@ -42,6 +42,9 @@ HOLDS = "the {} keeps each reading for {:.2g} samples: the first of each is take
 #: sample have that share of all samples, and if it goes farther than so many of its steps from one to the next.
 KEPT, ALIKE, FARTHER = 1.4, 0.9, 2.5
 
+#: Range of a normal force over its mean from which on it counts as one that varies within the cycle.
+VARIES = 0.1
+
 DRIFTS = "the displacement drifts by {:.3g} µm within the loop, {:.1%} of its stroke: that was taken out"
 
 BACKWARDS = (
@@ -354,6 +357,7 @@ def _closed(loop: CleanLoop) -> CleanLoop:
 
 def _turned(loop: CleanLoop) -> CleanLoop:
     """Loop that dissipates energy: reversed in time if its force rises with the displacement, else with opposite force.
+    A load that varies stiffens and softens the contact, by which a loop that hardly slips may turn either way round.
 
     Raises LoopError if it dissipates although its force falls where the displacement rises.
     """
@@ -368,7 +372,8 @@ def _turned(loop: CleanLoop) -> CleanLoop:
             "the force falls where the displacement rises, and yet the loop turns as one that dissipates: the force "
             "has the other sign, and is late by more than the contact slides or runs backwards in time"
         )
-    if area >= -thin:
+    load = loop.normal_force_N
+    if area >= -thin or (lean > 0.0 and load is not None and np.ptp(load) > VARIES * load.mean()):
         return loop
     if lean > 0.0:
         backwards = replace(loop, time=-loop.time)

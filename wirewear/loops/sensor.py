@@ -17,6 +17,10 @@ _EVEN = 1e-6  # Spacings that differ by less than this share count as even.
 
 LEAST_PASSED = 0.01  #: A filter that lets less than this share of the fastest oscillation through cannot be undone.
 
+#: Damping of a rig that swings, as a share of the critical one; of bolted steel structures 1 to 3 % (Beards, Structural
+#: Vibration, 1996, section 5.1).
+DAMPING = 0.02
+
 # Uneven samples are carried over to an even grid this many times as fine.
 _REFINEMENT = 4
 _LAGS = ("first-order", "delay")
@@ -167,6 +171,21 @@ def _transfer(frequency: Array, time_s: float, kind: LagKind) -> ComplexArray:
     return np.asarray(np.exp(-1j * angle) if kind == "delay" else 1.0 / (1.0 + 1j * angle))
 
 
+def swinging(signals: LoopSignals, force_N: Array, swing_s2: float, power: int = -1) -> Array:
+    """Force (n,) of a spring that holds a mass on which the periodic `force_N` (n,) acts: m ü + c u̇ + u/C = Q; with a
+    power of 1 the other way round, the force on the mass from that of the spring.
+
+    swing_s2: m C, the inverse square of the mass's own angular frequency on its spring of compliance C. Source: Den
+    Hartog, Trans. ASME 53 (1931) APM-107. Raises SensorError as `lagged` does.
+    """
+
+    def transfer(frequency: Array) -> ComplexArray:
+        turns = 2.0 * np.pi * frequency * sqrt(swing_s2)
+        return np.asarray((1.0 - turns**2 + 2j * DAMPING * turns) ** float(power))
+
+    return _filtered(signals, force_N, transfer)
+
+
 def _filtered(signals: LoopSignals, values: Array, transfer: Transfer) -> Array:
     if not np.isfinite(values).all():
         raise SensorError("a lag needs a loop without missing samples")
@@ -221,6 +240,7 @@ class Sensor:
         lag_s: lag of the displacement behind the forces; if negative (delay only), the forces lag instead.
         lag_kind: kind of both lags, "first-order" (a low-pass filter's time constant) or "delay".
         force_lag_s: lag of the tangential force behind the other channels.
+        swing_s2: mass of the holder between contact and force cell times the holder's compliance, see `swinging`.
         noise: noise of one sample of each channel.
     """
 
@@ -234,6 +254,7 @@ class Sensor:
     lag_s: float = 0.0
     lag_kind: LagKind = "first-order"
     force_lag_s: float = 0.0
+    swing_s2: float = 0.0
     noise: SensorNoise = _QUIET
 
     def __post_init__(self) -> None:
@@ -263,7 +284,10 @@ class Sensor:
             displacement = displacement + sum(load_coupling)
         if self.lag_s != 0.0:
             displacement = lagged(truth, displacement, self.lag_s, self.lag_kind)
-        tangential, normal = self._mixed(truth.tangential_force_N, truth.normal_force_N)
+        tangential = truth.tangential_force_N
+        if self.swing_s2 > 0.0:
+            tangential = swinging(truth, tangential, self.swing_s2)
+        tangential, normal = self._mixed(tangential, truth.normal_force_N)
         tangential = self.tangential_force_gain * tangential
         if self.force_lag_s != 0.0:
             tangential = lagged(truth, tangential, self.force_lag_s, self.lag_kind)
@@ -291,6 +315,8 @@ class Sensor:
         tangential = tangential / self.tangential_force_gain
         normal = readings.normal_force_N
         tangential, normal = self._unmixed(tangential, None if normal is None else normal / self.normal_force_gain)
+        if self.swing_s2 > 0.0:
+            tangential = swinging(readings, tangential, self.swing_s2, 1)
         if load_coupling := self._load_coupling(tangential):
             displacement = displacement - sum(load_coupling)
         return replace(

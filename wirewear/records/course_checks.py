@@ -207,6 +207,9 @@ def impossible_evolution(checked: CheckedRecord) -> Iterator[Remark]:
         who = f"the evolution of repeat {part.repeat}"
         columns = {name: part.columns[name] for name in _EVOLVING if name in part.columns}
         for name, values in columns.items():
+            # Under a load that varies, springs of a contact that sticks give back what the load put in.
+            if name == "dissipated_energy_mJ" and checked.record.tables.conditions.load_cycle is not None:
+                continue
             negative = values < -ODD_ENERGY * np.nanmax(np.abs(values), initial=0.0, where=np.isfinite(values))
             if negative.any():
                 text = f"The {_EVOLVING[name]} is negative in {who}: turn it round, by factor = -1 in a mapping."

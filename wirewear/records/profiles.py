@@ -94,12 +94,13 @@ class MeasuredProfile:
 
     @property
     def edges_um(self) -> tuple[float, float]:
-        """Positions in µm on either side of the deepest point where the smoothed depth falls to 1 % of its largest, or
-        the profile's ends.
+        """Positions in µm on either side of all that is worn half as deep as the deepest point, where the smoothed
+        depth falls to 1 % of its largest, or the profile's ends. A contact that sticks in its middle wears on both
+        sides of it.
         """
-        deepest = int(self.smooth_um.argmax())
+        deep = np.flatnonzero(self.smooth_um >= 0.5 * self.smooth_um.max())
         out = np.flatnonzero(self.smooth_um <= self._level_um)
-        left, right = out[out < deepest], out[out > deepest]
+        left, right = out[out < deep[0]], out[out > deep[-1]]
         return (
             self._crossing(int(left[-1]), int(left[-1]) + 1) if len(left) else float(self.x_um[0]),
             self._crossing(int(right[0]), int(right[0]) - 1) if len(right) else float(self.x_um[-1]),

@@ -14,6 +14,7 @@ from typing import Any, NoReturn, Self, TypeVar
 import numpy as np
 
 from geometry.arrays import Array
+from solvers import Holder
 from solvers.laws.layers import SurfaceLayer, bare_depth, work_through
 from wirewear.base import kinds
 from wirewear.base.errors import ResultError, StudyError
@@ -23,6 +24,7 @@ from wirewear.loops import LoopSignals, Sensor
 from wirewear.results.contact_forces import ContactForces
 from wirewear.results.evolution import OF_A_BODY, Evolution, nearest_cycle
 from wirewear.results.scar import WIRES, Scar, body_named, called, float_array, require_equal_lengths, require_finite
+from wirewear.test import study_from_tables
 from wirewear.test.lengths import Extent, extent_of, study_of_length
 
 _IDEAL = Sensor()
@@ -48,7 +50,7 @@ _LATER_OF_LOOPS = ("normal_force_N", "friction_work_mJ", "tilt_deg")
 
 
 def sensor_of(study: Mapping[str, object], sensor: Sensor = _IDEAL, age: Age = _NEW) -> Sensor:
-    """`sensor` with the sensor effects of a study added to its own errors, as at the age `age` of the test.
+    """`sensor` with the sensor effects of a study and its holder's mass added to its own errors, as at the age `age`.
     study: resolved tables, as results hold them. Raises StudyError if the study has an effect that is not installed
     here.
     """
@@ -56,7 +58,12 @@ def sensor_of(study: Mapping[str, object], sensor: Sensor = _IDEAL, age: Age = _
         effects = effects_of_tables(study.get("effects", []))
     except ValueError as problem:
         raise StudyError(as_sentence(f"effects of the study {study.get('name', '')!r} {problem}")) from None
-    return applied(effects, Seam.SENSOR, sensor, age)
+    rig = Holder(1.0)
+    if applied(effects, Seam.HOLDER, rig, age).mass_kg > 0.0:
+        rig = applied(effects, Seam.HOLDER, study_from_tables(study, "the run's study").rig, age)
+    # From kg mm/N.
+    swings = replace(sensor, swing_s2=1e-3 * rig.mass_kg * rig.compliance_at_contact_mm_per_N)
+    return applied(effects, Seam.SENSOR, swings, age)
 
 
 def age_at(result: RunResult, cycle: int) -> Age:

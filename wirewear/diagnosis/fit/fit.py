@@ -14,6 +14,7 @@ from scipy.special import stdtrit
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.fit import wear
+from wirewear.diagnosis.fit.by_search import fitted_by_search, friction_of_forces, needs_search
 from wirewear.diagnosis.fit.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
 from wirewear.diagnosis.fit.partial_slip import StickingFit, fitted_sticking, left_out
 from wirewear.diagnosis.fit.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
@@ -74,16 +75,19 @@ def fit_record(
     entered for each step of the work. First estimates come from the loops themselves; the fast model, on the wear
     states of one finite element run with these, then fits friction and rig to the loops of all cycles. Wear
     coefficients are worn volumes over the friction energy of the whole test. If no loop slides as a whole, friction and
-    rig are bounded by energy, stiffness and shape of single loops.
+    rig are bounded by energy, stiffness and shape of single loops. Under a load that varies within the cycle, and in
+    the scar of longer strokes, they are fitted as a diagnosis finds causes.
     Raises RecordError if the record is unsound, none of its loops bounds friction above, or a worn volume is given and
     neither loops nor evolution show the energy; StudyError or SolverError if a nominal run of the fast model fails.
     """
     record = record.of_block()
     rigid, tables = kind_of(record).rigid_N_per_mm, record.tables
-    sticking = fitted_sticking(record, rigid)
+    varies = tables.conditions.load_cycle is not None
+    sticking = None if varies else fitted_sticking(record, rigid)
     if sticking is not None:
         return _of_sticking(record, sticking, given)
-    _require_steady(record)
+    if needs_search(record):
+        return _of_search(record, given, observer_of, stage)
     with stage("checking the record"):
         odd = tuple(remark.text for remark in remarks_of(record))
     with stage("measuring the loops"):
@@ -112,18 +116,30 @@ def fit_record(
     return FittedTest(record, study, parameters, found, tuple(notes), rigid)
 
 
-def _require_steady(record: AnyRecord) -> None:
-    """Raises RecordError if a record's loops have no one load or no scar of their own."""
-    if record.tables.conditions.load_cycle is not None:
-        raise RecordError(
-            f"the record {record.name!r} has a load that varies within the cycle, and friction and rig are fitted "
-            "under a steady one: it can be checked, compared and, with a stated friction, diagnosed."
-        )
-    if record.within_longer_strokes:
-        raise RecordError(
-            f"block {record.block} of the programme of {record.name!r} slides in scars of longer strokes, in which no "
-            "stiffness is known: fit the block with the longest stroke, which is the default."
-        )
+def _of_search(
+    record: AnyRecord, given: wear.GivenWear | None, observer_of: ObserverOf | None, stage: Stage
+) -> FittedTest:
+    """Fit of a test whose loops show friction and rig only together with a model of the test."""
+    worn, found, notes = wear.fitted_wear(record)
+    if given is not None:
+        worn, notes = wear.wear_given(given, record.tables, worn, found)
+    friction = round(friction_of_forces(record), 3)
+    rough = {"friction": FittedParameter(friction, (friction, friction), "1", 1), **worn}
+    if wear.total_of(record.tables, worn) is None and wear.stated_wear(record.tables) is None:
+        rough |= _some_wear(record.tables)[0]
+    rigid = kind_of(record).rigid_N_per_mm
+    rough["tangential_stiffness_N_per_mm"] = FittedParameter(rigid, (rigid, rigid), "N_per_mm", 1)
+    with stage("fitting all cycles"):
+        parameters, energy_J, limits = fitted_by_search(record, fitted_study(record, rough, ()), observer_of)
+    if energy_J is not None:
+        worn, found, notes = wear.fitted_wear(record, energy_J)
+        if given is not None:
+            worn, notes = wear.wear_given(given, record.tables, worn, found)
+    parameters |= worn
+    odd = (remark.text for remark in remarks_of(record))
+    notes = [*odd, *limits, *notes, *_missing_wear(record, parameters), *_single(record)]
+    study = fitted_study(record, parameters, record.cycles)
+    return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=rigid)
 
 
 def _of_sticking(record: AnyRecord, sticking: StickingFit, given: wear.GivenWear | None) -> FittedTest:
@@ -152,6 +168,8 @@ def tables_of_record(record: AnyRecord) -> dict[str, Any]:
 
 def _friction_of_loops(record: AnyRecord) -> float:
     """Coefficient of friction from the loops. Raises RecordError if they do not show it."""
+    if record.tables.conditions.load_cycle is not None:
+        return round(friction_of_forces(record), 3)
     try:
         sticking = fitted_sticking(record, kind_of(record).rigid_N_per_mm)
         found = loops_of_tests(record).friction if sticking is None else sticking.parameters["friction"].value

@@ -34,13 +34,16 @@ class GivenWear:
     volume_mm3: float | None = None
 
 
-def fitted_wear(record: AnyRecord) -> tuple[dict[str, FittedParameter], dict[str, FittedParameter], list[str]]:
+def fitted_wear(
+    record: AnyRecord, energy_J: float | None = None
+) -> tuple[dict[str, FittedParameter], dict[str, FittedParameter], list[str]]:
     """Fitted wear parameters by name, further figures by name, and sentences on what is missing.
 
     The further figures are the friction energy of a test in J and the worn volume of each body in mm³; a name is
-    missing if the record does not show it.
+    missing if the record does not show it. energy_J: friction energy of each test, if it is known better than by the
+    areas of loops.
     """
-    energies = {repeat: accumulated_energy_J(record, repeat) for repeat in record.repeats}
+    energies = {repeat: energy_J or accumulated_energy_J(record, repeat) for repeat in record.repeats}
     known = {repeat: energy for repeat, energy in energies.items() if energy}
     volumes = {
         body: {repeat: volume for repeat, volume in own.items() if repeat in energies}

@@ -13,7 +13,7 @@ import numpy as np
 from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR, OUTLYING
-from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE, ReducedLoop
+from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE, ReducedLoop, load_varies, mean_load
 from wirewear.diagnosis.observe.observable import (
     FORCE_ERROR,
     SLOPE_SHARE,
@@ -68,6 +68,14 @@ class _OfNormalForce(OfLoops):
         return np.full(predicted.size, setup.load_N)
 
 
+def _loads_of(course: PredictedLoops) -> Array:
+    """Mean normal forces (n, 2) of both branches while sliding or, where the load varies, over the displacement."""
+    p = course.normal_force_N
+    if load_varies(p):
+        return np.asarray(mean_load(course.displacement_um, p))
+    return np.asarray(p[:, :, SLIDING:].mean(axis=2))
+
+
 class NormalForce(_OfNormalForce):
     """Mean normal force in N over both branches while sliding; NaN if it was not measured."""
 
@@ -81,8 +89,7 @@ class NormalForce(_OfNormalForce):
         return float(np.mean(loop.normal_N)), loop.normal_error_N / float(np.sqrt(2.0))
 
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        p = course.normal_force_N
-        return np.asarray(p[:, :, SLIDING:].mean(axis=(1, 2)))[rows_of(course, sites)]
+        return np.asarray(_loads_of(course).mean(axis=1)[rows_of(course, sites)])
 
 
 class NormalForceByDirection(_OfNormalForce):
@@ -100,7 +107,7 @@ class NormalForceByDirection(_OfNormalForce):
         return loop.normal_N[0] - loop.normal_N[1], loop.normal_error_N * float(np.sqrt(2.0))
 
     def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        forward, backward = (course.normal_force_N[:, side, SLIDING:].mean(axis=1) for side in (0, 1))
+        forward, backward = _loads_of(course).T
         return np.asarray(forward - backward)[rows_of(course, sites)]
 
 

@@ -15,7 +15,7 @@ from wirewear.diagnosis.observe.local_lines import OUTLYING, ObservedBranch, for
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.loops import LoopError
 from wirewear.loops.branches import Branch, split_branches, upright
-from wirewear.loops.cleaning import CleanLoop, clean_loop
+from wirewear.loops.cleaning import VARIES, CleanLoop, clean_loop
 from wirewear.loops.drive import even_period, period_of, series
 from wirewear.loops.noise import (
     correlated_noise,
@@ -151,7 +151,7 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) ->
     the loop cannot be read, or slides as a whole only at the ends of its stroke.
     """
     loop = measured.complete
-    clean = clean_loop(loop.displacement_um, loop.tangential_force_N, None, time_s=loop.time_s)
+    clean = clean_loop(loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, time_s=loop.time_s)
     middle = 0.5 * (clean.displacement_um.max() + clean.displacement_um.min())
     amplitude = 0.5 * float(np.ptp(clean.displacement_um))
     halves = split_branches(upright(clean))
@@ -165,8 +165,9 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) ->
     if not mid > 0.0 or any(branch.knee_um > LATEST_KNEE * amplitude for branch in branches):
         if loop.figures(normal_load_N).regime == "gross slip":
             raise LoopError("it slides as a whole over a small part of the stroke alone, which hides how.")
-        branches, mid, shown = [_sticking(branch) for branch in branches], 0.5 * float(np.ptp(clean.force_N)), [0, 0]
-        sticks = True
+        branches, mid = [_sticking(branch) for branch in branches], 0.5 * float(np.ptp(clean.force_N))
+        # The later half stands for what slides.
+        shown, sticks = [branch.force_N.size // 2 for branch in branches], True
     pairs = [*zip(branches, shown, strict=True)]
     normal = [branch.normal_N[first:] for branch, first in pairs if branch.normal_N is not None]
     sliding = [(branch.displacement_um[first:], branch.force_N[first:]) for branch, first in pairs]
@@ -181,6 +182,9 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) ->
     noise_q = max(noise, LEAST_NOISE * mid)
     error = clean.amplitude_noise_um * correlated * stretch if clean.smoothed else noise_x
     means, normal_error = _normal(normal, normal_noise, stretch)
+    if means is not None and any(load_varies(branch.normal_N) for branch in branches):
+        one, other = (mean_load(own.displacement_um, own.normal_N) for own in branches if own.normal_N is not None)
+        means = float(one), float(other)
     return ReducedLoop(
         repeat=loop.repeat,
         cycle=loop.cycle,
@@ -247,6 +251,17 @@ def _sticking(branch: ObservedBranch) -> ObservedBranch:
     sticking.
     """
     return replace(branch, knee=int(np.argmax(branch.force_N)))
+
+
+def load_varies(load_N: Array | None) -> bool:
+    """True if the normal force varies along one of some branches (..., n) by more than walls of scars make it."""
+    return load_N is not None and bool((np.ptp(load_N, axis=-1) > 2.0 * VARIES * load_N.mean(axis=-1)).any())
+
+
+def mean_load(displacement_um: Array, load_N: Array) -> Array:
+    """Mean normal force (...) over the displacement of branches (..., n) whose load varies, wherever they slide."""
+    whole = displacement_um[..., -1] - displacement_um[..., 0]
+    return np.asarray(np.trapezoid(load_N, displacement_um, axis=-1) / whole)
 
 
 def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tuple[tuple[float, float] | None, float]:

@@ -19,7 +19,7 @@ from wirewear.base import kinds
 from wirewear.base.errors import StudyError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
-from wirewear.effects import AnyEffect, Parameter, Stated, all_effects
+from wirewear.effects import AnyEffect, Chain, Parameter, Stated, all_effects
 from wirewear.test import LineStudy, Study
 from wirewear.test.gaps import Gap
 
@@ -163,7 +163,7 @@ def library(setup: SurrogateInputs) -> tuple[Candidate, ...]:
             kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), setup.scales, setup.contact_kind
         )
         for kind in all_effects().values()
-        if kind.considered_for(setup.contact_kind, setup.held) and _is_supported(kind, setup)
+        if kind.considered_for(setup.contact_kind, setup.held) and _is_supported(kind, setup) and _may_show(kind, setup)
         for words in product(*kind.choices().values())
     )
 
@@ -184,7 +184,18 @@ def unsupported(setup: SurrogateInputs) -> tuple[str, ...]:
 
 def _is_supported(kind: type[AnyEffect], setup: SurrogateInputs) -> bool:
     try:
-        setup.with_effect(kind.sized("easy", setup.stated)).chain(1.0, 1.0, *np.ones((3, 1)))
+        _chain_with(kind, setup)
     except StudyError:
         return False
     return True
+
+
+def _chain_with(kind: type[AnyEffect], setup: SurrogateInputs) -> Chain:
+    return setup.with_effect(kind.sized("easy", setup.stated)).chain(1.0, 1.0, *np.ones((3, 1)))
+
+
+def _may_show(kind: type[AnyEffect], setup: SurrogateInputs) -> bool:
+    """False for a mass that swings so much faster than the drive that even ten times as much does nothing."""
+    chain = _chain_with(kind, setup)
+    swings = 1e-5 * chain.mass_kg * (2.0 * np.pi * setup.frequency_Hz) ** 2 * chain.compliance_um_per_N
+    return not chain.mass_kg.any() or bool(swings.max() > 0.01)

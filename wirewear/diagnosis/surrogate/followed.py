@@ -13,7 +13,7 @@ from solvers import LoadCycle
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.loop_states import FastMotion
 from wirewear.diagnosis.surrogate.sensing import POSITIONS, STICK, SlidingContact
-from wirewear.diagnosis.surrogate.springs import Curves, Rows, through
+from wirewear.diagnosis.surrogate.springs import Curves, Rig, Rows, through
 
 if TYPE_CHECKING:
     from wirewear.effects import Chain
@@ -22,6 +22,9 @@ _KNOWN = constants("surrogate.followed")
 
 #: Instants of a stroke and of a rest, and the share of the stroke by which the first ones of a stroke are apart.
 _INSTANTS, _AT_REST, _CLOSE = _KNOWN.count("instants"), _KNOWN.count("instants_at_rest"), _KNOWN.number("close")
+
+#: Instants of a stroke by which a holder's swinging is followed, some twenty times as fast as the drive.
+_SWINGS = _KNOWN.count("instants_of_swinging")
 
 #: A drive rests where the arcsine of its place is so near to its end.
 _RESTS = _KNOWN.number("rests")
@@ -45,16 +48,16 @@ class CyclePath:
     turn: int
 
     @classmethod
-    def of(cls, motion: FastMotion, load: LoadCycle) -> CyclePath:
-        """The path of a drive and a load."""
-        return _course(motion, load)
+    def of(cls, motion: FastMotion, load: LoadCycle, *, swings: bool = False) -> CyclePath:
+        """The path of a drive and a load; swings: with instants so near that a holder's swinging is followed."""
+        return _course(motion, load, swings)
 
 
 @lru_cache(maxsize=64)
-def _course(motion: FastMotion, load: LoadCycle) -> CyclePath:
+def _course(motion: FastMotion, load: LoadCycle, swings: bool) -> CyclePath:
     # Corners that few harmonics round off are the ends of a rest; what is left of their ripple counts as one.
     sharp = motion.before(0.0)
-    rest = _RESTS if sharp.harmonics.size > motion.harmonics.size else _RESTS / 2.0
+    rest = _RESTS if sharp.harmonics.size > motion.harmonics.size else _RESTS / 10.0
     (there, come), (back, left) = sharp.tables
     whole = 2.0 * np.pi
     top, bottom = (
@@ -63,6 +66,8 @@ def _course(motion: FastMotion, load: LoadCycle) -> CyclePath:
     )
     bends, strokes = top + whole * load.bends(0.0, 1.0), []
     travel = _CLOSE * ((1.0 + 1.0 / _CLOSE) ** np.linspace(0.0, 1.0, _INSTANTS) - 1.0)
+    if swings:
+        travel = np.union1d(travel, 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, _SWINGS)))
     for bent, phase, start, end in ((back, left, top, bottom), (there, come + whole, bottom, top + whole)):
         moves = np.flatnonzero((bent > bent[0] + rest) & (bent < bent[-1] - rest))
         rising, kept = np.unique(bent[moves], return_index=True)
@@ -92,19 +97,21 @@ class Followed:
     share: Array
 
 
-def followed(contact: SlidingContact, chain: Chain, course: CyclePath, slip_um: Array, stroke_um: Array) -> Followed:
-    """Contacts under the test's load, behind springs and play, whose drive moves by `stroke_um` (n,) to either side.
-
-    slip_um: (n,) slip amplitudes over which the contact's curves reach.
+def followed(
+    contact: SlidingContact, chain: Chain, course: CyclePath, slip_um: Array, stroke_um: Array, frequency_Hz: float
+) -> Followed:
+    """Contacts under the test's load, behind springs, play and inertia, whose drive moves by `stroke_um` (n,) to either
+    side. slip_um: (n,) slip amplitudes over which the contact's curves reach.
     """
     up = contact.force_N[:, 0]
     wall, friction = 0.5 * (up - up[:, ::-1]), 0.5 * (up + up[:, ::-1])
     load = np.broadcast_to(contact.load_N[:, 0], up.shape)
     full_um = contact.yielding_um_per_N * friction[:, POSITIONS.size // 2]
     curves = Curves(slip_um[:, None] * POSITIONS, contact.yielding_um_per_N[:, None] * wall, wall, friction, load)
+    inertia = 1e-6 * chain.mass_kg * (2.0 * np.pi * frequency_Hz) ** 2
     q, p, slid, mobile, energy = through(
-        course.drive, course.load, stroke_um, Rows(full_um, contact.order), curves, contact.springs_um_per_N,
-        chain.free_play_um,
+        course.phase, course.drive, course.load, stroke_um, Rows(full_um, contact.order), curves,
+        Rig(contact.springs_um_per_N, chain.free_play_um, inertia),
     )  # fmt: skip
     x = stroke_um[:, None] * course.drive
     # The branch towards +x is the second stroke.
@@ -122,10 +129,13 @@ def followed(contact: SlidingContact, chain: Chain, course: CyclePath, slip_um: 
 
 
 def _branch(phase: Array, bends: IntArray, mobile: Array, *columns: Array) -> tuple[Array, ...]:
-    """Columns (n, k) of a stroke at places of branches (n, m): those until it slides as a whole, then even times."""
+    """Columns (n, k) of a stroke at places of branches (n, m): those until it slides as a whole, or to its middle, then
+    even times.
+    """
     count = mobile.shape[1]
     slides: BoolArray = mobile > _WHOLE
-    knee = np.where(slides.any(axis=1), np.maximum(slides.argmax(axis=1), 1), count - 1)[:, None].astype(float)
+    middle = np.interp(0.5 * (phase[0] + phase[-1]), phase, np.arange(count))
+    knee = np.where(slides.any(axis=1), np.maximum(slides.argmax(axis=1), 1), middle)[:, None]
     begins = np.interp(knee, np.arange(count), phase)
     after = np.interp(
         begins + (phase[-1] - begins) * np.linspace(0.0, 1.0, POSITIONS.size)[1:], phase, np.arange(count)

@@ -133,6 +133,12 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     """Loops at increasing `cycles` (n,) under each of several setups, which may differ in effects and numbers, but not
     in the test and what its drive holds.
     """
+    in_time = [setup.in_time for setup in setups]
+    if len(set(in_time)) > 1:
+        # Each as it is computed alone: an effect is judged by differences.
+        kinds = {kind: [one for one, own in zip(setups, in_time, strict=True) if own is kind] for kind in (False, True)}
+        found = {kind: iter(simulated(states, own, cycles)) for kind, own in kinds.items()}
+        return [next(found[kind]) for kind in in_time]
     last = max(setups[0].cycles, float(cycles[-1]))
     # Wear is followed over this many cycles, evenly spaced in their logarithm.
     nodes = np.unique(np.concatenate([np.geomspace(0.5, last, 20), cycles]))
@@ -143,7 +149,7 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     whole, setup = Chain.joined(chains), _columns(setups, cycles.size)
     chain, end = whole.taken(at), whole.taken(ends)
     contact = replace(_contact(states, setup, chain, slip[at], layer and layer.taken(at)), share=share[at])
-    if setup.load_cycle.steady:
+    if not in_time[0]:
         true = *sensing.branches_of(contact, chain, slip[at]), sensing.loads_of(contact)
     else:
         course = _followed(setup, chain, contact, slip[at])
@@ -192,8 +198,9 @@ def _wear_path(
             for one, chain, own, lost in zip(setups, chains, spent, worn, strict=True)
         ]
         layer, chain = _Layer.of_all(states, chains, slip), Chain.joined(chains)
-        for _ in range(_SLIP_SWEEPS):
+        for _ in range(_SLIP_SWEEPS if setup.load_cycle.steady else 1):
             contact = _contact(states, setup, chain, slip, layer)
+            # What a swinging holder changes of slip goes with the square of the ratio of both frequencies.
             if setup.load_cycle.steady:
                 slip, share = driven(setup, chain, contact, slip)
                 energy = sensing.loop_energy(replace(contact, share=share), slip)
@@ -268,21 +275,22 @@ def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
 
 def _followed(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Followed:
     """The cycle under a load that varies, by which a drive holds what it holds."""
-    course, slip = CyclePath.of(setup.motion, setup.load_cycle), np.maximum(slip, LEAST_SLIP * setup.amplitude_um)
+    course = CyclePath.of(setup.motion, setup.load_cycle, swings=bool(chain.mass_kg.any()))
+    slip = np.maximum(slip, LEAST_SLIP * setup.amplitude_um)
     held, stroke = bool(setup.held) & np.isnan(chain.amplitude_um), np.array(chain.amplitude_um)
     stroke[held] = np.asarray(setup.amplitude_um)[held]
     reads = setup.drive == "sensor" and not setup.held
     target = np.where(held, setup.held_share * setup.amplitude_um, chain.amplitude_um)
     if reads:
         stroke = stroke / chain.gain
-    found = followed(contact, chain, course, slip, stroke)
+    found = followed(contact, chain, course, slip, stroke, setup.frequency_Hz)
     # Sweeps of a stroke against what a drive holds in place of it, where the load varies within the cycle.
     for _ in range(3 if reads or held.any() else 0):
         if reads:
             stroke = stroke + (target - half_reading(chain, found.displacement_um, found.force_N)) / chain.gain
         else:
             stroke = np.where(held, stroke + missing_of(setup, chain, contact, found, target), stroke)
-        found = followed(contact, chain, course, slip, stroke)
+        found = followed(contact, chain, course, slip, stroke, setup.frequency_Hz)
     return found
 
 

@@ -156,6 +156,11 @@ class SurrogateInputs:
         return any(effect.ages is Ageing.BY_WEAR for effect in self.effects)
 
     @property
+    def in_time(self) -> bool:
+        """True if a cycle has to be followed in time: its load varies, or an effect gives the holder a mass."""
+        return not self.load_cycle.steady or bool(self.chain(1.0, 1.0, *np.ones((3, 1))).mass_kg.any())
+
+    @property
     def stated(self) -> Stated:
         """Stated values of the test by their keys in a study, from which parameters of effects may be scaled."""
         return {

@@ -100,8 +100,7 @@ class LineStates(WearStates):
     def of_line(cls, result: RunResult, face: Face, length_mm: float) -> LineStates:
         """States of a run of a line contact with this face of the pad, for a contact of `length_mm`.
 
-        Raises RunError if no loop of the run carries a force, none of those in gross slip can be read, or the face
-        differs from side to side.
+        Raises RunError if no loop of the run carries a force, or the face differs from side to side.
         """
         if isinstance(face, TabledProfile) and not face.is_even:
             raise RunError(
@@ -114,14 +113,17 @@ class LineStates(WearStates):
         length_um, areas = 1e3 * length_mm, 1e6 * result.worn_volume_mm3 / length_mm
         radius, scars = 1e3 * _radius_mm(face), np.zeros((len(result.loops), 2, 4))
         full, slip, stuck = np.ones(1), 1.0, 0.0
-        if sticks(result):
+        rows = (
+            []
+            if sticks(result)
+            else loop_states.sliding(result, lambda loop: _row(loop, friction, loop_states.load_shares(result, loop)))
+        )
+        if not rows:
             states: loop_states.StatesOfLoops = sticking_states(result, friction, has_maps=False)
             last = result.loops[-1]
             stuck = _stuck(share_of(last, friction, loop_states.load_shares(result, last)))
         else:
-            cycles, full, *columns = loop_states.sliding(
-                result, lambda loop: _row(loop, friction, loop_states.load_shares(result, loop))
-            )
+            cycles, full, *columns = rows
             volume = length_um * np.interp(cycles, result.evolution["cycle"], areas)
             similarity, slip = volume / length_um * radius / columns[0] ** 3, float(columns[0][-1])
             states = loop_states.states_of(result, load, volume, similarity, scars, *columns)
@@ -228,8 +230,10 @@ class LineStates(WearStates):
 
 
 def _stuck(share: float) -> float:
-    """Half-width that sticks over that of the contact under a share of the friction, by Cattaneo (1938)."""
-    return float(np.sqrt(max(1.0 - share, 0.0)))
+    """Half-width that sticks over that of the contact under a share of the friction, by Cattaneo (1938); none from 99 %
+    on, where models differ in it by as much.
+    """
+    return float(np.sqrt(1.0 - share)) if share < 0.99 else 0.0
 
 
 def _with_stuck(x: Array, depth: Array, before: float, after: float) -> tuple[Array, Array]:
@@ -237,9 +241,11 @@ def _with_stuck(x: Array, depth: Array, before: float, after: float) -> tuple[Ar
     and cross-section, and the ratio of both slips of Cattaneo at places that correspond.
     """
     outer = float(np.abs(x[depth > EDGE * depth.max()]).max(initial=0.0))
-    if not max(before, after) < outer:
+    if before == after or not max(before, after) < outer:
         return x, depth
-    place = np.interp(np.abs(x), [0.0, before, outer], [0.0, after, outer]) + np.maximum(np.abs(x) - outer, 0.0)
+    # Where nothing sticks any more, places stay apart.
+    ends = [0.0, max(before, 1e-3 * outer), outer], [0.0, max(after, 1e-3 * outer), outer]
+    place = np.interp(np.abs(x), *ends) + np.maximum(np.abs(x) - outer, 0.0)
     out = np.clip((np.abs(x) - before) / (outer - before), 1e-3, 0.99)
     worn, wears = (_worn_share(stuck / outer, stuck / outer + out * (1.0 - stuck / outer)) for stuck in (before, after))
     changed = depth * wears / worn

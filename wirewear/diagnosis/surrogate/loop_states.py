@@ -13,7 +13,7 @@ from typing import TypedDict
 import numpy as np
 
 from geometry.arrays import Array, BoolArray, ComplexArray
-from wirewear.base.errors import ResultError, RunError
+from wirewear.base.errors import ResultError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.springs import yielding_of
 from wirewear.results import Loop, RunResult
@@ -110,14 +110,12 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
 
 def sliding(result: RunResult, row_of: Callable[[Loop], tuple[object, ...] | None]) -> list[Array]:
     """Columns of the rows that `row_of` gives for a run's loops; of several loops before any wear only the last counts,
-    but all if nothing wears. row_of: the row of a loop, None if it does not slide. Raises RunError if no loop slides as
-    a whole.
+    but all if nothing wears; none if no loop slides far enough to show how. row_of: the row of a loop, None if it does
+    not slide.
     """
     known = [(loop.cycle, row) for loop in result.loops if (row := row_of(loop)) is not None]
     if not known:
-        raise RunError(
-            f"no loop of the nominal run {result.name!r} slides as a whole, and a diagnosis needs gross slip."
-        )
+        return []
     worn = np.interp([cycle for cycle, _ in known], result.evolution["cycle"], result.worn_volume_mm3)
     rows = [row for (_, row), later in zip(known, [*worn[1:], np.inf], strict=True) if later > 0.0 or not worn[-1]]
     return [np.array(column) for column in zip(*rows, strict=True)]

@@ -14,6 +14,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.jit_cache import compiled, inlined
 from wirewear.diagnosis.calibration import constants
+from wirewear.loops.sensor import DAMPING
 
 _KNOWN = constants("surrogate.springs")
 
@@ -23,7 +24,10 @@ _SPRINGS, _LEAST_ORDER = _KNOWN.count("springs"), _KNOWN.number("least_order")
 #: Play opens over this force, N: a step would leave a curve without an inverse.
 PLAY_FORCE_N = _KNOWN.number("play_force_N")
 
-#: Stiffnesses that are tried of a loop, and by how much the first and the second ones may be apart from the best yet.
+#: Cycles after which a holder's swinging has died down.
+_MOST_TURNS = _KNOWN.count("most_turns")
+
+#: Stiffnesses that are tried of a loop, and by how much the first and later ones may be apart from the best yet.
 _TRIED, _APART = _KNOWN.count("tried"), _KNOWN.numbers("apart")
 
 
@@ -48,14 +52,25 @@ class Curves:
     load_N: Array
 
 
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """What holds n contacts: springs, play, and the inertia of what they hold, in N/µm at the drive's frequency, (n,)
+    each. The springs oscillate with it by m ü + c u̇ + u/C = Q (Den Hartog, Trans. ASME 53 (1931) APM-107).
+    """
+
+    springs_um_per_N: Array
+    play_um: Array
+    inertia_N_per_um: Array
+
+
 def through(
-    drive: Array, share: Array, stroke_um: Array, rows: Rows, curves: Curves, springs_um_per_N: Array, play_um: Array
+    phase: Array, drive: Array, share: Array, stroke_um: Array, rows: Rows, curves: Curves, rig: Rig
 ) -> tuple[Array, Array, Array, Array, Array]:
     """What n contacts do along a closed path of k instants, behind springs and play, once it repeats itself.
 
-    drive, share: (k,) displacement over its amplitude from 1 to −1 and back, and load over the test's.
-    stroke_um: (n,) amplitudes. Returns tangential and normal force in N, sliding position in µm and share of the
-    friction from −1 to 1, (n, k) each, and the friction energy in mJ (n,).
+    phase, drive, share: (k,) phase in rad, displacement over its amplitude from 1 to −1 and back, and load over the
+    test's. stroke_um: (n,) amplitudes. Returns the force of the springs and the normal force in N, sliding position in
+    µm and share of the friction from −1 to 1, (n, k) each, and the friction energy in mJ (n,).
     """
     order = np.maximum(rows.order, _LEAST_ORDER)
     edges = share.max() ** (1.0 / order)[:, None] * np.linspace(0.0, 1.0, _SPRINGS + 1)
@@ -65,7 +80,8 @@ def through(
     found, energy = np.zeros((4, len(stroke_um), drive.size)), np.zeros(len(stroke_um))
     places = np.maximum.accumulate(curves.position_um + curves.yielded_um, axis=1)
     of = np.stack([places, curves.position_um, curves.wall_N, curves.friction_N, curves.load_N], axis=1)
-    taken = drive, share, stroke_um, springs_um_per_N, play_um, rows.full_um, order, weights, heights, of, found, energy
+    of_rig = rig.springs_um_per_N, rig.play_um, rig.inertia_N_per_um
+    taken = phase, drive, share, stroke_um, *of_rig, rows.full_um, order, weights, heights, of, found, energy
     _follow(*(np.ascontiguousarray(one, dtype=np.float64) for one in taken))
     return found[0], found[1], found[2], found[3], energy
 
@@ -75,7 +91,8 @@ def yielding_of(
 ) -> tuple[float, float]:
     """Stiffness in N/µm and order of micro-slip of a contact whose loop these samples (n,) are, by least squares.
 
-    share: load over that at which `friction_N` slides the contact. orders: those that it may have.
+    share: load over that at which `friction_N` slides the contact. orders: (m,) of those that it may have, growing;
+    between them it may have any.
     """
     first = int(np.argmax(x_um))
     x, q, load = (np.append(np.roll(one, -first), one[first]) for one in (x_um, q_N, share))
@@ -90,12 +107,17 @@ def yielding_of(
         curves = Curves(half * (none + np.array([-1.0, 1.0])), none, none, even, even)
         still = np.zeros(stiffness.size)
         rows = Rows(order * friction_N / stiffness, order)
-        found = through(drive, load, np.full(stiffness.size, half), rows, curves, still, still)[0]
+        at = np.linspace(0.0, 2.0 * np.pi, load.size)
+        found = through(at, drive, load, np.full(stiffness.size, half), rows, curves, Rig(still, still, still))[0]
         # Stuck springs hold what they were pressed together with.
         missed = found - q
         left = ((missed - missed.mean(axis=1, keepdims=True)) ** 2).sum(axis=1)
         one = int(np.argmin(left))
         best = min(best, (float(left[one]), float(stiffness[one]), float(order[one])))
+        if apart < _APART[0]:
+            # Stiffnesses are now so close that orders are told apart: from one neighbour of the best to the other.
+            at = int(np.searchsorted(orders, best[2]))
+            orders = np.linspace(orders[max(at - 1, 0)], orders[min(at + 1, orders.size - 1)], orders.size)
     return best[1], best[2]
 
 
@@ -196,10 +218,34 @@ def _settled(
     return x
 
 
+@inlined
+def _yielding(swing: Array, wide: float, held: float, mass: float) -> tuple[float, float]:
+    """Compliance of a spring that holds a mass over a step of phase, and what its swinging so far adds to its
+    deflection, both by Newmark's rule of average acceleration (Hughes, The Finite Element Method, 1987, section 9.1).
+    swing: deflection, its first and its second derivative by phase, led on.
+    """
+    if mass * held == 0.0:
+        return held, 0.0
+    swing[0] += wide * (swing[1] + 0.25 * wide * swing[2])
+    swing[1] += 0.5 * wide * swing[2]
+    damps = 2.0 * DAMPING * np.sqrt(mass / held)
+    inert = (4.0 * mass / wide + 2.0 * damps) / wide
+    yields = 1.0 / (inert + 1.0 / held)
+    return yields, yields * (inert * swing[0] - damps * swing[1])
+
+
+@inlined
+def _swung(swing: Array, bend: float, wide: float) -> None:
+    """Bring a swing, led on by `_yielding`, to the deflection at the end of the step."""
+    swing[2] = 4.0 * (bend - swing[0]) / wide**2
+    swing[1] += 0.5 * wide * swing[2]
+    swing[0] = bend
+
+
 @compiled
 def _follow(
-    drive: Array, share: Array, stroke: Array, springs: Array, play: Array, full: Array, order: Array, weight: Array,
-    height: Array, curves: Array, found: Array, energy: Array,
+    phase: Array, drive: Array, share: Array, stroke: Array, springs: Array, play: Array, inertia: Array, full: Array,
+    order: Array, weight: Array, height: Array, curves: Array, found: Array, energy: Array,
 ) -> None:  # fmt: skip
     """The path of each contact, instant by instant; results in the last two arrays."""
     last = drive.size - 1
@@ -210,28 +256,35 @@ def _follow(
         # The bodies are pressed together in the middle of the stroke; the path is gone through until it repeats itself.
         bent, before = np.zeros(weight.shape[1] + 1), np.zeros(weight.shape[1] + 1)
         of, now, most_N = curves[one], 0.0, 0.0
+        swing, held, swings = np.zeros(3), springs[one], inertia[one] * springs[one] > 0.0
         for j in range(of.shape[1]):
             most_N = max(most_N, abs(of[2, j]) + abs(of[3, j]))
-        for turn in range(3):
+        for turn in range(_MOST_TURNS if swings else 3):
             energy[one] = changed = 0.0
+            ended = swing[0]
             for step in range(start if turn == 0 else 1, last + 1):
                 limit = full[one] * share[step] ** (1.0 / order[one])
                 ahead = stroke[one] * (drive[step] - drive[step - 1])
+                wide = max(phase[step] - phase[step - 1], 1e-9)
+                yields, moved = _yielding(swing, wide, held, inertia[one])
                 x = _settled(
-                    now, stroke[one] * drive[step], ahead, springs[one], 0.5 * play[one], share[step], bent, limit,
+                    now, stroke[one] * drive[step] - moved, ahead, yields, 0.5 * play[one], share[step], bent, limit,
                     full[one], weight[one], height[one], of, most_N,
                 )  # fmt: skip
                 force, _, load, friction, acting, place = _reached(
                     x - now, x, share[step], bent, limit, full[one], weight[one], height[one], of
                 )
                 energy[one] += 1e-3 * friction * _yielded(bent, x - now, limit, full[one], weight[one], height[one])
+                if swings:
+                    _swung(swing, yields * force + moved, wide)
+                    force = swing[0] / held
                 found[0, one, step], found[1, one, step] = force, load
                 found[2, one, step], found[3, one, step] = place, acting
                 now = x
             for i in range(bent.size):
                 changed = max(changed, abs(bent[i] - before[i]))
                 before[i] = bent[i]
-            if turn > 0 and changed < 1e-6 * full[one]:
+            if turn > 0 and changed < 1e-6 * full[one] and abs(swing[0] - ended) <= 1e-4 * held * most_N:
                 break
         for k in range(4):
             found[k, one, 0] = found[k, one, last]

@@ -111,17 +111,21 @@ def _row(loop: Loop, friction: float, of_load: Array) -> tuple[float, float, flo
     if not half > 0.0 or share <= 0.0:
         return None
     force = 0.5 * float(np.ptp(q))
-    if not (of_load == 1.0).all():
+    if share == _SHARES[1] or not (of_load == 1.0).all():
         slides_N = friction * _steady_N(loop, of_load)
-        return float(loop.cycle), *yielding_of(x, q, of_load, slides_N, np.geomspace(*_ORDERS, 12), force / half)
+        return float(loop.cycle), *yielding_of(x, q, of_load, slides_N, _orders(12), force / half)
     order = 1.5
     if share > _SHARES[0]:
         # Energy over 4 Q δ, which hardly slips at all.
         shown = float(loop.friction_work_mJ[-1]) / (4e-3 * force * half)
-        orders = np.geomspace(*_ORDERS, 400)
+        orders = _orders(400)
         order = float(np.interp(shown, _energies(orders, share), orders))
     full = order * (1.0 - (1.0 - share) ** (1.0 / order)) / share
     return float(loop.cycle), full * force / half, order
+
+
+def _orders(count: int) -> Array:
+    return 1.0 + np.geomspace(_ORDERS[0] - 1.0, _ORDERS[1] - 1.0, count)
 
 
 def _energies(orders: Array, share: float) -> Array:

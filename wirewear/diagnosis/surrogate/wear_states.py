@@ -109,20 +109,21 @@ class WearStates:
 
     @classmethod
     def of_run(cls, result: RunResult) -> WearStates:
-        """States of a run of a contact at a point: from its sliding loops or, if no loop slides as a whole, from all
-        (`sticks`). Raises RunError if no loop is long enough to show how the contact slides, or none carries a force.
+        """States of a run of a contact at a point: from its sliding loops or, if no loop slides as a whole, or far
+        enough to show how, from all. Raises RunError if none carries a force.
         """
         friction, load = result.study["contact"]["friction"], result.study["conditions"]["normal_load_N"]
         bodies = study_from_tables(result.study, result.label).bodies
         gap, fresh = Gap.like(load, *bodies), unworn_stiffness_N_per_um(load, *bodies)
         radius = 1e3 * gap.radius_mm
-        if sticks(result):
+        rows = [] if sticks(result) else sliding(result, lambda loop: state_of(result, loop, friction, fresh))
+        if not rows:
             return cls(
                 radius_um=radius, friction=friction, normal_load_N=load, along=gap.along,
                 fresh_area_um2=1e6 * float(np.pi) * hertz_of(load, *bodies).contact_radius_mm ** 2,
                 **sticking_states(result, friction),
             )  # fmt: skip
-        volume, *columns, scars, skews = sliding(result, lambda loop: state_of(result, loop, friction, fresh))
+        volume, *columns, scars, skews = rows
         return cls(
             radius_um=radius,
             friction=friction,
