@@ -116,8 +116,8 @@ def yielding_of(
         best = min(best, (float(left[one]), float(stiffness[one]), float(order[one])))
         if apart < _APART[0]:
             # Stiffnesses are now so close that orders are told apart: from one neighbour of the best to the other.
-            at = int(np.searchsorted(orders, best[2]))
-            orders = np.linspace(orders[max(at - 1, 0)], orders[min(at + 1, orders.size - 1)], orders.size)
+            place = int(np.searchsorted(orders, best[2]))
+            orders = np.linspace(orders[max(place - 1, 0)], orders[min(place + 1, orders.size - 1)], orders.size)
     return best[1], best[2]
 
 
