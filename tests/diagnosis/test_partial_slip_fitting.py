@@ -10,7 +10,7 @@ from tests.synthetic_loops import bristle_loop
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.fit import fit_record
 from wirewear.diagnosis.fit.fit import tables_of_record
-from wirewear.diagnosis.fit.partial_slip import left_out
+from wirewear.diagnosis.fit.without_plateau import left_out
 from wirewear.records import ExperimentRecord
 
 FRICTION, LOAD_N = 0.62, 2.0

@@ -14,7 +14,7 @@ from tests.studies import LONG, ROUGH, WEARING, block, coarse, line_study
 from wirewear import RunResult, StudyError, load_study
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis import diagnose
-from wirewear.diagnosis.fit.by_search import friction_of_forces, needs_search
+from wirewear.diagnosis.fit.without_plateau import friction_of_forces, needs_search
 from wirewear.diagnosis.observe.channels import half_width, loop_area
 from wirewear.diagnosis.surrogate.candidates import library, nominal_inputs
 from wirewear.diagnosis.surrogate.forward import PredictedLoops

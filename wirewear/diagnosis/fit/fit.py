@@ -13,10 +13,8 @@ from scipy.special import stdtrit
 
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
-from wirewear.diagnosis.fit import wear
-from wirewear.diagnosis.fit.by_search import fitted_by_search, friction_of_forces, needs_search
+from wirewear.diagnosis.fit import wear, without_plateau
 from wirewear.diagnosis.fit.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
-from wirewear.diagnosis.fit.partial_slip import StickingFit, fitted_sticking, left_out
 from wirewear.diagnosis.fit.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
 from wirewear.diagnosis.fit.values import CheckedRun, FittedParameter, FittedTest
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage
@@ -83,10 +81,10 @@ def fit_record(
     record = record.of_block()
     rigid, tables = kind_of(record).rigid_N_per_mm, record.tables
     varies = tables.conditions.load_cycle is not None
-    sticking = None if varies else fitted_sticking(record, rigid)
+    sticking = None if varies else without_plateau.fitted_sticking(record, rigid)
     if sticking is not None:
         return _of_sticking(record, sticking, given)
-    if needs_search(record):
+    if without_plateau.needs_search(record):
         return _of_search(record, given, observer_of, stage)
     with stage("checking the record"):
         odd = tuple(remark.text for remark in remarks_of(record))
@@ -99,10 +97,11 @@ def fit_record(
         some_wear = {} if wear.stated_wear(tables) else {key: one.value for key, one in _some_wear(tables)[0].items()}
         contact = contact_stiffness(record, tests.friction, some_wear)
         found |= _stiffnesses(contact, tests, rigid)
+    sticking_too = without_plateau.left_out(record)
     if tables.fitted_by_loops:
         parameters = _of_loops(record, contact, tests) | _play(tests)
         study = fitted_study(record, parameters, record.cycles)
-        return FittedTest(record, study, parameters, found, (*odd, *left_out(record), *_single(record)), rigid)
+        return FittedTest(record, study, parameters, found, (*odd, *sticking_too, *_single(record)), rigid)
     rough = _rough_study(record, contact, tests, worn)
     model = nominal_model(rough)
     states, limits = model.states(tables, observer_of)
@@ -112,7 +111,7 @@ def fit_record(
         fitted = fast_fit(states, setup, tests)
     parameters = _of_fit(fitted, len(tests.repeats), record, contact.N_per_um) | spring | _play(tests) | worn
     study = fitted_study(record, parameters, record.cycles)
-    notes = [*odd, *limits, *left_out(record), *_misfit(fitted), *notes, *_missing(record, parameters, tests)]
+    notes = [*odd, *limits, *sticking_too, *_misfit(fitted), *notes, *_missing(record, parameters, tests)]
     return FittedTest(record, study, parameters, found, tuple(notes), rigid)
 
 
@@ -123,14 +122,15 @@ def _of_search(
     worn, found, notes = wear.fitted_wear(record)
     if given is not None:
         worn, notes = wear.wear_given(given, record.tables, worn, found)
-    friction = round(friction_of_forces(record), 3)
+    friction = round(without_plateau.friction_of_forces(record), 3)
     rough = {"friction": FittedParameter(friction, (friction, friction), "1", 1), **worn}
     if wear.total_of(record.tables, worn) is None and wear.stated_wear(record.tables) is None:
         rough |= _some_wear(record.tables)[0]
     rigid = kind_of(record).rigid_N_per_mm
     rough["tangential_stiffness_N_per_mm"] = FittedParameter(rigid, (rigid, rigid), "N_per_mm", 1)
+    study = fitted_study(record, rough, ())
     with stage("fitting all cycles"):
-        parameters, energy_J, limits = fitted_by_search(record, fitted_study(record, rough, ()), observer_of)
+        parameters, energy_J, limits = without_plateau.fitted_by_search(record, study, observer_of)
     if energy_J is not None:
         worn, found, notes = wear.fitted_wear(record, energy_J)
         if given is not None:
@@ -142,7 +142,7 @@ def _of_search(
     return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=rigid)
 
 
-def _of_sticking(record: AnyRecord, sticking: StickingFit, given: wear.GivenWear | None) -> FittedTest:
+def _of_sticking(record: AnyRecord, sticking: without_plateau.StickingFit, given: wear.GivenWear | None) -> FittedTest:
     """Fit of a test in partial slip, without the fast model."""
     worn, found, notes = wear.fitted_wear(record)
     if given is not None:
@@ -169,9 +169,9 @@ def tables_of_record(record: AnyRecord) -> dict[str, Any]:
 def _friction_of_loops(record: AnyRecord) -> float:
     """Coefficient of friction from the loops. Raises RecordError if they do not show it."""
     if record.tables.conditions.load_cycle is not None:
-        return round(friction_of_forces(record), 3)
+        return round(without_plateau.friction_of_forces(record), 3)
     try:
-        sticking = fitted_sticking(record, kind_of(record).rigid_N_per_mm)
+        sticking = without_plateau.fitted_sticking(record, kind_of(record).rigid_N_per_mm)
         found = loops_of_tests(record).friction if sticking is None else sticking.parameters["friction"].value
         return round(found, 3)
     except RecordError as problem:
