@@ -269,10 +269,10 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): its weight when a version is made, with 3 % of slack for the next one.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 83_060,
-    "lines of wirewear": 65_000,
+    "lines of geometry, solvers and wirewear": 83_360,
+    "lines of wirewear": 65_300,
     "lines of studies": 17_200,
-    "lines of tests": 34_600,
+    "lines of tests": 34_640,
     "files of geometry, solvers and wirewear": 402,
     "rooms of wirewear": 20,
     "arrows between rooms": 110,
