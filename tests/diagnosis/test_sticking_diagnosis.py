@@ -8,6 +8,7 @@ from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -21,12 +22,14 @@ from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
+from wirewear.diagnosis.surrogate.sticking import sticking_states
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import all_effects
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import AnyRecord, ExperimentRecord
 from wirewear.records.contact_tables import RECORDS
 from wirewear.records.values import MeasuredLoop
+from wirewear.results import Loop
 from wirewear.simulation import run_study
 from wirewear.test import study_from_tables
 
@@ -43,7 +46,7 @@ def ball(orders: float = 1.5) -> WearStates:
         radius_um=6350.0, friction=FRICTION, normal_load_N=LOAD_N, fresh_area_um2=43886.0, volume_um3=flat,
         slip_um=np.ones(2), similarity=flat, slope=np.zeros((2, 5)), angle=none,
         stiffness_N_per_um=np.full(2, STIFFNESS_N_per_um), load_drop_N=np.zeros(2), lift_N=none,
-        scars=np.zeros((2, 2, 4)), orders=np.full(2, orders),
+        scars=np.zeros((2, 2, 4)), yields=np.tile([orders, 1.0, 0.0, 0.0, 0.0], (2, 1)),
     )  # fmt: skip
 
 
@@ -67,8 +70,7 @@ def test_a_loop_that_sticks_has_the_force_and_energy_of_mindlin(
     assert largest(course) == pytest.approx(share * FRICTION_N, rel=1e-3)
     assert 1e3 * course.energy_mJ == pytest.approx(energy_uJ, rel=3e-3)
     x, q = course.displacement_um[0].ravel(), course.tangential_force_N[0].ravel()
-    area = 0.5 * abs(float(x @ np.roll(q, -1) - q @ np.roll(x, -1)))
-    assert area == pytest.approx(energy_uJ, rel=0.02)
+    assert 0.5 * abs(float(x @ np.roll(q, -1) - q @ np.roll(x, -1))) == pytest.approx(energy_uJ, rel=0.02)
 
 
 def test_friction_and_load_change_a_sticking_loop_by_the_law_of_jaeger() -> None:
@@ -96,10 +98,24 @@ def test_springs_and_play_take_their_part_of_a_stroke_and_a_held_force_needs_it(
 
 
 def test_a_contact_that_sticks_slides_where_its_stroke_is_beyond_full_slip() -> None:
-    full_um = 1.5 * FRICTION_N / STIFFNESS_N_per_um
-    course = simulate(ball(), circumstances(full_um + 2.0), CYCLES)
+    course = simulate(ball(), circumstances(1.5 * FRICTION_N / STIFFNESS_N_per_um + 2.0), CYCLES)
     assert course.slip_um == pytest.approx(2.0, rel=1e-3)
     assert largest(course) == pytest.approx(FRICTION_N, rel=1e-6)
+
+
+def test_a_core_that_sticks_beside_a_slider_keeps_its_bilinear_loop() -> None:
+    """Of a worn contact: its annulus gives way a quarter of the stroke after a reversal, and halves the stiffness."""
+    phase = 0.5 * np.pi + 2.0 * np.pi * np.arange(400) / 400
+    x, back = np.cos(phase), np.sign(np.sin(phase))
+    q = back * (20.0 - 16.0 * (1.0 - back * x + np.minimum(1.0 - back * x, 0.5)))
+    loop = Loop(1, phase, x, x, q, np.full(400, LOAD_N), np.linspace(3e-5, 12e-3, 400), 0.0 * x)
+    run: Any = Mock(
+        loops=(loop,), study={"conditions": {}}, worn_volume_mm3=np.ones(1), evolution={"cycle": np.ones(1)}
+    )
+    course = simulate(replace(ball(), **sticking_states(run, FRICTION, has_maps=False)), circumstances(1.0), CYCLES)
+    passed, force = course.displacement_um[0, 0, :48] + 1.0, course.tangential_force_N[0, 0, :48]
+    assert force == pytest.approx(16.0 * (passed + np.minimum(passed, 0.5)) - 20.0, abs=1.0)
+    assert course.energy_mJ == pytest.approx(12e-3, rel=1e-2)
 
 
 def read_loops(course: PredictedLoops, amplitude_um: float) -> AnyRecord:
@@ -158,8 +174,7 @@ def test_a_test_in_partial_slip_has_no_gap_or_its_cause(tmp_path: Path) -> None:
     stiffness, key = 40000.0, "stiffness_N_per_mm"
     found = diagnose(ball_record(tmp_path / "soft", {}, {"name": "tangential_compliance", key: stiffness})).diagnosis
     assert found.verdict == "explained"
-    cause = next(one for one in found.causes if one.effect == "tangential_compliance")
-    low, high = cause.parameters[key].interval95
+    low, high = next(one for one in found.causes if one.effect == "tangential_compliance").parameters[key].interval95
     assert low < stiffness < high
 
 

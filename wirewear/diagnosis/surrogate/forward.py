@@ -253,8 +253,9 @@ def _contact(
     along = (load[:, None] + lift @ _LIFT)[:, None]
     ratio = np.tan(np.minimum(np.maximum(theta + angle, -1.2), 1.2))[:, None]
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
-    order = states.order_between(row, share) * np.exp(setup.micro_slip)
-    return sensing.SlidingContact(along, along * ratio, stiffness, springs, order, np.ones_like(stiffness))
+    yields = states.yielding_between(row, share)
+    order, bends = yields[:, 0] * np.exp(setup.micro_slip), yields[:, 1:]
+    return sensing.SlidingContact(along, along * ratio, stiffness, springs, order, np.ones_like(stiffness), bends)
 
 
 @cache

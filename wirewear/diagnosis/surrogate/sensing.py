@@ -31,6 +31,10 @@ MIDDLE = SLIDING + POSITIONS.size // 2
 EVEN_PHASES: Array = 2.0 * np.pi / 1024 * np.arange(1024.0)
 HARMONICS = np.arange(EVEN_PHASES.size // 2 + 1.0)
 
+#: Bends by which a worn contact's first loading departs from its order's law: over so many half waves up to the loop's
+#: ends, each without an area of its own.
+BENDS, WAVES = np.array([[0.0, 1.0, 0.0, 0.0], [-1.0 / 3.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]), np.arange(1.0, 5.0)
+
 _WAYS = np.array([[1.0], [-1.0]])  #: Of both branches, along x.
 
 #: Of filters, complex, to harmonics of the drive.
@@ -52,6 +56,7 @@ class SlidingContact:
     springs_um_per_N: Array
     order: Array
     share: Array  #: (n,) force reached over friction, 0 to 1; 1 if the contact slides.
+    bends: Array
 
     def taken(self, moments: NDArray[np.intp]) -> "SlidingContact":
         """A copy with only those of its n moments whose indices are given, in their order."""
@@ -78,12 +83,26 @@ def elastic_of(contact: SlidingContact) -> Array:
     return contact.springs_um_per_N + contact.yielding_um_per_N
 
 
+def yielded(contact: SlidingContact, share: Array) -> Array:
+    """Travel (n, m) over that until sliding as a contact is first loaded to these shares (n, m) of its friction."""
+    travel: Array = 1.0 - (1.0 - share) ** (1.0 / contact.order[:, None])
+    if contact.bends[:, 1:].any():
+        at = np.pi * np.minimum(share / contact.bends[:, :1], 1.0)
+        for wave, size in zip(WAVES, (contact.bends[:, 1:] @ BENDS).T, strict=True):
+            travel = travel + size[:, None] * np.sin(wave * at)
+    return travel
+
+
 def loop_energy(contact: SlidingContact, slip: Array) -> Array:
     """Friction energy (n,) of loops in mJ, by sliding and by micro-slip; slip: (n,) largest sliding positions in µm."""
     sliding = 2.0 * slip * np.trapezoid(contact.force_N, POSITIONS, axis=2).mean(axis=1)
     # Twice what the branch of micro-slip (`branch_of`) encloses with its chord.
     power, left = 1.0 / contact.order, 1.0 - contact.share
     inside = (1.0 - left ** (power + 1.0)) / (power + 1.0) - 0.5 * contact.share * (1.0 + left**power)
+    at = np.pi * np.minimum(contact.share / contact.bends[:, 0], 1.0)
+    for wave, size in zip(WAVES, (contact.bends[:, 1:] @ BENDS).T, strict=True):
+        below = contact.bends[:, 0] / (np.pi * wave) * (1.0 - np.cos(wave * at))
+        inside = inside + size * (0.5 * contact.share * np.sin(wave * at) - below)
     return np.asarray(1e-3 * (sliding + 8.0 * inside * contact.knee_N**2 * contact.yielding_um_per_N))
 
 
@@ -95,18 +114,15 @@ def slip_amplitude(contact: SlidingContact, slip: Array) -> Array:
     """
     tip = contact.tip_N
     rise = np.maximum(contact.knee_N + tip, 1e-6)
-    stuck = 1.0 - np.minimum(tip / rise, 1.0)
-    whole = slip + contact.yielding_um_per_N * (tip - rise * (1.0 - stuck ** (1.0 / contact.order)))
-    part = micro_slip(contact) - 2.0 * contact.yielding_um_per_N * tip * (
-        1.0 - (1.0 - 0.5 * contact.share) ** (1.0 / contact.order)
-    )
+    stuck, half = yielded(contact, np.stack([np.minimum(tip / rise, 1.0), 0.5 * contact.share], axis=1)).T
+    whole = slip + contact.yielding_um_per_N * (tip - rise * stuck)
+    part = micro_slip(contact) - 2.0 * contact.yielding_um_per_N * tip * half
     return np.asarray(np.where(contact.share < 1.0, part, whole))
 
 
 def micro_slip(contact: SlidingContact) -> Array:
     """Half of the travel (n,) in µm, without springs, of the closed loop of a contact that sticks in its middle."""
-    left = 1.0 - contact.share
-    return np.asarray(contact.yielding_um_per_N * contact.tip_N * (1.0 - left ** (1.0 / contact.order)))
+    return np.asarray(contact.yielding_um_per_N * contact.tip_N * yielded(contact, contact.share[:, None])[:, 0])
 
 
 def branches_of(contact: SlidingContact, chain: Chain, slip: Array) -> tuple[Array, Array]:
@@ -123,7 +139,7 @@ def branches_of(contact: SlidingContact, chain: Chain, slip: Array) -> tuple[Arr
     stick = share * (rise * STICK - tip)
     full, moved, sticks = contact.yielding_um_per_N[:, None, None], slip[:, None, None], share < 1.0
     before = np.where(sticks, micro_slip(contact)[:, None, None], full * tip + moved)
-    micro = full * rise * (1.0 - (1.0 - share * STICK) ** (1.0 / contact.order[:, None, None])) - before
+    micro = full * rise * yielded(contact, share[:, 0] * STICK)[:, None] - before
     q = np.concatenate([stick, np.where(sticks, stick[..., -1:], force[..., 1:])], axis=2)
     sliding = np.where(sticks, micro[..., -1:], moved * POSITIONS[1:] + full * force[..., 1:])
     x = np.concatenate([micro, sliding], axis=2) + contact.springs_um_per_N[:, None, None] * q

@@ -4,7 +4,8 @@ volume.
 After a reversal, a branch travels n Q/K (1 − (1 − ΔQ/2µP)^(1/n)) while its force changes by ΔQ: Mindlin's micro-slip
 with n = 3/2, by Masing's rule twice the first loading. Under another load or friction it follows the law of Ciavarella
 (1998) and Jäger: force over friction is a function of the travel over that of full slip. K and n of a loop are those
-that give its travel and its energy.
+that give its travel and its energy; what its branches then still differ by are their bends: where the annulus has worn,
+the core alone is stiff, and a branch is almost straight once the annulus has given way.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from wirewear.diagnosis.surrogate.loop_states import (
     scar_figures_of,
     smoothed,
 )
+from wirewear.diagnosis.surrogate.sensing import BENDS, WAVES
 from wirewear.diagnosis.surrogate.springs import yielding_of
 from wirewear.results import Loop, RunResult
 from wirewear.test import study_from_tables
@@ -53,7 +55,7 @@ def sticks(result: RunResult) -> bool:
 class StickingStates(StatesOfLoops):
     """Fields of `WearStates` of a contact that sticks in its middle."""
 
-    orders: Array
+    yields: Array
 
 
 def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -> StickingStates:
@@ -65,10 +67,9 @@ def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -
     rows = [row for loop in result.loops if (row := _row(loop, friction, load_shares(result, loop))) is not None]
     if not rows:
         raise RunError(f"no loop of the nominal run {result.name!r} carries a tangential force.")
-    cycles, stiffness, order = np.array(rows).T
-    if cycles.size == 1:
-        # A test that is logged once goes on as it is.
-        cycles, stiffness, order = (np.append(values, values[-1]) for values in (cycles, stiffness, order))
+    # A test that is logged once goes on as it is.
+    found = np.array(rows if len(rows) > 1 else 2 * rows)
+    cycles, stiffness = found.T[:2]
     volume = 1e9 * np.interp(cycles, result.evolution["cycle"], result.worn_volume_mm3)
     volume = np.maximum.accumulate(volume + 1e-9 * np.arange(volume.size) * max(float(volume[-1]), 1.0))
     count = volume.size
@@ -85,7 +86,7 @@ def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -
         scars=np.array([[_figures(result, cycle, body) for body in result.bodies] for cycle in cycles])
         if has_maps
         else np.zeros((count, 2, 4)),
-        orders=np.clip(smoothed(volume, order[:, None])[:, 0], *_ORDERS),
+        yields=np.column_stack([np.clip(smoothed(volume, found[:, 2:3]), *_ORDERS), smoothed(volume, found[:, 3:])]),
     )
 
 
@@ -104,8 +105,8 @@ def _steady_N(loop: Loop, of_load: Array | float) -> float:
     return float(loop.normal_force_N.sum() / shares.sum())
 
 
-def _row(loop: Loop, friction: float, of_load: Array) -> tuple[float, float, float] | None:
-    """Cycle, stiffness in N/µm and order of a loop whose load is `of_load` (n,) times the test's."""
+def _row(loop: Loop, friction: float, of_load: Array) -> tuple[float, ...] | None:
+    """Cycle, stiffness in N/µm, order and bends of a loop whose load is `of_load` (n,) times the test's."""
     x, q = loop.relative_displacement_um, loop.tangential_force_N
     share, half = min(share_of(loop, friction), _SHARES[1]), 0.5 * float(np.ptp(x))
     if not half > 0.0 or share <= 0.0:
@@ -113,7 +114,8 @@ def _row(loop: Loop, friction: float, of_load: Array) -> tuple[float, float, flo
     force = 0.5 * float(np.ptp(q))
     if share == _SHARES[1] or not (of_load == 1.0).all():
         slides_N = friction * _steady_N(loop, of_load)
-        return float(loop.cycle), *yielding_of(x, q, of_load, slides_N, _orders(12), force / half)
+        straight = 1.0, *np.zeros(len(BENDS)).tolist()
+        return loop.cycle, *yielding_of(x, q, of_load, slides_N, _orders(12), force / half), *straight
     order = 1.5
     if share > _SHARES[0]:
         # Energy over 4 Q δ, which hardly slips at all.
@@ -121,7 +123,22 @@ def _row(loop: Loop, friction: float, of_load: Array) -> tuple[float, float, flo
         orders = _orders(400)
         order = float(np.interp(shown, _energies(orders, share), orders))
     full = order * (1.0 - (1.0 - share) ** (1.0 / order)) / share
-    return float(loop.cycle), full * force / half, order
+    return loop.cycle, full * force / half, order, share, *_bends(x, q, share, order)
+
+
+def _bends(x: Array, q: Array, share: float, order: float) -> list[float]:
+    """Sizes of the bends of both branches together, by least squares; `share` is the force's amplitude over friction.
+
+    x, q: (n,) a loop in any units, whose ends the law of micro-slip meets.
+    """
+    ends = int(np.argmax(x)), int(np.argmin(x))
+    place, force = ((one - one.min()) / np.ptp(one) for one in (x, q))
+    back = (np.arange(x.size) - ends[0]) % x.size <= (ends[1] - ends[0]) % x.size
+    travel, passed = (np.where(back, 1.0 - one, one) for one in (place, force))
+    whole = 1.0 - (1.0 - share) ** (1.0 / order)
+    missed = whole * travel - (1.0 - (1.0 - share * passed) ** (1.0 / order))
+    waves = np.sin(np.pi * np.outer(passed, WAVES)) @ BENDS.T
+    return [float(size) for size in np.linalg.lstsq(waves, missed, rcond=None)[0]]
 
 
 def _orders(count: int) -> Array:

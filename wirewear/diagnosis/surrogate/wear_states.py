@@ -97,8 +97,8 @@ class WearStates:
     extra_skew: Array = field(default_factory=lambda: np.zeros((1, 2)))
     full_slip: float = FULL_SLIP  #: Elastic displacement of the sliding contact as a multiple of Q/K_c.
     along: float = 1.0  #: Curvature of the gap along the motion over that across (`Gap`).
-    #: (n,) order of micro-slip (`sticking`) of a contact that sticks in its middle; empty if it slides.
-    orders: Array = field(default_factory=lambda: np.zeros(0))
+    #: (n, 5) order and bends of micro-slip (`sticking`) of a contact that sticks in its middle; empty if it slides.
+    yields: Array = field(default_factory=lambda: np.zeros((0, 5)))
     #: (n,) friction over the stated coefficient, where layers have friction of their own; empty if there are none.
     friction_shares: Array = field(default_factory=lambda: np.zeros(0))
     #: (m,) friction energies at which `worn_um3_per_mJ` (m,) of both bodies is known; empty if wear is proportional.
@@ -137,7 +137,7 @@ class WearStates:
     @property
     def sticks(self) -> bool:
         """True if the contact sticks in its middle throughout the nominal run."""
-        return self.orders.size > 0
+        return self.yields.size > 0
 
     @property
     def freedoms(self) -> Mapping[str, float]:
@@ -159,16 +159,15 @@ class WearStates:
         """
         return np.ones_like(slip_um) if self.sticks else slip_um
 
-    def order_between(self, row: NDArray[np.intp], share: Array) -> Array:
-        """Orders of micro-slip (k,), interpolated by `share` (k,) of the way from the states `row` (k,) to the next.
-        Shares above 1 count as 1. A sliding contact has the order `full_slip` in all states.
+    def yielding_between(self, row: NDArray[np.intp], share: Array) -> Array:
+        """Orders and bends of micro-slip (k, 5), interpolated by `share` (k,) of the way from the states `row` (k,) to
+        the next. Shares above 1 count as 1. A sliding contact has the order `full_slip` in all states, and no bends.
         """
-        if not self.sticks:
-            return np.full(row.size, self.full_slip)
-        return np.asarray(self.orders[row] + np.minimum(share, 1.0) * (self.orders[row + 1] - self.orders[row]))
+        known = self.yields if self.sticks else np.tile([self.full_slip, 1.0, 0.0, 0.0, 0.0], (self.volume_um3.size, 1))
+        return np.asarray(known[row] + np.minimum(share, 1.0)[:, None] * (known[row + 1] - known[row]))
 
     def friction_between(self, row: NDArray[np.intp], share: Array) -> Array:
-        """Friction over the stated coefficient (k,), interpolated like `order_between`; 1 without `friction_shares`."""
+        """Friction over the stated coefficient (k,), interpolated as above; 1 without `friction_shares`."""
         known = self.friction_shares
         return known[row] + np.minimum(share, 1.0) * (known[row + 1] - known[row]) if known.size else np.ones(row.size)
 
