@@ -117,6 +117,16 @@ def test_the_unworn_surface_is_found_under_large_scars_with_spikes_and_gaps(
     assert found == pytest.approx(volume, rel=0.03)
 
 
+def test_it_is_said_where_a_large_part_of_the_volume_lies_in_gaps(tmp_path: Path) -> None:
+    path, _ = FLAT.written(tmp_path)
+    rows = np.loadtxt(tmp_path / "map.csv", delimiter=",", skiprows=1)
+    left = rows[np.hypot(rows[:, 0] - 60.0, rows[:, 1]) > 90.0]
+    np.savetxt(tmp_path / "map.csv", left, delimiter=",", header="x_um,y_um,height_um", comments="")
+    record, _, _ = imported(path)
+    assert any("of the worn volume of the flat, repeat 1, lie in wider gaps" in note for note in record.notes)
+    assert any("lie in wider gaps" in one.text for one in check_record(record).remarks)
+
+
 def test_it_is_said_where_hardly_any_of_a_map_is_unworn(tmp_path: Path) -> None:
     path, volume = Worn("ball-on-flat", "flat", 800.0, 1.2, steep=20.0).written(tmp_path)
     _, found, notes = imported(path)

@@ -105,6 +105,14 @@ def test_a_column_that_numbers_cycles_in_words_is_read(tmp_path: Path, head: str
     require_right(path)
 
 
+def test_counts_of_thousands_need_no_word_beside_them(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    text = "Cycle,Displacement um,Force N\n"
+    parts = (rows(own, label) for label, own in zip(("1", "0.1k", "1k", "5 k"), LOOPS, strict=True))
+    path.write_text(text + "".join(parts), encoding="utf-8")
+    require_right(path)
+
+
 @pytest.mark.parametrize(
     ("labels", "counts"),
     [

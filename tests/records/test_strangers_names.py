@@ -33,6 +33,12 @@ LANGUAGES = {
     "Finnish": ("Aika (s);Siirtymä (µm);Kitkavoima (N);Kuorma (N)", ("cp1252",)),
     "Hungarian": ("Idő (s);Elmozdulás (um);Súrlódási erő (N);Terhelés (N)", ("cp1250",)),
     "Romanian": ("Timp (s);Deplasare (um);Forță de frecare (N);Sarcină (N)", ("utf-8",)),
+    "Serbian": ("Vreme (s);Pomeranje (um);Sila trenja (N);Normalna sila (N)", ("cp1250",)),
+    "Catalan": ("Temps (s);Desplaçament (um);Força de fricció (N);Càrrega normal (N)", ("cp1252",)),
+    "Estonian": ("Aeg (s);Nihe (um);Hõõrdejõud (N);Normaaljõud (N)", ("utf-8",)),
+    "Lithuanian": ("Laikas (s);Poslinkis (um);Trinties jėga (N);Normalinė jėga (N)", ("utf-8",)),
+    "Latvian": ("Laiks (s);Pārvietojums (um);Berzes spēks (N);Normālspēks (N)", ("utf-8",)),
+    "Indonesian": ("Waktu (s);Perpindahan (um);Gaya gesek (N);Beban normal (N)", ("utf-8",)),
     "English": ("Time (s),Displacement (um),Force (N),Normal (N)", ("utf-8",)),
 }
 
@@ -88,7 +94,21 @@ def test_unknown_names_in_an_encoding_that_was_guessed_are_listed_with_the_optio
 
 MISSING = (
     *("OVLD", "OL", "-OL", "1.#INF", "-1.#IND00", "1.#QNAN", "#N/A", "#NV", "#DIV/0!", "inf", "-Infinity", "Overflow"),
-    *("+Over", "NaN", "-nan(ind)", "n.a.", "–", "####", "Overrange", "INVALID", "<NA>"),
+    *(
+        "+Over",
+        "NaN",
+        "-nan(ind)",
+        "n.a.",
+        "–",
+        "####",
+        "Overrange",
+        "INVALID",
+        "<NA>",
+        "(null)",
+        "9.9E37",
+        "-9.9e+37",
+        "9.91E+37",
+    ),
 )
 
 

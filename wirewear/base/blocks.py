@@ -33,6 +33,7 @@ def _patterns(key: str) -> tuple[re.Pattern[str], re.Pattern[str]]:
     )
 
 
+_THOUSANDS = re.compile(_COUNT)  #: "5k", which needs no word beside it.
 _COUNTS = {key: _patterns(key) for key in NUMBER_WORDS}
 
 
@@ -46,6 +47,7 @@ def counts_in(labels: Sequence[str], key: str) -> list[int] | None:
     for label in labels:
         text = plain(label)
         matches = [match for pattern in _COUNTS[key] for match in pattern.finditer(text)]
+        matches = matches or [match for match in [_THOUSANDS.fullmatch(text)] if match and match[2]]
         if not matches:
             return None
         # What stands nearest to the numbers is of them.

@@ -197,7 +197,7 @@ def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2
     """Longest run of similar lines with at least `least` numbers each, read with this delimiter and decimal sign."""
     if delimiter == decimal and not any('"' in line for line in lines):
         return _Table(delimiter, decimal)
-    number = re.compile(_NUMBER.replace("[.,]", re.escape(decimal)))
+    number = re.compile(_NUMBER.replace("[.,]", re.escape(decimal)) + r"(?:\s?[kKM])?")  # 5k cycles
     best, run, profile, strange = _Table(delimiter, decimal), list[int](), "", 0
     for place, line in enumerate([*lines, "end"]):
         if run and (not line.strip() or is_comment(line)):

@@ -58,7 +58,7 @@ _RATE = re.compile(r"_(?:default_sample_rate|standardmessrate)$")
 
 #: What loggers, profilometers, spreadsheets and C's libraries write where nothing was measured, or more than a range.
 MISSING = re.compile(
-    r"\*+|[-–—]+|no ?data|[-+]?nan(?:\(\w*\))?|<?n\.?/?a\.?>?|null|none|bad|invalid|missing|error|burn-?out|"
+    r"\*+|[-–—]+|no ?data|[-+]?nan(?:\(\w*\))?|<?n\.?/?a\.?>?|\(?null\)?|none|bad|invalid|missing|error|burn-?out|"
     r"#[^\W\d_][\w/]*[!?]?|#{2,}|[-+]?1[.,]#[a-z]+\d*|[-+]?inf(?:inity)?|"
     r"[-+<>]*(?:(?:over|under)[ _-]?(?:flow|range|load)?|ovl?d?|ovr(?:ng|flow)?|ofl|ufl|o\.?l\.?)",
     re.IGNORECASE,

@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
-from wirewear.records.levelling import CERTAIN, Unworn, unworn_surface
+from wirewear.records.levelling import CERTAIN, WELL_KNOWN, Unworn, unworn_surface
 from wirewear.records.spikes import BORDER, as_measured, border_text, noise_um, spikes_text, without_spikes
 from wirewear.records.unworn_bodies import LevelSurface
 from wirewear.results.scar import SCAR_FIGURES, Scar, called, scar_figures
@@ -125,19 +125,33 @@ class MeasuredScar:
         return border_text(share, f"the {called(self.body)}'s map of repeat {self.repeat}")
 
     def bridged(self) -> "tuple[MeasuredScar, str]":
-        """Copy of the map with gaps of up to WIDEST points interpolated, and a sentence on them; the map itself and ""
-        if there are none.
+        """Copy of the map with gaps of up to WIDEST points interpolated, and a sentence on them and on wider gaps;
+        the map itself and "" if there are none.
         """
         depth = self._filled(WIDEST)
         fill = np.isfinite(depth) & ~np.isfinite(self.depth_um)
         if not fill.any():
-            return self, ""
+            return self, self.lost
         depth.setflags(write=False)
         note = (
             f"{np.mean(fill):.1%} of the points of the {called(self.body)}'s map, repeat {self.repeat}, were not "
             f"measured: gaps of up to {WIDEST} points are interpolated"
         )
-        return replace(self, depth_um=depth), note
+        return replace(self, depth_um=depth), "; ".join(filter(None, (note, self.lost)))
+
+    @property
+    def lost(self) -> str:
+        """Sentence on the part of the worn volume in gaps of more than WIDEST points, which are interpolated from their
+        borders alone; "" if it is little.
+        """
+        whole = float(np.maximum(self.worn_um, 0.0).sum())
+        inside = float(np.maximum(self.worn_um, 0.0)[~np.isfinite(self._filled(WIDEST))].sum())
+        if inside <= WELL_KNOWN * whole:
+            return ""
+        return (
+            f"{inside / whole:.0%} of the worn volume of the {called(self.body)}, repeat {self.repeat}, lie in wider "
+            "gaps, where the map shows none of it: a map that reaches into them would help"
+        )
 
     def _filled(self, widest: int) -> Array:
         """Depths (n_x, n_y) with gaps of up to `widest` points interpolated along x and y."""

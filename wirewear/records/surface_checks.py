@@ -185,7 +185,8 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
         return
     # Missing points, as a share of the map, from which on it is worth a remark.
     if scar.gaps > 0.01:
-        yield Remark("note", "scars", f"{100.0 * scar.gaps:.2g} % of the points are missing in {name}.")
+        text = f"{100.0 * scar.gaps:.2g} % of the points are missing in {name}"
+        yield Remark("note", "scars", f"{'; '.join(filter(None, (text, scar.lost)))}.")
     if scar.spikes_note:
         yield Remark("note", "scars", f"{scar.spikes_note}.")
     lowest, deepest = float(np.nanpercentile(depth, 0.5)), scar.figures["depth"]
