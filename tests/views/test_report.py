@@ -27,6 +27,7 @@ from wirewear.results import Evolution, RunResult, read_result
 from wirewear.results.health import health
 from wirewear.test import load_study
 from wirewear.views.run_page import page_data, run_page, write_page
+from wirewear.views.run_words import sentence
 
 pytestmark = pytest.mark.seconds
 
@@ -117,6 +118,13 @@ def test_a_run_of_next_to_no_friction_has_a_page(runs: list[RunResult], factor: 
     assert "<html" in run_page([faint])
     known, found = (drawn([one])["runs"][0]["slope_mm3_per_J"] for one in (run, faint))
     assert found == (pytest.approx(known / factor) if factor > 1e-310 else None)
+
+
+def test_a_stroke_longer_than_a_body_is_said_to_be_no_fretting() -> None:
+    plain = result()
+    thin = dataclasses.replace(plain, scars=tuple(dataclasses.replace(scar, diameter_mm=0.11) for scar in plain.scars))
+    assert "this is no fretting: ±60 µm is more than the radius of a body, 55 µm" in sentence(thin)
+    assert "no fretting" not in sentence(plain)
 
 
 def test_a_quality_beyond_its_limit_is_bold(runs: list[RunResult]) -> None:

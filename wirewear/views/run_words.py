@@ -38,6 +38,7 @@ def sentence(result: RunResult) -> str:
     depths = {body: float(evolution[f"max_depth_{body}_um"][-1]) for body in result.bodies}
     text = (
         beyond_strength(result)
+        + beyond_fretting(result, amplitude)
         + taken_by_rig(result.label, amplitude, result.settings)
         + (
             f"{result.label}: after {cycles_of(evolution['cycle'][-1])} the surfaces slip ±{length(slip[-1])} of the "
@@ -68,6 +69,18 @@ def beyond_strength(result: RunResult) -> str:
         f"{result.label}: such a state is impossible, as the bodies would flow, which is not simulated: the "
         f"pressure of {1e-3 * ratio * borne:.3g} GPa is more than the {1e-3 * borne:.3g} GPa that they bear "
         f"({result.settings[BORNE_IS]}). "
+    )
+
+
+def beyond_fretting(result: RunResult, amplitude_um: float) -> str:
+    """Sentence if the stroke is longer than the thinnest body is thick; "" if it is not."""
+    diameters = (one for scar in result.scars for one in (scar.diameter_mm, scar.diameter_along_mm))
+    radius_um = 500.0 * min(diameters, default=float("inf"))
+    if amplitude_um < radius_um:
+        return ""
+    return (
+        f"{result.label}: this is no fretting: ±{length(amplitude_um)} is more than the radius of a body, "
+        f"{length(radius_um)}; displacement_amplitude_um may be in another unit. "
     )
 
 
