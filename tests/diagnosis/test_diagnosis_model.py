@@ -112,6 +112,16 @@ def test_micro_slip_of_another_order_is_that_of_iwans_spread_thresholds() -> Non
     assert share == pytest.approx(LAWS["iwan"].share(2.5 * travel), abs=1e-6)
 
 
+def test_a_force_beyond_friction_is_held_by_the_walls_of_the_scar_and_unworn_by_the_largest_stroke_alone() -> None:
+    held_N, largest_um, ends = 1.5, 100.0, (1, 2)
+    share = held_N / nominal().amplitude_um
+    held = replace(nominal(), held="tangential", held_share=share, largest_um=largest_um)
+    course = simulate(states(), held, np.array([1.0, 1e5]))
+    assert np.abs(course.tangential_force_N).max(axis=ends)[1] == pytest.approx(held_N, rel=1e-3)
+    assert 0.5 * np.ptp(course.displacement_um, axis=ends)[0] == pytest.approx(largest_um)
+    assert course.slip_um[1] < 0.5 * largest_um
+
+
 def test_walls_lift_the_wires_against_the_spring_that_presses_them() -> None:
     """The load at a place is that in mid-stroke and the spring's; forces follow it, both branches alike."""
     lifted = replace(states(), lift_N=np.outer(states().load_drop_N, [0.3, 0.1]))

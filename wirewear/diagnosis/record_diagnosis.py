@@ -158,7 +158,7 @@ def judged(
         record=record.name,
         model=study.name,
         verdict=verdict,
-        sentence=sentence_of(verdict, causes, equivalent, shrink, finding, partial, resembles, relevance, behind)
+        sentence=sentence_of(verdict, causes, equivalent, shrink, finding, partial, resembles, relevance, behind, asked)
         + of_remainder(remainder),
         shrink=shrink,
         physical=physical,

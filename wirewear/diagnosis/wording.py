@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import floor, inf, log10
+from typing import Any
 
 from wirewear.base.frame import figure, notebook_table
 from wirewear.base.units import unit_of, words_of
@@ -39,6 +40,9 @@ _KNOWN = constants("wording")
 
 #: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
 AS_MUCH = _KNOWN.number("as_much")
+
+#: Where there is no gap, an effect at least as probable as what lies outside 95 % intervals is named all the same.
+_DOUBTED = _KNOWN.number("doubted")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -198,12 +202,14 @@ def sentence_of(
     resembles: Sequence[Resemblance] = (),
     relevance: Relevance | None = None,
     behind: Sequence[Cause] = (),
+    asked: Mapping[str, Any] | None = None,
 ) -> str:
     """The answer of a diagnosis in one or two sentences. Arguments: as the fields of `Diagnosis`, None and empty ones
     where nothing is known. behind: causes of a difference that lies within the tolerance, of which the first is named.
+    asked: the next measurement.
     """
     if verdict == "no_gap":
-        return _agreement(relevance, behind[0] if behind else None)
+        return _agreement(relevance, behind[0] if behind else None) + _left_open(causes, asked)
     weighed = explanations(causes, equivalent)
     named = [one for one in weighed if one.is_effect]
     place = f" It lies mostly in the {where[0].place}." if where else ""
@@ -236,6 +242,17 @@ def _agreement(relevance: Relevance | None, like: Cause | None) -> str:
         f"A difference of {100.0 * relevance.largest.relative:.2g} % is detected, within the record's tolerance: "
         f"{relevance.largest.text}.{behaves}"
     )
+
+
+def _left_open(causes: Sequence[Cause], asked: Mapping[str, Any] | None) -> str:
+    """Sentence on the likeliest effect that a record without a gap does not rule out, to follow the answer."""
+    like = max((one for one in causes if one.effect not in ("none", "outside_library")),
+               key=lambda one: one.probability, default=None)  # fmt: skip
+    if like is None or like.probability < _DOUBTED:
+        return ""
+    tells = asked is not None and {"none", like.effect} <= {*asked["splits"]}
+    would = f"; {asked['what']} would tell" if asked and tells else ""
+    return f" The record does not rule out {_one(like, ())}{would}."
 
 
 def _may_explain(likeliest: Cause, words: str, others: str) -> str:

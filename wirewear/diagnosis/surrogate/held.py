@@ -91,7 +91,11 @@ def _missing_held(setup: SurrogateInputs, chain: Chain, contact: sensing.Sliding
     """By how much a loop misses the figure that the drive holds in place of its amplitude, (n,)."""
     target, tip = setup.held_share * setup.amplitude_um, contact.tip_N
     if setup.held == "tangential":
-        return target - tip  # Less than friction: it sticks in its middle.
+        # Beyond friction walls of the scar hold the force, which rises to them about as the contact slides.
+        middle, slides = contact.force_N[..., contact.force_N.shape[-1] // 2].mean(axis=1), np.maximum(slip, 1e-3)
+        rise = np.maximum(tip - middle, 1e-3 * tip)
+        most = setup.largest_um - slip - sensing.elastic_of(contact) * tip - 0.5 * chain.free_play_um
+        return np.asarray(np.minimum(slides * (target - tip) / rise, most))
     if setup.held == "energy":
         per_um = 2e-3 * np.trapezoid(contact.force_N, sensing.POSITIONS, axis=2).mean(axis=1)
         return np.asarray((target - sensing.loop_energy(contact, slip)) / per_um)

@@ -84,6 +84,7 @@ class SurrogateInputs:
     #: Quantity that the drive holds in place of the amplitude: "slip", "motion", "energy" or "tangential"; "" for none.
     held: str = ""
     held_share: float = 1.0  #: The value that is held (µm, mJ or N) over amplitude_um.
+    largest_um: float = np.inf  #: Amplitude that the drive may take at most to hold it.
     compliance_um_per_N: float = 0.0  #: Compliance of the holder along the motion, with rotation about a pivot.
     normal_spring_N_per_um: float = 0.0  #: Stiffness of the spring that presses the bodies.
     crossing_error_rad: float = 0.0  #: Angle whose tangent shears scars; of wires, their axes' deviation from 90°.
@@ -236,7 +237,8 @@ def _driven(conditions: Any, friction_N: float, compliance_um_per_N: float, driv
     first = held.first_um(friction_N, compliance_um_per_N * friction_N, largest)
     if held.figure == "reading":
         return {"amplitude_um": first, "drive": "sensor"}
-    return {"amplitude_um": first, "drive": "stroke", "held": held.figure, "held_share": held.value / first}
+    asked = {"held": held.figure, "held_share": held.value / first, "largest_um": largest}
+    return {"amplitude_um": first, "drive": "stroke", **asked}
 
 
 def _worked(

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, TypeVar, cast
 
-from wirewear.base.errors import RecordError, RunError
+from wirewear.base.errors import RecordError
 from wirewear.diagnosis.surrogate import nominal
 from wirewear.diagnosis.surrogate.candidates import nominal_inputs, nominal_line_setup
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
@@ -23,7 +23,7 @@ from wirewear.records.contact_tables import AnyTables
 from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.test import AnyStudy, LineStudy, Study
-from wirewear.test.conditions import held_by, held_keys
+from wirewear.test.conditions import held_keys
 from wirewear.test.study import JointStudy
 
 
@@ -57,8 +57,7 @@ class PointModel:
         """Wear states of the study's nominal run, made now or kept from before, and sentences on what limits them.
 
         observer_of: see `nominal_run`. Raises StudyError or SolverError if the study cannot be run; RunError if its
-        loops give no states, its drive holds a force that slides the bodies, or it sticks in its middle under a load
-        that varies.
+        loops carry no force.
         """
         result = nominal.nominal_run(self.study, observer_of)
         return _of_run(WearStates.of_run(result), result, self.study), nominal.limits_of(result, self.study)
@@ -146,10 +145,8 @@ class JointModel:
         return self.study
 
     def states(self, _tables: object, _observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
-        """States of the joint as it is stated, and no sentences on limits of a nominal run, as nothing is run. Raises
-        RunError if the drive holds a force that slides it.
-        """
-        return _driven(JointStates.of_study(self.study), self.study), ()
+        """States of the joint as it is stated, and no sentences on limits of a nominal run, as nothing is run."""
+        return JointStates.of_study(self.study), ()
 
     def inputs(self, tables: AnyTables) -> SurrogateInputs:
         """The inputs of the fast model that the study states, with its effects and no wear; of the record's `tables`
@@ -166,18 +163,7 @@ def _of_run(states: States, result: RunResult, study: AnyStudy) -> States:
     """The states of a run, sliding under the friction of its layers and wearing as it does."""
     if not states.sticks and any(layer.friction is not None for own in study.layers.values() for layer in own):
         states = states.under_layers()
-    return _driven(states if wears_evenly(study) else states.wearing_as(result), study)
-
-
-def _driven(states: States, study: AnyStudy) -> States:
-    """The states. Raises RunError if the drive holds a force under which the bodies slide."""
-    held = held_by(study.conditions)
-    if held is not None and held.figure == "tangential" and not states.sticks:
-        raise RunError(
-            f"the drive of {study.name!r} holds its tangential force, under which the bodies slide as a whole: nothing "
-            "but the scar's walls says how far, which can be checked and compared, but neither fitted nor diagnosed."
-        )
-    return states
+    return states if wears_evenly(study) else states.wearing_as(result)
 
 
 NominalModel = PointModel | LineModel | JointModel
