@@ -41,7 +41,7 @@ _KNOWN = constants("wording")
 #: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
 AS_MUCH = _KNOWN.number("as_much")
 
-#: Where there is no gap, an effect at least as probable as what lies outside 95 % intervals is named all the same.
+#: Where there is no gap, the likeliest effect is named all the same if all effects together have this probability.
 _DOUBTED = _KNOWN.number("doubted")
 
 
@@ -246,10 +246,10 @@ def _agreement(relevance: Relevance | None, like: Cause | None) -> str:
 
 def _left_open(causes: Sequence[Cause], asked: Mapping[str, Any] | None) -> str:
     """Sentence on the likeliest effect that a record without a gap does not rule out, to follow the answer."""
-    like = max((one for one in causes if one.effect not in ("none", "outside_library")),
-               key=lambda one: one.probability, default=None)  # fmt: skip
-    if like is None or like.probability < _DOUBTED:
+    effects = [one for one in causes if one.effect not in ("none", "outside_library")]
+    if sum(one.probability for one in effects) < _DOUBTED:
         return ""
+    like = max(effects, key=lambda one: one.probability)
     tells = asked is not None and {"none", like.effect} <= {*asked["splits"]}
     would = f"; {asked['what']} would tell" if asked and tells else ""
     return f" The record does not rule out {_one(like, ())}{would}."
