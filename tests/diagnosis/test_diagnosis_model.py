@@ -302,6 +302,16 @@ def test_an_open_answer_states_no_gap_that_is_less_likely_than_none(none: float,
     assert [line.split()[1] for line in ten_lines(answer).splitlines() if line.startswith("  where:")] == ["one", "two"]
 
 
+@pytest.mark.parametrize("share_of_wear", [0.05, 0.14])
+def test_an_answer_without_a_gap_names_what_the_record_does_not_rule_out_and_what_would(share_of_wear: float) -> None:
+    shrink = Shrink(1.0, 1.0, 1.0, 0.0, (0.0, 0.0), 0.0, (9,), None, None)
+    wear = Cause("wear_rate_offset", share_of_wear, {"factor": Estimate(0.6, (0.35, 1.04))})
+    asked = {"what": "the scars", "splits": ["none", "wear_rate_offset"], "why": ""}
+    said = sentence_of("no_gap", [Cause("none", 0.8, {}), wear], (), shrink, (), asked=asked)
+    open_to = "does not rule out wear rate offset, factor 0.6 (0.35 to 1.04); the scars would tell."
+    assert said.endswith(open_to) == (share_of_wear > 0.1)
+
+
 def test_effects_that_look_alike_are_one_explanation_and_so_are_the_halves_of_a_pair() -> None:
     causes = [Cause("third_body", 0.2, {}, joint=True), Cause("free_play", 0.2, {}, joint=True), Cause("none", 0.3, {})]
     causes += [Cause("tangential_compliance", 0.18, {}), Cause("rotational_compliance", 0.1, {})]
