@@ -23,7 +23,6 @@ from wirewear.diagnosis.surrogate.loop_states import (
     StatesOfLoops,
     load_shares,
     scar_figures_of,
-    smoothed,
 )
 from wirewear.diagnosis.surrogate.sensing import BENDS, WAVES
 from wirewear.diagnosis.surrogate.springs import yielding_of
@@ -79,14 +78,14 @@ def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -
         slip_um=np.ones(count),
         slope=np.zeros((count, len(ODD_POWERS))),
         angle=np.zeros((count, len(EVEN_POWERS))),
-        stiffness_N_per_um=smoothed(volume, stiffness[:, None])[:, 0],
+        stiffness_N_per_um=stiffness,
         load_drop_N=np.zeros(count),
         lift_N=np.zeros((count, len(LIFT_POWERS))),
         stroke_um=max(0.5 * float(np.ptp(loop.displacement_um)) for loop in result.loops),
         scars=np.array([[_figures(result, cycle, body) for body in result.bodies] for cycle in cycles])
         if has_maps
         else np.zeros((count, 2, 4)),
-        yields=np.column_stack([np.clip(smoothed(volume, found[:, 2:3]), *_ORDERS), smoothed(volume, found[:, 3:])]),
+        yields=np.column_stack([np.clip(found[:, 2], *_ORDERS), found[:, 3:]]),
     )
 
 
