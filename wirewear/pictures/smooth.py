@@ -31,6 +31,7 @@ MaskedField = np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]
 
 RINGS = 2  #: Rings of points around the area that get a value.
 _RIDGE = 1e-10  #: What keeps points determined that no difference reaches, as a share of the largest weight.
+_THIN = -0.1  #: Smoothed by a point, ±1 within and without an area: rings of one point have −0.23, right corners −0.05.
 _LEAST_SHARE = 0.01  #: What lies below this share of the largest pressure or slip is drawn as nothing.
 
 # A scar's edge lies between a ninth and nearly all of the way from its last point: the depth is taken to go on from
@@ -160,6 +161,9 @@ def smooth_field(scar: Scar, field: str, over_um: float = 0.0) -> tuple[Array, A
     # The corners of an outline are rounded by a grid point; points that round-off alone puts on either side of it lie
     # outside.
     outside = gaussian_filter(area, steps) <= 1e-9
+    # Lone points and rings of them, as a contact that sticks shows in the end, would be rounded off altogether.
+    thin = inside & (gaussian_filter(np.where(inside, 1.0, -1.0), 1.0) < _THIN)
+    outside &= _interpolated(scar, np.where(thin, 1.0, -1.0), axial, transverse) <= 0.0
     shown = _interpolated(scar, extended, axial, transverse)
     lengths = scar.wire_coordinates(over_um, 0.0)
     spans = zip(lengths, (axial, transverse), strict=True)
