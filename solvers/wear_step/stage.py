@@ -200,7 +200,8 @@ def solve_stage(
         cycle.influences.know(active | cycle.sticks)
         # Iterations after which normals follow the wear by half: where a flat's edge wears a wall, pressures turn its
         # normals so far in one step that the two go on in turns.
-        seen = worn.depths if iteration <= 12 else _halfway(seen, worn.depths)
+        one, other = worn.depths
+        seen = (one, other) if iteration <= 12 else (0.5 * (seen[0] + one), 0.5 * (seen[1] + other))
         facing, known = cycle.facing(problem, seen), friction
         slip = _slip_lengths(cycle, stretch)
         friction = cycle.law_at(problem, worn, slip, pressure)
@@ -245,11 +246,6 @@ def worn_by(
     recession = problem.wear.recession(before, work, problem.primary_is_upper)
     bodies = problem.primary, problem.secondary
     return after_work(before, recession.secant, energy, work, totals, bodies), recession
-
-
-def _halfway(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Depths of both bodies between two of them."""
-    return 0.5 * (one[0] + other[0]), 0.5 * (one[1] + other[1])
 
 
 def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:

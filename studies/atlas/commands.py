@@ -122,7 +122,7 @@ def new(doi: str, name: str, kind: str, table: Path | None, into: Path) -> None:
     folder.mkdir(parents=True)
     template = files("studies.atlas").joinpath("template.toml").read_text(encoding="utf-8")
     write_text(folder / "entry.toml", template.replace("DOI", doi))
-    write_text(folder / "study.toml", study_text(name, template=found.template))
+    write_text(folder / "study.toml", study_text(name, found.template))
     if table is None:
         write_text(folder / "tests.csv", "test,use,stroke_um,dissipated_energy_J\n1,fit,50,\n2,predict,60,\n")
     else:

@@ -183,7 +183,7 @@ def test_studies_of_the_other_kinds_begin_with_every_key_and_its_meaning(tmp_pat
 
 @pytest.mark.parametrize(("kind", "times"), [("ball-on-flat", 0), ("point-contact", 0), ("crossed-wires", 1)])
 def test_the_motions_angle_to_a_wire_is_a_key_of_wires_alone(kind: str, times: int) -> None:
-    assert study_text("mine", template=KINDS[kind].template).count("motion_angle_deg") == times
+    assert study_text("mine", KINDS[kind].template).count("motion_angle_deg") == times
 
 
 def _keys_of(tables: type[Table], name: str) -> list[str]:

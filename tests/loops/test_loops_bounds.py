@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.synthetic_loops import Disturbance, MasingLoop, Recipe, SyntheticLoop, disturbed
+from tests.loops.masing_loops import Disturbance, MasingLoop
+from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed
 from wirewear.loops import LoopError, LoopFigures, Measured, analyse_loop
 from wirewear.loops.branches import Branch, split_branches, upright
 from wirewear.loops.cleaning import clean_loop

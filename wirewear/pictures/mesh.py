@@ -98,11 +98,12 @@ def body_meshes(
     upper = _Body(fixed, FIXED_COLOUR, names[1], lambda points: upper_position(points, angle))
     views = [_rendered([lower, upper], (-0.55, -0.75, 0.5), None)]
     titles = [f"both bodies\n{counted(len(moving.mesh.cells) + len(fixed.mesh.cells))} elements"]
-    height_mm = 1.3 * max(_extent(wire) for wire in patches.values())
-    for name, wire in patches.items():
-        alone = _Body(wire, MOVING_COLOUR, "", lambda points: points)
+    both = (axis for body in patches.values() for axis in (body.geometry.axial, body.geometry.transverse))
+    height_mm = 2.6 * max(axis.half_extent_mm for axis in both)
+    for name, body in patches.items():
+        alone = _Body(body, MOVING_COLOUR, "", lambda points: points)
         views.append(_rendered([alone], (-0.15, -0.35, 0.9), height_mm))
-        titles.append(f"{name}\n{element_sizes(wire)}")
+        titles.append(f"{name}\n{element_sizes(body)}")
     for axes, view, title in zip(panels, views, titles, strict=True):
         show_bodies(axes, view)
         axes.set_title(title)
@@ -116,10 +117,6 @@ def element_sizes(body: BodyMesh) -> str:
     """Words on the sizes in µm of a patch's fine elements, along and across."""
     along, across = (1e3 * axis.fine_mm for axis in (body.geometry.axial, body.geometry.transverse))
     return f"elements of {along:.1f} × {across:.1f} µm"
-
-
-def _extent(body: BodyMesh) -> float:
-    return 2.0 * max(body.geometry.axial.half_extent_mm, body.geometry.transverse.half_extent_mm)
 
 
 def surface_fields(body: BodyMesh) -> dict[str, Array]:

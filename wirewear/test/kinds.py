@@ -11,7 +11,7 @@ from wirewear.test.joints import JOINT, JointStiffness, JointTables
 from wirewear.test.lines import LINE_CONTACT, LineTables, PadAndSpecimen
 from wirewear.test.points import ANY_BODIES, BALL, BallAndFlat, BallOnFlatTables, LowerAndUpper, PointTables
 from wirewear.test.tables import CommonTables, StudyTables
-from wirewear.test.template import CROSSED_WIRES, Template
+from wirewear.test.template import COMMON, EXAMPLE, Template
 from wirewear.test.wires import Wires
 
 
@@ -44,7 +44,14 @@ KINDS: dict[str, Kind] = {
             StudyTables,
             Wires,
             ("moving", "fixed"),
-            CROSSED_WIRES,
+            Template(
+                kinds.CROSSED_WIRES,
+                StudyTables,
+                ("wires", *COMMON),
+                EXAMPLE,
+                "The article's test of steel wires, to be changed into yours.",
+                ("wires.motion_angle_deg",),
+            ),
             frozenset(("diameter_mm", "crossing_angle_deg")),
             rigid_N_per_mm=1e6,
         ),

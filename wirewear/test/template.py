@@ -7,11 +7,9 @@ from typing import Any
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from wirewear.base import kinds
 from wirewear.base.files import spelled
 from wirewear.base.units import UNIT_SYMBOLS
 from wirewear.test.keys import Table, quantity_of, table_of
-from wirewear.test.tables import StudyTables
 
 #: Keys that are left out: tables, and keys that few users need.
 HIDDEN = (
@@ -47,19 +45,8 @@ class Template:
     left_out: tuple[str, ...] = ()
 
 
-#: The template of a study of crossed wires.
-CROSSED_WIRES = Template(
-    kinds.CROSSED_WIRES,
-    StudyTables,
-    ("wires", *COMMON),
-    EXAMPLE,
-    "The article's test of steel wires, to be changed into yours.",
-    ("wires.motion_angle_deg",),
-)
-
-
 def study_text(
-    name: str, data: Mapping[str, object] | None = None, above: str | None = None, template: Template = CROSSED_WIRES
+    name: str, template: Template, data: Mapping[str, object] | None = None, above: str | None = None
 ) -> str:
     """A study as commented TOML text. name: its title, unless `data` gives one; data: nested values, None for the
     template's example; above: comment at its top, None for the template's.

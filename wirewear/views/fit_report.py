@@ -154,7 +154,7 @@ def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
     for name, found in fitted.parameters.items():
         value, interval = _shown(found, stiff)
         lines.append(f"  {NAMES[name]}: {value} ({interval})")
-    write_text(study, study_text(str(study), fitted.study.given(), "\n".join(lines), kind_of(fitted.study).template))
+    write_text(study, study_text(str(study), kind_of(fitted.study).template, fitted.study.given(), "\n".join(lines)))
     write_text(stated, toml_text({"stated": stated_by(fitted.parameters, fitted.rigid_N_per_mm)}).lstrip())
     return [study, stated]
 

@@ -214,7 +214,11 @@ def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = Non
         "contacts": [_boundaries(contact, reach, loads, fatigue_limit_MPa) for contact in contacts],
         "reach": numbers(np.array(reach)),
         "loads": numbers(np.array(loads)),
-        "lines": [_line(line) for line in (through, threshold) if line is not None],
+        "lines": [
+            {"slope": number(1e3 * line.slope_mm3_per_J), "threshold": number(line.threshold_J)}
+            for line in (through, threshold)
+            if line is not None
+        ],
     }
 
 
@@ -300,7 +304,3 @@ def _boundaries(
             for one in tensions
         ],
     }
-
-
-def _line(line: RegressionLine) -> dict[str, float | None]:
-    return {"slope": number(1e3 * line.slope_mm3_per_J), "threshold": number(line.threshold_J)}

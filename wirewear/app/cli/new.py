@@ -122,7 +122,7 @@ def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, out
         data, above = _test_of(record_path, kind), f"The test of the record {record_path}."
         kind = str(data.pop("kind"))
     text = study_text(
-        path.stem if path.stem != "study" else path.resolve().parent.name, data, above, KINDS[kind].template
+        path.stem if path.stem != "study" else path.resolve().parent.name, KINDS[kind].template, data, above
     )
     any_study(parsed_toml(text, str(path), StudyError), str(path))
     _require_new(path)

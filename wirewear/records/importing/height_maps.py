@@ -138,7 +138,8 @@ def matrix_of(file: Path) -> Matrix | None:
         guessed = guessed_layout(file)
     except RecordError:
         return None
-    if guessed.width < NARROWEST or not all(_is_number(name) for name in guessed.names[1:]):
+    numbers = (re.fullmatch(r"[-+]?\d+(?:[.,]\d+)?", name) for name in guessed.names[1:])
+    if guessed.width < NARROWEST or not all(numbers):
         return None
     if guessed.names:
         # Places along x are no names.
@@ -151,10 +152,6 @@ def matrix_of(file: Path) -> Matrix | None:
     pixel, unit = _of_pixels([fields_of(line, guessed.layout.delimiter) for line in text])
     sizes, unit_of_values = _of_sizes(text)
     return Matrix(guessed, sizes, pixel, unit if unit_of_values is None else unit_of_values)
-
-
-def _is_number(text: str) -> bool:
-    return re.fullmatch(r"[-+]?\d+(?:[.,]\d+)?", text) is not None
 
 
 def _of_pixels(rows: Sequence[Sequence[str]]) -> tuple[Pair | None, float | None]:
