@@ -49,9 +49,9 @@ class SurfaceStress:
     _elsewhere: dict[tuple[float, float], "SurfaceStress"] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(cls, wire: BodyMesh, material: Elastic) -> "SurfaceStress":
-        """From a meshed wire of this material."""
-        return cls(wire.mesh, wire.patch, material, wire.geometry.layers)
+    def of(cls, body: BodyMesh, material: Elastic) -> "SurfaceStress":
+        """From a meshed body of this material."""
+        return cls(body.mesh, body.patch, material, body.geometry.layers)
 
     @cached_property
     def lines(self) -> tuple[Array, Array]:

@@ -11,6 +11,7 @@ import pytest
 
 import wirewear
 from solvers import WearRates
+from wirewear.diagnosis.observe import ModelLoops
 from wirewear.effects import Age, Chain, Effect, Seam
 from wirewear.stress.life import BodyLife
 
@@ -51,6 +52,10 @@ def test_names_that_have_changed_warn() -> None:
     object.__setattr__(life, "initiation", None)
     with pytest.warns(DeprecationWarning, match="initiation"):
         assert life.begun is None
+    loops = object.__new__(ModelLoops)
+    object.__setattr__(loops, "predicted", "loops")
+    with pytest.warns(DeprecationWarning, match="predicted"):
+        assert str(loops.course) == "loops"
     with pytest.warns(DeprecationWarning, match="distinguished_by"):
         assert wirewear.effects.told_apart_by is wirewear.effects.distinguished_by
 

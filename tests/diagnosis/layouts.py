@@ -25,8 +25,8 @@ SITES: dict[type[Observable], list[Site]] = {
     Energy: [Site(cycle) for cycle in CYCLES],
     SlipAmplitude: [Site(cycle) for cycle in CYCLES],
     LargestForce: [Site(cycle) for cycle in CYCLES],
-    ScarFigures: [Site(CYCLES[-1], wire=wire, figure="depth") for wire in ("moving", "fixed")],
-    ScarSkew: [Site(CYCLES[-1], wire=wire) for wire in ("moving", "fixed")],
+    ScarFigures: [Site(CYCLES[-1], body=body, figure="depth") for body in ("moving", "fixed")],
+    ScarSkew: [Site(CYCLES[-1], body=body) for body in ("moving", "fixed")],
     # Wires have none.
     ProfileDepths: [],
 }

@@ -91,8 +91,8 @@ def test_a_distortion_of_no_size_changes_nothing() -> None:
     for family in FAMILIES:
         for shape in family.shapes:
             after = shape(before, 0.0)
-            assert after.displacement_um == pytest.approx(before.course.displacement_um, abs=1e-9)
-            assert after.tangential_force_N == pytest.approx(before.course.tangential_force_N, abs=1e-9)
+            assert after.displacement_um == pytest.approx(before.loops.displacement_um, abs=1e-9)
+            assert after.tangential_force_N == pytest.approx(before.loops.tangential_force_N, abs=1e-9)
 
 
 def test_a_force_channel_is_bent_by_its_own_formula() -> None:
@@ -101,7 +101,7 @@ def test_a_force_channel_is_bent_by_its_own_formula() -> None:
     def cubed(u: Array) -> Array:
         return np.asarray(u**3)
 
-    force = before.course.tangential_force_N
+    force = before.loops.tangential_force_N
     after = force_read(cubed)(before, 0.1).tangential_force_N
     assert after == pytest.approx(force + 0.1 * before.force_N * (force / before.force_N) ** 3)
 
@@ -117,7 +117,7 @@ def after_play(periodic: Array, play: float) -> Array:
 
 def test_channels_with_a_play_follow_as_a_pawl_does_step_by_step() -> None:
     before = branches()
-    force, place = before.course.tangential_force_N, before.course.displacement_um
+    force, place = before.loops.tangential_force_N, before.loops.displacement_um
     by_force = force_after_play()(before, 0.05).tangential_force_N
     expected = after_play(force.ravel(), 0.1 * before.force_N)
     assert by_force.ravel() == pytest.approx(expected, abs=2e-3 * before.force_N)
@@ -130,8 +130,8 @@ def test_channels_with_a_play_follow_as_a_pawl_does_step_by_step() -> None:
 def test_a_holder_that_stiffens_keeps_forces_and_bends_what_sticks_alone() -> None:
     before = branches()
     after = stiffening()(before, 0.02)
-    assert after.tangential_force_N == pytest.approx(before.course.tangential_force_N)
-    change = after.displacement_um - before.course.displacement_um
+    assert after.tangential_force_N == pytest.approx(before.loops.tangential_force_N)
+    change = after.displacement_um - before.loops.displacement_um
     assert change[0, 0] == pytest.approx(-change[0, 1], abs=1e-6 * before.amplitude_um)
     assert np.abs(change[:, :, -1]).max() < 1e-9
     assert change[0, 0, 0] == pytest.approx(0.0, abs=1e-9)

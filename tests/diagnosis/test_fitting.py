@@ -15,7 +15,7 @@ from wirewear.diagnosis.fit import FittedParameter, FittedTest, fit_record
 from wirewear.diagnosis.fit.stiffness import rig_compliance, spring_of_loads
 from wirewear.loops import analyse_loop
 from wirewear.records import ExperimentRecord
-from wirewear.records.course_checks import accumulated_energy_J
+from wirewear.records.evolution_checks import accumulated_energy_J
 
 
 @pytest.fixture(autouse=True)

@@ -24,7 +24,7 @@ from wirewear.effects.holder import HeldDisplacement
 from wirewear.effects.sensors import DisplacementGain
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import ExperimentRecord, read_record, record_of_result, write_record
-from wirewear.records.course_checks import accumulated_energy_J
+from wirewear.records.evolution_checks import accumulated_energy_J
 from wirewear.records.values import stated_study
 from wirewear.reference import first_loading_force, partial_slip_point, sliding_threshold
 from wirewear.simulation import simulate
@@ -102,7 +102,7 @@ def test_a_test_stops_where_a_scar_is_as_deep_as_stated(tmp_path: Path) -> None:
 
 def grown(figures: dict[float, float], target: float) -> Ending:
     ending = Ending({"depth_um": target})
-    ending.course["depth_um"] = list(figures.items())
+    ending.figures_so_far["depth_um"] = list(figures.items())
     return ending
 
 

@@ -16,7 +16,7 @@ from tests.synthetic_results import result
 from wirewear import parse_study, record_of_result, run_study
 from wirewear.base.course import enclosed_energy
 from wirewear.loops.sensor import enclosed_area
-from wirewear.records.course_checks import accumulated_energy_J
+from wirewear.records.evolution_checks import accumulated_energy_J
 from wirewear.results import RunResult
 from wirewear.results.health import flagged, health, limit_of
 from wirewear.results.summary import summary

@@ -11,7 +11,7 @@ from geometry import Elastic
 from geometry.arrays import Array
 from tests.strand.ropes import conductor, nineteen_wires, rope, seven_wires, strands_of_seven
 from wirewear import strand_contacts
-from wirewear.strand.bending import BentLayer, SlipCourse, slip_courses
+from wirewear.strand.bending import BentLayer, MemberSlip, member_slips
 from wirewear.strand.construction import Layer, RopeWire, Strand
 from wirewear.strand.contacts import Bend, contacts_of
 from wirewear.strand.estimates import ContactEstimate, estimated
@@ -54,9 +54,9 @@ def test_a_strand_of_seven_wires_has_the_loads_and_slips_of_strand_mechanics(
         assert one.contact.upper.bending_amplitude_MPa == near(580.0 * 500.0 / radius)
 
 
-def full_per_mm(course: SlipCourse) -> float:
+def full_per_mm(slip: MemberSlip) -> float:
     """Curvature from which the whole member slips: its tension grows no further."""
-    return float(course.gain_N[-1]) / (course.gained_N(1e-9) / 1e-9)
+    return float(slip.gain_N[-1]) / (slip.gained_N(1e-9) / 1e-9)
 
 
 @pytest.mark.parametrize(
@@ -67,12 +67,12 @@ def test_wires_begin_to_slip_and_slip_throughout_at_the_radii_of_papailiou(
     radius_mm: float, lay_mm: float, tension_N: float, first_m: float, full_m: float
 ) -> None:
     layer = BentLayer(Helix(radius_mm, lay_mm, 1), 6, tension_N, 200_000.0 * pi * 2.9**2 / 4.0)
-    (course,) = slip_courses([layer], 0.15, 0.0, [True])
-    assert (1e-3 / course.first_per_mm, 1e-3 / full_per_mm(course)) == near((first_m, full_m))
-    assert course.slip_mm(0.999 * course.first_per_mm) == 0.0
+    (slip,) = member_slips([layer], 0.15, 0.0, [True])
+    assert (1e-3 / slip.first_per_mm, 1e-3 / full_per_mm(slip)) == near((first_m, full_m))
+    assert slip.slip_mm(0.999 * slip.first_per_mm) == 0.0
     # Slip sets in, and goes over into that of a wire that slips throughout, without a step.
-    curvatures = np.linspace(0.9 * course.first_per_mm, 1.2 * full_per_mm(course), 60)
-    slips = [course.slip_mm(one) for one in curvatures]
+    curvatures = np.linspace(0.9 * slip.first_per_mm, 1.2 * full_per_mm(slip), 60)
+    slips = [slip.slip_mm(one) for one in curvatures]
     assert np.all(np.diff(slips) >= 0.0)
     assert np.diff(slips).max() < 0.05 * slips[-1]
 
@@ -178,8 +178,8 @@ def test_inner_layers_of_a_conductor_are_held_by_what_presses_on_them() -> None:
         )
         for own in found.rope.layers
     ]  # fmt: skip
-    courses = slip_courses(layers, 0.5, 0.0, [True] * 3)
-    *inner, first, full = (1e-3 / one for own in courses for one in (own.first_per_mm, full_per_mm(own)))
+    slips = member_slips(layers, 0.5, 0.0, [True] * 3)
+    *inner, first, full = (1e-3 / one for own in slips for one in (own.first_per_mm, full_per_mm(own)))
     assert (first, full) == near((88.0, 51.0))
     assert inner == pytest.approx([7.2, 3.8, 16.8, 9.3], rel=0.015)
 

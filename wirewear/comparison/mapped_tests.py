@@ -25,7 +25,7 @@ from wirewear.diagnosis.fit.stiffness import rig_compliance
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.loops.figures import RegimeOfTest, regime_of
 from wirewear.records import AnyRecord, read_record
-from wirewear.records.course_checks import accumulated_energy_J
+from wirewear.records.evolution_checks import accumulated_energy_J
 from wirewear.records.exporting import true_loop
 from wirewear.records.test_tables import Source
 from wirewear.records.values import MeasuredLoop

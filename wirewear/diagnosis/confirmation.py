@@ -64,7 +64,7 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
         diagnosed.search.covariance,
         diagnosed.observed,
         shrink,
-        _course(diagnosed, nominal, observer_of),
+        _simulated(diagnosed, nominal, observer_of),
     )
     diagnosis = replace(diagnosed.diagnosis, confirmed=Confirmed(share, after, best.names))
     return replace(diagnosed, diagnosis=diagnosis)
@@ -75,7 +75,7 @@ def _noted(diagnosed: Diagnosed, note: str) -> Diagnosed:
     return replace(diagnosed, diagnosis=replace(diagnosis, notes=(*diagnosis.notes, note)))
 
 
-def _course(
+def _simulated(
     diagnosed: Diagnosed, nominal: PointModel | LineModel, observer_of: ObserverOf | None
 ) -> Callable[[Array], PredictedLoops]:
     """Loops that a run of the study with the leading effects leaves, and profiles where these are predicted."""
@@ -91,7 +91,7 @@ def _course(
         (result,) = run_study(study, fidelity="quick", output=folder, observer_of=quiet)
     ends = [result.scar(last, body) for body in result.bodies] if nominal.predicts_scars else []
     profiles = {own.body: (own.axial_um, own.depth_um[:, 0]) for own in ends}
-    return lambda cycles: course_of_loops(read_loops(result), cycles, profiles)
+    return lambda cycles: as_predicted(read_loops(result), cycles, profiles)
 
 
 def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:
@@ -112,7 +112,7 @@ def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:
     return float(np.mean((outermost - sensor.linear_um_per_N * tip) / sensor.displacement_gain))
 
 
-def course_of_loops(
+def as_predicted(
     read: Sequence[Loop], cycles: Array, profiles: Mapping[str, tuple[Array, Array]] | None = None
 ) -> PredictedLoops:
     """Loops of a full simulation in the form of the fast model: two branches for each of `cycles` (n,), from the

@@ -139,30 +139,30 @@ def analyse_loop(
     with the samples.
     """
     loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
-    loop, courses = _followed(loop)
-    loop, courses, other, lag = _in_time(loop, courses)
-    forward, backward = courses.both
+    loop, fits = _followed(loop)
+    loop, fits, other, lag = _in_time(loop, fits)
+    forward, backward = fits.both
     force = mean_force(loop)
-    loop, energy, slip = _energy_and_slip(loop, courses, force.value, other)
+    loop, energy, slip = _energy_and_slip(loop, fits, force.value, other)
     micro = micro_slip_branch(loop, *forward), micro_slip_branch(loop, *backward)
-    no_line = any(bent(loop, *course) for course in courses.both)
-    stiffness = None if no_line or loop.lean_um_per_N else _stiffness(loop, courses, micro, lag)
+    no_line = any(bent(loop, *fitted) for fitted in fits.both)
+    stiffness = None if no_line or loop.lean_um_per_N else _stiffness(loop, fits, micro, lag)
     viscous = goes_with_velocity(loop)
-    slides = courses.slide and not viscous
+    slides = fits.slide and not viscous
     corner = corner_of(forward, backward) if slides and stiffness is not None else None
     tops = peaks(loop, forward, backward)
     largest = largest_ratio(loop, tops, slides=slides)
     position_stiffness = sliding_stiffness(stiffness, corner)
-    sliding = sliding_figures(loop, courses.both, tops, position_stiffness) if slides else SlidingFigures()
-    zero = courses.force_zero
-    amplitude, largest_force = _displacement_amplitude(loop, courses), force_amplitude(loop, tops)
+    sliding = sliding_figures(loop, fits.both, tops, position_stiffness) if slides else SlidingFigures()
+    zero = fits.force_zero
+    amplitude, largest_force = _displacement_amplitude(loop, fits), force_amplitude(loop, tops)
     read, reread = _slip_by_energy(loop, slip, energy, sliding, amplitude)
     ratio = energy_ratio(energy, amplitude, largest_force)
-    hidden = None if courses.slide or viscous or ratio is None else _hidden(courses, ratio)
+    hidden = None if fits.slide or viscous or ratio is None else _hidden(fits, ratio)
     if hidden is not None:
-        read, loop = _all_along(read, courses, energy, amplitude), loop if OPENS in loop.notes else loop.noted(hidden)
-    seen: Regime = "gross slip" if courses.slide else "contact opened" if OPENS in loop.notes else "partial slip"
-    regime, regimes, sticking = slip_of(loop, courses.both, seen, hides=hidden is not None, viscous=viscous)
+        read, loop = _all_along(read, fits, energy, amplitude), loop if OPENS in loop.notes else loop.noted(hidden)
+    seen: Regime = "gross slip" if fits.slide else "contact opened" if OPENS in loop.notes else "partial slip"
+    regime, regimes, sticking = slip_of(loop, fits.both, seen, hides=hidden is not None, viscous=viscous)
     slip = allowed_slip(read, amplitude, energy, largest_force)
     found = LoopFigures(
         displacement_amplitude_um=amplitude,
@@ -180,12 +180,12 @@ def analyse_loop(
         system_free_ratio=energy_ratio(energy, slip, largest_force),
         mean_force_N=force,
         asymmetry=sliding.asymmetry,
-        free_play_um=courses.free_play,
+        free_play_um=fits.free_play,
         force_zero_N=zero,
         friction_forward=_from_zero(loop, sliding.forward, zero, -1.0),
         friction_backward=_from_zero(loop, sliding.backward, zero, 1.0),
-        static_overshoot=static_overshoot(loop, courses.both) if slides else None,
-        stick_slip=stick_slip(loop, courses.both) if slides else None,
+        static_overshoot=static_overshoot(loop, fits.both) if slides else None,
+        stick_slip=stick_slip(loop, fits.both) if slides else None,
         regime=regime,
         regimes=regimes,
         outlier_samples=loop.outliers,
@@ -193,7 +193,7 @@ def analyse_loop(
         sticking=sticking,
     )
     loop = loop.noted(ELLIPSE) if viscous else loop
-    notes = [*_notes(loop, courses, found, no_line=no_line), *([BY_ENERGY] if reread else [])]
+    notes = [*_notes(loop, fits, found, no_line=no_line), *([BY_ENERGY] if reread else [])]
     notes += (
         [UNDETERMINED] if slip.interval95[1] < read.interval95[0] or slip.interval95[0] > read.interval95[1] else []
     )
@@ -201,13 +201,13 @@ def analyse_loop(
 
 
 def _energy_and_slip(
-    loop: CleanLoop, courses: BranchFits, mean_force_N: float, other_mJ: float
+    loop: CleanLoop, fits: BranchFits, mean_force_N: float, other_mJ: float
 ) -> tuple[CleanLoop, Measured, Measured]:
     """The loop, noted if drift matters, its energy and its slip; intervals reach to what another lag or no drift makes.
 
     other_mJ: the energy with the other lag.
     """
-    energy, slip = dissipated_energy(loop), slip_amplitude(loop, *courses.both, mean_force_N)
+    energy, slip = dissipated_energy(loop), slip_amplitude(loop, *fits.both, mean_force_N)
     still = dissipated_energy(loop.without_drift).value
     if not energy.interval95[0] <= still <= energy.interval95[1]:
         moved = abs(loop.may_drift_by) * float(np.ptp(loop.time))
@@ -220,15 +220,13 @@ def _energy_and_slip(
 
 
 def _stiffness(
-    loop: CleanLoop, courses: BranchFits, micro: tuple[MicroSlipBranch, MicroSlipBranch], lag: float
+    loop: CleanLoop, fits: BranchFits, micro: tuple[MicroSlipBranch, MicroSlipBranch], lag: float
 ) -> Measured | None:
     """Mean stiffness of both branches; its interval reaches to that with the other lag."""
     stiffness = mean_stiffness(*micro)
     if stiffness is None or not lag:
         return stiffness
-    sooner = mean_stiffness(
-        *(micro_slip_branch(loop, branch_earlier(branch, lag), own) for branch, own in courses.both)
-    )
+    sooner = mean_stiffness(*(micro_slip_branch(loop, branch_earlier(branch, lag), own) for branch, own in fits.both))
     return stiffness if sooner is None else stiffness.reaching(sooner.value)
 
 
@@ -247,11 +245,11 @@ def _slip_by_energy(
     return read, reread
 
 
-def _hidden(courses: BranchFits, ratio: Measured) -> str | None:
+def _hidden(fits: BranchFits, ratio: Measured) -> str | None:
     """Note on why a loop without a plateau may yet slide all along; None if nothing suggests that."""
     if ratio.interval95[0] > MOST_IN_PARTIAL_SLIP:
         return HIDDEN.format(ratio.value)
-    return WALLED if all(_stiffens(branch) for branch, _ in courses.both) else None
+    return WALLED if all(_stiffens(branch) for branch, _ in fits.both) else None
 
 
 def _stiffens(branch: Branch) -> bool:
@@ -265,18 +263,18 @@ def _stiffens(branch: Branch) -> bool:
     return end > 1.5 * max(middle, 0.0)
 
 
-def _all_along(read: Measured, courses: BranchFits, energy: Measured, amplitude: Measured) -> Measured:
+def _all_along(read: Measured, fits: BranchFits, energy: Measured, amplitude: Measured) -> Measured:
     """δ0 of a contact that slides all along at the height seen at mid-slip; its interval also holds the width
     as read.
     """
-    (forward, _), (backward, _) = courses.both
+    (forward, _), (backward, _) = fits.both
     centre, half = forward.origin_um + amplitude.value, MIDDLE_SHARE * amplitude.value
     height = height_at((forward, backward), (np.inf,), centre, half)
     found = by_energy(energy, height).reaching(read.value) if height.interval95[0] > 0.0 else read
     return found.reaching(amplitude.value)
 
 
-def _in_time(loop: CleanLoop, courses: BranchFits) -> tuple[CleanLoop, BranchFits, float, float]:
+def _in_time(loop: CleanLoop, fits: BranchFits) -> tuple[CleanLoop, BranchFits, float, float]:
     """Loop and branches with a certain lag of the force removed, another energy (mJ) to be covered, and the lag in
     samples.
 
@@ -285,28 +283,28 @@ def _in_time(loop: CleanLoop, courses: BranchFits) -> tuple[CleanLoop, BranchFit
     """
     lag, as_read = None if goes_with_velocity(loop) else lag_of(loop), dissipated_energy(loop).value
     if lag is None:
-        return loop, courses, as_read, 0.0
+        return loop, fits, as_read, 0.0
     sooner = earlier(loop, lag.value)
     value = dissipated_energy(sooner).value
     if not is_certain(lag):
-        return loop, courses, value, lag.value
+        return loop, fits, value, lag.value
     if lag.value < 0.0:
         most = dissipated_energy(earlier(loop, lag.interval95[0])).value
-        return loop.noted(EARLY.format(-lag.value, value)), courses, most, lag.value
+        return loop.noted(EARLY.format(-lag.value, value)), fits, most, lag.value
     sooner = sooner.noted(LATE.format(lag.value, as_read))
     return sooner, branch_fits_of(sooner), as_read, 0.0
 
 
 def _followed(loop: CleanLoop) -> tuple[CleanLoop, BranchFits]:
     """Loop and its branch fits; uses the unsmoothed drive if times are unknown and that fits clearly better."""
-    courses = branch_fits_of(loop)
+    fits = branch_fits_of(loop)
     if not loop.smoothed or loop.times_known:
-        return loop, courses
+        return loop, fits
     raw = loop.without_smooth_drive()
-    raw_courses = branch_fits_of(raw)
-    if raw_courses.misfit < 0.8 * courses.misfit:
-        return raw, raw_courses
-    return loop, courses
+    raw_fits = branch_fits_of(raw)
+    if raw_fits.misfit < 0.8 * fits.misfit:
+        return raw, raw_fits
+    return loop, fits
 
 
 def _from_zero(loop: CleanLoop, friction: Measured | None, zero: Measured | None, sign: float) -> Measured | None:
@@ -322,9 +320,9 @@ def _from_zero(loop: CleanLoop, friction: Measured | None, zero: Measured | None
     )
 
 
-def _displacement_amplitude(loop: CleanLoop, courses: BranchFits) -> Measured:
+def _displacement_amplitude(loop: CleanLoop, fits: BranchFits) -> Measured:
     as_read = loop.displacement_um - loop.lean_um_per_N * loop.force_N
-    length_um = float(np.ptp(as_read)) if loop.lean_um_per_N else courses.length_um
+    length_um = float(np.ptp(as_read)) if loop.lean_um_per_N else fits.length_um
     deviation = loop.amplitude_noise_um if loop.smoothed else loop.raw_noise_um
     return Measured.from_deviation(0.5 * length_um, deviation)
 
@@ -337,7 +335,7 @@ def _energy_friction(loop: CleanLoop, energy: Measured, slip: Measured) -> Measu
     return energy.over(slip, load, times=0.25 / MICROJOULE_IN_MILLIJOULE)
 
 
-def _notes(loop: CleanLoop, courses: BranchFits, found: LoopFigures, *, no_line: bool) -> tuple[str, ...]:
+def _notes(loop: CleanLoop, fits: BranchFits, found: LoopFigures, *, no_line: bool) -> tuple[str, ...]:
     notes = list(loop.notes)
     if loop.normal_force_N is None and not {OPENS, NORMAL_CLIPPED} & set(notes):
         notes.append("no normal force was given, so coefficients of friction are left out")
@@ -345,7 +343,7 @@ def _notes(loop: CleanLoop, courses: BranchFits, found: LoopFigures, *, no_line:
         notes.append(f"the samples run on past one cycle: the last {loop.past} of them were left out")
     if count := len(loop.outliers) - loop.past:
         notes.append(f"{count} outlying or repeated {'sample was' if count == 1 else 'samples were'} left out")
-    notes += _stiffness_notes(loop, courses, found, no_line=no_line)
+    notes += _stiffness_notes(loop, fits, found, no_line=no_line)
     stiffness = found.measured_stiffness_N_per_um
     if found.regime == "partial slip" and stiffness is not None and _sticks(found) and WALLED not in loop.notes:
         stretch, force = found.displacement_amplitude_um.value, 0.5 * float(np.ptp(loop.force_N))
@@ -363,7 +361,7 @@ def _sticks(found: LoopFigures) -> bool:
     return slip.value < max(slip.interval95[1] - slip.value, STUCK * found.displacement_amplitude_um.value)
 
 
-def _stiffness_notes(loop: CleanLoop, courses: BranchFits, found: LoopFigures, *, no_line: bool) -> list[str]:
+def _stiffness_notes(loop: CleanLoop, fits: BranchFits, found: LoopFigures, *, no_line: bool) -> list[str]:
     if loop.lean_um_per_N:
         return [RUNS_ON]
     if no_line:
@@ -371,7 +369,7 @@ def _stiffness_notes(loop: CleanLoop, courses: BranchFits, found: LoopFigures, *
     if found.measured_stiffness_N_per_um is None:
         return ["no sample lies on the micro-slip branches, so the measured stiffness is left out"]
     notes = []
-    for branch, slip in courses.both:
+    for branch, slip in fits.both:
         resolved = int(np.count_nonzero(branch.travel_um <= 0.5 * slip.travel_um))
         if resolved < RESOLVED:
             name = "forward" if branch.direction > 0 else "backward"

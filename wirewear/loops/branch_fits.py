@@ -1,7 +1,7 @@
 """Both branches of a loop, freed from free play, each with its fitted micro-slip.
 
 A shelf is a stretch of a branch at nearly constant force about zero, along which the holder floats in its free play. A
-course is a branch with the fit of its micro-slip and plateau.
+fitted branch is a branch with the fit of its micro-slip and plateau.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.energy import balance, mean_force
 from wirewear.loops.figures import Measured
 from wirewear.loops.free_play import Shelf, play_of, shelves_of, without_shelf
-from wirewear.loops.stick_slip import Course
+from wirewear.loops.stick_slip import FittedBranch
 
 
 @dataclass(frozen=True)
@@ -20,13 +20,13 @@ class BranchFits:
     play, None if there are none. Where there are, the branches are those that a rig without play would give.
     """
 
-    forward: Course
-    backward: Course
+    forward: FittedBranch
+    backward: FittedBranch
     length_um: float
     shelves: tuple[Shelf, Shelf] | None
 
     @property
-    def both(self) -> tuple[Course, Course]:
+    def both(self) -> tuple[FittedBranch, FittedBranch]:
         return self.forward, self.backward
 
     @property
@@ -64,9 +64,9 @@ def branch_fits_of(loop: CleanLoop) -> BranchFits:
             without_shelf(branch, shelf, play) for branch, shelf in zip((forward, backward), shelves, strict=True)
         )
     middle = mean_force(loop).value
-    return BranchFits(_course(forward, middle), _course(backward, middle), length, shelves)
+    return BranchFits(_fitted(forward, middle), _fitted(backward, middle), length, shelves)
 
 
-def _course(branch: Branch, middle_N: float) -> Course:
+def _fitted(branch: Branch, middle_N: float) -> FittedBranch:
     crossing = balance(branch.travel_um, branch.force_N - branch.direction * middle_N)
     return branch, settled(branch, fit_micro_slip(branch), crossing)

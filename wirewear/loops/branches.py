@@ -173,13 +173,13 @@ class MicroSlip:
         # Steps may leave a micro-slip without any length.
         remaining = np.interp(travel_um / max(self.travel_um, 1e-12 * self.length_um), table_x[self.shape], table_g)
         powers = np.vander(travel_um / self.length_um - 0.5, len(self.plateau), increasing=True)
-        course: Array = powers @ np.array(self.plateau) - self.height_N * remaining
-        return course
+        force: Array = powers @ np.array(self.plateau) - self.height_N * remaining
+        return force
 
 
-def slides_visibly(course: tuple[Branch, MicroSlip]) -> bool:
+def slides_visibly(fitted: tuple[Branch, MicroSlip]) -> bool:
     """True if a branch has a plateau, by its fit, with at least three samples."""
-    branch, slip = course
+    branch, slip = fitted
     return slip.slides and int(np.count_nonzero(branch.travel_um > slip.travel_um)) >= 3
 
 

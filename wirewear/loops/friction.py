@@ -16,7 +16,7 @@ from wirewear.loops.cleaning import FEWEST_SAMPLES, CleanLoop
 from wirewear.loops.figures import Measured, mean_of
 from wirewear.loops.noise import sample_noise, step_of
 from wirewear.loops.robust import LinearFit, best_fit, fit_linear
-from wirewear.loops.stick_slip import Course
+from wirewear.loops.stick_slip import FittedBranch
 
 MIDDLE_SHARE = 0.4
 
@@ -176,7 +176,7 @@ class SlidingFigures:
     backward: Measured | None = None
 
 
-def peaks(loop: CleanLoop, forward: Course, backward: Course) -> tuple[Measured, Measured]:
+def peaks(loop: CleanLoop, forward: FittedBranch, backward: FittedBranch) -> tuple[Measured, Measured]:
     """Largest |Q|/P of the forward and of the backward branch, or largest |Q| without a normal force."""
     return _peak(loop, *forward), _peak(loop, *backward)
 
@@ -207,18 +207,21 @@ def _peak(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> Measured:
 
 
 def sliding_figures(
-    loop: CleanLoop, courses: tuple[Course, Course], tops: tuple[Measured, Measured], stiffness_N_per_um: float
+    loop: CleanLoop,
+    fitted: tuple[FittedBranch, FittedBranch],
+    tops: tuple[Measured, Measured],
+    stiffness_N_per_um: float,
 ) -> SlidingFigures:
     """Plateau slope, hooks, asymmetry and (with a normal force) geometry-independent friction of a sliding loop; all
     None if its force does not resist the motion both ways.
 
-    courses: branches (forward, backward) with their fits. tops: largest |Q|/P of each (largest |Q| without a normal
+    fitted: branches (forward, backward) with their fits. tops: largest |Q|/P of each (largest |Q| without a normal
     force). stiffness_N_per_um: K of bodies and rig while the contact slides.
     """
-    branches = advancing(courses[0][0]), advancing(courses[1][0])
+    branches = advancing(fitted[0][0]), advancing(fitted[1][0])
     plateaus = (
-        sliding_part(branches[0], courses[0][1], stiffness_N_per_um),
-        sliding_part(branches[1], courses[1][1], stiffness_N_per_um),
+        sliding_part(branches[0], fitted[0][1], stiffness_N_per_um),
+        sliding_part(branches[1], fitted[1][1], stiffness_N_per_um),
     )
     # Ends of the slip are taken where outliers and noise do not reach.
     every = np.concatenate([plateau.slip_position_um for plateau in plateaus])

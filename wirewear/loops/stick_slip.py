@@ -1,7 +1,7 @@
 """Stick-slip on the plateaus of a sliding loop, and the static peak by which the force first exceeds its plateau.
 
-A slip is a sudden fall of the force within at most three samples. A course is a branch with the fit of its micro-slip
-and plateau; `courses` are (forward, backward).
+A slip is a sudden fall of the force within at most three samples. A fitted branch has with it the fit of its micro-slip
+and plateau; `fitted` are (forward, backward).
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.figures import Measured, StickSlip
 from wirewear.loops.noise import noise_along
 
-Course = tuple[Branch, MicroSlip]
+FittedBranch = tuple[Branch, MicroSlip]
 
 
 #: A fall of the force is a slip from so many standard deviations of a step on, and from this share of the plateau.
@@ -29,9 +29,9 @@ RESOLVED = 0.6
 EARLY = 0.12  #: Where a static force is sought: from the onset on over this share of the plateau.
 
 
-def stick_slip(loop: CleanLoop, courses: tuple[Course, Course]) -> StickSlip | None:
+def stick_slip(loop: CleanLoop, fitted: tuple[FittedBranch, FittedBranch]) -> StickSlip | None:
     """Stick-slip on both plateaus of a sliding loop; None if fewer than four slips are found, or none on one."""
-    found = [_slips(loop, *course) for course in courses]
+    found = [_slips(loop, *one) for one in fitted]
     slips = np.concatenate([drops for drops, _, _ in found])
     if slips.size < FEWEST_SLIPS or min(drops.size for drops, _, _ in found) == 0:
         return None
@@ -48,18 +48,18 @@ def stick_slip(loop: CleanLoop, courses: tuple[Course, Course]) -> StickSlip | N
         slips_per_cycle=int(slips.size),
         frequency_Hz=frequency,
         force_drop_share=Measured.from_deviation(float(np.median(slips)), 1.25 * spread),
-        resolved=slips.size >= RESOLVED * _expected(courses, float(np.median(slips))),
+        resolved=slips.size >= RESOLVED * _expected(fitted, float(np.median(slips))),
     )
 
 
-def _expected(courses: tuple[Course, Course], drop_share: float) -> float:
+def _expected(fitted: tuple[FittedBranch, FittedBranch], drop_share: float) -> float:
     """Number of slips that would fill the sliding of a cycle, if the contact sticks after each until the force is
     regained.
 
     drop_share: fall of the force in a slip over the sliding force.
     """
     count = 0.0
-    for branch, slip in courses:
+    for branch, slip in fitted:
         stretched = drop_share * abs(slip.onset_force_N) * slip.travel_um / max(slip.height_N, 1e-300)
         count += (branch.length_um - slip.travel_um) / max(stretched, 1e-300)
     return count
@@ -94,11 +94,11 @@ def _stick_noise(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> float:
     return loop.force_noise_N if stick.size < 10 else noise_along(stick)
 
 
-def static_overshoot(loop: CleanLoop, courses: tuple[Course, Course]) -> Measured | None:
+def static_overshoot(loop: CleanLoop, fitted: tuple[FittedBranch, FittedBranch]) -> Measured | None:
     """Share of the plateau's later peaks by which the force just before sliding exceeds them, mean of both directions;
     None if either direction has no such static peak.
     """
-    found = [_overshoot(loop, *course) for course in courses]
+    found = [_overshoot(loop, *one) for one in fitted]
     if None in found:
         return None
     shares, deviations = zip(*[item for item in found if item is not None], strict=True)

@@ -15,7 +15,7 @@ from geometry.arrays import Array
 from wirewear.loops.branches import Branch, MicroSlip
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.figures import WITHIN95, Measured, Regime, Sticking
-from wirewear.loops.stick_slip import Course
+from wirewear.loops.stick_slip import FittedBranch
 
 EXPONENTS = np.array([2.0 / 3.0, 0.5, 1.0])  #: n of the shapes that are tried; at 1 the limit, of cylinders.
 CYLINDERS = 0.2  #: Of the travel until cylinders slide, their contact takes no more: the rest is their bodies'.
@@ -53,8 +53,8 @@ SHORT = (
 _REMAINING = np.linspace(1.0, 0.0, 240) ** 1.5  # dense where a contact begins to slide
 
 
-def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | None:
-    """Contacts in partial slip that would leave such a loop. courses: forward and backward branch with their fits.
+def sticking_of(loop: CleanLoop, fitted: tuple[FittedBranch, FittedBranch]) -> Sticking | None:
+    """Contacts in partial slip that would leave such a loop. fitted: forward and backward branch with their fits.
 
     None where the load varies by more than 5 % within the cycle, a branch has fewer than 6 samples or both fewer than
     24, or the force falls along them.
@@ -62,10 +62,10 @@ def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | N
     load = loop.normal_force_N
     if load is not None and float(np.ptp(load)) > STEADY * float(np.mean(load)):
         return None
-    samples = [branch.travel_um.size for branch, _ in courses]
+    samples = [branch.travel_um.size for branch, _ in fitted]
     if sum(samples) < FEWEST or min(samples) < FEWEST_ON_BRANCH:
         return None
-    readings = _readings(loop, courses)
+    readings = _readings(loop, fitted)
     tried = _searched(readings, TRAVELS, SHARES)
     if not tried.size:
         return None
@@ -95,7 +95,7 @@ def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | N
 
 
 def slip_of(
-    loop: CleanLoop, courses: tuple[Course, Course], seen: Regime, *, hides: bool, viscous: bool
+    loop: CleanLoop, fitted: tuple[FittedBranch, FittedBranch], seen: Regime, *, hides: bool, viscous: bool
 ) -> tuple[Regime, tuple[Regime, ...], Sticking | None]:
     """Regime of a loop, all regimes that its uncertainty allows, and the possible contacts in partial slip (None if
     that is not the regime, or they cannot be found).
@@ -103,7 +103,7 @@ def slip_of(
     seen: regime that the branches show. hides: True if walls of a scar may hide a plateau. viscous: True if the force
     follows the velocity.
     """
-    sticking = sticking_of(loop, courses) if seen == "partial slip" and not (hides or viscous) else None
+    sticking = sticking_of(loop, fitted) if seen == "partial slip" and not (hides or viscous) else None
     if sticking is None:
         return seen, ("partial slip", "gross slip") if hides and seen == "partial slip" else (seen,), None
     left = sticking.regimes
@@ -138,10 +138,10 @@ class _Readings:
         return cleared
 
 
-def _readings(loop: CleanLoop, courses: tuple[Course, Course]) -> _Readings:
-    branches = [branch for branch, _ in courses]
+def _readings(loop: CleanLoop, fitted: tuple[FittedBranch, FittedBranch]) -> _Readings:
+    branches = [branch for branch, _ in fitted]
     travel, force = (np.concatenate([getattr(one, name) for one in branches]) for name in ("travel_um", "force_N"))
-    slope = np.concatenate([_slope(*course) for course in courses])
+    slope = np.concatenate([_slope(*one) for one in fitted])
     length = float(np.mean([branch.length_um for branch in branches]))
     direction = np.repeat([float(branch.direction) for branch in branches], [one.travel_um.size for one in branches])
     forward = direction == branches[0].direction

@@ -64,7 +64,7 @@ def corner_of(forward: tuple[Branch, MicroSlip], backward: tuple[Branch, MicroSl
     """Roundness of the corner, mean of both branches (each with its fit); None where fewer than four samples lie near
     the corner of one of them.
     """
-    found = [_corner(*course) for course in (forward, backward)]
+    found = [_corner(*one) for one in (forward, backward)]
     known = [corner for corner in found if corner is not None]
     if len(known) < len(found):
         return None

@@ -12,7 +12,7 @@ from wirewear.base.files import TABLE_FILE_NAME
 from wirewear.base.words import counted
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.loops.figures import regime_of
-from wirewear.records import course_checks, loop_checks, swap_checks
+from wirewear.records import evolution_checks, loop_checks, swap_checks
 from wirewear.records.remarks import CheckedRecord, RecordReport, Remark, listed, loop_statistics, plural
 from wirewear.records.surface_checks import profile_remarks, scar_remarks
 from wirewear.records.surfaces import NO_SURFACES, PROFILES, SCARS
@@ -42,17 +42,17 @@ _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     loop_checks.units,
     loop_checks.folded,
     loop_checks.normal_force,
-    course_checks.cycle_lists,
-    course_checks.repeats,
+    evolution_checks.cycle_lists,
+    evolution_checks.repeats,
     loop_checks.outlying_samples,
     loop_checks.sensors,
     loop_checks.resolution,
     loop_checks.play_and_stick_slip,
     loop_checks.notes_of_analysis,
     loop_checks.closure,
-    course_checks.drift,
-    course_checks.evolution,
-    course_checks.impossible_evolution,
+    evolution_checks.drift,
+    evolution_checks.evolution,
+    evolution_checks.impossible_evolution,
     swap_checks.renumbered,
     swap_checks.exchanged_evolutions,
     swap_checks.exchanged_loops,

@@ -22,7 +22,7 @@ import numpy as np
 
 from geometry import Elastic
 from geometry.arrays import Array
-from wirewear.records.course_checks import accumulated_energy_J
+from wirewear.records.evolution_checks import accumulated_energy_J
 from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.remarks import CheckedRecord, Remark, listed
 from wirewear.records.scars import MeasuredScar

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from geometry.arrays import Array, IntArray
-from wirewear.records.course_checks import figure_at
+from wirewear.records.evolution_checks import figure_at
 from wirewear.records.remarks import CheckedRecord, Remark, plural
 from wirewear.records.scars import MeasuredScar
 from wirewear.records.values import MeasuredEvolution

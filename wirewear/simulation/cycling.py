@@ -33,10 +33,10 @@ FIGURES: Mapping[str, Callable[[ContactState], float]] = {
 
 @dataclass
 class Ending:
-    """The stops of a test by key, and its figures so far (`course`) by key, as (cycles, figure)."""
+    """The stops of a test by key, and its figures so far by key, as (cycles, figure)."""
 
     stops: Mapping[str, float]
-    course: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
+    figures_so_far: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, stated: Stop | None) -> "Ending":
@@ -63,9 +63,9 @@ class Ending:
         return size if end > (1.0 + 1e-3) * target and size < jump else None
 
     def follow(self, state: ContactState, done: float) -> None:
-        """Add the figures of the state after `done` cycles to `course`."""
+        """Add the figures of the state after `done` cycles."""
         for key in self.stops:
-            self.course.setdefault(key, []).append((done, FIGURES[key](state)))
+            self.figures_so_far.setdefault(key, []).append((done, FIGURES[key](state)))
 
     def expected_end(self) -> str:
         """The end of a sentence on when the first stop will be reached; empty if that cannot be predicted."""
@@ -82,15 +82,15 @@ class Ending:
         The figure is taken to grow with a power of the cycles: the latest exponent gives the best estimate, an earlier
         one and one that has changed further give the interval.
         """
-        course = [(done, figure) for done, figure in self.course.get(key, ()) if done >= 1.0 and figure > 0.0]
-        if not course:
+        known = [(done, figure) for done, figure in self.figures_so_far.get(key, ()) if done >= 1.0 and figure > 0.0]
+        if not known:
             return None
-        done, figure = course[-1]
+        done, figure = known[-1]
         # The latest exponent is that since half as many cycles.
-        earlier = [next((at for at in reversed(course) if at[0] <= done / 2.0**k), None) for k in (1, 2)]
+        earlier = [next((at for at in reversed(known) if at[0] <= done / 2.0**k), None) for k in (1, 2)]
         if earlier[0] is None or earlier[1] is None:
             return None
-        late, early = _slope(earlier[0], course[-1]), _slope(earlier[1], earlier[0])
+        late, early = _slope(earlier[0], known[-1]), _slope(earlier[1], earlier[0])
         # Of the change of the power so far: what it may change by on the way.
         slopes = [late, early, late + 2.0 * (late - early)]
         # Of logarithms: a figure that grows more slowly has no end to predict.

@@ -20,7 +20,7 @@ ANGLES = np.linspace(0.0, 0.5 * pi, _PLACES)
 
 
 @dataclass(frozen=True, eq=False)
-class SlipCourse:
+class MemberSlip:
     """How one member of a layer, of axial stiffness EA, slips as the strand is bent. gain_N: its tension above the mean
     at ANGLES, from the neutral axis to the extrados, if it slips everywhere.
     """
@@ -70,17 +70,17 @@ class BentLayer:
     stiffness_N: float
 
 
-def slip_courses(
+def member_slips(
     layers: Sequence[BentLayer], friction: float, outside_N_per_mm: float, presses: Sequence[float]
-) -> list[SlipCourse]:
-    """The course of slip of each layer, from the innermost to the outermost.
+) -> list[MemberSlip]:
+    """How each layer slips, from the innermost to the outermost.
 
     outside_N_per_mm: radial load on the outermost layer per mm of the strand's axis. presses: share of each layer's
     radial load that it passes to the layer below, 0 for one that arches. A member is held below by its own radial
     pressure and that of the layers above, and above by the latter. Layers above are taken to have slipped already
     (Papailiou); an arching layer is held by its neighbours as by a core.
     """
-    found: list[SlipCourse] = []
+    found: list[MemberSlip] = []
     above = np.full(_PLACES, outside_N_per_mm)
     for layer, passes_on in zip(reversed(layers), reversed(presses), strict=True):
         alpha, radius = layer.helix.angle_rad, layer.helix.radius_mm
@@ -90,7 +90,7 @@ def slip_courses(
         decayed = np.exp(-m * ANGLES) * 2.0 * m * outer
         steps = 0.5 * (decayed[1:] + decayed[:-1]) * ANGLES[1]
         tension = np.exp(m * ANGLES) * (layer.tension_N + np.concatenate([[0.0], np.cumsum(steps)]))
-        found.append(SlipCourse(layer.helix, layer.stiffness_N, tension - layer.tension_N))
+        found.append(MemberSlip(layer.helix, layer.stiffness_N, tension - layer.tension_N))
         own = layer.count * tension * layer.helix.curvature_per_mm / cos(alpha)
         above = passes_on * (own + above)
     return found[::-1]

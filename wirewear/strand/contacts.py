@@ -11,7 +11,7 @@ from typing import Literal, cast
 
 from geometry import Elastic
 from wirewear.reference.hertz import gap_curvatures
-from wirewear.strand.bending import BentLayer, SlipCourse, relative_slip_mm, slip_courses
+from wirewear.strand.bending import BentLayer, MemberSlip, member_slips, relative_slip_mm
 from wirewear.strand.construction import Fibre, RopeWire, Strand
 from wirewear.strand.helix import DoubleHelix, between_deg, crossing_spacing_mm, radial_share, valley_shares
 
@@ -172,28 +172,28 @@ class _Bent:
     prefix: str = ""
 
     def contacts(self) -> Iterator[WireContact]:
-        courses, loads = self.courses(), self.loads_N_per_mm()
+        slips, loads = self.member_slips(), self.loads_N_per_mm()
         if isinstance(self.strand.core, Strand):
             yield from self.core_strand(self.strand.core).contacts()
         for place, layer in enumerate(self.strand.layers):
             if isinstance(layer.member, Strand):
                 yield from self.of_member(place).contacts()
             if not layer.touches:
-                yield self._side_by_side(place, courses[place], loads[place])
+                yield self._side_by_side(place, slips[place], loads[place])
             elif place:
-                yield self._crossing(place, courses, loads[place])
+                yield self._crossing(place, slips, loads[place])
             elif isinstance(layer.member, Strand):
-                yield from self._crowns(courses[0], loads[0])
+                yield from self._crowns(slips[0], loads[0])
             else:
-                yield self._on_core(courses[0], loads[0])
+                yield self._on_core(slips[0], loads[0])
 
-    def courses(self) -> list[SlipCourse]:
+    def member_slips(self) -> list[MemberSlip]:
         layers = [
             BentLayer(own.helix, own.count, self.strand.member_tension_N(own, self.tension_N), own.member.stiffness_N)
             for own in self.strand.layers
         ]
         presses = [own.presses for own in self.strand.layers]
-        return slip_courses(layers, self.bend.friction, self.outside_N_per_mm, presses)
+        return member_slips(layers, self.bend.friction, self.outside_N_per_mm, presses)
 
     def loads_N_per_mm(self) -> list[float]:
         """Radial load of each layer on the layer or core below, of all its members per mm of the axis."""
@@ -231,7 +231,7 @@ class _Bent:
         in N.
         """
         share = self.strand.member_tension_N(self.strand.layers[place], 1.0)
-        own = self.courses()[place].gained_N(self.bend.curvature_per_mm)
+        own = self.member_slips()[place].gained_N(self.bend.curvature_per_mm)
         return share * self.tension_N, share * self.gained_N + own
 
     def _loaded(self, name: str, wire: RopeWire, tension_N: float, gained_N: float) -> LoadedWire:
@@ -243,23 +243,23 @@ class _Bent:
             mean * bending, bending,
         )  # fmt: skip
 
-    def _slip(self, outer: SlipCourse, inner: SlipCourse | None = None, times: float = 1.0) -> ContactSlip:
+    def _slip(self, outer: MemberSlip, inner: MemberSlip | None = None, times: float = 1.0) -> ContactSlip:
         """Slip between an outer and an inner member at the neutral axis; inner is None for a core that does
         not slide.
         """
         curvature = self.bend.curvature_per_mm
-        courses = [outer] if inner is None else [outer, inner]
+        slips = [outer] if inner is None else [outer, inner]
         below = None if inner is None else inner.helix
-        free = [times * own.helix.free_slip_mm(curvature) for own in courses]
-        held = [times * own.slip_mm(curvature) for own in courses]
+        free = [times * own.helix.free_slip_mm(curvature) for own in slips]
+        held = [times * own.slip_mm(curvature) for own in slips]
         return ContactSlip(
             relative_slip_mm(outer.helix, free[0], below, free[-1]),
             relative_slip_mm(outer.helix, held[0], below, held[-1]),
-            curvature / max(curvature, min(own.first_per_mm for own in courses)),
+            curvature / max(curvature, min(own.first_per_mm for own in slips)),
         )
 
-    def _on_core(self, course: SlipCourse, load_N_per_mm: float) -> WireContact:
-        helix, count = course.helix, self.strand.layers[0].count
+    def _on_core(self, own: MemberSlip, load_N_per_mm: float) -> WireContact:
+        helix, count = own.helix, self.strand.layers[0].count
         along = cos(helix.angle_rad)
         return WireContact(
             name=f"{self.prefix}layer 1 on core",
@@ -271,12 +271,12 @@ class _Bent:
             upper_rad=helix.signed_angle_rad,
             spacing_mm=inf,
             per_axial_mm=count / along,
-            slip=self._slip(course),
+            slip=self._slip(own),
         )
 
-    def _side_by_side(self, place: int, course: SlipCourse, load_N_per_mm: float) -> WireContact:
+    def _side_by_side(self, place: int, own: MemberSlip, load_N_per_mm: float) -> WireContact:
         """Contacts between neighbours in an arching layer, which slide most at the extrados and the intrados."""
-        layer, helix = self.strand.layers[place], course.helix
+        layer, helix = self.strand.layers[place], own.helix
         along, turned, spacing = cos(helix.angle_rad), 0.0, inf
         if isinstance(layer.member, Strand):
             inner, last = self.of_member(place), layer.member.layers[-1]
@@ -296,11 +296,11 @@ class _Bent:
                 upper_rad=helix.signed_angle_rad + turned,
                 spacing_mm=spacing,
                 per_axial_mm=layer.count / along,
-                slip=self._slip(course, times=2.0 * sin(pi / layer.count)),
+                slip=self._slip(own, times=2.0 * sin(pi / layer.count)),
             )
         )
 
-    def _crossing(self, place: int, courses: Sequence[SlipCourse], load_N_per_mm: float) -> WireContact:
+    def _crossing(self, place: int, slips: Sequence[MemberSlip], load_N_per_mm: float) -> WireContact:
         inner, outer = self.strand.layers[place - 1 : place + 1]
         found = WireContact(
             name=f"{self.prefix}layer {place + 1} on layer {place}",
@@ -312,7 +312,7 @@ class _Bent:
             upper_rad=outer.helix.signed_angle_rad,
             spacing_mm=crossing_spacing_mm(inner.helix, inner.count, outer.helix),
             per_axial_mm=outer.count,
-            slip=self._slip(courses[place], courses[place - 1]),
+            slip=self._slip(slips[place], slips[place - 1]),
         )
         if not outer.in_valleys:
             return _points_or_line(found)
@@ -323,7 +323,7 @@ class _Bent:
             found, sort="line", load_N=0.5 * found.load_N * along / share, per_axial_mm=2.0 * outer.count / along
         )
 
-    def _crowns(self, course: SlipCourse, load_N_per_mm: float) -> Iterator[WireContact]:
+    def _crowns(self, own: MemberSlip, load_N_per_mm: float) -> Iterator[WireContact]:
         """Contacts of the strands' innermost wires with a core strand or core wire; none on a core of fibres."""
         ring, core = self.strand.layers[0], self.strand.core
         if isinstance(core, Fibre) or not isinstance(ring.member, Strand):
@@ -333,7 +333,7 @@ class _Bent:
         below, lower = None, None
         if isinstance(core, Strand):
             beneath = self.core_strand(core)
-            below, lower = beneath.courses()[-1], beneath.wire(len(core.layers) - 1)
+            below, lower = beneath.member_slips()[-1], beneath.wire(len(core.layers) - 1)
         yield _points_or_line(
             WireContact(
                 name="outer strands on core strand" if below else "outer strands on core",
@@ -345,7 +345,7 @@ class _Bent:
                 upper_rad=double.innermost_rad,
                 spacing_mm=double.crown_spacing_mm(last.count),
                 per_axial_mm=ring.count / along,
-                slip=self._slip(course, below),
+                slip=self._slip(own, below),
             )
         )
 

@@ -94,17 +94,17 @@ def _meshed(geometry: BodyGeometry, material: Elastic, depth: bytes | None) -> W
     try:
         # Layers under the patch over those of the run. Its pressures need no more, but stresses two or three half-
         # widths deep.
-        wire = _built(geometry.with_layering(geometry.layering.deeper(1.4)), depth)
+        body = _built(geometry.with_layering(geometry.layering.deeper(1.4)), depth)
     except GeometryError:
         # There may be no room for more layers.
-        wire = _built(geometry, depth)
-    return WornBody.of(wire, material)
+        body = _built(geometry, depth)
+    return WornBody.of(body, material)
 
 
 def _built(geometry: BodyGeometry, depth: bytes | None) -> BodyMesh:
-    wire = _fresh(geometry)
-    worn = np.zeros(0) if depth is None else np.frombuffer(depth).reshape(wire.patch.shape)
-    return wire.worn(worn) if worn.any() else wire
+    body = _fresh(geometry)
+    worn = np.zeros(0) if depth is None else np.frombuffer(depth).reshape(body.patch.shape)
+    return body.worn(worn) if worn.any() else body
 
 
 #: What wears is the same mesh in all states of a body.

@@ -116,7 +116,7 @@ class StrengthAsked:
 class Strength:
     """Strength of a body over one recorded cycle, at nodes `nodes` (k,) near the contact.
 
-    wire: name of the body. grid: the body as `body_grid` gives it where its von Mises stress is largest, with the
+    name: of the body. grid: the body as `body_grid` gives it where its von Mises stress is largest, with the
     fields of the cycle at the nodes as point data: largest_von_mises_MPa, smith_watson_topper_MPa,
     critical_plane_normal, crossland_MPa, crossland_amplitude_MPa, largest_hydrostatic_MPa; all zero farther away.
     surface: (t, 4) facets of its contact patch, none of a line contact. von_mises, critical_plane, crossland: where
@@ -126,7 +126,7 @@ class Strength:
     """
 
     cycle: int
-    wire: str
+    name: str
     grid: pyvista.UnstructuredGrid
     surface: IntArray
     nodes: IntArray
@@ -138,7 +138,7 @@ class Strength:
 
     @property
     def body(self) -> str:
-        return called(self.wire)
+        return called(self.name)
 
     @property
     def yields(self) -> bool | None:
@@ -164,7 +164,7 @@ def strength_of(
     material = _averaged(states, chosen, asked.averaging_length_um) if averaged else material_points(states, chosen)
     shown = Shown(
         cycle=first.forces.cycle,
-        wire=first.name,
+        name=first.name,
         to_world=first.to_world,
         material=first.body.material,
         surface=first.body.outer_faces,
@@ -197,7 +197,7 @@ class Shown:
     """
 
     cycle: int
-    wire: str
+    name: str
     to_world: Array
     material: Elastic
     surface: IntArray
@@ -236,7 +236,7 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Streng
 
     return Strength(
         cycle=body.cycle,
-        wire=body.wire,
+        name=body.name,
         grid=grid,
         surface=body.surface,
         nodes=nodes,

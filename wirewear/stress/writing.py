@@ -142,7 +142,7 @@ def strength_table(strengths: Sequence[Strength]) -> Table:
     for one in strengths:
         table.add_row(
             cycle_name(one.cycle),
-            one.wire,
+            one.name,
             f"{one.von_mises.value_MPa:.0f}",
             f"{one.von_mises.depth_um:.1f}",
             {None: "", True: "yes", False: "no"}[one.yields],
@@ -170,7 +170,7 @@ def save_strength(one: Strength, folder: Path) -> Path:
 
 
 def _path(one: Strength, folder: Path) -> Path:
-    return folder / f"strength_{one.wire}_{one.cycle:07d}.vtu"
+    return folder / f"strength_{one.name}_{one.cycle:07d}.vtu"
 
 
 def write_strength_table(strengths: Sequence[Strength], folder: Path) -> Path:
@@ -248,7 +248,7 @@ def _draw_beneath(axes: Axes, strength: Strength, name: str, at_um: float, level
 def _row(one: Strength) -> dict[str, float | int | str | bool | None]:
     row: dict[str, float | int | str | bool | None] = {
         "cycle": one.cycle,
-        "wire": one.wire,
+        "wire": one.name,
         "averaging_length_um": one.asked.averaging_length_um,
         "yield_strength_MPa": one.asked.yield_strength_MPa,
         "yields": one.yields,

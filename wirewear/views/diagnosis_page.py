@@ -62,7 +62,7 @@ IN_PART = "Gap explained in part", "open"  #: The same where known effects remov
 
 #: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
 PLACES, WITHIN = 60, 1.96
-DIRECTIONS = (1, -1)  #: Branches in the order of a course, by their direction.
+DIRECTIONS = (1, -1)  #: Branches in the order of predicted loops, by their direction.
 MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
 CURVES = ("model", MODEL), ("explained", WITH)
 MOST_LOOPS = 12  #: Cycles whose loops are shown at most.
@@ -161,7 +161,7 @@ def residuals(
     """Measured less computed force along the forward and the backward branch of one cycle's loop.
 
     Each is a table of arrays (n,): displacement_um; force_N, mean over the repeats less the computed force; band_N,
-    half-width of the band in which 95 % of tests lie. loops: measured loops of this cycle. course: computed loops, with
+    half-width of the band in which 95 % of tests lie. loops: measured loops of this cycle. computed: loops, with
     this cycle at the index `row`. scatter: standard deviations between tests by name. load_N: normal load.
     """
     found = []

@@ -247,12 +247,12 @@ def remarks(analysed: Sequence[AnalysedLoop]) -> list[str]:
         found = item.figures.notes if item.figures else (f"refused: {item.refusal}",)
         for note in (*item.loop.notes, *found):
             often[note] = often.get(note, 0) + 1
-    course = course_of_regimes(analysed)
+    regimes = regimes_over_cycles(analysed)
     said = [f"{note} ({n} of {len(analysed)} loops)" if n < len(analysed) else note for note, n in often.items()]
-    return said if course is None else [course, *said]
+    return said if regimes is None else [regimes, *said]
 
 
-def course_of_regimes(analysed: Sequence[AnalysedLoop]) -> str | None:
+def regimes_over_cycles(analysed: Sequence[AnalysedLoop]) -> str | None:
     """Sentence on the cycles in which a mixed test slides as a whole; None for other tests."""
     known = [(item.loop.cycle, item.figures) for item in analysed if item.figures is not None]
     if regime_of(figures for _, figures in known) != "mixed":

@@ -19,15 +19,15 @@ from wirewear.results.flat import named_for_users
 from wirewear.results.health import health
 from wirewear.views.run_words import balance, sentence, settings_rows, slope_mm3_per_J
 
-Course = tuple[str, str, str]  #: A column of the evolution, what it is called, and its dashes in SVG.
+Column = tuple[str, str, str]  #: A column of the evolution, what it is called, and its dashes in SVG.
 
-_OF_NODES: tuple[Course, ...] = (
+_OF_NODES: tuple[Column, ...] = (
     ("max_pressure_MPa", "largest at a node", "5 3"),
     ("mid_stroke_pressure_MPa", "at a node at mid-stroke", ""),
 )
 
 #: What a page calls columns of the evolution.
-_COURSES = {
+_COLUMNS = {
     "cycle": "cycle",
     "amplitude": "displacement_amplitude_um",
     "slip": "slip_amplitude_um",
@@ -49,14 +49,14 @@ HERE = Path(__file__).parent
 _SCRIPTS = ("fretting_log", "slider", "run")
 
 
-def pressure_courses(evolution: Mapping[str, Array], settings: Mapping[str, object]) -> tuple[Course, ...]:
+def pressures_shown(evolution: Mapping[str, Array], settings: Mapping[str, object]) -> tuple[Column, ...]:
     """Columns of the evolution for the largest pressure of a cycle and for the pressure at mid-stroke, each with words
     and dashes; averaged over a length if the run has such means. evolution, settings: of the run.
     """
     if PRESSURE_LENGTH not in settings:
         return _OF_NODES
     over = f"mean over {settings[PRESSURE_LENGTH]:.3g} µm"
-    found: tuple[Course, ...] = (
+    found: tuple[Column, ...] = (
         ("max_mean_pressure_MPa", f"largest {over}", "5 3"),
         ("mid_stroke_mean_pressure_MPa", f"{over} at mid-stroke", ""),
     )
@@ -89,11 +89,11 @@ def _data_of_run(result: RunResult, index: int) -> dict[str, object]:
     result = result.computed
     evolution = result.evolution
     columns = {
-        **{name: evolution[column] for name, column in _COURSES.items()},
+        **{name: evolution[column] for name, column in _COLUMNS.items()},
         "worn": worn * result.worn_volume_mm3,
-        "ratio": energy_ratio(*(evolution[_COURSES[name]] for name in ("energy", "amplitude", "force"))),
+        "ratio": energy_ratio(*(evolution[_COLUMNS[name]] for name in ("energy", "amplitude", "force"))),
     }
-    pressures = pressure_courses(result.evolution, result.settings)
+    pressures = pressures_shown(result.evolution, result.settings)
     bodies = result.bodies[::-1]
     return {
         "label": result.label,

@@ -12,7 +12,7 @@ from wirewear.base.errors import RecordError
 from wirewear.diagnosis.fit.values import FittedParameter
 from wirewear.records import AnyRecord
 from wirewear.records.contact_tables import AnyTables
-from wirewear.records.course_checks import accumulated_energy_J
+from wirewear.records.evolution_checks import accumulated_energy_J
 from wirewear.records.surfaces import SCARS
 from wirewear.results.scar import called
 

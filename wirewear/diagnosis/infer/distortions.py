@@ -155,9 +155,9 @@ def families_of(layout: Layout) -> tuple[Family, ...]:
 def columns_of(problem: Problem, setup: SurrogateInputs) -> tuple[tuple[Columns, ...], ...]:
     """For each family that the problem's layout can show, its alternative sets of columns at a setup."""
     layout, states = problem.layout, problem.states
-    course = simulate(states, setup, layout.cycles)
-    base = layout.observed(course)
-    branches = Branches.of(course, setup.amplitude_um, setup.plateau_force_N, setup.motion)
+    loops = simulate(states, setup, layout.cycles)
+    base = layout.observed(loops)
+    branches = Branches.of(loops, setup.amplitude_um, setup.plateau_force_N, setup.motion)
     logged = np.log(np.unique(np.maximum(layout.cycle, 1)).astype(float))
     knots = np.linspace(logged[0], logged[-1], min(KNOTS, logged.size))
     found = []
@@ -171,18 +171,18 @@ def columns_of(problem: Problem, setup: SurrogateInputs) -> tuple[tuple[Columns,
             nowhere = np.zeros(0), np.zeros((0, 0))
             found.append(tuple(Columns(family, 1.0 / len(sets), one, *nowhere) for one in sets))
         else:
-            found.append(_courses(family, problem, setup, base, knots))
+            found.append(_changing_in_time(family, problem, setup, base, knots))
     return tuple(found)
 
 
-def _courses(
+def _changing_in_time(
     family: Family, problem: Problem, setup: SurrogateInputs, base: Array, knots: Array
 ) -> tuple[Columns, ...]:
     """Columns of what changes in time: freely, or, as likely as that, towards a final value as creep and warmth do."""
     free: Array = np.asarray(np.linalg.cholesky(_kernel(knots, 0.0)), dtype=np.float64)
     observed = np.nan_to_num(_in_time(family, problem, setup, base, knots, free))
     found = [Columns(family, 0.5, observed, knots, free)]
-    # Linear in the values at knots, as the free courses are.
+    # Linear in the values at knots, as what changes freely is.
     by_values = observed @ np.linalg.inv(free)
     for late in knots[1:]:
         settling = (1.0 - np.exp(-np.exp(knots - late)))[:, None]
@@ -206,7 +206,7 @@ def _of_shapes(
 def _in_time(
     family: Family, problem: Problem, setup: SurrogateInputs, base: Array, knots: Array, values: Array
 ) -> Array:
-    """Changes (n, k) of the observables by courses of a column through values (j, k) at knots."""
+    """Changes (n, k) of the observables by a column that changes over the cycles through values (j, k) at knots."""
     force = setup.plateau_force_N
     scale = {"": 0.0, "force": force, "compliance": setup.amplitude_um / force}[family.scale]
     moved = (FreeInTime(family.column, knots, _STEP * weights, scale) for weights in values.T)

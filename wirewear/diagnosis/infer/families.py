@@ -65,11 +65,12 @@ class Family:
 class Branches:
     """Computed loops as branches (n, 2, m), with the units of distortions.
 
-    course: the loops. y_um, p_N: displacement and tangential force in the direction of travel. amplitude_um, force_N:
-    amplitude and plateau force, which a distortion of size 1 has. motion: displacement of the drive over time.
+    loops: those without distortion. y_um, p_N: displacement and tangential force in the direction of travel.
+    amplitude_um, force_N: amplitude and plateau force, which a distortion of size 1 has. motion: displacement of the
+    drive over time.
     """
 
-    course: PredictedLoops
+    loops: PredictedLoops
     y_um: Array
     p_N: Array
     amplitude_um: float
@@ -77,12 +78,12 @@ class Branches:
     motion: FastMotion = SINE
 
     @classmethod
-    def of(cls, course: PredictedLoops, amplitude_um: float, force_N: float, motion: FastMotion = SINE) -> Branches:
+    def of(cls, loops: PredictedLoops, amplitude_um: float, force_N: float, motion: FastMotion = SINE) -> Branches:
         """Branches of computed loops; amplitude in µm, plateau force in N."""
         return cls(
-            course,
-            _DIRECTIONS * course.displacement_um,
-            _DIRECTIONS * course.tangential_force_N,
+            loops,
+            _DIRECTIONS * loops.displacement_um,
+            _DIRECTIONS * loops.tangential_force_N,
             amplitude_um,
             force_N,
             motion,
@@ -103,7 +104,7 @@ class Branches:
         tips.
         """
         tips = displacement_um.max(axis=(1, 2), keepdims=True) + displacement_um.min(axis=(1, 2), keepdims=True)
-        return replace(self.course, displacement_um=displacement_um - 0.5 * tips, tangential_force_N=force_N)
+        return replace(self.loops, displacement_um=displacement_um - 0.5 * tips, tangential_force_N=force_N)
 
     def sliding_under(self, added_N: Array, load_share: Array | None = None) -> PredictedLoops:
         """The loops of a contact that resists sliding by `added_N` (n, 2, m) more, in the direction of travel.
@@ -121,10 +122,10 @@ class Branches:
         stretched = (p[:, :, KNEE] - p[:, :, 0]) / np.where(np.abs(rise) > 1e-9, rise, 1.0)
         y = self.y_um.copy()
         y[:, :, :SLIDING] = y[:, :, :1] + (y[:, :, :SLIDING] - y[:, :, :1]) * np.maximum(stretched, 0.0)[:, :, None]
-        course = self._along(y, p)
+        loops = self._along(y, p)
         if load_share is None:
-            return course
-        return replace(course, normal_force_N=course.normal_force_N * (1.0 + load_share))
+            return loops
+        return replace(loops, normal_force_N=loops.normal_force_N * (1.0 + load_share))
 
     def held_with(self, given_um: Array) -> PredictedLoops:
         """The loops of a holder that gives way by `given_um` (n, 2, m) more while the contact sticks, counted from each
@@ -137,10 +138,10 @@ class Branches:
     def _along(self, y_um: Array, p_N: Array) -> PredictedLoops:
         # A later knee swallows the first places of the sliding part.
         forward = np.maximum.accumulate(y_um, axis=2)
-        return replace(self.course, displacement_um=_DIRECTIONS * forward, tangential_force_N=_DIRECTIONS * p_N)
+        return replace(self.loops, displacement_um=_DIRECTIONS * forward, tangential_force_N=_DIRECTIONS * p_N)
 
 
-#: A distortion: the course of branches under so much of it.
+#: A distortion: the loops of branches under so much of it.
 Shape = Callable[[Branches, float], PredictedLoops]
 
 
@@ -148,8 +149,8 @@ def force_read(power: Callable[[Array], Array]) -> Shape:
     """Shape of a force channel that reads Q + size · Q* power(Q/Q*), with Q* the plateau force."""
 
     def shape(b: Branches, size: float) -> PredictedLoops:
-        true = b.course.tangential_force_N
-        return b.read_with(b.course.displacement_um, true + size * b.force_N * power(true / b.force_N))
+        true = b.loops.tangential_force_N
+        return b.read_with(b.loops.displacement_um, true + size * b.force_N * power(true / b.force_N))
 
     return shape
 
@@ -160,9 +161,9 @@ def displacement_read(power: Callable[[Array], Array]) -> Shape:
     """
 
     def shape(b: Branches, size: float) -> PredictedLoops:
-        true = b.course.displacement_um
+        true = b.loops.displacement_um
         read = true + size * b.amplitude_um * power(true / b.amplitude_um)
-        return b.read_with(read, b.course.tangential_force_N)
+        return b.read_with(read, b.loops.tangential_force_N)
 
     return shape
 
@@ -210,7 +211,7 @@ def force_after_play() -> Shape:
     def shape(b: Branches, size: float) -> PredictedLoops:
         half = size * b.force_N
         read = np.maximum(b.p_N - half, b.p_N[:, :, :1] + half)
-        return b.read_with(b.course.displacement_um, _DIRECTIONS * read)
+        return b.read_with(b.loops.displacement_um, _DIRECTIONS * read)
 
     return shape
 
@@ -225,7 +226,7 @@ def displacement_after_play(*, held: bool) -> Shape:
         read = np.maximum(b.y_um - half, b.y_um[:, :, :1] + half)
         if held:
             read = read * b.amplitude_um / (b.amplitude_um - half)
-        return b.read_with(_DIRECTIONS * read, b.course.tangential_force_N)
+        return b.read_with(_DIRECTIONS * read, b.loops.tangential_force_N)
 
     return shape
 
@@ -353,9 +354,9 @@ def worn(share: Callable[[Array], Array]) -> Shape:
     def shape(b: Branches, size: float) -> PredictedLoops:
         changed = {
             body: (x, depth + size * float(depth.max()) * share(x / half_width(x, depth)))
-            for body, (x, depth) in b.course.profiles.items()
+            for body, (x, depth) in b.loops.profiles.items()
         }
-        return replace(b.course, profiles=changed)
+        return replace(b.loops, profiles=changed)
 
     return shape
 
@@ -375,10 +376,9 @@ def aside(power: int) -> Callable[[Array], Array]:
 def widened(b: Branches, size: float) -> PredictedLoops:
     """The loops with worn profiles wider by the share `size` of their width, with the same cross-section."""
     changed = {
-        body: (x, np.interp(x / (1.0 + size), x, depth) / (1.0 + size))
-        for body, (x, depth) in b.course.profiles.items()
+        body: (x, np.interp(x / (1.0 + size), x, depth) / (1.0 + size)) for body, (x, depth) in b.loops.profiles.items()
     }
-    return replace(b.course, profiles=changed)
+    return replace(b.loops, profiles=changed)
 
 
 def half_width(x_um: Array, depth_um: Array) -> float:

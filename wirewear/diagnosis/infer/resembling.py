@@ -72,7 +72,7 @@ def _described(problem: Problem, one: Distortion, probability: float) -> Resembl
     text = (
         f"The gap behaves like a {one.family.name}{beside}: {amount}{at}, {_when(span)}."
         if not one.family.column
-        else f"The gap behaves like a {one.family.name}{beside}, {_course(problem, one)}: {amount}{at}."
+        else f"The gap behaves like a {one.family.name}{beside}, {_over_the_test(problem, one)}: {amount}{at}."
     )
     where = where or part.observable.words
     return Resemblance(str(one.family.seam), one.family.name, round(probability, 3), span, where, text)
@@ -98,7 +98,7 @@ def _amount(part: Part, change: Array, largest: int, *, reads: bool) -> str:
     branch = int(sites.branch[largest])
     value = float(change[largest]) * (branch or 1)
     if isinstance(observable, ProfileDepths):
-        return f"the {sites.wire[largest]} wears too {'much' if value > 0.0 else 'little'}, by {abs(value):.2g} µm"
+        return f"the {sites.body[largest]} wears too {'much' if value > 0.0 else 'little'}, by {abs(value):.2g} µm"
     if observable.unit == "relative":
         return f"{observable.words} {100.0 * abs(np.expm1(value)):.2g} % {'more' if value > 0.0 else 'less'}"
     if observable.unit == "1":
@@ -128,7 +128,7 @@ def _when(span: tuple[int, int]) -> str:
     return f"at cycle {first}" if first == last else f"from cycle {first} to {last}"
 
 
-def _course(problem: Problem, one: Distortion) -> str:
+def _over_the_test(problem: Problem, one: Distortion) -> str:
     """How a quantity goes over the test, relative to the model: "from +12 % to −3 %, most about cycle 1000"."""
     knots, values = one.over_time
     if one.family.scale == "compliance":

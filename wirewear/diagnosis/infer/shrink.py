@@ -172,9 +172,9 @@ def splits(layout: Layout) -> Iterator[Split]:
         everything = np.ones(len(layout), dtype=bool)
         yield Split((), everything, everything)
     # Bodies stand in order, the held one last.
-    names = dict.fromkeys(name for part in layout if part.observable.of_scars for name in part.sites.wire if name)
+    names = dict.fromkeys(name for part in layout if part.observable.of_scars for name in part.sites.body if name)
     if len(names) > 1:
-        of_held = scars & layout.wire(name := [*names][-1])
+        of_held = scars & layout.of_body(name := [*names][-1])
         yield Split((int(layout.cycle[of_held].max()),), of_held, ~of_held, scar=name)
 
 
@@ -319,17 +319,17 @@ def achieved(
     covariance: Covariance,
     observed: Observations,
     before: Shrink,
-    course_at: Callable[[Array], PredictedLoops],
+    loops_at: Callable[[Array], PredictedLoops],
 ) -> tuple[float, float]:
     """Shrink on the held-out cycles by another simulation, and the gap after it in standard deviations of one test.
 
-    before: shrink by the fast model, which says what is held out. course_at: gives the simulation's loops at cycles
+    before: shrink by the fast model, which says what is held out. loops_at: gives the simulation's loops at cycles
     (c,).
     """
     layout = problem.layout
     loops = layout.marked(part for part in layout if part.observable.simulated)
     test = loops & (np.isin(layout.cycle, before.held_out) if before.held_out else True)
-    values = layout.taken(test).observed(course_at(layout.taken(test).cycles))
+    values = layout.taken(test).observed(loops_at(layout.taken(test).cycles))
     scores = HeldOutScores.of(observed, covariance, test)
     base = problem.predicted(problem.setup)
     everywhere = base.copy()

@@ -235,10 +235,8 @@ def physical_gap(
     logged = {loop.cycle for loop in observed.loops}
     used = sorted(logged.intersection(cycles) or logged)
     at = np.array(used, dtype=float)
-    courses = [simulate(states, setup, at) for setup in (before, after)]
-    slip, energy, force = (
-        np.array(rows).T for rows in zip(*(_figures(c, observed, used) for c in courses), strict=True)
-    )
+    both = [simulate(states, setup, at) for setup in (before, after)]
+    slip, energy, force = (np.array(rows).T for rows in zip(*(_figures(c, observed, used) for c in both), strict=True))
     found = {"slip_amplitude_um": slip, "dissipated_energy_percent": energy, "tangential_force_rms_N": force}
     known = {name: values[np.isfinite(values).all(axis=1)] for name, values in found.items()}
     return {name: (float(v[:, 0].mean()), float(v[:, 1].mean())) for name, v in known.items() if v.size} | profiles
@@ -259,14 +257,14 @@ def _profiles(
     return {"profile_depth_um": (first, second)}
 
 
-def _figures(course: PredictedLoops, observed: Observations, cycles: list[int]) -> tuple[Array, Array, Array]:
+def _figures(loops: PredictedLoops, observed: Observations, cycles: list[int]) -> tuple[Array, Array, Array]:
     """Distances at each cycle: half width [µm], area [%], force at equal displacement on the plateaus [N]."""
-    widths = half_width(course.displacement_um, course.tangential_force_N)
-    areas = loop_area(course.displacement_um, course.tangential_force_N)
+    widths = half_width(loops.displacement_um, loops.tangential_force_N)
+    areas = loop_area(loops.displacement_um, loops.tangential_force_N)
     slip, energy, force = [], [], []
     keep = observed.layout.of_kind(PlateauForce) & np.isin(observed.layout.cycle, cycles)
     plateaus = observed.layout.taken(keep)
-    left = np.nanmean(observed.values[:, keep], axis=0) - plateaus.observed(course)
+    left = np.nanmean(observed.values[:, keep], axis=0) - plateaus.observed(loops)
     for row, cycle in enumerate(cycles):
         here = [loop for loop in observed.loops if loop.cycle == cycle]
         slip.append(abs(float(np.mean([loop.half_width_um for loop in here])) - float(widths[row])))

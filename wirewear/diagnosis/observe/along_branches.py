@@ -87,11 +87,11 @@ class Stick(observable.ByLocalLines):
         branch = loop.branches[int(site.branch < 0)]
         return displacement_at(branch, site.level, FORCE_WINDOW * loop.mid_force_N, loop)
 
-    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
+    def predict(self, predicted: PredictedLoops, sites: observable.Sites) -> Array:
         """Displacements (n,) in µm, linear between the model's points; a force beyond a loop's tips gives the end of
         the branch.
         """
-        x, q, row = observable.branches_of(course, sites)
+        x, q, row = observable.branches_of(predicted, sites)
         return sites.branch * read_along(np.maximum.accumulate(q, axis=1), x, row, sites.level)
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
@@ -102,7 +102,7 @@ class Stick(observable.ByLocalLines):
         unsure_N = observable.FORCE_ERROR * loops.scale.force_N
         crossing = loops.travel_um(sites, unsure_N)
         # Where nothing slides as a whole, the branch is all that there is: its zero is a scatter of its own.
-        sticks = loops.course.slip_um[observable.rows_of(loops.course, sites)] == 0.0
+        sticks = loops.predicted.slip_um[observable.rows_of(loops.predicted, sites)] == 0.0
         smooth = 4.0 * unsure_N * loops.stick_compliance_um_per_N(sites)
         crossing = np.where(sticks, np.maximum(crossing - smooth, 0.0), crossing) / np.sqrt(12.0)
         # A drive that repeats itself leaves every branch at the same place of a shelf.
@@ -166,8 +166,8 @@ class ShelfTravel(observable.OfLoops):
         travel, unsure = travel_between(loop.branches[int(site.branch < 0)], site.level)
         return travel, float(np.hypot(np.sqrt(0.5) * unsure, loop.displacement_noise_um))
 
-    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        return observable.travel_um(course, sites, -sites.level, sites.level)
+    def predict(self, predicted: PredictedLoops, sites: observable.Sites) -> Array:
+        return observable.travel_um(predicted, sites, -sites.level, sites.level)
 
     def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
         """Standard deviation (n,) in µm of the error that all repeats share, equal for all sites. It is half the
@@ -182,7 +182,7 @@ class ShelfTravel(observable.OfLoops):
         return np.full(len(sites), np.sqrt(0.5) * usual)
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
-        return observable.SolverSize(TRAVEL_SHARE * self.predict(loops.course, sites), hooked=False)
+        return observable.SolverSize(TRAVEL_SHARE * self.predict(loops.predicted, sites), hooked=False)
 
 
 def travel_between(branch: ObservedBranch, level_N: float) -> tuple[float, float]:
@@ -281,8 +281,8 @@ class PlateauForce(observable.ByLocalLines):
         branch = replace(branch, knee=0) if loop.sticks else branch
         return force_at(branch, branch.sign * site.level, window_um, loop.sample_noise_N, loop.correlation)
 
-    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        x, q, row = observable.branches_of(course, sites)
+    def predict(self, predicted: PredictedLoops, sites: observable.Sites) -> Array:
+        x, q, row = observable.branches_of(predicted, sites)
         return sites.branch * read_along(still_to_come(x), q, row, self.along(sites))
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
@@ -319,9 +319,9 @@ class KneePeak(observable.OfLoops):
         peak, weight = peak_N(x - x[0], branch.force_N[branch.knee :], loop.amplitude_um, loop.correlation)
         return branch.sign * peak, loop.sample_noise_N * weight
 
-    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        peaks = computed_peaks_N(course.displacement_um, course.tangential_force_N)
-        return np.asarray(sites.branch * peaks[observable.rows_of(course, sites), (sites.branch < 0).astype(int)])
+    def predict(self, predicted: PredictedLoops, sites: observable.Sites) -> Array:
+        peaks = computed_peaks_N(predicted.displacement_um, predicted.tangential_force_N)
+        return np.asarray(sites.branch * peaks[observable.rows_of(predicted, sites), (sites.branch < 0).astype(int)])
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
         """Solver differences in N at the beginning of a wall, which depend on element size, but hardly on the wall's
@@ -329,7 +329,7 @@ class KneePeak(observable.OfLoops):
         """
         rise = loops.rise_N(sites)
         high = rise / (1.0 + rise / (WALL_HEIGHT * loops.scale.force_N))
-        size = PEAK_SHARE * np.abs(self.predict(loops.course, sites))
+        size = PEAK_SHARE * np.abs(self.predict(loops.predicted, sites))
         return observable.SolverSize(np.hypot(size, PEAK_SHARE * high))
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002

@@ -68,11 +68,11 @@ class _OfNormalForce(OfLoops):
         return np.full(predicted.size, setup.load_N)
 
 
-def _loads_of(course: PredictedLoops) -> Array:
+def _loads_of(predicted: PredictedLoops) -> Array:
     """Mean normal forces (n, 2) of both branches while sliding or, where the load varies, over the displacement."""
-    p = course.normal_force_N
+    p = predicted.normal_force_N
     if load_varies(p):
-        return np.asarray(mean_load(course.displacement_um, p))
+        return np.asarray(mean_load(predicted.displacement_um, p))
     return np.asarray(p[:, :, SLIDING:].mean(axis=2))
 
 
@@ -88,8 +88,8 @@ class NormalForce(_OfNormalForce):
             return np.nan, np.nan
         return float(np.mean(loop.normal_N)), loop.normal_error_N / float(np.sqrt(2.0))
 
-    def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        return np.asarray(_loads_of(course).mean(axis=1)[rows_of(course, sites)])
+    def predict(self, predicted: PredictedLoops, sites: Sites) -> Array:
+        return np.asarray(_loads_of(predicted).mean(axis=1)[rows_of(predicted, sites)])
 
 
 class NormalForceByDirection(_OfNormalForce):
@@ -106,9 +106,9 @@ class NormalForceByDirection(_OfNormalForce):
             return np.nan, np.nan
         return loop.normal_N[0] - loop.normal_N[1], loop.normal_error_N * float(np.sqrt(2.0))
 
-    def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        forward, backward = _loads_of(course).T
-        return np.asarray(forward - backward)[rows_of(course, sites)]
+    def predict(self, predicted: PredictedLoops, sites: Sites) -> Array:
+        forward, backward = _loads_of(predicted).T
+        return np.asarray(forward - backward)[rows_of(predicted, sites)]
 
 
 class _AlongStroke(OfLoops):
@@ -145,13 +145,13 @@ class _AlongStroke(OfLoops):
         # A median of normal deviates scatters by a factor √(π/2) more than their mean.
         return 0.5 * sum(values), float(0.5 * np.sqrt(0.5 * np.pi * sum(variances)))
 
-    def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        x, load = course.displacement_um, course.normal_force_N[..., SLIDING:]
+    def predict(self, predicted: PredictedLoops, sites: Sites) -> Array:
+        x, load = predicted.displacement_um, predicted.normal_force_N[..., SLIDING:]
         place = x[..., SLIDING:] / (0.5 * np.ptp(x, axis=(1, 2)))[:, None, None]
         one, other = (_medians(load, part) for part in self.parts(place))
         both = np.isfinite(one) & np.isfinite(other)
         found: Array = 0.5 * np.subtract(one, other, out=np.zeros_like(one), where=both).sum(axis=1)
-        return found[rows_of(course, sites)]
+        return found[rows_of(predicted, sites)]
 
 
 def _medians(values: Array, chosen: BoolArray) -> Array:
@@ -202,9 +202,9 @@ class Amplitude(OfLoops):
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:  # noqa: ARG002
         return loop.amplitude_um, loop.amplitude_error_um
 
-    def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        x = course.displacement_um
-        return np.asarray(0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2))))[rows_of(course, sites)]
+    def predict(self, predicted: PredictedLoops, sites: Sites) -> Array:
+        x = predicted.displacement_um
+        return np.asarray(0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2))))[rows_of(predicted, sites)]
 
 
 class EvolutionFigure(Observable):
@@ -252,8 +252,8 @@ class EvolutionFigure(Observable):
         """
         return 0.0
 
-    def predict(self, course: PredictedLoops, sites: Sites) -> Array:
-        return self.of_loops(course.displacement_um, course.tangential_force_N)[rows_of(course, sites)]
+    def predict(self, predicted: PredictedLoops, sites: Sites) -> Array:
+        return self.of_loops(predicted.displacement_um, predicted.tangential_force_N)[rows_of(predicted, sites)]
 
 
 class Energy(EvolutionFigure):

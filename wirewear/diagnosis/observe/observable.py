@@ -2,7 +2,7 @@
 
 Each number is read at a site: a cycle, a branch and a level on it, or a scar. A branch is one direction of a loop, +1
 towards +x and −1 back. Zones are parts of a loop, or channels, by which gaps are located. Loops computed under a setup
-(inputs of the fast model) form a course over the cycles. A new observable is a subclass of `Observable` and an entry in
+(inputs of the fast model) give loops over the cycles. A new observable is a subclass of `Observable` and an entry in
 `reduction.py`, or an installed package's entry point.
 """
 
@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array, BoolArray, IntArray
+from wirewear.base.errors import renamed
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe.local_lines import LocalLine
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
@@ -43,13 +44,13 @@ class Site:
     """Place where one number is read.
 
     cycle: after which. branch: +1, −1, or 0 for the whole loop. level: a displacement or force as the observable
-    defines it, else 0. wire, figure: body and quantity of a scar; "" for loops.
+    defines it, else 0. body, figure: body and quantity of a scar; "" for loops.
     """
 
     cycle: int
     branch: int = 0
     level: float = 0.0
-    wire: str = ""
+    body: str = ""
     figure: str = ""
 
 
@@ -60,7 +61,7 @@ class Sites:
     cycle: IntArray
     branch: IntArray
     level: Array
-    wire: NDArray[np.str_]
+    body: NDArray[np.str_]
     figure: NDArray[np.str_]
 
     @classmethod
@@ -70,7 +71,7 @@ class Sites:
             np.array([site.cycle for site in sites], dtype=np.int64),
             np.array([site.branch for site in sites], dtype=np.int64),
             np.array([site.level for site in sites], dtype=float),
-            np.array([site.wire for site in sites], dtype=np.str_),
+            np.array([site.body for site in sites], dtype=np.str_),
             np.array([site.figure for site in sites], dtype=np.str_),
         )
 
@@ -78,9 +79,9 @@ class Sites:
         return self.cycle.size
 
     def __iter__(self) -> Iterator[Site]:
-        columns = (self.cycle, self.branch, self.level, self.wire, self.figure)
-        for cycle, branch, level, wire, figure in zip(*(column.tolist() for column in columns), strict=True):
-            yield Site(cycle, branch, level, wire, figure)
+        columns = (self.cycle, self.branch, self.level, self.body, self.figure)
+        for cycle, branch, level, body, figure in zip(*(column.tolist() for column in columns), strict=True):
+            yield Site(cycle, branch, level, body, figure)
 
     def repeated(self, times: int, cycles: int) -> Sites:
         """These sites `times` times over, `cycles` being added to the cycles of the second copy, twice that to the
@@ -91,7 +92,7 @@ class Sites:
 
     def taken(self, keep: BoolArray | NDArray[np.intp]) -> Sites:
         """The sites that a mask (n,) or an array of indices chooses."""
-        return Sites(self.cycle[keep], self.branch[keep], self.level[keep], self.wire[keep], self.figure[keep])
+        return Sites(self.cycle[keep], self.branch[keep], self.level[keep], self.body[keep], self.figure[keep])
 
     @cached_property
     def branches(self) -> list[tuple[int, int, NDArray[np.intp]]]:
@@ -100,9 +101,9 @@ class Sites:
         return [(*pair, np.flatnonzero((self.cycle == pair[0]) & (self.branch == pair[1]))) for pair in pairs]
 
 
-def rows_of(course: PredictedLoops, sites: Sites) -> NDArray[np.intp]:
-    """Row (n,) of a course that holds each site's cycle."""
-    return np.searchsorted(course.cycles, sites.cycle)
+def rows_of(predicted: PredictedLoops, sites: Sites) -> NDArray[np.intp]:
+    """Row (n,) of the predicted loops that holds each site's cycle."""
+    return np.searchsorted(predicted.cycles, sites.cycle)
 
 
 @dataclass(frozen=True)
@@ -148,52 +149,60 @@ class ModelLoops:
     """Computed loops, and the inputs of the fast model that gave them."""
 
     setup: SurrogateInputs
-    course: PredictedLoops
+    predicted: PredictedLoops
+
+    @property
+    def course(self) -> PredictedLoops:
+        """Former name of `predicted`; warns with DeprecationWarning."""
+        renamed("ModelLoops.course", "ModelLoops.predicted")
+        return self.predicted
 
     @cached_property
     def scale(self) -> Scale:
         """Displacement amplitude of the setup in µm, and the smallest of the loops' largest forces in N."""
-        force = np.abs(self.course.tangential_force_N).max(axis=(1, 2))
+        force = np.abs(self.predicted.tangential_force_N).max(axis=(1, 2))
         return Scale(self.setup.amplitude_um, float(force.min()))
 
     def rise_N(self, sites: Sites) -> Array:
         """Force (n,) in N, at each site's cycle, that the scar's slopes add between mid-stroke and the end of the
         branch towards +x.
         """
-        return self._rise_N[rows_of(self.course, sites)]
+        return self._rise_N[rows_of(self.predicted, sites)]
 
     def stick_compliance_um_per_N(self, sites: Sites) -> Array:
         """Travel over rise in force (n,) in µm/N, at each site's cycle, of the branch towards +x until it slides."""
-        x, q = self.course.displacement_um, self.course.tangential_force_N
+        x, q = self.predicted.displacement_um, self.predicted.tangential_force_N
         travel, rise = (values[:, 0, SLIDING] - values[:, 0, 0] for values in (x, q))
-        return np.asarray(travel / np.maximum(rise, 1e-9))[rows_of(self.course, sites)]
+        return np.asarray(travel / np.maximum(rise, 1e-9))[rows_of(self.predicted, sites)]
 
     def travel_um(self, sites: Sites, force_N: float) -> Array:
         """Displacement (n,) in µm that each site's branch covers while the force in its direction of travel rises from
         `level` − `force_N` to `level` + `force_N`; forces beyond its ends count as those.
         """
-        return travel_um(self.course, sites, sites.level - force_N, sites.level + force_N)
+        return travel_um(self.predicted, sites, sites.level - force_N, sites.level + force_N)
 
     @cached_property
     def _rise_N(self) -> Array:
-        force = self.course.tangential_force_N
+        force = self.predicted.tangential_force_N
         return np.asarray(force[:, 0, -1] - force[:, 0, MIDDLE])
 
 
-def branches_of(course: PredictedLoops, sites: Sites) -> tuple[Array, Array, NDArray[np.intp]]:
+def branches_of(predicted: PredictedLoops, sites: Sites) -> tuple[Array, Array, NDArray[np.intp]]:
     """Displacements in µm and forces in N (r, m) of all branches in their direction of travel, and the row (n,) of each
     site's branch; sites of whole loops get the branch towards +x.
     """
-    sign, points = np.array([1.0, -1.0])[:, None], course.displacement_um.shape[-1]
-    x, q = ((sign * channel).reshape(-1, points) for channel in (course.displacement_um, course.tangential_force_N))
-    return x, q, 2 * rows_of(course, sites) + (sites.branch < 0)
+    sign, points = np.array([1.0, -1.0])[:, None], predicted.displacement_um.shape[-1]
+    x, q = (
+        (sign * channel).reshape(-1, points) for channel in (predicted.displacement_um, predicted.tangential_force_N)
+    )
+    return x, q, 2 * rows_of(predicted, sites) + (sites.branch < 0)
 
 
-def travel_um(course: PredictedLoops, sites: Sites, low_N: Array, high_N: Array) -> Array:
+def travel_um(predicted: PredictedLoops, sites: Sites, low_N: Array, high_N: Array) -> Array:
     """Displacement (n,) in µm that each site's branch covers between two forces (n,) in N, given in the direction of
     travel.
     """
-    x, q, row = branches_of(course, sites)
+    x, q, row = branches_of(predicted, sites)
     rising = np.maximum.accumulate(q, axis=1)
     return read_along(rising, x, row, high_N) - read_along(rising, x, row, low_N)
 
@@ -241,9 +250,9 @@ class Observable(ABC):
         """
 
     @abstractmethod
-    def predict(self, course: PredictedLoops, sites: Sites) -> Array:
+    def predict(self, predicted: PredictedLoops, sites: Sites) -> Array:
         """Values (n,) from computed loops, which must hold all of the sites' cycles. Loops of several setups come as
-        one course with further cycles; scars and profiles (`of_scars`) one setup at a time.
+        one set of loops with further cycles; scars and profiles (`of_scars`) one setup at a time.
         """
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002

@@ -23,7 +23,7 @@ from wirewear.loops import LoopError
 from wirewear.loops.noise import outliers, sample_noise
 from wirewear.records import AnyRecord, MeasuredEvolution, MeasuredLoop, MeasuredProfile, MeasuredScar
 from wirewear.records.checking import analysed
-from wirewear.records.course_checks import other_definitions
+from wirewear.records.evolution_checks import other_definitions
 from wirewear.records.remarks import of_equal_times
 
 _KNOWN = constants("observe.observed_record.reading")

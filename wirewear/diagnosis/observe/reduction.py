@@ -181,9 +181,9 @@ class Layout:
             marked[part.rows] = True
         return marked
 
-    def wire(self, name: str) -> BoolArray:
+    def of_body(self, name: str) -> BoolArray:
         """Marks (n,) of the numbers read from the scar of the body `name`."""
-        return np.concatenate([np.zeros(0, dtype=bool), *(part.sites.wire == name for part in self)])
+        return np.concatenate([np.zeros(0, dtype=bool), *(part.sites.body == name for part in self)])
 
     def taken(self, keep: BoolArray) -> Layout:
         """Layout of the numbers marked in `keep` (n,), in their order."""
@@ -193,9 +193,9 @@ class Layout:
         """Name (n,) of each number's zone; amplitude_um: displacement amplitude, the unit of places in a loop."""
         return np.concatenate([part.observable.zone(part.sites, amplitude_um) for part in self])
 
-    def observed(self, course: PredictedLoops) -> Array:
+    def observed(self, predicted: PredictedLoops) -> Array:
         """Numbers (n,) of computed loops, which must hold all of `cycles`."""
-        return np.asarray(self._observed([course])[0])
+        return np.asarray(self._observed([predicted])[0])
 
     def computed(self, states: WearStates, *setups: SurrogateInputs) -> Array:
         """Numbers (k, n) that the fast model predicts under k setups."""
@@ -203,18 +203,18 @@ class Layout:
         found = [self._observed(simulated(states, part, self.cycles)) for part in parts]
         return np.concatenate([np.zeros((0, len(self))), *found])
 
-    def _observed(self, courses: Sequence[PredictedLoops]) -> Array:
-        """Numbers (k, n) of k courses; their loops are joined to one course with shifted cycles to be read at once."""
-        count, whole = len(courses), int(courses[0].cycles[-1]) + 1
+    def _observed(self, predictions: Sequence[PredictedLoops]) -> Array:
+        """Numbers (k, n) of k predictions; their loops are joined to one with shifted cycles to be read at once."""
+        count, whole = len(predictions), int(predictions[0].cycles[-1]) + 1
         each: dict[str, Any] = {
-            name: np.concatenate([getattr(course, name) for course in courses]) for name in OF_LOOPS
+            name: np.concatenate([getattr(predicted, name) for predicted in predictions]) for name in OF_LOOPS
         }
-        cycles = np.concatenate([course.cycles + whole * place for place, course in enumerate(courses)])
-        loops = replace(courses[0], cycles=cycles, **each)
+        cycles = np.concatenate([predicted.cycles + whole * place for place, predicted in enumerate(predictions)])
+        loops = replace(predictions[0], cycles=cycles, **each)
         found = [np.zeros((count, 0))]
         for part in self:
             if part.observable.of_scars:
-                found.append(np.stack([part.observable.predict(course, part.sites) for course in courses]))
+                found.append(np.stack([part.observable.predict(predicted, part.sites) for predicted in predictions]))
             else:
                 sites = part.sites.repeated(count, whole) if count > 1 else part.sites
                 found.append(part.observable.predict(loops, sites).reshape(count, -1))

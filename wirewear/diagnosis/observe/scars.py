@@ -94,7 +94,7 @@ class ScarFigures(_OfScars):
                 # That nothing is worn says that nothing is deeper than the error of a depth.
                 least = DEPTH_ERROR_um if site.figure == "depth" else 0.0
                 figure = max(figures[site.figure], least)
-                if site.wire == scar.body and figure > 0.0:
+                if site.body == scar.body and figure > 0.0:
                     values[place] = np.log(figure)
                     noise[place] = np.hypot(FIGURE_ERROR, _shallow(figures, least))
         return values, noise
@@ -107,13 +107,13 @@ class ScarFigures(_OfScars):
         for scar in reading.scars:
             raised = 3.0 * noise_um(scar.depth_um) / max(scar.figures["depth"], DEPTH_ERROR_um)
             if raised > 1.0 / STANDS_OUT:
-                off[(sites.wire == scar.body) & (sites.figure == "depth")] = raised
+                off[(sites.body == scar.body) & (sites.figure == "depth")] = raised
         return off
 
-    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
+    def predict(self, predicted: PredictedLoops, sites: observable.Sites) -> Array:
         figure = np.array([SCAR_FIGURES.index(name) for name in sites.figure], dtype=int)
         least = np.where(figure == SCAR_FIGURES.index("depth"), DEPTH_ERROR_um, 1e-6)
-        return np.asarray(np.log(np.maximum(course.scars[sites.level.astype(int), figure], least)))
+        return np.asarray(np.log(np.maximum(predicted.scars[sites.level.astype(int), figure], least)))
 
 
 class ScarSkew(_OfScars):
@@ -129,19 +129,19 @@ class ScarSkew(_OfScars):
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
         values, noise = np.full((2, len(sites)), np.nan)
         for scar in maps_of(reading, repeat):
-            values[sites.wire == scar.body] = scar_skew(scar.x_um, scar.y_um, scar.worn_um)
-            noise[sites.wire == scar.body] = _shallow(scar.figures) * SHALLOW_SKEW
+            values[sites.body == scar.body] = scar_skew(scar.x_um, scar.y_um, scar.worn_um)
+            noise[sites.body == scar.body] = _shallow(scar.figures) * SHALLOW_SKEW
         return values, noise
 
-    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
-        return np.asarray(course.skew[sites.level.astype(int)])
+    def predict(self, predicted: PredictedLoops, sites: observable.Sites) -> Array:
+        return np.asarray(predicted.skew[sites.level.astype(int)])
 
 
 def _of_bodies(reading: Reading) -> list[observable.Site]:
     """One site for each body that has maps; its level is the body's index."""
     worn = {scar.body for scar in reading.scars}
     names = enumerate(reading.body_names)
-    return [observable.Site(reading.last_cycle, level=float(place), wire=body) for place, body in names if body in worn]
+    return [observable.Site(reading.last_cycle, level=float(place), body=body) for place, body in names if body in worn]
 
 
 def maps_of(reading: Reading, repeat: int) -> list[MeasuredScar]:
@@ -225,7 +225,7 @@ class ProfileDepths(observable.Observable):
             if own:
                 half = float(np.median([one.half_width_um for one in own]))
                 places = sorted({side * half * at for at in PLACES for side in (-1.0, 1.0)})
-                found += [observable.Site(reading.last_cycle, level=place, wire=body) for place in places]
+                found += [observable.Site(reading.last_cycle, level=place, body=body) for place in places]
         return found
 
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
@@ -238,7 +238,7 @@ class ProfileDepths(observable.Observable):
                 continue
             one = read_profile(profile)
             reach = 0.5 * BIN * one.half_width_um
-            for place in np.flatnonzero(sites.wire == profile.body):
+            for place in np.flatnonzero(sites.body == profile.body):
                 level = float(sites.level[place])
                 if not one.x_um[0] <= level <= one.x_um[-1]:
                     continue
@@ -248,10 +248,10 @@ class ProfileDepths(observable.Observable):
                 noise[place] = one.error_of(count, reading.depth_noise_um)
         return values, noise
 
-    def predict(self, course: PredictedLoops, sites: observable.Sites) -> Array:
+    def predict(self, predicted: PredictedLoops, sites: observable.Sites) -> Array:
         values = np.zeros(len(sites))
-        for body, (x, depth) in course.profiles.items():
-            own = sites.wire == body
+        for body, (x, depth) in predicted.profiles.items():
+            own = sites.body == body
             values[own] = np.interp(sites.level[own], x, depth, left=0.0, right=0.0)
         return values
 
@@ -260,8 +260,8 @@ class ProfileDepths(observable.Observable):
         half-width.
         """
         size = np.zeros(len(sites))
-        for body, (x, depth) in loops.course.profiles.items():
-            own = sites.wire == body
+        for body, (x, depth) in loops.predicted.profiles.items():
+            own = sites.body == body
             if not own.any():
                 continue
             slope = np.abs(np.gradient(depth, x))
@@ -278,7 +278,7 @@ class ProfileDepths(observable.Observable):
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
         """Correlation of solver differences along each body's scar; none between bodies."""
-        family = np.array([BODIES.index(body) for body in sites.wire], dtype=np.intp)
+        family = np.array([BODIES.index(body) for body in sites.body], dtype=np.intp)
         along = places_of(sites) / observable.REACH
         return replace(observable.Smoothness.of_whole_loops(len(sites)), along=along, family=family)
 
@@ -289,7 +289,7 @@ class ProfileDepths(observable.Observable):
         off = np.zeros(len(sites))
         for body in BODIES:
             own = [read_profile(one).zero_um for one in reading.profiles if one.body == body and _holds_enough(one)]
-            off[sites.wire == body] = float(np.median(own)) if own else 0.0
+            off[sites.body == body] = float(np.median(own)) if own else 0.0
         return off
 
 
@@ -297,7 +297,7 @@ def places_of(sites: observable.Sites) -> Array:
     """Places (n,) of sites across the scar, over the half-width of their body's scar."""
     places = np.zeros(len(sites))
     for body in BODIES:
-        own = sites.wire == body
+        own = sites.body == body
         if own.any():
             places[own] = sites.level[own] / _half_width(sites.level[own])
     return places

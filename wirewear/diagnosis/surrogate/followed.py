@@ -50,11 +50,11 @@ class CyclePath:
     @classmethod
     def of(cls, motion: FastMotion, load: LoadCycle, *, swings: bool = False) -> CyclePath:
         """The path of a drive and a load; swings: with instants so near that a holder's swinging is followed."""
-        return _course(motion, load, swings)
+        return _path(motion, load, swings)
 
 
 @lru_cache(maxsize=64)
-def _course(motion: FastMotion, load: LoadCycle, swings: bool) -> CyclePath:
+def _path(motion: FastMotion, load: LoadCycle, swings: bool) -> CyclePath:
     # Corners that few harmonics round off are the ends of a rest; what is left of their ripple counts as one.
     sharp = motion.before(0.0)
     rest = _RESTS if sharp.harmonics.size > motion.harmonics.size else _RESTS / 10.0
@@ -98,7 +98,7 @@ class Followed:
 
 
 def followed(
-    contact: SlidingContact, chain: Chain, course: CyclePath, slip_um: Array, stroke_um: Array, frequency_Hz: float
+    contact: SlidingContact, chain: Chain, path: CyclePath, slip_um: Array, stroke_um: Array, frequency_Hz: float
 ) -> Followed:
     """Contacts under the test's load, behind springs, play and inertia, whose drive moves by `stroke_um` (n,) to either
     side. slip_um: (n,) slip amplitudes over which the contact's curves reach.
@@ -110,15 +110,15 @@ def followed(
     curves = Curves(slip_um[:, None] * POSITIONS, contact.yielding_um_per_N[:, None] * wall, wall, friction, load)
     inertia = 1e-6 * chain.mass_kg * (2.0 * np.pi * frequency_Hz) ** 2
     q, p, slid, mobile, energy = through(
-        course.phase, course.drive, course.load, stroke_um, Rows(full_um, contact.order), curves,
+        path.phase, path.drive, path.load, stroke_um, Rows(full_um, contact.order), curves,
         Rig(contact.springs_um_per_N, chain.free_play_um, inertia),
     )  # fmt: skip
-    x = stroke_um[:, None] * course.drive
+    x = stroke_um[:, None] * path.drive
     # The branch towards +x is the second stroke.
-    strokes = slice(course.turn, None), slice(0, course.turn + 1)
+    strokes = slice(path.turn, None), slice(0, path.turn + 1)
     branches = [
         _branch(
-            course.phase[own], np.flatnonzero(course.bends[own]), sign * mobile[:, own], x[:, own], q[:, own], p[:, own]
+            path.phase[own], np.flatnonzero(path.bends[own]), sign * mobile[:, own], x[:, own], q[:, own], p[:, own]
         )
         for sign, own in zip((1.0, -1.0), strokes, strict=True)
     ]

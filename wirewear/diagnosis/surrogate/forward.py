@@ -42,7 +42,7 @@ _LIFT = np.stack([sensing.POSITIONS**power for power in LIFT_POWERS])
 _ENDS = sensing.POSITIONS**4 - 0.2
 
 
-#: Columns of a course that are of its loops.
+#: Columns of what is predicted that are of its loops.
 OF_LOOPS = "displacement_um", "tangential_force_N", "normal_force_N", "slip_um", "energy_mJ", "volume_um3"
 
 
@@ -152,8 +152,8 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     if not in_time[0]:
         true = *sensing.branches_of(contact, chain, slip[at]), sensing.loads_of(contact)
     else:
-        course = _followed(setup, chain, contact, slip[at])
-        true = course.displacement_um, course.force_N, course.load_N
+        found = _followed(setup, chain, contact, slip[at])
+        true = found.displacement_um, found.force_N, found.load_N
     loops = sensing.read_by_sensors(setup, chain, *true, contact.share)
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
     reach = states.reach(np.maximum(slip[ends], [LEAST_SLIP * one.amplitude_um for one in setups]))
@@ -205,8 +205,8 @@ def _wear_path(
                 slip, share = driven(setup, chain, contact, slip)
                 energy = sensing.loop_energy(replace(contact, share=share), slip)
             else:
-                course = _followed(setup, chain, contact, slip)
-                slip, share, energy = course.slip_um, course.share, course.energy_mJ
+                found = _followed(setup, chain, contact, slip)
+                slip, share, energy = found.slip_um, found.share, found.energy_mJ
     return chains, slip, energy, share
 
 
@@ -276,7 +276,7 @@ def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
 
 def _followed(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Followed:
     """The cycle under a load that varies, by which a drive holds what it holds."""
-    course = CyclePath.of(setup.motion, setup.load_cycle, swings=bool(chain.mass_kg.any()))
+    path = CyclePath.of(setup.motion, setup.load_cycle, swings=bool(chain.mass_kg.any()))
     slip = np.maximum(slip, LEAST_SLIP * setup.amplitude_um)
     held, stroke = bool(setup.held) & np.isnan(chain.amplitude_um), np.array(chain.amplitude_um)
     stroke[held] = np.asarray(setup.amplitude_um)[held]
@@ -284,14 +284,14 @@ def _followed(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingCont
     target = np.where(held, setup.held_share * setup.amplitude_um, chain.amplitude_um)
     if reads:
         stroke = stroke / chain.gain
-    found = followed(contact, chain, course, slip, stroke, setup.frequency_Hz)
+    found = followed(contact, chain, path, slip, stroke, setup.frequency_Hz)
     # Sweeps of a stroke against what a drive holds in place of it, where the load varies within the cycle.
     for _ in range(3 if reads or held.any() else 0):
         if reads:
             stroke = stroke + (target - half_reading(chain, found.displacement_um, found.force_N)) / chain.gain
         else:
             stroke = np.where(held, stroke + missing_of(setup, chain, contact, found, target), stroke)
-        found = followed(contact, chain, course, slip, stroke, setup.frequency_Hz)
+        found = followed(contact, chain, path, slip, stroke, setup.frequency_Hz)
     return found
 
 

@@ -197,7 +197,7 @@ def read_by_sensors(
         )
     )
     if tilt.any():
-        # A wire that climbs presses the loading spring, and friction follows the load.
+        # A body that climbs presses the loading spring, and friction follows the load.
         holder = chain.compliance_um_per_N[:, None, None]
         relative, p = x - holder * q, np.maximum(p, PLAY_FORCE_N)
         share = 1.0 + normal_spring * np.tan(tilt) * relative / p
