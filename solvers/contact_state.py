@@ -40,7 +40,7 @@ class WearState:
 
     @property
     def prints(self) -> tuple[Array | None, Array | None]:
-        """The prints of (primary, secondary), None for an elastic body."""
+        """Prints, permanent depths by yielding, of (primary, secondary); None for an elastic body."""
         return self.primary_print, self.secondary_print
 
 

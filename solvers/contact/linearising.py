@@ -139,7 +139,9 @@ def stuck_share(problem: ContactProblem, state: ContactState) -> float:
 
 
 def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairing, traction: Array) -> LayersAtNodes:
-    """The layers at k paired nodes, and what yields there, before an increment; traction: (k, 3) in MPa then."""
+    """The layers at k paired nodes, with the limits that yielding sets there. traction: (k, 3) in MPa, before the
+    increment.
+    """
     own = state.wear.primary_depth.ravel()[pairing.nodes]
     other = pairing.opposite.averaged(state.wear.secondary_depth.ravel()) / pairing.areas
     yielding = yield_between(problem, state, pairing)
@@ -147,7 +149,9 @@ def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairin
 
 
 def yield_between(problem: ContactProblem, state: ContactState, pairing: Pairing) -> YieldAtNodes | None:
-    """Pressure limits at k paired nodes with the prints that they have; None where nothing yields."""
+    """The pressure at which metal yields at k paired nodes, by the permanent depths that it already has; None for
+    elastic bodies.
+    """
     primary, secondary = state.wear.prints
     if problem.limit is None or primary is None or secondary is None:
         return None

@@ -78,7 +78,7 @@ class ContactProblem:
         return Friction(self.friction, self.friction_law)
 
     def forget(self) -> None:
-        """Drop what was gathered and paired in increments before."""
+        """Drop matrices and pairings that were kept from earlier increments."""
         for body in (self.primary, self.secondary):
             body.forget()
 

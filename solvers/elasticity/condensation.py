@@ -161,7 +161,8 @@ def one_side(mesh: HexMesh | QuadMesh, planes: tuple[int, ...]) -> tuple[HexMesh
 
 def held_on_planes(piece: HexMesh | QuadMesh, planes: tuple[int, ...]) -> BoolArray:
     """(2^p, 3 n) True for unknowns of a piece that are zero on its p planes: a motion even about a plane has no
-    displacement across it there, an odd one none along it. Even before odd, the last plane changing first.
+    displacement across it there, an odd one none along it. Rows: all combinations of even and odd, even first; the last
+    plane's changes from row to row.
     """
     ways = []
     for odds in product((False, True), repeat=len(planes)):

@@ -114,7 +114,7 @@ class PlacedBody:
         return []
 
     def forget(self) -> None:
-        """Drop what was gathered or paired before."""
+        """Drop matrices and pairings that were kept from earlier increments."""
         for latest in (self.latest_block, self.latest_pairing, self.latest_compliance):
             latest.clear()
 

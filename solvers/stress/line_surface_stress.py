@@ -33,7 +33,7 @@ class LineSurfaceStress:
 
     @classmethod
     def of(cls, body: PlanarMesh, material: Elastic) -> "LineSurfaceStress":
-        """From a meshed pad or specimen of this material."""
+        """The surface of a meshed pad or specimen of this material."""
         geometry = body.geometry
         return cls(body.mesh, body.patch, material, (float(geometry.layers()[0]), geometry.growth))
 

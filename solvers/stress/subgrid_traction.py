@@ -297,9 +297,9 @@ def half_space_stress(places: Array, size: Array, square: Array, ratio: Array, r
 
     size: (2,) of an element; only its proportion counts. square, ratio: see `SubgridTraction`; without `rooted` the
     traction is `ratio` alone, bilinear between nodes. Only tractions nearer than eight mean elements count. The kernels
-    go with one over the distance squared, so a ray contributes the integral of the traction over the distance, less the
-    point's own, weighted by harmonics of its direction. The distance is a square: roots at the contact's edge are
-    smooth in it.
+    fall with the square of the distance r. So each ray from a point contributes the integral of (traction - traction at
+    the point) / r over r, times harmonics of the ray's direction. It is taken over √r, in which tractions that vanish
+    at the contact's edge as a square root are smooth.
     """
     result = np.zeros((len(places), 6))
     cells, loaded = _cells(square, ratio, rooted)

@@ -50,7 +50,7 @@ class SurfaceStress:
 
     @classmethod
     def of(cls, body: BodyMesh, material: Elastic) -> "SurfaceStress":
-        """From a meshed body of this material."""
+        """The surface of a meshed body of this material."""
         return cls(body.mesh, body.patch, material, body.geometry.layers)
 
     @cached_property

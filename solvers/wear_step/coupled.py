@@ -64,7 +64,7 @@ class _Block:
 
 @dataclass(frozen=True)
 class _Factors:
-    """What solves equations between some unknowns.  usual: the median of the diagonal of their pressures.
+    """Factors that solve the equations of some unknowns.  usual: the median of the diagonal of their pressures.
     work: (nodes, a) sparse, work on the nodes that matter by each pressure.
     """
 
@@ -148,7 +148,7 @@ class SimilarEquations:
             return None
 
         def approximate(residual: Array) -> Array:
-            """What solves the equations up to what has changed."""
+            """Approximate solution of the equations, by the factors of an earlier matrix."""
             load, rest = np.zeros(len(known.unknowns)), residual / row
             load[there], answer = rest[here], rest / known.usual
             answer[here] = known.solved(load)[there]

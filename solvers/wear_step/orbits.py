@@ -212,7 +212,9 @@ def _relative_motion(
 
 
 class Opening(NamedTuple):
-    """From wear work at N unknowns to the gap along z that it opens at them, over the n nodes of both patches."""
+    """Linear map from wear work at N unknowns to the gap along z that it opens at them, by way of the n nodes of both
+    patches.
+    """
 
     #: (N, n) sparse, mean over the nodes that face each other at an unknown, times their wear coefficients, mm³/mJ.
     faced: csr_matrix
@@ -261,8 +263,8 @@ class Orbits:
         return hstack([own, self.secondary]).tocsr()
 
     def opening_by(self, rates: tuple[Rate, Rate]) -> Opening:
-        """From wear work to the gap that it opens, by wear coefficients in mm³/mJ of the primary and the secondary: one
-        for a whole body, or (n_a, n_t) for its nodes.
+        """The map from wear work to the gap that it opens, by wear coefficients in mm³/mJ of the primary and the
+        secondary: one for a whole body, or (n_a, n_t) for its nodes.
         """
         coefficients = np.empty(self.worked.shape[1])
         coefficients[: self._primary], coefficients[self._primary :] = map(np.ravel, rates)

@@ -88,7 +88,7 @@ def _released(
     laws: tuple[Friction, Friction],
     end: int,
 ) -> Array:
-    """By how much (n, 3) all the primary's nodes move against what they face, from traced to these pressures, mm.
+    """Motion (n, 3) in mm of all the primary's nodes against those that they face, from the traced pressures to these.
 
     laws: at the unknowns, as traced and now.
     """
@@ -262,7 +262,7 @@ def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:
 def _stretch(
     problem: ContactProblem, cycle: Cycle, facing: Facing, pressure: Array, worn: WearState, friction: Friction
 ) -> tuple[Array, Array]:
-    """By how much (N,) slips before and after each position are longer than traced."""
+    """Factors (N,) by which slips before and after each position are longer than traced."""
     if cycle.strained:
         return released_slip(problem, cycle, facing, pressure, worn.depths, friction)
     position = cycle.orbits.position

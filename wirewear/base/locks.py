@@ -50,7 +50,7 @@ def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, obj
 
 
 def last_noted(folder: Path) -> Mapping[str, object]:
-    """What the process that holds a folder, or held it and did not finish, noted in its lock file; may be empty."""
+    """The note in a folder's lock file by the process that holds it, or held it and did not finish; may be empty."""
     try:
         descriptor = os.open(folder / LOCK_FILE_NAME, os.O_RDONLY | os.O_NOFOLLOW)
     except OSError:

@@ -168,38 +168,48 @@ def form(described: Parameter, *, contacts: tuple[str, ...] = ()) -> float:
 
 
 def exponent(deviation: float) -> Parameter:
-    """A form: the exponent of a law over its source's; deviation: standard deviation of its logarithm."""
+    """A form (see `form`) that multiplies the exponent of a law; 1 for the law of the source. deviation: standard
+    deviation of the factor's logarithm.
+    """
     ends = math.exp(-_ENDS * deviation), math.exp(_ENDS * deviation)
     meaning = "exponent of its law over that of its source's"
     return Parameter(meaning, _EXPONENT, neutral=1.0, easy=1.0, hard=1.0, interest=ends, logarithmic=True)
 
 
 def added(meaning: str, low: float, high: float) -> Parameter:
-    """A form: a number added to an exponent or order of a law, `low` to `high` for 95 % of laws; and its meaning."""
+    """A form (see `form`) that is added to an exponent or order of a law; 0 for the law of the source, and from `low`
+    to `high` for 95 % of the laws that a test may follow. meaning: its description.
+    """
     return Parameter(meaning, _ORDER, neutral=0.0, easy=0.0, hard=0.0, interest=(low, high))
 
 
 def order(deviation: float) -> Parameter:
-    """A form: the order of a change's kinetics beyond the first (see `Course.order`), of this standard deviation."""
+    """A form (see `form`) that is added to the order of a change's kinetics, 1 by the source (see `Course.order`);
+    deviation: its standard deviation.
+    """
     return added("order of its kinetics beyond the first", -_ENDS * deviation, _ENDS * deviation)
 
 
 def limit_um(low: float, high: float) -> Parameter:
-    """A form: the largest thickness in µm, without limit by the source's law; `low` to `high` for 95 % of others."""
+    """A form (see `form`) that limits a thickness: the largest in µm, infinite for the law of the source, and from
+    `low` to `high` for 95 % of laws with a limit.
+    """
     never = math.inf
     meaning = "thickness that is not exceeded"
     return Parameter(meaning, _THICKNESS, neutral=never, easy=never, hard=never, interest=(low, high), logarithmic=True)
 
 
 def share(low: float, high: float) -> Parameter:
-    """A form: the share of a change that does not happen, 0 by the source's law; `low` to `high` for 95 % of laws."""
+    """A form (see `form`): the share of a change that never happens, 0 for the law of the source, and from `low` to
+    `high` for 95 % of the laws that a test may follow.
+    """
     meaning = "share of it that stays for good"
     return Parameter(meaning, _SHARE, neutral=0.0, easy=0.0, hard=0.0, interest=(low, high), logarithmic=True)
 
 
 def part(meaning: str, low: float, high: float) -> Parameter:
-    """A form: the share of something that acts, 1 by the source's law; from `low` to `high` for 95 % of laws. meaning:
-    of what, as "of its give".
+    """A form (see `form`) that multiplies a part of an effect; 1 for the law of the source, and from `low` to `high`
+    for 95 % of the laws that a test may follow. meaning: the part, such as "of its give".
     """
     return Parameter(f"share {meaning}", _PART, neutral=1.0, easy=1.0, hard=1.0, interest=(low, high))
 

@@ -34,10 +34,11 @@ Attempt = Callable[[solvers.ContactState, float, float], tuple[solvers.ContactSt
 class Motion:
     """The motion of a contact in a block of cycles, and how its problem follows from the block and the test's age.
 
-    increments: of a measured cycle, more if follows_force and the force bends; wear_increments: of one that only wears.
-    fresh: gives the state of bodies that just touch. aged: a problem with its effects at an age. under: a problem with
-    load, rig and laws of the block. held: what the drive holds, None for its amplitude. printed: gives fresh
-    bodies the prints that sliding leaves in metal that flows; None without any.
+    increments: number in a cycle whose loop is measured; with follows_force more are made where the force turns
+    quickly. wear_increments: number in a cycle that is only worn by. fresh: gives the state of bodies that just touch.
+    aged: gives a problem with the effects that it has at an age. under: gives a problem with load, rig and laws of the
+    block. held: the quantity that the drive holds, None for its amplitude. printed: adds to a wear state the permanent
+    depths that sliding leaves in metal that flows; None for elastic bodies.
     """
 
     drive: solvers.Drive

@@ -70,7 +70,7 @@ class FlowGrid:
 
 @dataclass(frozen=True, eq=False)
 class NearZone:
-    """What pressing by a load in N leaves, and what sliding to and fro does; the same where bodies do not slide."""
+    """The near zone after pressing by a load in N, and after sliding to and fro; the same where bodies do not slide."""
 
     pressing: FlowGrid
     sliding: FlowGrid
@@ -104,7 +104,7 @@ class NearZone:
 
     @property
     def settings(self) -> dict[str, float]:
-        """What a result records of the flow of its first cycles."""
+        """Settings of a result that describe the flow of its first cycles."""
         rubbed = self.sliding.rubbed
         last = rubbed.cycles[-1] if rubbed.cycles else None
         return {

@@ -33,7 +33,9 @@ def kernel_of(table: LifeTable, *, plane: bool) -> Callable[[float], tuple[Array
     radius = 0.5e-3 * stated if stated is not None else _RADII[0 if plane else 1] * distance
 
     def over_ball(depth: float) -> tuple[Array, Array]:
-        """What of a ball lies in the body: discs of it, each by a rule that is exact to the fifth power."""
+        """Integration points of the part of a ball that lies in the body: discs, each by a rule exact to the fifth
+        power.
+        """
         top = max(-radius, -depth)
         height = top + 0.5 * (radius - top) * (1.0 + nodes)
         reach = np.sqrt(np.maximum(radius**2 - height**2, 0.0))

@@ -264,7 +264,7 @@ def life_of(
             yield left.pop(0)
 
     def upcoming() -> Iterator[int]:
-        """With the recorded ones on either side of the life."""
+        """Cycles in turn until all lives have ended, with the recorded ones on either side of the life."""
         yield from until_ended()
         if found is not None and found.initiation is not None and not found.initiation.beyond:
             place = int(np.searchsorted(recorded, found.cycles))
@@ -325,7 +325,7 @@ def require_recorded(schedule: Schedule[Any], cycles: Sequence[int], where: str)
 
 
 def _chosen(recorded: Sequence[int], course: BlockCourse, count: int) -> list[int]:
-    """Of the recorded cycles of each block so many: the first, the last, and between them evenly by logarithms."""
+    """At most `count` recorded cycles of each block: the first, the last, and others evenly by logarithms."""
     chosen: set[int] = set()
     for block in {one.block for one in course.done}:
         own = course.among(recorded, block)
@@ -362,7 +362,7 @@ def _damage(
     evolution, deepest = result.evolution["cycle"], result.evolution[f"max_depth_{body}_um"]
 
     def worn_mm(cycle: float) -> Array:
-        """Between two states as the deepest point of the scar has it."""
+        """Worn depths at a cycle: between two states they grow as the scar's largest depth does."""
         later = int(np.clip(np.searchsorted(cycles, cycle), 1, len(cycles) - 1))
         before, after = cycles[later - 1], cycles[later]
         low, here, high = np.interp([before, min(cycle, after), after], [0.0, *evolution], [0.0, *deepest])
@@ -370,7 +370,9 @@ def _damage(
         return np.asarray(worn[later - 1] + part * (worn[later] - worn[later - 1]))
 
     def speed_mm(block: int) -> Array:
-        """What a cycle of the block wears: over the last tenth of the run, or as long as it lasted last."""
+        """Worn depths per cycle of a block: their mean over the last tenth of its latest turn, or over all of that if
+        it is shorter.
+        """
         stage = course.latest(block)
         first, final = max(stage.start, 0.9 * stage.end), min(stage.end, end)
         return (worn_mm(final) - worn_mm(first)) / (final - first)

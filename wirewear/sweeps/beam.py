@@ -60,7 +60,7 @@ class Beam:
 
 @dataclass(frozen=True, eq=False)
 class Yielding:
-    """How far n contacts let the beam down under forces f: gap_mm + softness f^⅔ + wear √(work + cycles f), each (n,).
+    """Depths by which n contacts let a beam down under forces f (n,): gap_mm + softness f^⅔ + wear √(work + cycles f).
 
     gap_mm: of the unworn contact, negative if the straight beam would press on it; softness: in mm/N^⅔, of Hertz'
     contacts. wear: in mm/√N; a scar's depth grows as the root of its volume. work: sum in N of past loads over cycles.

@@ -102,7 +102,7 @@ class CommonTables(StatesItsKind, ABC):
 
     @property
     def yields(self) -> dict[str, tuple[float, float] | None]:
-        """By name, the driven body first: (yield stress, hardening modulus) in MPa; None for an elastic body."""
+        """(yield stress, hardening modulus) in MPa by body, the driven one first; None for an elastic body."""
         return {}
 
     @property

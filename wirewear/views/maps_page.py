@@ -202,7 +202,7 @@ def maps_page(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = Non
 
 
 def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = None) -> dict[str, object]:
-    """All that the page draws, as plain values; fatigue_limit_MPa: as in `write_maps`."""
+    """The page's data as plain values, for JSON; fatigue_limit_MPa: as in `write_maps`."""
     through, threshold = lines_of(tests)
     contacts = groups(tests)
     reach, loads = _extent(tests, contacts)

@@ -64,7 +64,7 @@ def pressures_shown(evolution: Mapping[str, Array], settings: Mapping[str, objec
 
 
 def page_data(results: Iterable[RunResult]) -> dict[str, object]:
-    """All that the page of these runs draws, as plain values."""
+    """Data of the page of these runs as plain values, for JSON."""
     return {"runs": [_data_of_run(result, index) for index, result in enumerate(results)], "shades": DEPTH_SHADES}
 
 

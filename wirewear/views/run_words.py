@@ -26,7 +26,7 @@ def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
 
 
 def sentence(result: RunResult) -> str:
-    """What a run came to, in a few sentences: slip and regime, energy, worn volume and depths, or why no cycle is
+    """A few sentences on a run's results: slip and regime, energy, worn volume and depths, or why no cycle is
     measured yet.
     """
     evolution = result.evolution

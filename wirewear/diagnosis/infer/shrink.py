@@ -270,14 +270,14 @@ class _LeftOut:
 
     @classmethod
     def of(cls, problem: Problem, covariance: Covariance, observed: Observations) -> _LeftOut:
-        """The part that shows most."""
+        """The record with the part left out that shows the gap best."""
         base = problem.predicted(problem.setup)
         split, scores, squares = _telling_split(problem, covariance, observed, base)
         return cls(problem, problem.part(split.train, covariance), base, split, scores, squares)
 
     @property
     def before(self) -> float:
-        """The gap without an explanation."""
+        """Size of the gap that the left-out part shows without an explanation."""
         return self.scores.size(self.squares["before"])
 
     @property
@@ -285,15 +285,15 @@ class _LeftOut:
         return self.scores.size(self.squares["floor"])
 
     def refit(self, one: Fit) -> Fit:
-        """An explanation fitted to the rest alone."""
+        """The effects of a fit, fitted to the rest of the record alone."""
         return fit(self.known, one.candidates, [one.places]) if one.candidates else one
 
     def squares_of(self, setup: SurrogateInputs) -> Array:
-        """Squared residuals under a setup."""
+        """Squared residuals of the left-out part under a setup."""
         return self.scores.squares(self.problem.predicted(setup))
 
     def share(self, squared: Array) -> float:
-        """The shrink to such residuals."""
+        """The shrink: the share of the gap that is closed where these squared residuals are left."""
         return _share(self.before, self.scores.size(squared), self.floor)
 
 

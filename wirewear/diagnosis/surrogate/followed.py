@@ -85,8 +85,8 @@ def _path(motion: FastMotion, load: LoadCycle, swings: bool) -> CyclePath:
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """What n contacts do in a cycle: drive, tangential and normal force (n, 2, m) along both branches, as of a contact
-    that slides; slip amplitude in µm, friction energy in mJ and largest share of the friction (n,).
+    """Figures of n contacts over a cycle: drive, tangential and normal force (n, 2, m) along both branches, as of a
+    contact that slides; slip amplitude in µm, friction energy in mJ and largest share of the friction (n,).
     """
 
     displacement_um: Array

@@ -120,7 +120,7 @@ class _Layer:
         return self.theta, self.stiffness, self.springs_um_per_N, self.approach_um, self.worn_under_um
 
     def taken(self, moments: NDArray[np.intp]) -> _Layer:
-        """Some moments only."""
+        """The moments of these indices only."""
         return _Layer(*(column[moments] for column in self.columns))
 
 

@@ -28,7 +28,9 @@ def driven(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact
 def missing_of(
     setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, found: Followed, target: Array
 ) -> Array:
-    """By how much (n,) a drive has to move farther for cycles to have the figure that it holds in place of a stroke."""
+    """Distance (n,) by which a drive has to move farther for cycles to have the figure that it holds in place of a
+    stroke.
+    """
     force = 0.5 * np.ptp(found.force_N, axis=(1, 2))
     if setup.held == "tangential":
         return np.asarray((target - force) * (contact.springs_um_per_N + 1.0 / contact.stiffness_N_per_um))

@@ -53,7 +53,7 @@ class AtWork(Protocol):
 
     @property
     def ages(self) -> Ageing:
-        """Which quantity of the test's progress the change's strength depends on: cycles, or energy and worn volume."""
+        """The quantity by which the change's strength goes: cycles, or energy and worn volume."""
         ...
 
     def changed(self, described: Any, age: Age) -> Any:

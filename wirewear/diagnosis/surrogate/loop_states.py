@@ -142,7 +142,7 @@ def states_of(
     """Fields of `WearStates` of a sliding contact, smoothed over the worn volume.
 
     load_N: load before any wear. volume, similarity, scars: (n,), (n,) and (n, 2, 4). columns: slip, slope, angle,
-    stiffness, load in mid-stroke and its rest, each (n, …) as in `state_of`.
+    stiffness, load in mid-stroke and coefficients of its rise elsewhere, each (n, …) as in `state_of`.
     """
     slip, slope, angle, stiffness, normal, lift = columns
     return StatesOfLoops(
@@ -171,7 +171,7 @@ def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:
 
 
 def moves(x: Array, of_load: Array) -> BoolArray:
-    """Which samples (n,) of a loop the drive came to under a load that presses: not those at which it rests."""
+    """(n,) True for samples of a loop at which the drive moves while the bodies are pressed together."""
     return np.asarray((np.abs(x - np.roll(x, 1)) > _STILL * np.ptp(x)) & (of_load > _PRESSED))
 
 

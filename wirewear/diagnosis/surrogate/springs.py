@@ -41,7 +41,7 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """What n contacts carry at k sliding positions in µm under the test's load, (n, k) each: elastic displacement by
+    """Figures of n contacts at k sliding positions in µm under the test's load, (n, k) each: elastic displacement by
     the scar's walls in µm, tangential force of the walls, friction and normal force in N.
     """
 
@@ -66,7 +66,7 @@ class Rig:
 def through(
     phase: Array, drive: Array, share: Array, stroke_um: Array, rows: Rows, curves: Curves, rig: Rig
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """What n contacts do along a closed path of k instants, behind springs and play, once it repeats itself.
+    """Slip and force of n contacts along a closed path of k instants, behind springs and play, once they repeat.
 
     phase, drive, share: (k,) phase in rad, displacement over its amplitude from 1 to −1 and back, and load over the
     test's. stroke_um: (n,) amplitudes. Returns the force of the springs and the normal force in N, sliding position in

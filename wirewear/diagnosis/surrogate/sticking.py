@@ -94,12 +94,14 @@ def _figures(result: RunResult, cycle: float, body: str) -> list[float]:
 
 
 def share_of(loop: Loop, friction: float, of_load: Array | float = 1.0) -> float:
-    """Share of the friction that the force comes to, under the load of each moment."""
+    """Half the range of a loop's tangential force over the sliding force µP; under a load that varies in the cycle,
+    that of the force over `of_load`. of_load: (n,) load at each sample over the test's.
+    """
     return float(0.5 * np.ptp(loop.tangential_force_N / of_load) / (friction * _steady_N(loop, of_load)))
 
 
 def _steady_N(loop: Loop, of_load: Array | float) -> float:
-    """The test's load, of which a loop's is `of_load` at each sample."""
+    """The test's load in N, from a loop whose load at each sample is `of_load` times as large."""
     shares = np.broadcast_to(of_load, loop.normal_force_N.shape)
     return float(loop.normal_force_N.sum() / shares.sum())
 
