@@ -51,7 +51,7 @@ def _run(names: Sequence[str], fidelity: str, output: Path, *, freeze: bool) -> 
 
     from studies.atlas.page import write_page
     from studies.atlas.table import FROZEN, compared, frozen, moved, rows_table, sentence, write_table
-    from wirewear.app.cli.study_script import wide_console
+    from wirewear.app.cli.consoles import wide_console
     from wirewear.base.writing import prepared_folder
 
     entries = read_entries(names)

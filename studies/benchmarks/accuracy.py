@@ -18,8 +18,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import wirewear as ww
+from studies.study_script import StudyScript
 from wirewear import RunResult, reference
-from wirewear.app.cli.study_script import StudyScript
 from wirewear.pictures import style
 from wirewear.pictures.panels import draw_loop, name_axes
 from wirewear.test.fidelity import FIDELITIES

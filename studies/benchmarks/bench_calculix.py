@@ -17,8 +17,8 @@ from pathlib import Path
 
 import click
 
+from studies.study_script import StudyScript
 from wirewear import Study
-from wirewear.app.cli.study_script import StudyScript
 from wirewear.base.writing import prepared_folder
 from wirewear.simulation.workbench import Discretisation, build_body
 

@@ -17,8 +17,8 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
+from studies.study_script import StudyScript
 from wirewear import reference
-from wirewear.app.cli.study_script import StudyScript
 from wirewear.simulation.workbench import contact_problem, press, unloaded_state
 
 from .crossed_wires import discretised, study

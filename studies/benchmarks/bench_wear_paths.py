@@ -17,8 +17,9 @@ import click
 import numpy as np
 from rich.table import Table
 
+from studies.study_script import StudyScript
 from wirewear import RunResult, Study, load_study, run_study
-from wirewear.app.cli.study_script import StudyScript, wide_console
+from wirewear.app.cli.consoles import wide_console
 from wirewear.base.writing import prepared_folder
 from wirewear.test.fidelity import FIDELITIES
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import cKDTree
 
-from wirewear.app.cli.study_script import StudyScript
+from studies.study_script import StudyScript
 from wirewear.results import RunResult, read_result
 from wirewear.results.scar import WIRES
 from wirewear.stress import BodyState, body_grid, body_states, von_mises

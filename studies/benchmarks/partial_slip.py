@@ -18,8 +18,8 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from studies.study_script import StudyScript
 from wirewear import reference
-from wirewear.app.cli.study_script import StudyScript
 from wirewear.pictures import style
 from wirewear.simulation import simulate
 from wirewear.simulation.workbench import (

@@ -22,8 +22,8 @@ from threading import current_thread, main_thread
 import click
 import numpy as np
 
+from studies.study_script import StudyScript, understanding
 from wirewear import WirewearError, parse_study, run_study
-from wirewear.app.cli.study_script import StudyScript, understanding
 from wirewear.base.engine import LocalProcesses, engine_of
 from wirewear.base.writing import prepared_folder
 

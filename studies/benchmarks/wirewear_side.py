@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from wirewear.app.cli.study_script import StudyScript
+from studies.study_script import StudyScript
 from wirewear.simulation.workbench import advance, contact_problem, press, unloaded_state
 
 from .crossed_wires import DRIVES_um, discretised, study

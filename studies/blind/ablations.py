@@ -27,8 +27,9 @@ from studies.blind.scoring.figures import LARGE_GAP
 from studies.blind.scoring.judging import judged
 from studies.blind.scoring.statistics import area_under_curve
 from studies.json_files import read_json
+from studies.study_script import StudyScript, understanding
 from wirewear import ResultError, WirewearError, read_record
-from wirewear.app.cli.study_script import StudyScript, understanding, wide_console
+from wirewear.app.cli.consoles import wide_console
 from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis import record_diagnosis as judging

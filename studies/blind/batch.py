@@ -19,8 +19,9 @@ from rich.progress import MofNCompleteColumn, Progress
 
 from studies import blind
 from studies.blind.options import outside_option, stated_scatter_option
+from studies.study_script import StudyScript
 from wirewear import RunError
-from wirewear.app.cli.study_script import StudyScript, wide_console
+from wirewear.app.cli.consoles import wide_console
 from wirewear.base.cache import code_hash
 from wirewear.base.engine import Engine, engine_of
 from wirewear.base.writing import prepared_folder

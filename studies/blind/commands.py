@@ -57,7 +57,7 @@ def make(
     from rich.progress import MofNCompleteColumn, Progress
 
     from studies.blind import default_key_path, generator_of, make_batch
-    from wirewear.app.cli.study_script import progress_bar
+    from wirewear.app.cli.consoles import progress_bar
     from wirewear.base.engine import engine_of
 
     generator = generator_of(tier, law=law, outside=outside, stated_scatter=stated_scatter)
@@ -98,7 +98,7 @@ def diagnose(batch: Path, diagnoses: Path, jobs: int, scheduler: str | None) -> 
 def score(batch: Path, diagnoses: Path, key_path: Path, output: Path | None) -> None:
     """Verify a batch, score the diagnoses of its records (DIAGNOSES_DIR/<record>/diagnosis.json), and log the run."""
     from studies.blind import score_batch, score_table
-    from wirewear.app.cli.study_script import wide_console
+    from wirewear.app.cli.consoles import wide_console
 
     scored = score_batch(batch, diagnoses, key_path=key_path, output=output)
     wide_console(120).print(score_table(scored.report))

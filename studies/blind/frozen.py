@@ -25,7 +25,8 @@ from rich.table import Table
 from studies.blind import TIERS, Judgement, Truth
 from studies.blind.scoring.answers import NONE, read_answers
 from studies.blind.scoring.score import judge_all
-from wirewear.app.cli.study_script import StudyScript, wide_console
+from studies.study_script import StudyScript
+from wirewear.app.cli.consoles import wide_console
 from wirewear.base.engine import LocalProcesses
 from wirewear.base.writing import prepared_folder
 

@@ -18,7 +18,8 @@ from rich.table import Table
 from studies.blind import default_key_path, verified
 from studies.blind.errors import BlindError
 from studies.json_files import read_json
-from wirewear.app.cli.study_script import StudyScript, understanding, wide_console
+from studies.study_script import StudyScript, understanding
+from wirewear.app.cli.consoles import wide_console
 from wirewear.effects import Parameter, all_effects
 
 KINDS = ("single", "pair")  #: Kinds of records whose parameters are estimated.

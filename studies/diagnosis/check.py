@@ -16,8 +16,9 @@ import click
 from rich import box
 from rich.table import Table
 
+from studies.study_script import StudyScript
 from wirewear import ExperimentRecord, RecordError, WirewearError, read_record
-from wirewear.app.cli.study_script import StudyScript, wide_console
+from wirewear.app.cli.consoles import wide_console
 from wirewear.diagnosis import Diagnosis, diagnose
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records.exporting import record_of_result

@@ -15,8 +15,9 @@ from rich import box
 from rich.table import Table
 
 from studies.json_files import read_json
+from studies.study_script import StudyScript, understanding
 from wirewear import RecordError, ResultError, WirewearError, read_record
-from wirewear.app.cli.study_script import StudyScript, understanding, wide_console
+from wirewear.app.cli.consoles import wide_console
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.diagnosis import confirmed, diagnose
 

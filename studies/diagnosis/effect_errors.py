@@ -21,8 +21,9 @@ from rich.table import Table
 from scipy.linalg import cho_factor, cho_solve
 
 from studies.json_files import read_json
+from studies.study_script import StudyScript, understanding
 from wirewear import RecordError, WirewearError, read_record
-from wirewear.app.cli.study_script import StudyScript, understanding, wide_console
+from wirewear.app.cli.consoles import wide_console
 from wirewear.diagnosis.infer.covariance import smooth_covariance, solver_covariance
 from wirewear.diagnosis.observe.observable import Scale
 from wirewear.diagnosis.observe.observed_record import read_at_corners

@@ -31,8 +31,8 @@ from studies.blind.generators.nuisances import Nuisances, Scatter, drawn_nuisanc
 from studies.blind.generators.sizes import drawn_parameters
 from studies.blind.generators.tiers import generator_of
 from studies.blind.generators.waveform import Waveform
+from studies.study_script import StudyScript
 from wirewear import WirewearError, write_record
-from wirewear.app.cli.study_script import StudyScript
 from wirewear.base.engine import engine_of
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.records import AnyRecord, ExperimentRecord

@@ -21,8 +21,9 @@ from rich.table import Table
 from scipy.stats import chi2, kstest
 
 from studies.json_files import read_json
+from studies.study_script import StudyScript
 from wirewear import RecordError, ResultError, WirewearError, read_record
-from wirewear.app.cli.study_script import StudyScript, wide_console
+from wirewear.app.cli.consoles import wide_console
 from wirewear.diagnosis import prepared
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Problem, fit

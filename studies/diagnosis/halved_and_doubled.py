@@ -15,8 +15,8 @@ from pathlib import Path
 
 import click
 
+from studies.study_script import StudyScript
 from wirewear import RecordError
-from wirewear.app.cli.study_script import StudyScript
 from wirewear.base.engine import LocalProcesses
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.diagnosis.calibration import Constant, all_constants, scale

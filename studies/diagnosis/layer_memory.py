@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 
-from wirewear.app.cli.study_script import StudyScript, wide_console
+from studies.study_script import StudyScript
+from wirewear.app.cli.consoles import wide_console
 from wirewear.diagnosis.surrogate.layered_wires import LayeredCase, layered_wires, pressing_layers, remembered
 from wirewear.diagnosis.surrogate.worn_wires import WornWires, slopes, wearing
 

@@ -14,8 +14,9 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
+from studies.study_script import StudyScript
 from wirewear import RecordError, WirewearError, read_record
-from wirewear.app.cli.study_script import StudyScript, wide_console
+from wirewear.app.cli.consoles import wide_console
 from wirewear.diagnosis import prepared
 from wirewear.diagnosis.infer.covariance import NoiseEvidence, estimate, noise_evidence
 

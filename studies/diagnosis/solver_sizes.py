@@ -26,8 +26,9 @@ from rich.table import Table
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
+from studies.study_script import StudyScript
 from wirewear import RecordError
-from wirewear.app.cli.study_script import StudyScript, wide_console
+from wirewear.app.cli.consoles import wide_console
 from wirewear.diagnosis.calibration import FILE
 from wirewear.diagnosis.surrogate.candidates import EXPECTED
 from wirewear.diagnosis.surrogate.wear_states import NUMERICAL

@@ -15,7 +15,7 @@ import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
-from wirewear.app.cli.study_script import StudyScript
+from studies.study_script import StudyScript
 from wirewear.base.writing import prepared_folder, write_csv
 from wirewear.diagnosis.wording import plain
 from wirewear.effects import all_effects

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 
-from wirewear.app.cli.study_script import StudyScript, wide_console
+from studies.study_script import StudyScript
+from wirewear.app.cli.consoles import wide_console
 from wirewear.base.errors import ResultError
 from wirewear.reference import hertz_crossed_cylinders, tangential_contact_modulus
 from wirewear.reference.cattaneo_mindlin import dissipated_energy, force_amplitude, partial_slip_point, slip_amplitude

@@ -11,7 +11,7 @@ import threading
 
 import click
 
-from wirewear.app.cli.study_script import StudyScript
+from studies.study_script import StudyScript
 
 
 @click.command(cls=StudyScript, help=__doc__)

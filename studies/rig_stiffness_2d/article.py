@@ -18,9 +18,10 @@ import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
+from studies.study_script import StudyScript
 from studies.verdicts import Comparison, Finding, comparison_table, finding_table
 from wirewear import ResultError
-from wirewear.app.cli.study_script import StudyScript, progress_bar, wide_console
+from wirewear.app.cli.consoles import progress_bar, wide_console
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure, save, variant_style
 
 from .rigs import CONTACTS, LEVELS, Change, Rig, equally_stiff, shipped, simulated

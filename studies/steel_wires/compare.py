@@ -14,10 +14,11 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+import click
 from matplotlib.figure import Figure
 
 from wirewear import ExperimentRecord, read_record
-from wirewear.app.cli.study_script import comparison_command, wide_console
+from wirewear.app.cli.consoles import wide_console
 from wirewear.comparison.comparison import RecordComparison, compare
 from wirewear.pictures import amplitude_evolution, loops_by_cycle, save, scar_sections
 from wirewear.views.comparison_page import write_comparison
@@ -27,6 +28,7 @@ if not __package__:
     sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
     __package__ = "studies.steel_wires"
 
+from studies.study_script import StudyScript
 from studies.verdicts import Finding, comparison_table, finding_table
 
 from .closed_forms import first_loop_comparisons, volume_comparisons, worn_friction_comparison
@@ -67,9 +69,12 @@ def pictures(pair: Pair) -> dict[str, Callable[[], Figure]]:
     }
 
 
-@comparison_command
-def main(result_dir: Path, folder: Path) -> None:
+@click.command(cls=StudyScript)
+@click.argument("result_dir", type=click.Path(path_type=Path))
+@click.option("--output", type=click.Path(path_type=Path), help="Picture folder.  [default: RESULT_DIR/comparison]")
+def main(result_dir: Path, output: Path | None) -> None:
     """Set rigid and compliant rig side by side."""
+    folder = output or result_dir / "comparison"
     console = wide_console()
     pair = read_pair(result_dir)
     comparisons = [*first_loop_comparisons(pair), worn_friction_comparison(pair), *volume_comparisons(pair)]

@@ -17,9 +17,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.typing import LineStyleType
 
+from studies.study_script import StudyScript
 from studies.verdicts import Finding, finding_table
 from wirewear import read_record
-from wirewear.app.cli.study_script import StudyScript, wide_console
+from wirewear.app.cli.consoles import wide_console
 from wirewear.base.words import counted
 from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose

@@ -21,8 +21,9 @@ from matplotlib.lines import Line2D
 from rich import box
 from rich.table import Table
 
+from studies.study_script import StudyScript
 from studies.verdicts import Comparison, Finding, comparison_table, finding_table
-from wirewear.app.cli.study_script import StudyScript, progress_bar, wide_console
+from wirewear.app.cli.consoles import progress_bar, wide_console
 from wirewear.base.writing import prepared_folder
 from wirewear.pictures import save
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters

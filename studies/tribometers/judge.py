@@ -16,7 +16,8 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from wirewear.app.cli.study_script import StudyScript, progress_bar, wide_console
+from studies.study_script import StudyScript
+from wirewear.app.cli.consoles import progress_bar, wide_console
 from wirewear.base.writing import json_text
 from wirewear.reference import contact_modulus, mindlin_stiffness, tangential_contact_modulus
 

@@ -16,7 +16,7 @@ from solvers.elasticity.strain import stiffness_matrix
 from tests.simulation.coarse_runs import Killer
 from tests.studies import line_study, require_equal_runs
 from wirewear import reference
-from wirewear.app.cli.study_script import wide_console
+from wirewear.app.cli.consoles import wide_console
 from wirewear.base.errors import RunError, StudyError
 from wirewear.reference import Elastic, contact_modulus, hertz_line
 from wirewear.results import RunResult, read_result

@@ -40,7 +40,7 @@ def fit(
 
     Loops determine friction, rig and play. The wear coefficient takes a scar's volume, measured or given, as well.
     """
-    from wirewear.app.cli.study_script import wide_console
+    from wirewear.app.cli.consoles import wide_console
     from wirewear.base.locks import occupied
     from wirewear.diagnosis.fit import GivenWear, check_by_run, fit_record
     from wirewear.records import read_record

@@ -53,7 +53,7 @@ def life(
     A study is run first. Data of the material come from [life] of the study, or from the options.
     """
     from wirewear.app.api.run import lives, one_run
-    from wirewear.app.cli.study_script import progress_bar
+    from wirewear.app.cli.consoles import progress_bar
     from wirewear.views.life_page import life_json, notes, sentence, write_lives
 
     named = {"criterion": criterion, "material": material, "averaging_length_um": averaging_length}

@@ -60,7 +60,7 @@ def loops_command(
     **chosen: str | None,
 ) -> None:
     """Analyse the loops of a CSV file, a record or a result: amplitudes, stiffness, friction, energy, regime."""
-    from wirewear.app.cli.study_script import wide_console
+    from wirewear.app.cli.consoles import wide_console
     from wirewear.pictures import require_picture_name
     from wirewear.records.importing.loop_sources import Spelling, read_loops
     from wirewear.views.loops_report import (
@@ -115,7 +115,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     from rich.console import Console
     from rich.markup import escape
 
-    from wirewear.app.cli.study_script import progress_bar
+    from wirewear.app.cli.consoles import progress_bar
     from wirewear.diagnosis.fit.sensor_calibration import calibrate as solve
     from wirewear.diagnosis.fit.sensor_calibration import corrected_record, parse_loads, parse_near
     from wirewear.records import read_record, require_place, write_record

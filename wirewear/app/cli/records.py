@@ -260,7 +260,7 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, ove
 @paper
 def compare_command(result_path: Path, record_path: Path, output: Path, variant: str | None) -> None:
     """Set a simulation beside an experiment record: loops, evolution, scars, and a table of differences."""
-    from wirewear.app.cli.study_script import wide_console
+    from wirewear.app.cli.consoles import wide_console
     from wirewear.base.locks import occupied
     from wirewear.comparison.comparison import compare
     from wirewear.records import read_record

@@ -36,7 +36,7 @@ def strand(
 
     Leaves contacts.csv, section.png, studies/ and the page strand.html.
     """
-    from wirewear.app.cli.study_script import wide_console
+    from wirewear.app.cli.consoles import wide_console
     from wirewear.strand import strand_contacts
     from wirewear.strand.studies import run_contacts, with_figures_of_runs, write_studies
     from wirewear.views.strand_page import sentence, strand_json, strand_tables, write_strand

@@ -59,7 +59,7 @@ def fields(
 ) -> None:
     """Write displacements and stresses inside the bodies of a run for ParaView, and draw them."""
     from wirewear.app.api.run import one_run
-    from wirewear.app.cli.study_script import progress_bar
+    from wirewear.app.cli.consoles import progress_bar
     from wirewear.kinds import contacts_of
 
     folder = output or (result_path if result_path.is_dir() else result_path.parent) / "fields"
@@ -142,7 +142,7 @@ def strength(
     Both bodies at every recorded cycle, unless --cycle and --body ask for less. Pictures are drawn of each --cycle;
     without it of each body's first, last and largest von Mises stress. Files for ParaView hold all cycles.
     """
-    from wirewear.app.cli.study_script import progress_bar, wide_console
+    from wirewear.app.cli.consoles import progress_bar, wide_console
     from wirewear.stress.strength import StrengthAsked, yield_sentence
     from wirewear.stress.writing import save_strength, strength_table, write_strength, write_strength_table
 

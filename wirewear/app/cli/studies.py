@@ -31,7 +31,7 @@ def materials_command() -> None:
     from rich import box
     from rich.table import Table
 
-    from wirewear.app.cli.study_script import wide_console
+    from wirewear.app.cli.consoles import wide_console
     from wirewear.test.materials import materials
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
@@ -75,7 +75,7 @@ def effects_command(
     name: str | None, as_json: bool, plot: bool, study_path: Path | None, size: str, fidelity: str, output: Path
 ) -> None:
     """List the effects that a study can have beyond the nominal model, or describe or draw the one called NAME."""
-    from wirewear.app.cli.study_script import wide_console
+    from wirewear.app.cli.consoles import wide_console
     from wirewear.effects import effect_named
     from wirewear.effects.registry import effect_text, effects_json, effects_table
 

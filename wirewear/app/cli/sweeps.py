@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print tests and lines as JSON.")
 def maps(paths: tuple[Path, ...], output: Path, limit: float | None, as_json: bool) -> None:
     """Set tests side by side: running conditions, material response, sliding criteria, wear against friction energy."""
-    from wirewear.app.cli.study_script import wide_console
+    from wirewear.app.cli.consoles import wide_console
     from wirewear.comparison.mapped_tests import fretting_tests
     from wirewear.views.maps_page import maps_json, sentences, tests_table, write_maps
 
@@ -95,7 +95,7 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
     """Run a study whose inputs scatter, print the intervals of its results and write them to `folder`. variant: name of
     the study's variant; None if it has none. jobs: runs side by side; None for one a core.
     """
-    from wirewear.app.cli.study_script import wide_console
+    from wirewear.app.cli.consoles import wide_console
     from wirewear.base.engine import engine_of
     from wirewear.sweeps.uncertainty import RUNS, run_uncertain
     from wirewear.test.any_study import alone
@@ -117,7 +117,7 @@ def observer_of(runs: int) -> Iterator[SweepObserver]:
     """
     from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
 
-    from wirewear.app.cli.study_script import progress_bar
+    from wirewear.app.cli.consoles import progress_bar
     from wirewear.sweeps.running import SweepObserver
 
     columns = (*Progress.get_default_columns()[:3], TimeRemainingColumn(), MofNCompleteColumn())
@@ -160,7 +160,7 @@ def converge(
 
     Runs that are complete are not repeated; the table is written to convergence.csv too.
     """
-    from wirewear.app.cli.study_script import wide_console
+    from wirewear.app.cli.consoles import wide_console
     from wirewear.base.engine import engine_of
     from wirewear.kinds import contacts_of, load_any_study
     from wirewear.simulation import ProgressBar, convergence_table, write_convergence
@@ -192,7 +192,7 @@ def converge(
 @click.pass_context
 def verify(context: click.Context, quick: bool, json_path: Path | None) -> None:
     """Solve the reference problems and compare with closed forms; exit code 1 if any check fails."""
-    from wirewear.app.cli.study_script import progress_bar, wide_console
+    from wirewear.app.cli.consoles import progress_bar, wide_console
     from wirewear.verification import FULL, QUICK, table, write_json
     from wirewear.verification import verify as solve
 

@@ -152,8 +152,8 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     if not in_time[0]:
         true = *sensing.branches_of(contact, chain, slip[at]), sensing.loads_of(contact)
     else:
-        found = _followed(setup, chain, contact, slip[at])
-        true = found.displacement_um, found.force_N, found.load_N
+        own = _followed(setup, chain, contact, slip[at])
+        true = own.displacement_um, own.force_N, own.load_N
     loops = sensing.read_by_sensors(setup, chain, *true, contact.share)
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
     reach = states.reach(np.maximum(slip[ends], [LEAST_SLIP * one.amplitude_um for one in setups]))

@@ -1,15 +1,12 @@
-"""Parts shared by commands and study scripts: one-sentence errors, wide tables, progress bars."""
+"""Commands of study scripts: expected errors are one sentence."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import wraps
 from inspect import getsourcefile, unwrap
 from pathlib import Path
 from typing import Any
 
 import click
-from rich.console import Console
-from rich.progress import Progress, ProgressColumn
 
 from wirewear.base.errors import ResultError, WirewearError
 from wirewear.base.writing import why_not_written
@@ -70,31 +67,3 @@ def understanding(path: Path, what: str) -> Iterator[None]:
         yield
     except (LookupError, TypeError, ValueError, AttributeError) as problem:
         raise ResultError(f"{path} is no {what} ({type(problem).__name__}: {problem}).") from None
-
-
-def wide_console(width: int = 116) -> Console:
-    """A rich console at least `width` characters wide."""
-    console = Console()
-    console.width = max(console.width, width)
-    return console
-
-
-def progress_bar(*columns: ProgressColumn) -> Progress:
-    """A rich progress bar on standard error that vanishes at its end, and shows nothing without a terminal. columns: of
-    the bar; rich's own if none are given.
-    """
-    console = Console(stderr=True)
-    return Progress(*columns, console=console, transient=True, disable=not console.is_interactive)
-
-
-def comparison_command(compare: Callable[[Path, Path], None]) -> click.Command:
-    """The command RESULT_DIR [--output DIR] that calls `compare` with the result's folder and the pictures' folder."""
-
-    @click.command(cls=StudyScript)
-    @click.argument("result_dir", type=click.Path(path_type=Path))
-    @click.option("--output", type=click.Path(path_type=Path), help="Picture folder.  [default: RESULT_DIR/comparison]")
-    @wraps(compare)
-    def main(result_dir: Path, output: Path | None) -> None:
-        compare(result_dir, output or result_dir / "comparison")
-
-    return main
