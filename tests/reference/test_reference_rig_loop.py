@@ -135,7 +135,7 @@ def test_a_branch_leaves_its_reversal_with_the_series_stiffness(rig: float, exce
     step = 1e-5 * reference.sliding_threshold(STEEL_WIRES, rig)
     ends = reference.branch_force(STEEL_WIRES, [amplitude, amplitude - step], amplitude, rig, forward=False)
     slope = (ends[0] - ends[1]) / step
-    assert 1.0 / slope == pytest.approx(1.0 / rig + 1.0 / STEEL_WIRES.stiffness_N_per_mm, rel=1e-4)
+    assert slope == pytest.approx(reference.unloading_stiffness(STEEL_WIRES, rig), rel=1e-4)
 
 
 @pytest.mark.seconds
@@ -150,6 +150,15 @@ def test_a_closed_loop_lies_on_its_branches_and_is_point_symmetric(rig: float, e
     assert np.abs(loop.tangential_force_N).max() <= STEEL_WIRES.limit_N * (1.0 + 1e-12)
     first_half = reference.branch_force(STEEL_WIRES, loop.displacement_mm[:quarters], amplitude, rig, forward=True)
     np.testing.assert_allclose(loop.tangential_force_N[:quarters], first_half)
+
+
+@given(st.floats(1e-7, 1e-2), st.floats(0.05, 10.0))
+def test_the_worn_volume_is_the_overlap_of_the_two_wires(volume_mm3: float, radius_mm: float) -> None:
+    scar = reference.crossed_wire_scar(volume_mm3, radius_mm)
+    r = np.linspace(0.0, scar.radius_mm, 4001)
+    overlap = np.trapezoid((scar.depth_mm - r**2 / (2 * radius_mm)) * 2 * math.pi * r, r)
+    assert overlap == pytest.approx(volume_mm3, rel=1e-5)
+    assert reference.worn_pressure(2.0, scar) * math.pi * scar.radius_mm**2 == pytest.approx(2.0)
 
 
 def test_the_worn_area_of_a_cylinder_is_its_overlap_with_the_flat() -> None:

@@ -99,6 +99,56 @@ def loading_displacement(contact: PartialSlipPoint, force_N: ArrayLike) -> Array
     return direction * contact.full_slip_displacement_mm * (1.0 - remaining)
 
 
+def loading_force(contact: PartialSlipPoint, displacement_mm: ArrayLike) -> Array:
+    """Force Q = µP[1 − (1 − |u|/u_slip)^(3/2)] in N on first loading, odd in u, of the displacements' shape; µP beyond
+    u_slip.
+    """
+    u = np.asarray(displacement_mm, float)
+    remaining = np.maximum(1.0 - np.abs(u) / contact.full_slip_displacement_mm, 0.0)
+    force: Array = np.sign(u) * contact.limit_N * (1.0 - remaining**1.5)
+    return force
+
+
+def displacement_after_reversal(contact: PartialSlipPoint, force_N: ArrayLike, reversal_force_N: float) -> Array:
+    """Displacement u(Q) = u* − 2u₁((Q* − Q)/2) in mm after first loading to Q* and reversal, of the forces' shape.
+
+    Q lies between Q* and −Q*; a negative Q* describes reloading in a closed cycle. Raises ValueError where |Q* − Q|
+    exceeds 2µP.
+    """
+    change = 0.5 * (reversal_force_N - np.asarray(force_N, float))
+    return loading_displacement(contact, reversal_force_N) - 2.0 * loading_displacement(contact, change)
+
+
+def loading_traction(contact: PartialSlipPoint, radius_mm: ArrayLike, force_N: float) -> Array:
+    """Traction q(r) = µp0[√(1 − r²/a²) − (c/a)√(1 − r²/c²)] in MPa at radii r (any shape) on first loading, odd in Q;
+    the second term counts for r < c only, and all is 0 for r > a.
+    """
+    r = np.asarray(radius_mm, float)
+    a, c = contact.contact_radius_mm, float(stick_radius(contact, force_N))
+    sliding = np.sqrt(np.maximum(a**2 - r**2, 0.0)) / a
+    stuck = np.sqrt(np.maximum(c**2 - r**2, 0.0)) / a
+    peak = 3.0 * contact.limit_N / (2.0 * np.pi * a**2)
+    return float(np.sign(force_N)) * peak * (sliding - stuck)
+
+
+def traction_after_reversal(
+    contact: PartialSlipPoint, radius_mm: ArrayLike, force_N: float, reversal_force_N: float
+) -> Array:
+    """Traction q(r) = q₁(Q*) − 2q₁((Q* − Q)/2) in MPa at radii r (any shape), after first loading to Q* and unloading
+    to Q.
+    """
+    change = 0.5 * (reversal_force_N - force_N)
+    first = loading_traction(contact, radius_mm, reversal_force_N)
+    return first - 2.0 * loading_traction(contact, radius_mm, change)
+
+
+def stick_radius_after_reversal(contact: PartialSlipPoint, force_N: float, reversal_force_N: float) -> float:
+    """Radius c' = a[1 − |Q* − Q|/(2µP)]^⅓ in mm inside which nothing slips back after a reversal at Q*; outside, an
+    annulus does.
+    """
+    return float(stick_radius(contact, 0.5 * (reversal_force_N - force_N)))
+
+
 def energy_per_cycle(contact: PartialSlipPoint, force_amplitude_N: float) -> float:
     """Energy in mJ that a closed cycle between ±Q* dissipates, without gross slip.
 
@@ -140,6 +190,12 @@ def sliding_threshold(contact: PartialSlipPoint, rig_stiffness_N_per_mm: float =
     """Smallest displacement amplitude with gross slip, µP/K_s + 1.5 µP/K, in mm."""
     require_positive(rig_stiffness_N_per_mm=rig_stiffness_N_per_mm)
     return contact.limit_N / rig_stiffness_N_per_mm + contact.full_slip_displacement_mm
+
+
+def unloading_stiffness(contact: PartialSlipPoint, rig_stiffness_N_per_mm: float = math.inf) -> float:
+    """Slope of the loop just after a reversal, 1/(1/K_s + 1/K), in N/mm."""
+    require_positive(rig_stiffness_N_per_mm=rig_stiffness_N_per_mm)
+    return 1.0 / (1.0 / rig_stiffness_N_per_mm + 1.0 / contact.stiffness_N_per_mm)
 
 
 def first_loading_force(

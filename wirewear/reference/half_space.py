@@ -224,6 +224,28 @@ def line_stick_ratio_after_reversal(
     return line_stick_ratio(0.5 * (reversal_force_N_per_mm - force_N_per_mm), limit_N_per_mm)
 
 
+def line_loading_traction(contact: LineContact, friction: float, x_mm: ArrayLike, force_N_per_mm: float) -> Array:
+    """Traction q(x) = µp0[√(1 − x²/a²) − (c/a)√(1 − x²/c²)] in MPa at distances x (any shape) on first loading of a
+    line contact, odd in Q; each root counts as 0 where it is not real.
+    """
+    a = contact.half_width_mm
+    c = a * line_stick_ratio(force_N_per_mm, friction * contact.normal_load_N_per_mm)
+    x = np.asarray(x_mm, float)
+    shape: Array = (np.sqrt(np.maximum(a**2 - x**2, 0.0)) - np.sqrt(np.maximum(c**2 - x**2, 0.0))) / a
+    return math.copysign(friction, force_N_per_mm) * contact.peak_pressure_MPa * shape
+
+
+def line_traction_after_reversal(
+    contact: LineContact, friction: float, x_mm: ArrayLike, force_N_per_mm: float, reversal_force_N_per_mm: float
+) -> Array:
+    """Traction q(x) = q₁(Q*) − 2q₁((Q* − Q)/2) in MPa at distances x (any shape) after first loading to Q* and
+    unloading to Q; q₁ is `line_loading_traction`.
+    """
+    change = 0.5 * (reversal_force_N_per_mm - force_N_per_mm)
+    first = line_loading_traction(contact, friction, x_mm, reversal_force_N_per_mm)
+    return first - 2.0 * line_loading_traction(contact, friction, x_mm, change)
+
+
 def line_stick_shift(contact: LineContact, friction: float, bulk_stress_MPa: float) -> float:
     """Shift e = a σ/(4 µ p0) in mm of the stick zone's centre by a bulk tension σ in one of two equal bodies, in phase
     with Q.

@@ -26,6 +26,15 @@ _LEAST = 1e-6
 
 
 @dataclass(frozen=True)
+class CrossedWireScar:
+    """Round scar of two equal wires crossed at 90°; its depth in the middle and its volume are those of both."""
+
+    volume_mm3: float
+    depth_mm: float
+    radius_mm: float
+
+
+@dataclass(frozen=True)
 class LineScar:
     """Scar of a cylinder on a flat, a circular segment; its largest depth and area are those of both bodies."""
 
@@ -39,6 +48,18 @@ def worn_volume(energy_wear_coefficient_mm3_per_J: float, dissipated_energy_mJ: 
     return energy_wear_coefficient_mm3_per_J * 1e-3 * dissipated_energy_mJ
 
 
+def crossed_wire_scar(volume_mm3: float, wire_radius_mm: float) -> CrossedWireScar:
+    """Scar of equal wires of radius R crossed at 90° after a worn volume V of both, when it is much longer than the
+    stroke.
+
+    The wires touch like a sphere of radius R on a flat, so the overlap is a cap: V = πRh², a² = 2Rh. If V grows with
+    the number of cycles N, the depth grows as N^½. Raises ValueError for an argument that is not positive.
+    """
+    require_positive(volume_mm3=volume_mm3, wire_radius_mm=wire_radius_mm)
+    depth = math.sqrt(volume_mm3 / (math.pi * wire_radius_mm))
+    return CrossedWireScar(volume_mm3, depth, (4.0 * wire_radius_mm * volume_mm3 / math.pi) ** 0.25)
+
+
 def line_contact_scar(area_mm2: float, radius_mm: float) -> LineScar:
     """Scar of a cylinder of radius R on a flat after a worn area A: A = 2b³/(3R), h = b²/(2R). If A grows with the
     number of cycles N, h grows as N^⅔.
@@ -48,6 +69,11 @@ def line_contact_scar(area_mm2: float, radius_mm: float) -> LineScar:
     require_positive(area_mm2=area_mm2, radius_mm=radius_mm)
     half_width = (1.5 * radius_mm * area_mm2) ** (1.0 / 3.0)
     return LineScar(area_mm2, half_width**2 / (2.0 * radius_mm), half_width)
+
+
+def worn_pressure(normal_load_N: float, scar: CrossedWireScar) -> float:
+    """Uniform pressure P/(πa²) in MPa to which a worn contact tends."""
+    return normal_load_N / (math.pi * scar.radius_mm**2)
 
 
 def explicit_stability_limit(
