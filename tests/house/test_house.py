@@ -269,13 +269,13 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): its weight when a version is made, with 3 % of slack for the next one.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 83_360,
-    "lines of wirewear": 65_300,
-    "lines of studies": 17_200,
-    "lines of tests": 34_700,
-    "files of geometry, solvers and wirewear": 402,
+    "lines of geometry, solvers and wirewear": 85_600,
+    "lines of wirewear": 67_000,
+    "lines of studies": 17_500,
+    "lines of tests": 35_700,
+    "files of geometry, solvers and wirewear": 413,
     "rooms of wirewear": 20,
-    "arrows between rooms": 110,
+    "arrows between rooms": 106,
     "questions for the kind of contact": 0,
     "Any in public signatures": 79,  # one in 1 000 lines
     "lines of wirewear that import, per cent": 7.1,
