@@ -46,8 +46,8 @@ def closed_adaptive_cycle(
     """A closed loop without wear, as from `closed_cycle`, with increments short where the force bends: the state at its
     end and its trace.
 
-    increments: no step is longer than those of a cosine with so many increments per cycle. settling_increments: of the
-    half cycle that precedes the loop, counted per cycle; None: `increments`. tolerance: allowed distance of the force
+    increments: no step is longer than those of a cosine with so many increments per cycle. settling_increments: number
+    per cycle in the half cycle that precedes the loop; None: `increments`. tolerance: allowed distance of the force
     from straight lines between increments, over the friction force; in partial slip over the largest force or the half
     height of a rectangular loop of the same work, whichever is less; with hardly any friction over 0.3 % of the load.
     moved: a cycle or half of one, without wear, that ends where the loop starts; None: half a cycle is moved first.

@@ -45,8 +45,8 @@ def traced_path(
 ) -> Path:
     """The path of a cycle by which surfaces wear, or of its first `half`, starting at `side` times the amplitude.
 
-    holder_x_mm: position of the holder at the start. increments: of a cycle, at whose ends surfaces wear; under a
-    changing load there are more in between. guide: for the holder's positions; None if there is none yet.
+    holder_x_mm: position of the holder at the start. increments: number in a cycle, at whose ends surfaces wear; under
+    a changing load there are more in between. guide: for the holder's positions; None if there is none yet.
     """
     count, strokes = increments // 2, list[Path]()
     worn = None if drive.steady or guide is None else _evenly_slid(drive, increments, guide)

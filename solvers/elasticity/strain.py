@@ -216,7 +216,8 @@ def _cofactors(matrix: Array, cofactor: Array) -> float:
 class Projection:
     """Integrals (n, n) over a mesh of n nodes by which stresses are projected to the nodes.
 
-    mass: of products of shape functions. slopes: of each shape function times the derivatives of each along x, y and z.
+    mass: integrals of the products of two shape functions. slopes: one matrix for each of x, y and z, of the products
+    of a shape function and the derivative of another along this axis.
     """
 
     mass: csr_matrix

@@ -54,8 +54,8 @@ class Solution(NamedTuple):
 class Changes(NamedTuple):
     """Differences between a state of the iteration and the one before.
 
-    opening, sticking: numbers of nodes that open or close, and that change between stick and slip while not on the
-    verge of either; changing: of nodes that do one of both. gap: largest gap in mm of nodes that were in contact.
+    opening, sticking: numbers of nodes that open or close, and of nodes that change between stick and slip while not on
+    the verge of either; changing: number of nodes that do either. gap: largest gap in mm of nodes that were in contact.
     turned: largest change of the unit vector of friction at nodes that slip, about an angle in rad.
     """
 

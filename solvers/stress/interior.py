@@ -164,8 +164,8 @@ class Interior:
         return result
 
     def stresses(self, displacements: Array, nodes: IntArray) -> Array:
-        """Stresses (s, k, 6) in MPa at nodes (k,), of displacements (s, n, 3) in mm of all nodes: of the nodal field
-        closest in the mean square to those inside the elements.
+        """Stresses (s, k, 6) in MPa at nodes (k,), by displacements (s, n, 3) in mm of all nodes. They are projected to
+        the nodes: least squares of what they differ by from those inside the elements.
         """
         projection, factors = self._projection
         everywhere, own = np.arange(len(self.mesh.points)), self._own[nodes]

@@ -26,9 +26,9 @@ class Coupled:
     """The matrix of the equations for a pressures, position by position, and then for one height of the holder a
     position.
 
-    blocks: of each position with u pressures, (u + 1, u + 1) between these and its height. opened: (a, nodes) sparse,
-    gap at each pressure's node by unit wear work on nodes of the patches. worked: (a, nodes) sparse, work on nodes by
-    each pressure; opened times its transpose is added to the blocks.
+    blocks: one matrix (u + 1, u + 1) for each position, between its u pressures and the holder's height. opened: (a,
+    nodes) sparse, gap at each pressure's node by unit wear work on nodes of the patches. worked: (a, nodes) sparse,
+    work on nodes by each pressure; opened times its transpose is added to the blocks.
     """
 
     blocks: Sequence[Array]

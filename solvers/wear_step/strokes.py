@@ -40,10 +40,11 @@ def closed_trace(
     starts, at either end of the stroke, and its trace. Where the symmetry maps its first half onto the second, the
     first half only.
 
-    increments: of a cycle. watch: called after each increment. guide: first guesses from a similar cycle; None: none.
-    lacking: what the drive's figure lacks at a stroke's end; with a core the amplitude follows. None: the drive's own.
-    Sliding wipes out what a state remembers of surfaces before they wore; a contact with a core is instead moved again
-    from mid-stroke. Under a load or bulk stress that changes, `trace.worn` says by which increments surfaces wear.
+    increments: number in a cycle. watch: called after each increment. guide: first guesses from a similar cycle; None:
+    none. lacking: what the drive's figure lacks at a stroke's end; with a core the amplitude follows. None: the drive's
+    own. Sliding wipes out what a state remembers of surfaces before they wore; a contact with a core is instead moved
+    again from mid-stroke. Under a load or bulk stress that changes, `trace.worn` says by which increments surfaces
+    wear.
     """
     mirror, start = symmetry.half_cycle, state
     guide = None if guide is None else with_images(guide, mirror)

@@ -106,8 +106,8 @@ def _with_unit(name: str, estimate: Estimate) -> str:
 class Explanation:
     """Causes that act alone or together, as one explanation with all that cannot be distinguished from it.
 
-    words: for readers. causes: the likeliest ones. probability: of all together. is_effect: False for no gap and for a
-    cause outside the library.
+    words: for readers. causes: the likeliest ones. probability: that any of all these is the cause. is_effect: False
+    for no gap and for a cause outside the library.
     """
 
     words: str

@@ -271,8 +271,8 @@ def closed_loop(
     rig_stiffness_N_per_mm: float = math.inf,
     samples: int = 400,
 ) -> HysteresisLoop:
-    """The whole steady Q–δ loop under a sinusoidal drive of amplitude δa, in partial or in gross slip; samples: of the
-    cycle.
+    """The whole steady Q–δ loop under a sinusoidal drive of amplitude δa, in partial or in gross slip; samples:
+    their number in the cycle.
 
     Raises ValueError for fewer than 8 samples or values that are not positive.
     """

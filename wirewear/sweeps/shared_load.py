@@ -38,8 +38,8 @@ class SharedLoad:
 
     ends (b,): last cycle of each block. load_N (n, b): loads of the runs, 0 where a contact is open. approach_um (n,
     b): at mid-stroke of the blocks' last cycles, NaN where open. depth_um, volume_mm3 (n, b): largest worn depths and
-    volumes of both bodies, added. runs: by label. labels: of each contact, empty if it is open throughout; equal
-    contacts have the same. change: largest change of a load in the last round, over the mean load.
+    volumes of both bodies, added. runs: by label. labels: label of each contact's run, empty if the contact is
+    open throughout; equal contacts share one. change: largest change of a load in the last round, over the mean load.
     """
 
     test: ManyContacts

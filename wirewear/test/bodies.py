@@ -112,9 +112,9 @@ class MountedBody(SurfaceKeys, GripKeys, MaterialKeys):
 @dataclass(frozen=True)
 class Body(ABC):
     """A body of a contact at a point, as it is meshed. axis_angle_deg: angle of its axis to the motion, about the
-    normal that points upwards. grip_stiffness_N_per_mm3: of its holder per area. surface: as measured before the test,
-    None for the unworn shape. layers: coatings, the outermost first. yield_stress_MPa: None for a body that stays
-    elastic.
+    normal that points upwards. grip_stiffness_N_per_mm3: stiffness of its holder per gripped area. surface: as measured
+    before the test, None for the unworn shape. layers: coatings, the outermost first. yield_stress_MPa: None for a body
+    that stays elastic.
     """
 
     name: str

@@ -59,8 +59,8 @@ Named = TypeVar("Named")  #: Values by name: a mapping, or the fields of a table
 class Extent:
     """How much of a contact is computed, and names and units that follow; this class is for contacts at a point,
     computed whole. length_mm: length of the line contact, None at a point. per: suffix of units of computed values;
-    suffix: of users' columns that grow with the length. worn: what worn surfaces are called. wear_unit: (factor on mm³,
-    unit) of computed wear.
+    suffix: that of users' columns that grow with the length. worn: what worn surfaces are called. wear_unit: (factor on
+    mm³, unit) of computed wear.
     """
 
     length_mm: float | None = None

@@ -65,8 +65,8 @@ class Weighed:
     """Probabilities of the explanations, and of a cause outside the library (`outside`); together they are 1.
 
     A cause of no library that acts just like a known effect has no share of its own: how often such causes occur, no
-    record shows. classes: of effects that the record cannot tell apart. beside: part of `outside` in which an
-    explanation acts together with such a cause, by explanation.
+    record shows. classes: names of effects in groups that the record cannot tell apart. beside: part of `outside` in
+    which an explanation acts together with such a cause, by explanation.
     """
 
     probabilities: Mapping[tuple[str, ...], float]

@@ -55,8 +55,8 @@ class Place:
 class GapFinding:
     """A zone that differs from the prediction.
 
-    cycles: first and last cycle in which it does. share: of the excess of χ² in all flagged places. size_in_scatter:
-    largest difference in standard deviations of one test. text: a sentence.
+    cycles: first and last cycle in which it does. share: the zone's part of the excess of χ² in all flagged places.
+    size_in_scatter: largest difference in standard deviations of one test. text: a sentence.
     """
 
     observable: str

@@ -69,8 +69,8 @@ class PointModel:
         return nominal_inputs(self.study, tables.conditions.drive)
 
     def with_effects(self, effects: Sequence[AnyEffect], amplitude_um: float, increments: int) -> Study:
-        """The study with effects added to its own and another amplitude in µm. increments: of a loop in quick runs,
-        used if the study states none.
+        """The study with effects added to its own and another amplitude in µm. increments: number in a loop of
+        quick runs, used if the study states none.
         """
         stated = self.study.fidelity("quick").increments_per_cycle or increments
         return self.study.with_effects(*self.study.effects, *effects).changed(
