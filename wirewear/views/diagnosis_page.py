@@ -156,18 +156,18 @@ Bar = tuple[str, float, float, str]  #: Name, value, per cent of the longest, co
 
 
 def residuals(
-    loops: tuple[ReducedLoop, ...], course: PredictedLoops, row: int, scatter: Mapping[str, float], load_N: float
+    loops: tuple[ReducedLoop, ...], predicted: PredictedLoops, row: int, scatter: Mapping[str, float], load_N: float
 ) -> list[dict[str, Array]]:
     """Measured less computed force along the forward and the backward branch of one cycle's loop.
 
     Each is a table of arrays (n,): displacement_um; force_N, mean over the repeats less the computed force; band_N,
-    half-width of the band in which 95 % of tests lie. loops: measured loops of this cycle. computed: loops, with
-    this cycle at the index `row`. scatter: standard deviations between tests by name. load_N: normal load.
+    half-width of the band in which 95 % of tests lie. loops: measured loops of this cycle. predicted: computed loops,
+    with this cycle at the index `row`. scatter: standard deviations between tests by name. load_N: normal load.
     """
     found = []
     for place, sign in enumerate(DIRECTIONS):
         own = [branch for loop in loops for branch in loop.branches if branch.sign == sign]
-        x, q = sign * course.displacement_um[row, place], sign * course.tangential_force_N[row, place]
+        x, q = sign * predicted.displacement_um[row, place], sign * predicted.tangential_force_N[row, place]
         order = still_to_come(x)
         low = max(float(order[0]), *(float(one.displacement_um.min()) for one in own))
         high = min(float(order[-1]), *(float(one.displacement_um.max()) for one in own))
@@ -255,7 +255,9 @@ def loops(diagnosed: Diagnosed) -> dict[str, object]:
         "cycles": cycles,
         "measured": [_measured(diagnosed, cycle) for cycle in cycles],
         "colour": MEASURED,
-        "left": [[_left(diagnosed, course, row, cycle) for row, cycle in enumerate(cycles)] for _, _, course in curves],
+        "left": [
+            [_left(diagnosed, predicted, row, cycle) for row, cycle in enumerate(cycles)] for _, _, predicted in curves
+        ],
         "begin": _telling_cycle(diagnosed, cycles) if cycles else 0,
         "sections": _sections(diagnosed, curves),
         "curves": [
@@ -264,20 +266,20 @@ def loops(diagnosed: Diagnosed) -> dict[str, object]:
                 "colour": colour,
                 "loops": [
                     [numbers(x.ravel()), numbers(q.ravel())]
-                    for x, q in zip(course.displacement_um, course.tangential_force_N, strict=True)
+                    for x, q in zip(predicted.displacement_um, predicted.tangential_force_N, strict=True)
                     if cycles
                 ],
             }
-            for name, colour, course in curves
+            for name, colour, predicted in curves
         ],
     }
 
 
-def _left(diagnosed: Diagnosed, course: PredictedLoops, row: int, cycle: int) -> list[list[list[float | None]]]:
+def _left(diagnosed: Diagnosed, predicted: PredictedLoops, row: int, cycle: int) -> list[list[list[float | None]]]:
     """For both branches: displacement, measured less computed force, and half-width of the 95 % band."""
     own = tuple(loop for loop in diagnosed.observed.loops if loop.cycle == cycle)
     scatter = diagnosed.search.covariance.scatter
-    branches = residuals(own, course, row, scatter, diagnosed.setup.load_N)
+    branches = residuals(own, predicted, row, scatter, diagnosed.setup.load_N)
     return [[numbers(one[name]) for name in ("displacement_um", "force_N", "band_N")] for one in branches]
 
 
@@ -296,12 +298,12 @@ def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, PredictedLo
     """
     found: list[dict[str, object]] = []
     for place, body in enumerate(diagnosed.record.tables.body_names):
-        scars, courses = diagnosed.record.scars_of(body), [course for _, _, course in curves]
-        if courses[0].profiles:
+        scars, predictions = diagnosed.record.scars_of(body), [predicted for _, _, predicted in curves]
+        if predictions[0].profiles:
             measured = [(one.x_um, one.depth_um) for one in map(read_profile, scars)]
-            computed = [course.profiles[body] for course in courses]
+            computed = [predicted.profiles[body] for predicted in predictions]
         else:
-            measured, computed = measured_section(scars), [bowl(course.scars[place]) for course in courses]
+            measured, computed = measured_section(scars), [bowl(predicted.scars[place]) for predicted in predictions]
         if measured:
             drawn = {"measured": measured, "bowls": computed}
             heights = {name: [[numbers(x), numbers(-depth)] for x, depth in own] for name, own in drawn.items()}

@@ -79,8 +79,9 @@ def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:
 
 def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float) -> tuple[object, ...] | None:
     """A loop's row of `WearStates`: worn volume in µm³, slip in µm, slope, angle, stiffness in N/µm, load in mid-stroke
-    in N and its rest (see `fitted_load`), scars and their skews; None if it does not travel far beyond the onset of
-    gross slip. friction: coefficient of the run. fresh_stiffness: of the unworn contact in N/µm.
+    in N and coefficients of its rise elsewhere (see `fitted_load`), scars and their skews; None if it does not travel
+    far beyond the onset of gross slip. friction: coefficient of the run. fresh_stiffness: of the unworn contact in
+    N/µm.
     """
     row = result.evolution.at(loop.cycle)
     volume = 1e9 * sum(row[f"worn_volume_{body}_mm3"] for body in result.bodies)
