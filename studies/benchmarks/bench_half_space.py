@@ -45,7 +45,6 @@ class Normal:
 
 
 def hertz() -> reference.PointContact:
-    """The closed form."""
     steel = reference.Elastic(210_000.0, 0.3)
     return reference.hertz_point(LOAD_N, RADIUS_mm, reference.contact_modulus(steel, steel))
 

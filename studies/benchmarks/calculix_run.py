@@ -48,7 +48,6 @@ class Completions:
 
     @property
     def completed(self) -> tuple[Completed, ...]:
-        """Those seen so far."""
         return tuple(self._completed)
 
     def __call__(self, used: Usage) -> None:

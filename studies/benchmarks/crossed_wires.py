@@ -53,5 +53,5 @@ outer_mesh_um = {contact_mesh_um}
 
 
 def discretised(of: Study) -> Discretisation:
-    """Its meshes."""
+    """Meshes and increments of a study at standard fidelity."""
     return discretise(of, "standard")

@@ -73,7 +73,7 @@ class _Pair:
 
     @property
     def lines(self) -> list[str]:
-        """As a study states them."""
+        """Lines of a study's file that state the bodies."""
         return [
             "[wires]",
             f"diameter_mm = {self.diameters_mm[0]!r}",
@@ -110,7 +110,7 @@ class _Shapes(_Pair):
 
     @property
     def lines(self) -> list[str]:
-        """As a study states them."""
+        """Lines of a study's file that state the bodies."""
         return [toml_text({"bodies": self.tables})]
 
     @property

@@ -71,7 +71,7 @@ class FrozenRecord:
 
     @property
     def name(self) -> str:
-        """Batch and case."""
+        """Name of the record: its batch and case."""
         return self.truth.case
 
 

@@ -83,7 +83,7 @@ def case_of(path: Path, repeats: int, seed: int, samples: int | None = None) -> 
 
 
 def outcome_table(outcomes: Sequence[Outcome]) -> Table:
-    """One row a case."""
+    """Table with one row for each case."""
     table = Table("case", "truth", "verdict", "named", "before → after (floor)", "judgement", box=box.SIMPLE_HEAD)
     for one in outcomes:
         shrink, truth = one.diagnosis.shrink, one.case.truth

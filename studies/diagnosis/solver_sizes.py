@@ -67,7 +67,7 @@ class Sizes:
 
     @classmethod
     def present(cls, pairs: Sequence[Pair]) -> "Sizes":
-        """No change."""
+        """Sizes that leave all as it is."""
         parts = tuple(sorted({name for pair in pairs for name in pair.parts}))
         count = len(NUMERICAL) + len(parts)
         return cls(tuple(NUMERICAL), parts, np.zeros(count), np.zeros(len(EXPECTED)))

@@ -64,7 +64,6 @@ class Case:
 
     @property
     def name(self) -> str:
-        """Contact and case."""
         return f"{self.translating.contact} {self.translating.case}"
 
     def printed(self, column: str) -> float:
@@ -291,7 +290,7 @@ def _reach(run: Rig) -> float:
 
 
 def _short(value: float) -> str:
-    """5.28 · 10⁵."""
+    """A number as text, such as 5.28 · 10⁵."""
     digits, exponent = f"{value:.2e}".split("e")
     return f"{digits} · 10" + str(int(exponent)).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 

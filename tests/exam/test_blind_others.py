@@ -12,12 +12,12 @@ from studies.blind import generator_of, make_batch
 from studies.blind.causes import causes_of
 from studies.blind.errors import BlindError
 from studies.blind.generators.cases import KINDS_OF_OTHERS, planned_cases
-from studies.blind.generators.others.causes import SIZES, sizes
-from studies.blind.generators.others.foundation import Foundation
-from studies.blind.generators.others.half_space import HalfSpaces, HalfSpaceWires
-from studies.blind.generators.others.layers import ElasticLayer, Plane
-from studies.blind.generators.others.logger import drawn_logger, figures, logged_scars
-from studies.blind.generators.others.model import (
+from studies.blind.generators.other_simulators.causes import SIZES, sizes
+from studies.blind.generators.other_simulators.foundation import Foundation
+from studies.blind.generators.other_simulators.half_space import HalfSpaces, HalfSpaceWires
+from studies.blind.generators.other_simulators.layers import ElasticLayer, Plane
+from studies.blind.generators.other_simulators.logger import drawn_logger, figures, logged_scars
+from studies.blind.generators.other_simulators.model import (
     GROWTH,
     Contact,
     OtherSimulators,
@@ -26,10 +26,10 @@ from studies.blind.generators.others.model import (
     simulated,
     world_of,
 )
-from studies.blind.generators.others.pair import Layer, Touch
-from studies.blind.generators.others.rig import Loop, periodic_loop, readings
-from studies.blind.generators.others.tests_drawn import SIMULATORS, LineTest, Test, WireTest, drawn_tests
-from studies.blind.generators.others.world import World
+from studies.blind.generators.other_simulators.pair import Layer, Touch
+from studies.blind.generators.other_simulators.rig import Loop, periodic_loop, readings
+from studies.blind.generators.other_simulators.tests_drawn import SIMULATORS, LineTest, Test, WireTest, drawn_tests
+from studies.blind.generators.other_simulators.world import World
 from wirewear.records import read_record
 
 E_MPa, RADIUS_mm, LOAD_N = 115000.0, 2.0, 20.0

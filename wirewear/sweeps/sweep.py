@@ -260,7 +260,6 @@ class Sweep:
     keep_results: bool = False
 
     def __len__(self) -> int:
-        """The number of runs."""
         return len(self.design.points)
 
     @property

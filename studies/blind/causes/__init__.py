@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from studies.blind.causes.cause import Cause
 
 if TYPE_CHECKING:
-    from studies.blind.generators.others.causes import OtherCause
+    from studies.blind.generators.other_simulators.causes import OtherCause
 
 #: Sets that a batch may draw from: that of the first batches; a half to develop a diagnosis on, and one that was sealed
 #: until its code was frozen; three that were written without a look at any diagnosis.
@@ -30,7 +30,7 @@ def all_causes() -> Mapping[str, type[Cause]]:
 @cache
 def other_causes() -> Mapping[str, "type[OtherCause]"]:
     """Every cause of tests by others by its name."""
-    from studies.blind.generators.others.causes import OtherCause
+    from studies.blind.generators.other_simulators.causes import OtherCause
 
     return {name: own for name, own in _classes() if issubclass(own, OtherCause)}
 

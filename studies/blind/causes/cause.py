@@ -56,7 +56,6 @@ class Reading(ReadingOfTest):
         """The channels as changed at a cycle."""
 
     def instrument(self, _nominal: Nominal) -> Instrument:
-        """The cause itself."""
         return self
 
     def in_world(self, world: World) -> World:

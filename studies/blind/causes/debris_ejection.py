@@ -31,7 +31,6 @@ class DebrisEjection(FrictionFactor):
 
     @property
     def jumps(self) -> tuple[Jump, Jump]:
-        """Both of them."""
         return (
             Jump(self.cycle_1, self.factor, self.recovery_cycles),
             Jump(self.cycle_2, self.factor, self.recovery_cycles),

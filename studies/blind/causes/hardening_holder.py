@@ -2,8 +2,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from studies.blind.generators.others.causes import OtherCause, Size, Sizes
-from studies.blind.generators.others.pair import Array
+from studies.blind.generators.other_simulators.causes import OtherCause, Size, Sizes
+from studies.blind.generators.other_simulators.pair import Array
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 from dataclasses import dataclass
 from math import log1p
 
-from studies.blind.generators.others.causes import OtherCause, Size, Sizes
+from studies.blind.generators.other_simulators.causes import OtherCause, Size, Sizes
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 from dataclasses import dataclass
 
-from studies.blind.generators.others.causes import OtherCause, Size, Sizes
+from studies.blind.generators.other_simulators.causes import OtherCause, Size, Sizes
 
 
 @dataclass(frozen=True)

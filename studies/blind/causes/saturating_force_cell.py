@@ -9,7 +9,7 @@ from studies.blind.generators.signals import Instrument, Signals
 
 @dataclass(frozen=True)
 class CubicLoss:
-    """Q − s Q³."""
+    """A force cell that reads Q − s Q³ under the force Q; per_N2: s."""
 
     per_N2: float
 

@@ -5,7 +5,7 @@ import numpy as np
 
 from studies.blind.causes.cause import LoadFactor, Sizes
 from studies.blind.generators.draw import Draw
-from studies.blind.generators.others.causes import OtherCause, Size
+from studies.blind.generators.other_simulators.causes import OtherCause, Size
 
 
 @dataclass(frozen=True)

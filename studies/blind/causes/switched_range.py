@@ -1,7 +1,7 @@
 from dataclasses import dataclass
 
-from studies.blind.generators.others.causes import OtherCause, Size, Sizes
-from studies.blind.generators.others.pair import Array
+from studies.blind.generators.other_simulators.causes import OtherCause, Size, Sizes
+from studies.blind.generators.other_simulators.pair import Array
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 from dataclasses import dataclass, replace
 
-from studies.blind.generators.others.causes import OtherCause, Size, Sizes
-from studies.blind.generators.others.world import World
+from studies.blind.generators.other_simulators.causes import OtherCause, Size, Sizes
+from studies.blind.generators.other_simulators.world import World
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,6 @@ class Constant:
     factor: float
 
     def at(self, _cycle: float) -> float:
-        """The factor."""
         return self.factor
 
 

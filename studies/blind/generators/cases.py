@@ -73,7 +73,7 @@ def planned_cases(
     nominals = nominals_of(tests, np.random.default_rng(conditions))
     random = np.random.default_rng(plan)
     kinds = _kinds(number, bool(outside), shares)
-    turns = {kind: _turns(outside if kind == "outside" else library, random) for kind in KINDS}
+    turns = {kind: _RoundRobin(outside if kind == "outside" else library, random) for kind in KINDS}
     drawn = []
     for place, kind in enumerate(kinds):
         chosen = _effects(kind, turns, random)
@@ -113,7 +113,7 @@ def _kinds(number: int, has_outside: bool, of_kinds: Mapping[str, float]) -> lis
     return kinds + ["single"] * (number - len(kinds))
 
 
-class _turns:  # noqa: N801 - reads as what it gives
+class _RoundRobin:
     """Effects in a drawn order, one after the other and round again; each comes easy and hard in turn."""
 
     def __init__(self, effects: Sequence[str], random: np.random.Generator) -> None:
@@ -126,7 +126,7 @@ class _turns:  # noqa: N801 - reads as what it gives
         return effect
 
 
-def _effects(kind: str, turns: dict[str, _turns], random: np.random.Generator) -> tuple[str, ...]:
+def _effects(kind: str, turns: dict[str, _RoundRobin], random: np.random.Generator) -> tuple[str, ...]:
     if kind == "none":
         return ()
     first = turns[kind].take()

@@ -85,7 +85,7 @@ class TurnedWires(Nominal):
 
     @classmethod
     def drawn(cls, random: np.random.Generator) -> Self:
-        """From 15 to 75°."""
+        """A test of wires that cross at 15 to 75°."""
         return replace(super().drawn(random), crossing_angle_deg=round(random.uniform(15.0, 75.0)))
 
 

@@ -66,7 +66,7 @@ class Nuisances:
         return noise | ({"normal_force_N": self.force_noise_N} if self.has_normal_force else {})
 
     def specimen(self, random: np.random.Generator) -> SpecimenDraw:
-        """One repeat."""
+        """By how much the specimens of one repeat deviate, drawn by the scatter."""
         scatter = self.scatter
         friction, load, wear, angle, zero, force = random.standard_normal(6)
         return SpecimenDraw(

@@ -9,8 +9,8 @@ from studies.blind.causes import all_causes
 from studies.blind.generators.draw import SEVERITY, Draw
 from studies.blind.generators.line_nominal import LineNominal
 from studies.blind.generators.nominal import Nominal
-from studies.blind.generators.others.causes import sizes as other_sizes
-from studies.blind.generators.others.tests_drawn import LineTest, WireTest
+from studies.blind.generators.other_simulators.causes import sizes as other_sizes
+from studies.blind.generators.other_simulators.tests_drawn import LineTest, WireTest
 
 
 def drawn_parameters(effect: str, ease: str, nominal: Nominal, random: np.random.Generator) -> dict[str, float]:

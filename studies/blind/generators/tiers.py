@@ -56,8 +56,8 @@ def generator_of(
 
 
 def _others(chosen: str) -> Generator:
-    from studies.blind.generators.others.model import OtherSimulators
-    from studies.blind.generators.others.tests_drawn import SIMULATORS
+    from studies.blind.generators.other_simulators.model import OtherSimulators
+    from studies.blind.generators.other_simulators.tests_drawn import SIMULATORS
 
     if chosen not in SIMULATORS:
         raise BlindError(f"there are no simulators {chosen!r}: choose {' or '.join(SIMULATORS)}.")

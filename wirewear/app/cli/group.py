@@ -82,7 +82,6 @@ class Given(click.Path):
     """Type of an argument: a file or folder to be read, or the name of a bundled example."""
 
     def __init__(self) -> None:
-        """Accept any path."""
         super().__init__(path_type=Path)
 
     def convert(self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None) -> Path:

@@ -89,7 +89,7 @@ class FiniteElementModel:
 
     @property
     def contact(self) -> type[Nominal]:
-        """What is tested."""
+        """Class of the tests that the tier draws."""
         return POINT_TESTS.get(self.tier, Nominal)
 
     @property

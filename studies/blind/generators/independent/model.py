@@ -51,7 +51,6 @@ class IndependentModel:
         return f"wires on an elastic foundation, friction law {self.law}{drawn}"
 
     def nominals(self, number: int, random: np.random.Generator) -> tuple[Nominal, ...]:
-        """Tests of wires."""
         return drawn_nominals(number, random)
 
     def make(self, case: Case) -> MadeRecord:

@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 from scipy import fft
 
-from studies.blind.generators.others.pair import Array, Layer, StickingPair
+from studies.blind.generators.other_simulators.pair import Array, Layer, StickingPair
 
 #: Change of all pressures at which a solution is found, where forces are wanted and where bodies wear.
 FINE, COARSE, MOST_ITERATIONS = 1e-6, 1e-4, 300

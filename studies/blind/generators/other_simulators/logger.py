@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from studies.blind.generators.nuisances import Nuisances, Scatter
-from studies.blind.generators.others.pair import Array
-from studies.blind.generators.others.tests_drawn import LineTest, Test
+from studies.blind.generators.other_simulators.pair import Array
+from studies.blind.generators.other_simulators.tests_drawn import LineTest, Test
 from studies.blind.generators.waveform import Waveform
 from wirewear.records import MeasuredEvolution, MeasuredLoop, MeasuredProfile, MeasuredScar
 

@@ -10,7 +10,7 @@ from math import pi
 
 import numpy as np
 
-from studies.blind.generators.others.pair import Array, StickingPair
+from studies.blind.generators.other_simulators.pair import Array, StickingPair
 
 #: Waves of the sum, and the largest wave number times the height, beyond which a layer is a half-plane.
 WAVES, DEEP = 4000, 45.0

@@ -13,15 +13,15 @@ from studies.blind.generators.cases import Case
 from studies.blind.generators.files import line_record_tables, record_tables
 from studies.blind.generators.generator import LIBRARY_EFFECTS, OTHERS, MadeRecord
 from studies.blind.generators.nominal import Nominal
-from studies.blind.generators.others import logger as logs
-from studies.blind.generators.others.foundation import FoundationWires
-from studies.blind.generators.others.half_space import HalfSpaceWires
-from studies.blind.generators.others.layers import ElasticLayer, LinePair
-from studies.blind.generators.others.logger import Channels, Logger, drawn_logger
-from studies.blind.generators.others.pair import Array, Pair
-from studies.blind.generators.others.rig import periodic_loop, readings
-from studies.blind.generators.others.strips import StripWires
-from studies.blind.generators.others.tests_drawn import (
+from studies.blind.generators.other_simulators import logger as logs
+from studies.blind.generators.other_simulators.foundation import FoundationWires
+from studies.blind.generators.other_simulators.half_space import HalfSpaceWires
+from studies.blind.generators.other_simulators.layers import ElasticLayer, LinePair
+from studies.blind.generators.other_simulators.logger import Channels, Logger, drawn_logger
+from studies.blind.generators.other_simulators.pair import Array, Pair
+from studies.blind.generators.other_simulators.rig import periodic_loop, readings
+from studies.blind.generators.other_simulators.strips import StripWires
+from studies.blind.generators.other_simulators.tests_drawn import (
     SIMULATORS,
     LineTest,
     Test,
@@ -29,7 +29,7 @@ from studies.blind.generators.others.tests_drawn import (
     drawn_tests,
     expected_pressure_MPa,
 )
-from studies.blind.generators.others.world import World
+from studies.blind.generators.other_simulators.world import World
 from wirewear.base.errors import RunError
 from wirewear.records import AnyRecord, ExperimentRecord, MeasuredProfile, MeasuredScar, RecordTables
 from wirewear.records.contact_tables import LineRecordTables
@@ -63,7 +63,6 @@ class OtherSimulators:
 
     @property
     def description(self) -> str:
-        """Which simulators."""
         return f"simulators by others ({self.chosen}): {', '.join(dict.fromkeys(SIMULATORS[self.chosen]))}"
 
     @property

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from studies.blind.causes import other_causes
-from studies.blind.generators.others.pair import Array
-from studies.blind.generators.others.tests_drawn import Test
+from studies.blind.generators.other_simulators.pair import Array
+from studies.blind.generators.other_simulators.tests_drawn import Test
 
 if TYPE_CHECKING:
-    from studies.blind.generators.others.world import World
+    from studies.blind.generators.other_simulators.world import World
 
 Sizes = dict[str, float]
 
@@ -62,10 +62,10 @@ class OtherCause(ABC):
     @staticmethod
     @abstractmethod
     def size(d: Size) -> Sizes:
-        """Parameters by name."""
+        """Parameters of the cause by name, drawn for a test."""
 
     def in_test(self, world: "World") -> "World":
-        """The test with it."""
+        """A copy of the test in which this cause acts."""
         return replace(world, causes=(*world.causes, self))
 
     def friction_along(self, _place: Array, _direction: int) -> Array | float:

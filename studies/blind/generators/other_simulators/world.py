@@ -10,8 +10,8 @@ import numpy as np
 
 from studies.blind.causes import other_causes
 from studies.blind.generators.cases import TrueEffect
-from studies.blind.generators.others.causes import OtherCause
-from studies.blind.generators.others.pair import Array, Layer
+from studies.blind.generators.other_simulators.causes import OtherCause
+from studies.blind.generators.other_simulators.pair import Array, Layer
 
 
 @dataclass(frozen=True)

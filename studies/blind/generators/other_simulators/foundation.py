@@ -10,7 +10,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from studies.blind.generators.others.pair import Array, Layer, Pair
+from studies.blind.generators.other_simulators.pair import Array, Layer, Pair
 
 
 class Foundation:

@@ -11,8 +11,8 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.blind.generators.others.foundation import Foundation
-from studies.blind.generators.others.pair import Array, Layer, Pair
+from studies.blind.generators.other_simulators.foundation import Foundation
+from studies.blind.generators.other_simulators.pair import Array, Layer, Pair
 
 WEAKEST = 0.5  #: Weakest slider's limit over the mean one.
 #: Lines across half a cell of the scars' maps, and the least overlap of strips that would touch.

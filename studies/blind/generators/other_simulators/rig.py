@@ -6,8 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
-from studies.blind.generators.others.pair import Array, Touch
-from studies.blind.generators.others.world import World
+from studies.blind.generators.other_simulators.pair import Array, Touch
+from studies.blind.generators.other_simulators.world import World
 from wirewear.base.errors import RunError
 
 POINTS, TIMES = 480, 1024  #: Points of a stroke, closer to its beginning, and of a loop over time.

@@ -65,7 +65,6 @@ class Pair:
 
     @property
     def cell_mm2(self) -> float:
-        """Area of a cell."""
         return self.dx * self.dy
 
     def flatten(self, approach_mm: float, half_slip_mm: float) -> None:
