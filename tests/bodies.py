@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from geometry import BodyMesh, ContactPatch, Cylinder, Elastic, GradedAxis, HexMesh, WireGeometry, build_body
 from geometry.arrays import Array
+from geometry.body import gmsh_session
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_state import ContactState, Holder, IncrementReport
 from solvers.elasticity.condensation import CondensedBody
@@ -136,3 +138,25 @@ def driven(
             states.append(state)
             reports.append(pieces)
     return states, reports
+
+
+def ball_of_tetrahedra(
+    path: Path, radius_mm: float, half_mm: float, height_mm: float, element_mm: float, order: int
+) -> None:
+    """Write a square column cut from a ball, whose contact at the origin faces +z, with surfaces 'contact' and 'grip'.
+
+    The column is half_mm wide to each side and height_mm high; its elements have four nodes or, of order 2, ten.
+    """
+    with gmsh_session() as gmsh:
+        solids, size = gmsh.model.occ, 2.0 * half_mm
+        ball = solids.addSphere(0.0, 0.0, -radius_mm, radius_mm)
+        solids.intersect([(3, ball)], [(3, solids.addBox(-half_mm, -half_mm, -height_mm, size, size, 2.0 * height_mm))])
+        solids.synchronize()
+        faces = [tag for _, tag in gmsh.model.getEntities(2)]
+        for name, kind in (("contact", "Sphere"), ("grip", "Plane")):
+            gmsh.model.addPhysicalGroup(2, [tag for tag in faces if gmsh.model.getType(2, tag) == kind], name=name)
+        gmsh.model.addPhysicalGroup(3, [tag for _, tag in gmsh.model.getEntities(3)], name="body")
+        gmsh.option.setNumber("Mesh.MeshSizeMax", element_mm)
+        gmsh.option.setNumber("Mesh.ElementOrder", order)
+        gmsh.model.mesh.generate(3)
+        gmsh.write(str(path))

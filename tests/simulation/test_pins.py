@@ -1,4 +1,4 @@
-"""A pin in a bore: what studies say of it, its meshes, its closed forms, and a run."""
+"""A pin in a bore, a shaft in a hub: what studies say of them, their meshes, closed forms, and runs."""
 
 from math import asin, pi
 from typing import Any
@@ -115,3 +115,48 @@ def test_a_pin_wears_its_bore_without_any_error_of_the_program() -> None:
     assert heights["height_um"][[0, -1]] == pytest.approx(1e3 * Arc(-6.1).height(np.column_stack([x, x]))[[0, -1]])
     with pytest.raises(RecordError, match="of a pin in a bore, which records do not state"):
         record_of_result(result, 10.0)
+
+
+def shaft_study(**changes: Any) -> LineStudy:
+    """A shaft of 10 mm in a hub of twice its radius, on a coarse mesh."""
+    tables: dict[str, Any] = {
+        "kind": "line-contact",
+        "pad": {"radius_mm": None, "face_half_width_mm": 10.0, "edge_radius_mm": 1.0, "height_mm": 10.0},
+        "specimen": {"shaft_radius_mm": 10.0, "interference_um": 5.0, "taper_mm_per_mm": 0.05},
+        "conditions": {"normal_load_N_per_mm": 800.0, "displacement_amplitude_um": 20.0, "cycles": 1},
+        "contact": {"friction": 0.1, "length_mm": 20.0 * pi},
+        "mesh": {"contact_mesh_um": 100.0, "increments_per_cycle": 16},
+        "wear": None,
+        "log": {"loop_cycles": [1]},
+    }
+    return line_study(**(tables | {key: tables.get(key, {}) | value for key, value in changes.items()}))
+
+
+@pytest.mark.seconds
+def test_a_taper_slides_as_its_statics_say_under_the_pressure_of_lame() -> None:
+    result = simulate(shaft_study(), fidelity="quick")
+    loop, scar = result.loops[0], result.scar(1, "pad")
+    share = loop.tangential_force_N / loop.normal_force_N
+    taper, friction = 0.05, 0.1
+    assert -share.min() == pytest.approx((friction + taper) / (1.0 - friction * taper), rel=1e-3)
+    assert share[loop.displacement_um.argmax()] == pytest.approx(
+        (friction - taper) / (1.0 + friction * taper), rel=1e-2
+    )
+    elastic = shaft_study().pad.elastic
+    lame = 5e-3 / 10.0 * elastic.youngs_modulus_MPa / (500.0 / 300.0 + 1.0)
+    assert scar.pressure_MPa[len(scar.axial_um) // 2, 0] == pytest.approx(lame, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("changes", "complaint"),
+    [
+        ({"contact": {"length_mm": 10.0}}, r"length_mm in \[contact\].* must be 62\.8319, the shaft's circumference"),
+        ({"specimen": {"interference_um": None}}, "nothing else presses a hub on its shaft"),
+        ({"specimen": {"shaft_radius_mm": None}}, "is of a shaft: give its shaft_radius_mm, too"),
+        ({"pad": {"face_half_width_mm": None, "edge_radius_mm": None, "radius_mm": 6.0}}, "is the hub of a shaft"),
+        ({"specimen": {"bore_radius_mm": 6.0}}, "bore_radius_mm"),
+    ],
+)
+def test_what_does_not_go_with_a_shaft_is_one_sentence(changes: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(StudyError, match=complaint):
+        shaft_study(**changes)

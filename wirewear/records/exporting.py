@@ -149,8 +149,9 @@ def record_of_result(
         raise RecordError(
             f"the result {result.label!r} is of a test that began with a measured surface, which records do not state."
         )
-    if result.study.get("specimen", {}).get("bore_radius_mm") is not None:
-        raise RecordError(f"the result {result.label!r} is of a pin in a bore, which records do not state.")
+    for key, what in (("bore_radius_mm", "a pin in a bore"), ("shaft_radius_mm", "a shaft in a hub")):
+        if result.study.get("specimen", {}).get(key) is not None:
+            raise RecordError(f"the result {result.label!r} is of {what}, which records do not state.")
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
     whole = result.of_extent(extent_of(length_mm))

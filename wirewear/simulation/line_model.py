@@ -4,7 +4,7 @@ A face is the profile of the pad along the motion; a patch is the finely meshed 
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from math import asin, ceil, cos, inf, log, pi, sin, sqrt
 
@@ -223,6 +223,7 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
         specimen = study.specimen.held(
             PlanarGeometry(Flat(), specimen_half, study.specimen.height_mm, along(half, stroke), far)
         )
+        pad, specimen = _around(study, pad, specimen)
     increments = mesh.increments_per_cycle or level.increments_per_cycle
     length = study.log.pressure_length_um
     return LinePlan(
@@ -264,13 +265,30 @@ def _rings(
     )
 
 
+def _around(study: LineStudy, hub: PlanarGeometry, shaft: PlanarGeometry) -> tuple[PlanarGeometry, PlanarGeometry]:
+    """Both as rings if the study states a shaft, otherwise unchanged. Of a taper, the shaft is held at its wide end and
+    the hub at its narrow one.
+    """
+    own, rise = study.specimen, study.specimen.taper_mm_per_mm
+    if (radius := own.shaft_radius_mm) is None:
+        return hub, shaft
+    end = 1 if rise >= 0.0 else -1
+    return (
+        replace(hub, axis_mm=radius, rise=-rise, held_end=-end),
+        replace(shaft, height_mm=min(own.height_mm, radius), axis_mm=-radius, rise=rise, held_end=end),
+    )
+
+
 def placed_body(
     geometry: PlanarGeometry | RingGeometry, material: Elastic, *, upper: bool, surface: StatedSurface | None = None
 ) -> PlacedBody:
     """A body meshed, condensed and placed. upper: True for the pad. surface: measured before the test, or None."""
     meshed = build_planar(geometry)
     body = condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding)
-    return place(measured(body, surface, 0.0, upper=upper), upper=upper, axis_angle_rad=0.0)
+    placed = place(measured(body, surface, 0.0, upper=upper), upper=upper, axis_angle_rad=0.0)
+    if isinstance(geometry, PlanarGeometry) and geometry.rise:
+        return replace(placed, incline=-geometry.rise if upper else geometry.rise)
+    return placed
 
 
 def bodies(study: LineStudy, meshes: LinePlan) -> tuple[PlacedBody, PlacedBody]:

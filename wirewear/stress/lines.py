@@ -74,6 +74,8 @@ def _study(tables: str) -> LineStudy:
 
 
 def _geometry(study: LineStudy, fidelity: str, body: str) -> PlanarGeometry | RingGeometry:
+    if study.specimen.shaft_radius_mm is not None:
+        raise ResultError("stresses inside are not computed for a shaft in a hub, only its contact.")
     meshes = line_plan(study, fidelity)
     return meshes.pad if body == "pad" else meshes.specimen
 

@@ -4,12 +4,13 @@ across the motion. Numbers are those of the whole length.
 
 from collections.abc import Mapping
 from dataclasses import replace
+from math import pi
 from typing import Annotated, ClassVar, Literal, Self, TypeVar
 
 from pydantic import Field, PlainValidator
 
-from geometry import Cylinder, Elastic, PlanarGeometry, RingGeometry
-from solvers import Coulomb, Drive, EnergyLaw, WearLaw, WearRates
+from geometry import Cylinder, Elastic, PlanarGeometry, RingGeometry, RoundedFlat
+from solvers import Coulomb, Drive, EnergyLaw, Holder, WearLaw, WearRates
 from wirewear.base import kinds
 from wirewear.base.errors import RecordError, StudyError
 from wirewear.base.units import Quantity
@@ -25,6 +26,8 @@ from wirewear.test.surfaces import LayerTable, layers_of
 from wirewear.test.tables import CommonTables, StatesItsKind
 from wirewear.test.template import Template
 
+LineLoad = Annotated[float, PlainValidator(Quantity("N", 1e-3, 1e6))]
+Taper = Annotated[float, PlainValidator(Quantity("mm_per_mm", -0.2, 0.2))]
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]
 
 TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}  #: An alloy like Ti-6Al-4V.
@@ -81,6 +84,16 @@ class Specimen(HeldTable):
         "bore",
         examples=[6.02],
     )
+    shaft_radius_mm: Extent | None = Field(
+        None,
+        description="radius of a shaft in place of a flat, with its axis along the motion: the pad is then a hub around"
+        " it, as thick as its height_mm. A height_mm below the radius is the wall of a hollow shaft",
+        examples=[10.0],
+    )
+    interference_um: keys.Approach | None = Field(
+        None, description="how much larger than its hub's the shaft's radius is; normal_load_N is then only expected"
+    )
+    taper_mm_per_mm: Taper = Field(0.0, description="rise of the shaft's radius, and of its hub's, along the motion")
 
     def unfit_bore(self, pad: Pad, kind: str) -> Inconsistency | None:
         """The contradiction of the bore with this pad in a test of this kind; None if they fit, or there is no bore."""
@@ -102,10 +115,42 @@ class Specimen(HeldTable):
                     return Inconsistency((name, foreign), text)
         return None
 
+    def unfit_shaft(self, tables: "LineTables") -> Inconsistency | None:
+        """The contradiction of a shaft with the rest of its study; None if they fit, or there is no shaft."""
+        radius, pad = self.shaft_radius_mm, tables.pad
+        if radius is None:
+            beside = next((key for key in ("interference_um", "taper_mm_per_mm") if getattr(self, key)), None)
+            return (
+                Inconsistency(("specimen", beside), "is of a shaft: give its shaft_radius_mm, too") if beside else None
+            )
+        around, length = 2.0 * pi * radius, tables.contact.length_mm
+        problems = {
+            ("pad",): "is the hub of a shaft: give its bore's face_half_width_mm and the edge_radius_mm of its ends"
+            if not isinstance(pad.profile, RoundedFlat)
+            else None,
+            ("specimen", "interference_um"): "is missing: nothing else presses a hub on its shaft"
+            if self.interference_um is None
+            else None,
+            ("contact", "length_mm"): f"must be {around:.6g}, the shaft's circumference, to a thousandth"
+            if abs(length / around - 1.0) > 1e-3
+            else None,
+            ("holder", "rotational_stiffness_N_mm_per_rad"): "is given, but a hub does not turn over: remove it"
+            if tables.holder.rotational_stiffness_N_mm_per_rad != "rigid"
+            else None,
+        }
+        foreign = [("specimen", "bore_radius_mm"), ("holder", "normal_spring_stiffness_N_per_mm")]
+        foreign += [("conditions", "load_cycle")]
+        foreign += [(body, key) for body in ("pad", "specimen") for key in ("surface", "bulk", "grip_width_mm")]
+        for table, key in foreign:
+            given = getattr(getattr(tables, table), key)
+            problems[table, key] = "is given, but a shaft in a hub has none: remove it" if given else None
+        return next((Inconsistency(key, said) for key, said in problems.items() if said), None)
+
 
 class LineConditions(DrivenConditions):
     """Keys of load, stroke, frequency and length of a line contact's test."""
 
+    normal_load_N: LineLoad = Field(description="normal load between the bodies", examples=[2.0])
     frequency_Hz: keys.Frequency = Field(1.0, description="cycles per second")
 
 
@@ -242,6 +287,11 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
         return replace(self.conditions.drive, bulk=bulk_of(bodies, plane_strain=True))
 
     @property
+    def rig(self) -> Holder:
+        overlap_um = self.specimen.interference_um
+        return replace(super().rig, approach_mm=None if overlap_um is None else 1e-3 * overlap_um)
+
+    @property
     def wear_rates(self) -> WearRates:
         rates = self.energy_coefficients()
         return WearRates(
@@ -281,6 +331,8 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
         if (wanted := self.pad.missing_face(self.kind)) is not None:
             return Inconsistency(("pad",), f"does not say which face it has: {wanted}")
         if (unfit := self.specimen.unfit_bore(self.pad, self.kind)) is not None:
+            return unfit
+        if (unfit := self.specimen.unfit_shaft(self)) is not None:
             return unfit
         for name in ("pad", "specimen"):
             if (bulk := getattr(self, name).bulk) is not None and (problem := bulk.unfit(is_round=False)):
