@@ -65,8 +65,8 @@ def test_a_ball_of_tetrahedra_runs_as_the_programs_own(folder: Path) -> None:
         ours, theirs = (strength_of(one, body, 1, StrengthAsked(800.0)) for one in (own, built))
         for name in ("von_mises", "smith_watson_topper", "crossland"):
             assert getattr(ours, name).value_MPa == pytest.approx(getattr(theirs, name).value_MPa, rel=0.01), name
-    for ours, theirs in zip(lives(own), lives(built), strict=True):
-        sums = [float(one.damage.at(100.0).damage.max()) for one in (ours, theirs)]
+    for of_own, of_built in zip(lives(own), lives(built), strict=True):
+        sums = [float(one.damage.at(100.0).damage.max()) for one in (of_own, of_built)]
         assert sums[0] == pytest.approx(sums[1], rel=0.1)
 
 
