@@ -122,7 +122,7 @@ def shaft_study(**changes: Any) -> LineStudy:
     tables: dict[str, Any] = {
         "kind": "line-contact",
         "pad": {"radius_mm": None, "face_half_width_mm": 10.0, "edge_radius_mm": 1.0, "height_mm": 10.0},
-        "specimen": {"shaft_radius_mm": 10.0, "interference_um": 5.0, "taper_mm_per_mm": 0.05},
+        "specimen": {"shaft_radius_mm": 10.0, "interference_um": 5.0, "taper": 0.05},
         "conditions": {"normal_load_N_per_mm": 800.0, "displacement_amplitude_um": 20.0, "cycles": 1},
         "contact": {"friction": 0.1, "length_mm": 20.0 * pi},
         "mesh": {"contact_mesh_um": 100.0, "increments_per_cycle": 16},

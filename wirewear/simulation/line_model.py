@@ -269,7 +269,7 @@ def _around(study: LineStudy, hub: PlanarGeometry, shaft: PlanarGeometry) -> tup
     """Both as rings if the study states a shaft, otherwise unchanged. Of a taper, the shaft is held at its wide end and
     the hub at its narrow one.
     """
-    own, rise = study.specimen, study.specimen.taper_mm_per_mm
+    own, rise = study.specimen, study.specimen.taper
     if (radius := own.shaft_radius_mm) is None:
         return hub, shaft
     end = 1 if rise >= 0.0 else -1

@@ -27,7 +27,7 @@ from wirewear.test.tables import CommonTables, StatesItsKind
 from wirewear.test.template import Template
 
 LineLoad = Annotated[float, PlainValidator(Quantity("N", 1e-3, 1e6))]
-Taper = Annotated[float, PlainValidator(Quantity("mm_per_mm", -0.2, 0.2))]
+Taper = Annotated[float, PlainValidator(Quantity("1", -0.2, 0.2))]
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]
 
 TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}  #: An alloy like Ti-6Al-4V.
@@ -93,7 +93,7 @@ class Specimen(HeldTable):
     interference_um: keys.Approach | None = Field(
         None, description="how much larger than its hub's the shaft's radius is; normal_load_N is then only expected"
     )
-    taper_mm_per_mm: Taper = Field(0.0, description="rise of the shaft's radius, and of its hub's, along the motion")
+    taper: Taper = Field(0.0, description="rise of the shaft's radius, and of its hub's, along the motion")
 
     def unfit_bore(self, pad: Pad, kind: str) -> Inconsistency | None:
         """The contradiction of the bore with this pad in a test of this kind; None if they fit, or there is no bore."""
@@ -119,7 +119,7 @@ class Specimen(HeldTable):
         """The contradiction of a shaft with the rest of its study; None if they fit, or there is no shaft."""
         radius, pad = self.shaft_radius_mm, tables.pad
         if radius is None:
-            beside = next((key for key in ("interference_um", "taper_mm_per_mm") if getattr(self, key)), None)
+            beside = next((key for key in ("interference_um", "taper") if getattr(self, key)), None)
             return (
                 Inconsistency(("specimen", beside), "is of a shaft: give its shaft_radius_mm, too") if beside else None
             )
