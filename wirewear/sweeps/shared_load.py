@@ -4,7 +4,7 @@ The wire is a beam on its contacts; these are far enough apart that each is a ru
 load is the deflection of the beam there. Loads change from block to block of cycles. They follow from runs under
 estimated loads: elastic approach and worn depth of these are scaled to other loads, which the beam then shares out,
 until runs and beam agree. Such a round repeats until loads change by less than 0.5 %. A contact runs only through the
-blocks in which it is closed.
+blocks in which it is closed. A run's approach is that of the wire's back, of which the axis lacks a little.
 
 A rig that gives way takes the friction of all contacts. Each run has a share of its stiffness that is the share of its
 friction, so that all runs move the rig alike at the ends of the stroke.
@@ -85,6 +85,7 @@ def shared_load(test: ManyContacts, simulate: Simulate) -> SharedLoad:
         labels, studies, closed = _studies(test, load, share, lengths)
         runs = simulate(studies, rounds)
         approach, depth, volume, force = _measured([runs.get(one) for one in labels], load, lengths)
+        approach = approach - test.backing_mm_per_N * load
         work = np.cumsum(load * lengths, axis=1)
         better = _shared(
             test,

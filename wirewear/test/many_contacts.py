@@ -118,6 +118,15 @@ class ManyContacts:
         modulus = wire.youngs_modulus_MPa / (2.0 * (1.0 + nu))
         return kappa * modulus * pi / 4.0 * (wire.diameter_mm**2 - wire.bore_mm**2)
 
+    @property
+    def backing_mm_per_N(self) -> float:
+        """How much farther the back of the held wire comes to a contact than its axis, over the force: a run has the
+        approach of the back, the beam is the axis. 1.56/(E d) by elements for solid wires in their grips, of which
+        several are to the diameter; 0 for tubes, whose walls bend.
+        """
+        wire = _held_wire(self.study)
+        return 0.0 if wire.bore_mm else 1.56 / (wire.youngs_modulus_MPa * wire.diameter_mm)
+
     def alone(self, contact: int, blocks: Sequence[LoadedBlock]) -> Study:
         """The study of one contact, by its index from 0, whose programme are these blocks; a loop is recorded at the
         end of each.
