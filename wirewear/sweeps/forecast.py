@@ -11,7 +11,6 @@ import numpy as np
 from wirewear.base.errors import WirewearError
 from wirewear.base.memory import size_text
 from wirewear.base.words import counted
-from wirewear.simulation import needed_memory
 from wirewear.sweeps.sweep import Sweep, SweepRow
 
 POWERS = (0.0, 2.5)  #: Powers beyond these come from runs that are too alike in size to show it.
@@ -94,6 +93,8 @@ def _power(sizes: np.ndarray, cpu_s: np.ndarray) -> float:
 
 
 def _size(sweep: Sweep, place: int) -> float:
+    from wirewear.simulation import needed_memory  # What simulates takes half a second to load.
+
     try:
         return float(needed_memory(sweep.study_of(place), sweep.fidelity) ** 0.5)
     except WirewearError:

@@ -14,7 +14,6 @@ from math import exp, isfinite, log, log2, prod
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import qmc
 
 from geometry.arrays import Array
 from solvers.jit_cache import working_cpu_s
@@ -125,6 +124,8 @@ def design_of(tables: SweepTables, where: str) -> Design:
 
 
 def _drawn(kind: str, factors: int, samples: int, seed: int, where: str) -> Array:
+    from scipy.stats import qmc  # It takes a quarter of a second to load.
+
     if kind == LATIN_HYPERCUBE:
         shares: Array = qmc.LatinHypercube(factors, rng=np.random.default_rng(seed)).random(samples)
         return shares
