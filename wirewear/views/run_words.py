@@ -99,7 +99,8 @@ def flow_sentence(settings: Mapping[str, SupportsFloat]) -> str:
         return " The metal is pressed; flow by sliding is not followed, since the contact sticks or slides far."
     if not float(settings[FLOW]):
         return f" Unworn, the metal shakes down within {count}."
-    return f" Unworn, the metal flows by a strain of {flow} a cycle after {count} and ratchets by {left}."
+    known = "strains of cycles are known within a factor of 2.4"
+    return f" Unworn, the metal flows by a strain of {flow} a cycle after {count} and ratchets by {left}; {known}."
 
 
 def taken_by_rig(label: str, amplitude_um: float, settings: Mapping[str, SupportsFloat]) -> str:
