@@ -7,7 +7,7 @@ All work is in dense LAPACK kernels, which makes it several times faster than a 
 extracting the trailing block (`make bench` prints the ratio).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 
 import numpy as np
@@ -173,6 +173,9 @@ class Front:
     factor: Array  #: (m, m) lower Cholesky factor L of the own unknowns' matrix.
     coupling: Array  #: (b, m) matrix between boundary and own unknowns times the inverse of L's transpose.
     held: IntArray
+
+    def in_single_precision(self) -> "Front":
+        return replace(self, factor=self.factor.astype(np.float32), coupling=self.coupling.astype(np.float32))
 
 
 def eliminate(

@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import bmat, csr_matrix, diags
+from scipy.sparse import bsr_matrix, csr_matrix, diags
 
 from geometry import Elastic, HexMesh, QuadMesh
 from geometry.arrays import Array, IntArray
@@ -48,34 +48,40 @@ def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
 
     axis = mesh.axis_mm if isinstance(mesh, QuadMesh) else None
 
-    def integral(product: Callable[..., Array]) -> csr_matrix:
-        if axis is None:
-            return BilinearForm(product).assemble(basis)
-        return BilinearForm(lambda u, v, w: product(u, v, w) * np.abs(w.x[1] / axis - 1.0)).assemble(basis)
-
     basis, axes = _basis(mesh)
     lame_lambda, shear = lame_parameters(material.youngs_modulus_MPa, material.poissons_ratio)
-    n = len(mesh.points)
-    gradients = {(a, b): csr_matrix((n, n)) for a in range(3) for b in range(3)}
+    n, corners = len(mesh.points), basis.element_dofs.astype(np.int64)
+    # All integrals have the same pattern of nodes that share a cell.
+    coupled, place = np.unique((n * corners + corners[:, None]).ravel(), return_inverse=True)
+    transposed = np.searchsorted(coupled, n * (coupled % n) + coupled // n)
+
+    def integral(product: Callable[..., Array]) -> Array:
+        form = BilinearForm(product)
+        if axis is not None:
+            form = BilinearForm(lambda u, v, w: product(u, v, w) * np.abs(w.x[1] / axis - 1.0))
+        return np.asarray(np.bincount(place, form.coo_data(basis).data), dtype=np.float64)
+
+    gradients = np.zeros((3, 3, len(coupled)))
     for i, a in enumerate(axes):
         for j, b in list(enumerate(axes))[i:]:
-            form = integral(lambda u, v, _, i=i, j=j: v.grad[i] * u.grad[j])
-            gradients[a, b] = form
-            gradients[b, a] = form if a == b else form.T
-    laplacian = gradients[0, 0] + gradients[1, 1] + gradients[2, 2]
-    blocks = [[lame_lambda * gradients[a, b] + shear * gradients[b, a] for b in range(3)] for a in range(3)]
+            found = integral(lambda u, v, _, i=i, j=j: v.grad[i] * u.grad[j])
+            gradients[a, b] = found
+            gradients[b, a] = found if a == b else found[transposed]
+    blocks = lame_lambda * gradients + shear * np.swapaxes(gradients, 0, 1)
     for a in range(3):
-        blocks[a][a] = blocks[a][a] + shear * laplacian
+        blocks[a, a] += shear * np.trace(gradients)
     if axis is not None:
         around = integral(lambda u, v, w: v * u / (w.x[1] - axis) ** 2)
         along, out = (integral(lambda u, v, w, i=i: v * u.grad[i] / (w.x[1] - axis)) for i in (0, 1))
-        blocks[0][2] = blocks[0][2] + lame_lambda * along.T
-        blocks[2][0] = blocks[2][0] + lame_lambda * along
-        blocks[1][1] = blocks[1][1] + shear * (around - out - out.T)
-        blocks[2][2] = blocks[2][2] + (lame_lambda + 2.0 * shear) * around + lame_lambda * (out + out.T)
-    # Unknowns by direction, then interleaved node by node.
-    order = np.arange(3 * n).reshape(3, n).T.ravel()
-    return bmat(blocks, format="csr")[order][:, order]
+        blocks[0, 2] += lame_lambda * along[transposed]
+        blocks[2, 0] += lame_lambda * along
+        blocks[1, 1] += shear * (around - out - out[transposed])
+        blocks[2, 2] += (lame_lambda + 2.0 * shear) * around + lame_lambda * (out + out[transposed])
+    starts = np.searchsorted(coupled, n * np.arange(n + 1))
+    by_node = np.ascontiguousarray(np.moveaxis(blocks, 2, 0))
+    matrix = bsr_matrix((by_node, coupled % n, starts), shape=(3 * n, 3 * n)).tocsr()
+    matrix.eliminate_zeros()
+    return matrix
 
 
 def _basis(mesh: HexMesh | QuadMesh) -> tuple[Basis, tuple[int, ...]]:

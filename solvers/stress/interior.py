@@ -10,9 +10,11 @@ Appl. Mech. 20 (1953) 327). For a small step the contact is then a joint over th
 problem is linear.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
+from typing import Any
 
 import numpy as np
 from scipy.linalg import blas
@@ -30,31 +32,77 @@ from solvers.elasticity.strain import TENSOR_PLACES, Projection, stiffness_matri
 _ALIKE = 1e-9
 
 
-@dataclass(frozen=True)
+#: Share of the energy's root by which displacements may err that are found with the factors of another body, and the
+#: steps that this may take before the body's own factors cost less: they take as long as about fifteen.
+_EXACT, _STEPS = 1e-8, 12
+
+
+@dataclass(frozen=True, eq=False)
 class Factor:
-    """A symmetric matrix (n, n), n its `size`, factorised on its unknowns that are free; all others are held at zero.
-    fronts: its parts, in the order of elimination.
+    """A symmetric matrix (n, n) factorised on its unknowns that are free; all others are held at zero.
+
+    free: (n,) True for free unknowns. fronts: its parts, in the order of elimination.
     """
 
-    size: int
+    matrix: csr_matrix
+    free: BoolArray
     fronts: tuple[elimination.Front, ...]
 
     def solved(self, forces: Array) -> Array:
         """Displacements (n, k) by forces (n, k); 0 at held unknowns, whatever forces act there."""
-        left = forces.astype(np.float64, copy=True)
+        substituted = blas.dtrsm if self._is_exact else blas.strsm
+        left = forces.astype(self.fronts[0].factor.dtype, copy=True)
         for front in self.fronts:
             left[front.held] = 0.0
             if not left[front.own].any():
                 continue
-            own = blas.dtrsm(1.0, front.factor, left[front.own], lower=1)
+            own = substituted(1.0, front.factor, left[front.own], lower=1)
             left[front.own] = own
             if len(front.boundary):
                 left[front.boundary] -= front.coupling @ own
         moved = np.zeros_like(left)
         for front in reversed(self.fronts):
             own = left[front.own] - front.coupling.T @ moved[front.boundary]
-            moved[front.own] = blas.dtrsm(1.0, front.factor, own, lower=1, trans_a=1)
+            moved[front.own] = substituted(1.0, front.factor, own, lower=1, trans_a=1)
         return moved
+
+    def solved_for(self, matrix: csr_matrix, forces: Array) -> Array | None:
+        """What `solved` gives for another matrix with the same free unknowns, by conjugate gradients which this factor
+        preconditions (Saad, Iterative Methods for Sparse Linear Systems, 2003, section 9.2); None if they take too
+        many steps.
+        """
+        if matrix is self.matrix and self._is_exact:
+            return self.solved(forces)
+        left = forces * self.free[:, None]
+        # Forces of any size fit into single precision once they are of size 1.
+        scale = np.abs(left).max(initial=1e-300)
+        left /= scale
+        moved, along = np.zeros_like(left), np.zeros_like(left)
+        before = first = np.ones(left.shape[1])
+        for step in range(_STEPS + 1):
+            towards = self.solved(left)
+            energy = np.einsum("nk,nk->k", left, towards)
+            if step == 0:
+                before = first = np.where(energy > 0.0, energy, 1.0)
+            if np.all(energy <= _EXACT**2 * first):
+                return np.asarray(moved * scale)
+            along = towards + energy / before * along if step else towards.astype(np.float64)
+            pushed = (matrix @ along) * self.free[:, None]
+            work = np.einsum("nk,nk->k", along, pushed)
+            length = energy / np.where(work > 0.0, work, 1.0)
+            moved += length * along
+            left -= length * pushed
+            before = np.where(energy > 0.0, energy, 1.0)
+        return None
+
+    @property
+    def _is_exact(self) -> bool:
+        return self.fronts[0].factor.dtype == np.float64
+
+
+#: Factors by what they are of: mirror planes of the body, and for each whether motions are odd about it.
+Factors = dict[tuple[object, ...], Factor]
+_PROJECTION = "projection"
 
 
 def factorised(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int, held: BoolArray) -> tuple[Factor, ...]:
@@ -71,7 +119,8 @@ def factorised(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int, held
     rank[order] = np.arange(len(order))
     fronts: list[list[elimination.Front]] = [[] for _ in held]
     elimination.eliminate(tree, elimination.System(matrix, graph, rank, d, held), fronts)
-    return tuple(Factor(matrix.shape[0], tuple(each)) for each in fronts)
+    free = np.repeat(rank >= 0, d) & ~held
+    return tuple(Factor(matrix, one, tuple(each)) for one, each in zip(free, fronts, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +149,13 @@ class CycleImage:
             return points_mm, count
         return np.vstack([points_mm, points_mm * self.sides[:2]]), np.concatenate([len(count) + count, count])
 
+    def moved(self, displacement: Array) -> Array:
+        """Displacements (s, n, 3) of all states, from those (c, n, 3) of the computed ones."""
+        found: Array = displacement[np.searchsorted(self.computed, self.source)]
+        others = self.source != np.arange(len(self.source))
+        found[others] = found[others][:, self.node] * self.sides
+        return found
+
     def completed(self, stress: Array, image: IntArray) -> Array:
         """Stresses (s, k, 6) of all states, from those (c, k, 6) of the computed ones, at points of which `image` (k,)
         is the index of the mirror image.
@@ -121,7 +177,8 @@ class Interior:
     held: IntArray  #: Indices of nodes that do not move.
     #: (n,) stiffness in N/mm (planar: per mm) that holds nodes elastically in all directions; 0 at most. None: none is.
     bedding: Array | None = None
-    _factors: dict[tuple[bool, ...], Factor] = field(default_factory=dict, repr=False)
+    #: May be shared by bodies on the same cells, with the same hold, whose nodes stand elsewhere.
+    factors: Factors = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         axes = (0,) if isinstance(self.mesh, QuadMesh) else (0, 1)
@@ -144,6 +201,11 @@ class Interior:
 
     def displacements(self, nodes: IntArray, forces: Array) -> Array:
         """Displacements (s, n, 3) in mm of all nodes in s states, by forces (s, k, 3) in N on nodes of index (k,)."""
+        image = self.cycle_image(nodes, forces, np.zeros((len(forces), 0)))
+        return image.moved(self._computed(nodes, forces[image.computed]))
+
+    def _computed(self, nodes: IntArray, forces: Array) -> Array:
+        """What `displacements` gives, for states of which none is the image of another."""
         loaded = np.unique(nodes)
         for image in self._images.values():
             loaded = np.union1d(loaded, image[loaded])
@@ -158,23 +220,25 @@ class Interior:
                 parts[odd] = np.zeros((len(forces), len(self._nodes), 3))
                 parts[odd][:, own[own >= 0]] = part
         with threadpool_limits(limits=1, user_api="blas"):
-            self._factorise([odd for odd in parts if odd not in self._factors])
             for odd, part in parts.items():
-                self._spread(result, self._moved(part, odd), odd)
+                own = part / 2.0 ** self._on_planes[None, :, None]
+                moved = self._solved(odd, self._stiffness, own.reshape(len(own), -1).T, lambda: self._stiff(parts))
+                self._spread(result, moved.T.reshape(part.shape), odd)
         return result
 
     def stresses(self, displacements: Array, nodes: IntArray) -> Array:
         """Stresses (s, k, 6) in MPa at nodes (k,), by displacements (s, n, 3) in mm of all nodes. They are projected to
         the nodes: least squares of what they differ by from those inside the elements.
         """
-        projection, factors = self._projection
         everywhere, own = np.arange(len(self.mesh.points)), self._own[nodes]
         result = np.zeros((len(displacements), len(nodes), 6))
+        #: Loads of all motions, by the planes on which their stresses are zero.
+        gathered: dict[tuple[bool, ...], list[tuple[BoolArray, Array, Array]]] = {}
         for odd in product((False, True), repeat=len(self.planes)):
             part = self._of_parity(displacements, everywhere, odd)[:, self._nodes]
             if np.abs(part).max() <= _ALIKE * np.abs(displacements).max():
                 continue
-            loads = projection.loads(self.material, part)
+            loads = self._projection.loads(self.material, part)
             # Of each component its sign in the mirror image about each plane, on which it is zero where that is -1.
             signs = [
                 np.array([(-1.0 if is_odd else 1.0) * side[i] * side[j] for i, j in TENSOR_PLACES])
@@ -183,21 +247,45 @@ class Interior:
             images = np.ones((len(nodes), 6))
             for axis, sign in zip(self.planes, signs, strict=True):
                 images[self.mesh.points[nodes, axis] < 0.0] *= sign
-            for zero, factor in factors.items():
+            for zero in product((False, True), repeat=len(self.planes)):
                 like = np.ones(6, dtype=bool)
                 for sign, is_zero in zip(signs, zero, strict=True):
                     like &= (sign < 0.0) == is_zero
-                found = factor.solved(loads[..., like].reshape(len(loads), -1)).reshape(*loads.shape[:2], -1)
-                result[..., like] += images[:, like] * np.swapaxes(found[own], 0, 1)
+                gathered.setdefault(zero, []).append((like, images, loads[..., like].reshape(len(loads), -1)))
+        for zero, each in gathered.items():
+            loads = np.hstack([one for _, _, one in each])
+            found = self._solved((_PROJECTION, *zero), self._projection.mass, loads, self._projecting)[own]
+            parts = np.split(found, np.cumsum([one.shape[1] for _, _, one in each])[:-1], axis=1)
+            for (like, images, _), part in zip(each, parts, strict=True):
+                of_states = part.reshape(len(nodes), len(displacements), -1)
+                result[..., like] += images[:, like] * np.swapaxes(of_states, 0, 1)
         return result
 
     @cached_property
-    def _projection(self) -> tuple[Projection, dict[tuple[bool, ...], Factor]]:
-        """The projection of stresses in the piece, and its factors for components that are zero on these planes."""
-        projection, every = Projection.of(self._piece), list(product((False, True), repeat=len(self.planes)))
+    def _projection(self) -> Projection:
+        """The projection of stresses in the piece."""
+        return Projection.of(self._piece)
+
+    def _projecting(self) -> Factors:
+        """Factors of the projection for components that are zero on these planes."""
+        every = list(product((False, True), repeat=len(self.planes)))
         on_planes = np.array([self._piece.points[:, axis] == 0.0 for axis in self.planes]).reshape(-1, len(self._nodes))
         held = np.array([on_planes[list(zero)].any(axis=0) for zero in every])
-        return projection, dict(zip(every, factorised(projection.mass, np.arange(held.shape[1]), 1, held), strict=True))
+        made = factorised(self._projection.mass, np.arange(held.shape[1]), 1, held)
+        return dict(zip([(_PROJECTION, *zero) for zero in every], made, strict=True))
+
+    def _solved(
+        self, name: tuple[object, ...], matrix: csr_matrix, forces: Any, factors: Callable[[], Factors]
+    ) -> Array:
+        """Displacements (n, k) of a matrix by forces (n, k), with the factors of this name: those that there are, if
+        they serve, else what `factors` makes.
+        """
+        known = self.factors.get((self.planes, *name))
+        found = None if known is None else known.solved_for(matrix, forces)
+        if found is None:
+            self.factors |= {(self.planes, *one): factor for one, factor in factors().items()}
+            found = self.factors[self.planes, *name].solved(forces)
+        return found
 
     def cycle_image(self, nodes: IntArray, forces: Array, further: Array) -> CycleImage:
         """The mirror by which most of s states are images of others, so that the fewest need be computed. The states
@@ -224,23 +312,25 @@ class Interior:
         return min(found, key=lambda one: len(one.computed))
 
     def forget(self) -> None:
-        """Free the memory of the factors; the next displacements make them again."""
-        self._factors.clear()
+        """Halve the memory of the stiffness's factors. What is left is less exact, so solving again takes a few steps.
+        The projection's are small, and fade to numbers too small for single precision.
+        """
+        halved: dict[int, elimination.Front] = {}
+        for name, factor in self.factors.items():
+            if _PROJECTION in name:
+                continue
+            for front in factor.fronts:
+                if id(front) not in halved:
+                    halved[id(front)] = front.in_single_precision()
+            self.factors[name] = replace(factor, fronts=tuple(halved[id(front)] for front in factor.fronts))
 
-    def _moved(self, forces: Array, odd: tuple[bool, ...]) -> Array:
-        """How the piece moves (s, p, 3) by forces of one symmetry; nodes on a plane carry its half of theirs."""
-        own = forces / 2.0 ** self._on_planes[None, :, None]
-        return self._factors[odd].solved(own.reshape(len(forces), -1).T).T.reshape(forces.shape)
-
-    def _factorise(self, wanted: list[tuple[bool, ...]]) -> None:
-        """Make the factors for these symmetries."""
-        if not wanted:
-            return
-        every = list(product((False, True), repeat=len(self.planes)))
+    def _stiff(self, wanted: Iterable[tuple[bool, ...]]) -> Factors:
+        """Factors of the stiffness for these symmetries."""
+        wanted, every = list(wanted), list(product((False, True), repeat=len(self.planes)))
         held = self._number[self.held]
         free = np.setdiff1d(np.arange(len(self._nodes)), held[held >= 0])
         on_planes = condensation.held_on_planes(self._piece, self.planes)[[every.index(odd) for odd in wanted]]
-        self._factors |= dict(zip(wanted, factorised(self._stiffness, free, 3, on_planes), strict=True))
+        return dict(zip(wanted, factorised(self._stiffness, free, 3, on_planes), strict=True))
 
     @cached_property
     def _stiffness(self) -> csr_matrix:
@@ -287,15 +377,18 @@ class EmbeddedInterior(Interior):
 
     joined: Joined = field(kw_only=True)
 
-    def displacements(self, nodes: IntArray, forces: Array) -> Array:
+    def _computed(self, nodes: IntArray, forces: Array) -> Array:
         size = self.joined.stiffness.shape[0]
         with threadpool_limits(limits=1, user_api="blas"):
-            if () not in self._factors:
-                none_held = np.zeros((1, size), dtype=bool)
-                (self._factors[()],) = factorised(self.joined.stiffness, self.joined.free, 3, none_held)
-            loads = np.zeros((len(forces), size // 3, 3))
+            loads, none_held = np.zeros((len(forces), size // 3, 3)), np.zeros((1, size), dtype=bool)
             loads[:, nodes] = forces
-            moved = self._factors[()].solved(loads.reshape(len(forces), -1).T)
+            stiffness, free = self.joined.stiffness, self.joined.free
+            moved = self._solved(
+                (),
+                stiffness,
+                loads.reshape(len(forces), -1).T,
+                lambda: {(): factorised(stiffness, free, 3, none_held)[0]},
+            )
         return np.ascontiguousarray(moved.T.reshape(loads.shape)[:, : self.joined.block])
 
     def _image(self, axis: int) -> None:

@@ -45,6 +45,19 @@ def test_the_patch_moves_as_its_compliance_says_under_forces_of_no_symmetry(wire
     np.testing.assert_allclose(moved, expected, atol=1e-10 * np.abs(expected).max())
 
 
+def test_a_worn_body_moves_by_the_factors_of_the_fresh_one_as_by_its_own(wire: BodyMesh) -> None:
+    nodes, size = wire.patch.nodes.ravel(), wire.patch.smallest_element
+    along, across = (wire.patch.grid() / np.ptp(wire.patch.grid(), axis=0)).T
+    depth = 0.2 * size * np.clip(1.0 - 16.0 * (along**2 + across**2), 0.0, None).reshape(wire.patch.shape)
+    forces = np.random.default_rng(5).normal(size=(2, len(nodes), 3))
+    fresh, worn = held(wire.mesh), held(wire.worn(depth).mesh)
+    before, own = fresh.displacements(nodes, forces), worn.displacements(nodes, forces)
+    fresh.forget()
+    moved = replace(worn, factors=dict(fresh.factors)).displacements(nodes, forces)
+    assert np.abs(before - own).max() > 1e-3 * np.abs(own).max()
+    np.testing.assert_allclose(moved, own, atol=1e-8 * np.abs(own).max())
+
+
 def test_forces_reach_the_grip_whole_with_their_moments(wire: BodyMesh) -> None:
     mesh, nodes = wire.mesh, wire.patch.nodes.ravel()
     interior = held(mesh)
@@ -88,7 +101,7 @@ def test_forces_symmetric_but_for_the_error_of_a_contacts_solution_are_solved_by
     forces = np.zeros((1, len(nodes), 3))
     forces[..., 2] = -1.0
     interior.displacements(nodes, forces + 1e-11 * np.random.default_rng(7).normal(size=forces.shape))
-    assert len(interior._factors) == 1
+    assert len(interior.factors) == 1
 
 
 def test_equivalent_stresses_of_plain_states() -> None:

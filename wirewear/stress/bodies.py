@@ -18,7 +18,7 @@ from geometry import BodyGeometry, BodyMesh, Elastic, GeometryError, build_body
 from geometry.arrays import Array, IntArray
 from solvers.elasticity.embedding import Joined
 from solvers.elasticity.strain import hydrostatic, integration_points, principal, turned, von_mises
-from solvers.stress.interior import EmbeddedInterior
+from solvers.stress.interior import EmbeddedInterior, Factors
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
 from wirewear.stress.state import InnerState, Inside, SolvedBody
@@ -32,19 +32,19 @@ class WornBody(SolvedBody[BodyMesh]):
     corrected = SurfaceStress
 
     @classmethod
-    def of(cls, meshed: BodyMesh, material: Elastic) -> Self:
+    def of(cls, meshed: BodyMesh, material: Elastic, factors: Factors) -> Self:
         """The body with its stiffness ready to be solved; of a body from a file, block and surrounding elements
-        together. Raises GeometryError if the block holds elements of other materials.
+        together. factors: as in `SolvedBody.of`. Raises GeometryError if the block holds elements of other materials.
         """
         if meshed.host is None:
-            return super().of(meshed, material)
+            return super().of(meshed, material, factors)
         if meshed.host.block_part.any():
             raise GeometryError(
                 "stresses are computed of bodies from files that are of one material under their contact: name parts "
                 "of other materials farther from it"
             )
         held, joined = meshed.mesh.surface_nodes("grip"), Joined.of(meshed, material)
-        interior = EmbeddedInterior(meshed.mesh, material, held, joined=joined)
+        interior = EmbeddedInterior(meshed.mesh, material, held, factors=factors, joined=joined)
         return cls(meshed, material, interior, integration_points(meshed.mesh))
 
 
@@ -98,13 +98,19 @@ def _meshed(geometry: BodyGeometry, material: Elastic, depth: bytes | None) -> W
     except GeometryError:
         # There may be no room for more layers.
         body = _built(geometry, depth)
-    return WornBody.of(body, material)
+    return WornBody.of(body, material, _factors(body.geometry, material))
 
 
 def _built(geometry: BodyGeometry, depth: bytes | None) -> BodyMesh:
     body = _fresh(geometry)
     worn = np.zeros(0) if depth is None else np.frombuffer(depth).reshape(body.patch.shape)
     return body.worn(worn) if worn.any() else body
+
+
+@lru_cache(maxsize=1)
+def _factors(_geometry: BodyGeometry, _material: Elastic) -> Factors:
+    """Factors that the states of wear of one body share."""
+    return {}
 
 
 #: What wears is the same mesh in all states of a body.

@@ -20,7 +20,7 @@ from geometry.arrays import Array, IntArray
 from solvers.bulk_stress import section_stress
 from solvers.elasticity.placement import rotation_to_world
 from solvers.elasticity.strain import IntegrationPoints, integration_points, scattered
-from solvers.stress.interior import Interior
+from solvers.stress.interior import Factors, Interior
 from solvers.stress.line_surface_stress import LineSurfaceStress
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
@@ -57,12 +57,13 @@ class SolvedBody(Generic[M]):
     points: IntegrationPoints
 
     @classmethod
-    def of(cls, meshed: M, material: Elastic) -> Self:
+    def of(cls, meshed: M, material: Elastic, factors: Factors) -> Self:
         """The body with its stiffness ready to be solved for any forces; held rigidly at its grip, or elastically if
-        the mesh has a bedding.
+        the mesh has a bedding. factors: what is known of bodies that differ from it in wear, to which its own may be
+        added.
         """
         held = meshed.mesh.surface_nodes("grip") if meshed.bedding is None else np.zeros(0, dtype=np.int64)
-        interior = Interior(meshed.mesh, material, held, meshed.bedding)
+        interior = Interior(meshed.mesh, material, held, meshed.bedding, factors)
         return cls(meshed, material, interior, integration_points(meshed.mesh))
 
     @property
@@ -241,7 +242,7 @@ class Inside(Generic[S]):
         residual = residual_of(result, forces, of_body.patch, *solved)
         found = self.state.of(of_body, forces, chosen, is_upper=result.is_upper(body), residual=residual)
         if at is None:
-            # Of a whole cycle nothing is left to be solved, and factors are most of a body's memory.
+            # Of a whole cycle nothing is left to be solved but other states of wear; factors are most of the memory.
             of_body.interior.forget()
         return found
 
