@@ -102,7 +102,6 @@ class Factor:
 
 #: Factors by what they are of: mirror planes of the body, and for each whether motions are odd about it.
 Factors = dict[tuple[object, ...], Factor]
-_PROJECTION = "projection"
 
 
 def factorised(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int, held: BoolArray) -> tuple[Factor, ...]:
@@ -213,16 +212,16 @@ class Interior:
         near[:, np.searchsorted(loaded, nodes)] = forces
         own = self._number[loaded]
         result = np.zeros((len(forces), len(self.mesh.points), 3))
-        parts = {}
-        for odd in product((False, True), repeat=len(self.planes)):
-            part = self._of_parity(near, loaded, odd)[:, own >= 0]
+        parts, at = {}, loaded[own >= 0]
+        for odd, part in self._parts(lambda of: near[:, np.searchsorted(loaded, of)], at, self.planes).items():
             if np.abs(part).max() > _ALIKE * np.abs(forces).max():
                 parts[odd] = np.zeros((len(forces), len(self._nodes), 3))
                 parts[odd][:, own[own >= 0]] = part
         with threadpool_limits(limits=1, user_api="blas"):
             for odd, part in parts.items():
-                own = part / 2.0 ** self._on_planes[None, :, None]
-                moved = self._solved(odd, self._stiffness, own.reshape(len(own), -1).T, lambda: self._stiff(parts))
+                # Nodes on a plane carry its half of their forces.
+                half = part / 2.0 ** self._on_planes[None, :, None]
+                moved = self._solved(odd, self._stiffness, half.reshape(len(half), -1).T, lambda: self._stiff(parts))
                 self._spread(result, moved.T.reshape(part.shape), odd)
         return result
 
@@ -230,15 +229,14 @@ class Interior:
         """Stresses (s, k, 6) in MPa at nodes (k,), by displacements (s, n, 3) in mm of all nodes. They are projected to
         the nodes: least squares of what they differ by from those inside the elements.
         """
-        everywhere, own = np.arange(len(self.mesh.points)), self._own[nodes]
+        (projection, factors), own = self._projection, self._own[nodes]
         result = np.zeros((len(displacements), len(nodes), 6))
-        #: Loads of all motions, by the planes on which their stresses are zero.
+        # Loads of all motions, by the planes on which their stresses are zero.
         gathered: dict[tuple[bool, ...], list[tuple[BoolArray, Array, Array]]] = {}
-        for odd in product((False, True), repeat=len(self.planes)):
-            part = self._of_parity(displacements, everywhere, odd)[:, self._nodes]
+        for odd, part in self._parts(lambda of: displacements[:, of], self._nodes, self.planes).items():
             if np.abs(part).max() <= _ALIKE * np.abs(displacements).max():
                 continue
-            loads = self._projection.loads(self.material, part)
+            loads = projection.loads(self.material, part)
             # Of each component its sign in the mirror image about each plane, on which it is zero where that is -1.
             signs = [
                 np.array([(-1.0 if is_odd else 1.0) * side[i] * side[j] for i, j in TENSOR_PLACES])
@@ -247,14 +245,14 @@ class Interior:
             images = np.ones((len(nodes), 6))
             for axis, sign in zip(self.planes, signs, strict=True):
                 images[self.mesh.points[nodes, axis] < 0.0] *= sign
-            for zero in product((False, True), repeat=len(self.planes)):
+            for zero in factors:
                 like = np.ones(6, dtype=bool)
                 for sign, is_zero in zip(signs, zero, strict=True):
                     like &= (sign < 0.0) == is_zero
                 gathered.setdefault(zero, []).append((like, images, loads[..., like].reshape(len(loads), -1)))
         for zero, each in gathered.items():
             loads = np.hstack([one for _, _, one in each])
-            found = self._solved((_PROJECTION, *zero), self._projection.mass, loads, self._projecting)[own]
+            found = factors[zero].solved(loads)[own]
             parts = np.split(found, np.cumsum([one.shape[1] for _, _, one in each])[:-1], axis=1)
             for (like, images, _), part in zip(each, parts, strict=True):
                 of_states = part.reshape(len(nodes), len(displacements), -1)
@@ -262,17 +260,12 @@ class Interior:
         return result
 
     @cached_property
-    def _projection(self) -> Projection:
-        """The projection of stresses in the piece."""
-        return Projection.of(self._piece)
-
-    def _projecting(self) -> Factors:
-        """Factors of the projection for components that are zero on these planes."""
-        every = list(product((False, True), repeat=len(self.planes)))
+    def _projection(self) -> tuple[Projection, dict[tuple[bool, ...], Factor]]:
+        """The projection of stresses in the piece, and its factors for components that are zero on these planes."""
+        projection, every = Projection.of(self._piece), list(product((False, True), repeat=len(self.planes)))
         on_planes = np.array([self._piece.points[:, axis] == 0.0 for axis in self.planes]).reshape(-1, len(self._nodes))
         held = np.array([on_planes[list(zero)].any(axis=0) for zero in every])
-        made = factorised(self._projection.mass, np.arange(held.shape[1]), 1, held)
-        return dict(zip([(_PROJECTION, *zero) for zero in every], made, strict=True))
+        return projection, dict(zip(every, factorised(projection.mass, np.arange(held.shape[1]), 1, held), strict=True))
 
     def _solved(
         self, name: tuple[object, ...], matrix: csr_matrix, forces: Any, factors: Callable[[], Factors]
@@ -312,13 +305,9 @@ class Interior:
         return min(found, key=lambda one: len(one.computed))
 
     def forget(self) -> None:
-        """Halve the memory of the stiffness's factors. What is left is less exact, so solving again takes a few steps.
-        The projection's are small, and fade to numbers too small for single precision.
-        """
+        """Halve the memory of the factors. What is left is less exact, so solving again takes a few steps."""
         halved: dict[int, elimination.Front] = {}
         for name, factor in self.factors.items():
-            if _PROJECTION in name:
-                continue
             for front in factor.fronts:
                 if id(front) not in halved:
                     halved[id(front)] = front.in_single_precision()
@@ -339,12 +328,19 @@ class Interior:
             matrix = condensation.bedded(matrix, self._piece, self.planes, self.bedding[self._nodes])
         return matrix
 
-    def _of_parity(self, fields: Array, nodes: IntArray, odd: tuple[bool, ...]) -> Array:
-        """The part of vector fields (s, k, 3) that is even or odd about each plane; nodes: (k,), with their images."""
-        for (axis, image), is_odd in zip(self._images.items(), odd, strict=True):
-            mirrored = fields[:, np.searchsorted(nodes, image[nodes])] * _signs(axis)
-            fields = 0.5 * (fields - mirrored if is_odd else fields + mirrored)
-        return fields
+    def _parts(
+        self, field: Callable[[IntArray], Array], nodes: IntArray, planes: tuple[int, ...]
+    ) -> dict[tuple[bool, ...], Array]:
+        """The parts (s, k, 3) of a vector field that are even or odd about each of the planes. field: gives it at nodes
+        (k,).
+        """
+        if not planes:
+            return {(): field(nodes)}
+        *others, axis = planes
+        here, there = (self._parts(field, of, tuple(others)) for of in (nodes, self._images[axis][nodes]))
+        mirrored = {odd: part * _signs(axis) for odd, part in there.items()}
+        even = {(*odd, False): 0.5 * (part + mirrored[odd]) for odd, part in here.items()}
+        return even | {(*odd, True): 0.5 * (part - mirrored[odd]) for odd, part in here.items()}
 
     def _spread(self, result: Array, piece: Array, odd: tuple[bool, ...]) -> None:
         """Add the piece's field (s, p, 3) of one symmetry to the whole body's."""
