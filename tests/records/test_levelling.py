@@ -1,6 +1,6 @@
 """Heights of worn bodies: the unworn surface is found however much is worn, or it is said that it cannot be found."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -140,9 +140,17 @@ def test_form_that_is_likely_but_not_certain_counts_in_how_well_a_volume_is_know
     assert any("shows the worn volume within" in note for note in notes)
 
 
-@pytest.mark.parametrize("worn", [Worn("ball-on-flat", "ball", 900.0, 0.2, form=1.005), WIRE], ids=["ball", "wire"])
+@pytest.mark.parametrize(
+    "worn",
+    [
+        Worn("ball-on-flat", "ball", 900.0, 0.2, form=1.005),
+        WIRE,
+        Worn("crossed-wires", "moving", 3800.0, 0.1, depth_um=2.0),
+    ],
+    ids=["ball", "wire", "form as large as the scar"],
+)
 def test_form_that_is_left_is_taken_off_and_its_radius_offered(tmp_path: Path, worn: Worn) -> None:
-    path, volume = Worn(worn.kind, worn.body, worn.width_um, worn.share, worn.scar, form=1.005).written(tmp_path)
+    path, volume = replace(worn, form=1.005).written(tmp_path)
     _, found, notes = imported(path)
     assert found == pytest.approx(volume, rel=0.03)
     (note,) = notes

@@ -27,7 +27,7 @@ from wirewear.results import Evolution, RunResult, read_result
 from wirewear.results.health import health
 from wirewear.test import load_study
 from wirewear.views.run_page import page_data, run_page, write_page
-from wirewear.views.run_words import sentence
+from wirewear.views.run_words import length, sentence
 
 pytestmark = pytest.mark.seconds
 
@@ -125,6 +125,7 @@ def test_a_stroke_longer_than_a_body_is_said_to_be_no_fretting() -> None:
     thin = dataclasses.replace(plain, scars=tuple(dataclasses.replace(scar, diameter_mm=0.11) for scar in plain.scars))
     assert "this is no fretting: ±60 µm is more than the radius of a body, 55 µm" in sentence(thin)
     assert "no fretting" not in sentence(plain)
+    assert (length(999.4), length(3176.0)) == ("999 µm", "3.18 mm")
 
 
 def test_a_quality_beyond_its_limit_is_bold(runs: list[RunResult]) -> None:

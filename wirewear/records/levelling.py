@@ -34,11 +34,15 @@ SETTLED = 5  #: Rounds in which a fit settles on what is not worn.
 
 LEFT = 0.4  #: Of the points that lie within the noise so many are left beside what is close to a scar.
 
-#: Form that instruments leave; a form as large as this share of a scar's depth is not distinguished from it.
-FLATNESS_um, HIDDEN = 0.05, 0.5
+#: Form that instruments leave; a form as large as this share of a scar's depth is not distinguished from it, unless
+#: the scar stays beside it and most of the border is bare.
+FLATNESS_um, HIDDEN, MOST = 0.05, 0.5, 0.5
 
 #: A form is one that is so many of its deviations, and larger than what is left beside it.
 FORM, BESIDE = 6.0, 1.0
+
+#: Bodies are stated within this share of their shape's height range; larger forms are sought by no search.
+SURE = 0.05
 
 HELPS = "a map that reaches farther beyond the scar would help, or worn depths (depth_um) in place of heights"
 
@@ -121,15 +125,30 @@ def unworn_surface(surface: Surface, places: Array, height: Array, start: Array,
         formed, left = _fitted(surface, places, height, seen, unworn)
         formed, more = _settled(surface, places, height, formed, min(scale, _within(left)))
         form_um = _form_um(surface, places, formed)
-        depth = surface.height(found, places.reshape(2, -1)) - height.ravel()
-        clear = form_um < HIDDEN * float(np.nanpercentile(depth, 99.5))
+        deepest, left_deepest = (
+            float(np.nanpercentile(surface.height(own, places.reshape(2, -1)) - height.ravel(), 99.5))
+            for own in (found, formed)
+        )
+        # A form beside which the scar stays is not the scar.
+        beside = left_deepest > HIDDEN * deepest and _judged(surface, places, height, formed, more).border > MOST
+        clear = form_um < HIDDEN * deepest or beside
         if clear and np.count_nonzero(more) > LEFT * np.count_nonzero(unworn):
             found, unworn = formed, more
         else:
             unclear = formed
+    if surface.forms and found.size == surface.placing and _judged(surface, places, height, found, unworn).doubtful:
+        formed, more = _settled(surface, places, height, *sought(surface, places, height, _whole(surface, start)))
+        of_shape = SURE * float(np.ptp(surface.height(np.zeros(surface.placing), places.reshape(2, -1))))
+        if _form_um(surface, places, formed) < of_shape and not _judged(surface, places, height, formed, more).doubtful:
+            found, unworn, form_um, unclear = formed, more, _form_um(surface, places, formed), None
     if found.size > surface.placing and not form:
         found, form_um = _fitted(surface, places, height, found[: surface.placing], unworn)[0], 0.0
     return replace(_judged(surface, places, height, found, unworn), form_um=form_um, unclear=unclear)
+
+
+def _whole(surface: Surface, parameters: Array) -> Array:
+    """The parameters, with 0 for all of the form's that are missing."""
+    return np.append(parameters, np.zeros(surface.placing + surface.forms - parameters.size))
 
 
 def _settled(surface: Surface, places: Array, height: Array, found: Array, scale: float) -> tuple[Array, BoolArray]:
@@ -243,7 +262,7 @@ def _form(surface: Surface, places: Array, height: Array, found: Array, unworn: 
     of_form = means.slopes @ change - means.slopes[:, : surface.placing] @ means.fitted(surface.placing)[0]
     if certain < FORM**2 or float(np.sqrt(np.mean(of_form**2))) < BESIDE * deviation:
         return None
-    return np.asarray(np.append(found, np.zeros(whole - found.size)) + change)
+    return np.asarray(_whole(surface, found) + change)
 
 
 def _farther(surface: Surface, places: Array, height: Array, found: Array, unworn: BoolArray) -> Array | None:

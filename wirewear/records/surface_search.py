@@ -56,14 +56,17 @@ def block_medians(
 
 
 def sought(surface: Surface, places: Array, height: Array, start: Array) -> tuple[Array, float]:
-    """Parameters of the best of many random surfaces, and the distance within which points lie on it."""
+    """Parameters of the best of many random surfaces, and the distance within which points lie on it.
+
+    start: those of the position, or all, at which the search begins.
+    """
     noise, random, found, scale = noise_um(height), np.random.default_rng(0), start, FINEST_um
     flat = places.reshape(2, -1)
     for _ in range(ROUNDS):
         rest = height - surface.height(found, flat).reshape(height.shape)
         at, rest, count, border = block_medians(places, rest)
         sharp = FINEST_um + 1.25 * noise / float(np.sqrt(np.median(count)))
-        weighed = Candidates(rest, jacobian(surface, found, at, surface.placing)[1], border, sharp, _range(rest, sharp))
+        weighed = Candidates(rest, jacobian(surface, found, at, found.size)[1], border, sharp, _range(rest, sharp))
         change, scale, _ = weighed.best(random)
         found = found + change
     return found, scale

@@ -121,8 +121,8 @@ def taken_by_rig(label: str, amplitude_um: float, settings: Mapping[str, Support
 
 
 def length(value_um: float) -> str:
-    """Length in µm as text with three digits."""
-    return f"{round(value_um, 6):.3g} µm"
+    """Length in µm as text with three digits, in mm from there on where it needs more."""
+    return f"{round(value_um, 6):.3g} µm" if abs(value_um) < 999.5 else f"{1e-3 * value_um:.3g} mm"
 
 
 def cycles_of(number: float) -> str:
