@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.diagnosis.surrogate import sensing
+from wirewear.diagnosis.surrogate.control import LEAST_SLIP, driven, half_reading, missing_of
 from wirewear.diagnosis.surrogate.followed import CyclePath, Followed, followed
-from wirewear.diagnosis.surrogate.held import LEAST_SLIP, driven, half_reading, missing_of
 from wirewear.diagnosis.surrogate.inputs import NUMBERS, SurrogateInputs
 from wirewear.diagnosis.surrogate.layered_wires import LAYER_MEMORY, SHEAR_RATIO, remembered
 from wirewear.diagnosis.surrogate.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
