@@ -147,6 +147,7 @@ def test_a_difference_within_the_tolerance_is_no_gap_and_is_stated_with_its_size
     assert "tolerance" in answer.sentence
 
 
+@pytest.mark.seconds
 def test_the_same_difference_beyond_a_finer_tolerance_has_its_cause() -> None:
     answer = tolerant(0.002)
     assert answer.verdict == "explained"
@@ -216,6 +217,7 @@ def test_a_record_without_a_gap_stays_so_with_another_one() -> None:
     assert answer.verdict == "no_gap"
 
 
+@pytest.mark.seconds
 def test_a_gap_that_a_further_record_does_not_show_is_no_effect_of_the_rig() -> None:
     answer = diagnosis_of(one_loop("spring", "sensor", 1, 100), one_loop("none", "sensor", 2, 100))
     assert answer.verdict != "explained"

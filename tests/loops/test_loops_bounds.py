@@ -243,7 +243,9 @@ def figures_of(count: int) -> Iterator[tuple[str, float, str]]:
                 yield name, off(figure, compared[name]), f"{loop} {disturbance}"
 
 
-@pytest.mark.parametrize("count", [150, pytest.param(2000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "count", [pytest.param(150, marks=pytest.mark.seconds), pytest.param(2000, marks=pytest.mark.slow)]
+)
 def test_figures_of_disturbed_loops_hold_the_truth_or_are_noted(count: int) -> None:
     """Nineteen in twenty within the interval, and next to none out of twice of it.
 
