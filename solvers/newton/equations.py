@@ -25,6 +25,9 @@ from solvers.newton.conditions import (
 )
 from solvers.newton.terms import Carried, HolderTerms, Iterate, LinearLaws, Nodes, carried_by, holder_terms
 
+#: Double precision solves no more equations than this as fast; what is left of the largest right-hand side; most steps.
+_FEW, _LEFT, _IMPROVED = 400, 1e-13, 6
+
 
 class Loaded(NamedTuple):
     """Displacements of the k nodes by unit tractions on those that are known, see `PairedCompliance`."""
@@ -233,11 +236,29 @@ def newton_step(conditions: ContactConditions, state: Iterate, about: Array) -> 
     loaded = Loaded(compliance.matrix, compliance.known, compliance.place, compliance.layer)
     laws, holder = conditions.laws(about), conditions.holders[stop]
     transposed, rhs = _equations(loaded, nodes, state, laws, holder, scales)
-    _, _, solution, info = lapack.dgesv(transposed.T, rhs, overwrite_a=1, overwrite_b=1)
-    if info != 0:
+    solution = _solved(transposed.T, rhs)
+    if solution is None:
         return None
     finite, found = _tractions(solution, loaded, nodes, state, laws, scales)
     return found if finite else None
+
+
+def _solved(matrix: Array, rhs: Array) -> Array | None:
+    """The solution (n,) of equations with entries of order one, None where they are singular; overwrites both.
+
+    Many equations are factorised in single precision, which takes half the time, and the solution is improved until it
+    is as exact as by double precision (Langou et al., Proc. ACM/IEEE SC (2006) 113).
+    """
+    if len(rhs) > _FEW:
+        factors, pivots, singular = lapack.sgetrf(matrix.astype(np.float32), overwrite_a=1)
+        found, left, allowed = np.zeros(len(rhs)), rhs, _LEFT * float(np.abs(rhs).max())
+        for _ in range(0 if singular else _IMPROVED):
+            found += lapack.sgetrs(factors, pivots, left.astype(np.float32))[0]
+            left = rhs - matrix @ found
+            if float(np.abs(left).max()) <= allowed:
+                return found
+    _, _, found, singular = lapack.dgesv(matrix, rhs, overwrite_a=1, overwrite_b=1)
+    return None if singular else np.asarray(found)
 
 
 @inlined

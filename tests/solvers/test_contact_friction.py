@@ -9,6 +9,7 @@ from scipy.sparse import csr_matrix
 
 from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, IncrementReport
+from solvers.newton.equations import _solved
 from solvers.wear_step.coupled import Coupled, SimilarEquations
 from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from wirewear import reference
@@ -113,6 +114,17 @@ def rig() -> ContactProblem:
 def gross_slip(rig: ContactProblem) -> tuple[list[ContactState], list[list[IncrementReport]]]:
     """A first quarter from rest and then a closed cycle."""
     return driven(rig, pressed(rig)[0], sines(PER_CYCLE + PER_CYCLE // 4))
+
+
+@pytest.mark.parametrize("least", [1e-2, 1e-10])
+def test_many_equations_are_solved_as_exactly_as_double_precision_allows(least: float) -> None:
+    chance, size = np.random.default_rng(3), 401
+    left, right = (np.linalg.qr(chance.normal(size=(size, size)))[0] for _ in range(2))
+    stiff, wanted = left * np.geomspace(1.0, least, size) @ right, chance.normal(size=size)
+    found = _solved(np.asfortranarray(stiff), stiff @ wanted)
+    assert found is not None
+    np.testing.assert_allclose(stiff @ found, stiff @ wanted, atol=1e-12)
+    np.testing.assert_allclose(found, wanted, atol=1e-12 / least)
 
 
 @pytest.mark.seconds

@@ -83,7 +83,7 @@ def fitted_to_core(lines: _Lines, core: Ellipse, axial_rad: float) -> _Lines:
 
 def _within(axial: RimGradedAxis, transverse: RimGradedAxis, core: Ellipse, axial_rad: float) -> _Cells:
     x, y = axial.lines()[:, None], transverse.lines()
-    sizes = np.gradient(axial.lines())[:, None], np.gradient(transverse.lines())
+    sizes = np.gradient(x[:, 0])[:, None], np.gradient(y)
     turn = core.angle_rad - axial_rad
     along, across = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
     reach = np.hypot(along / core.major_mm, across / core.minor_mm)
