@@ -14,7 +14,7 @@ from tests.diagnosis.diagnosis_cases import autoregressive, nominal, record, sta
 from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.observe.along_branches import PlateauForce, ShelfTravel, Stick, travel_between
 from wirewear.diagnosis.observe.local_lines import LocalLine, ObservedBranch, force_at
-from wirewear.diagnosis.observe.observable import Sites
+from wirewear.diagnosis.observe.observable import Site, Sites
 from wirewear.diagnosis.observe.observed_record import corners_of, read, read_at_corners
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.surrogate.forward import simulate
@@ -101,6 +101,24 @@ def branch(shelf_um: float, phase: float, step_um: float) -> ObservedBranch:
 def shelves(observed: Observations) -> Array:
     values: Array = observed.values[0, observed.layout.of_kind(ShelfTravel)]
     return values
+
+
+def test_noisy_samples_of_a_shelf_do_not_pull_what_is_read_beside_it() -> None:
+    """Beside a shelf of 8 µm, between elastic parts that rise by 1 N over 6 µm each."""
+    random, noise_N = np.random.default_rng(3), 0.02
+    x = np.arange(0.0, 60.0, 0.35)
+    force = np.clip(x / 6.0, 0.0, 1.0) - 1.0 + np.clip((x - 14.0) / 6.0, 0.0, 1.0)
+    whole = ObservedBranch(1, x, force, int(np.argmax(force > 1.0 - 1e-9)))
+    loop = replace(
+        read(record(repeats=1)).loops[0], mid_force_N=1.0, sample_noise_N=noise_N, force_noise_N=noise_N,
+        displacement_noise_um=1e-3,
+    )  # fmt: skip
+    sites = Sites.of([Site(1, 1, -0.12), Site(1, 1, 0.12)])
+    found = []
+    for _ in range(200):
+        noisy = replace(whole, force_N=whole.force_N + random.normal(0.0, noise_N, whole.force_N.size))
+        found.append([Stick().read(replace(loop, branches=(noisy, noisy)), site)[0] for site in sites])
+    assert np.mean(found, axis=0) == pytest.approx([6.0 - 0.72, 14.0 + 0.72], abs=0.04)
 
 
 @given(shelf_um=st.floats(0.0, 8.0), phase=st.floats(0.0, 1.0), step_um=st.floats(0.05, 3.0))

@@ -85,7 +85,10 @@ class Stick(observable.ByLocalLines):
 
     def line(self, loop: ReducedLoop, site: observable.Site) -> LocalLine | None:
         branch = loop.branches[int(site.branch < 0)]
-        return displacement_at(branch, site.level, FORCE_WINDOW * loop.mid_force_N, loop)
+        # Samples of a shelf at Q = 0, which noise scatters about it, say nothing of the branch beyond it.
+        apart = abs(site.level) - OUTLYING * loop.sample_noise_N
+        window = FORCE_WINDOW * loop.mid_force_N
+        return displacement_at(branch, site.level, min(window, max(apart, 0.5 * window)), loop)
 
     def predict(self, predicted: PredictedLoops, sites: observable.Sites) -> Array:
         """Displacements (n,) in µm, linear between the model's points; a force beyond a loop's tips gives the end of
