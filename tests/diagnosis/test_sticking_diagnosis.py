@@ -12,6 +12,8 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from geometry.arrays import Array
 from tests.diagnosis.diagnosis_cases import nominal, with_effect
@@ -22,7 +24,7 @@ from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
-from wirewear.diagnosis.surrogate.sticking import sticking_states
+from wirewear.diagnosis.surrogate.sticking import sticking_states, worn_as_far
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import all_effects
 from wirewear.loops.sensor import Sensor, SensorNoise
@@ -116,6 +118,26 @@ def test_a_core_that_sticks_beside_a_slider_keeps_its_bilinear_loop() -> None:
     passed, force = course.displacement_um[0, 0, :48] + 1.0, course.tangential_force_N[0, 0, :48]
     assert force == pytest.approx(16.0 * (passed + np.minimum(passed, 0.5)) - 20.0, abs=1.0)
     assert course.energy_mJ == pytest.approx(12e-3, rel=1e-2)
+
+
+def test_a_wider_annulus_is_worn_as_far_when_as_much_of_all_that_wears_is_gone() -> None:
+    """All that wears by Ciavarella and Hills under a held approach and stroke, the sphere's radius and approach 1."""
+
+    def worn_in_all(share: float) -> float:
+        core = (1.0 - share) ** (1 / 3)
+
+        def depth(r: float) -> float:
+            angle = np.arcsin(core / r)
+            return float(
+                (r**2 * angle - core * np.sqrt(r**2 - core**2)) / np.pi + 1.0 - 2.0 / np.pi * angle - 0.5 * r**2
+            )
+
+        edge = brentq(depth, 1.02 * core, 3.0)
+        return float(quad(lambda r: 2.0 * np.pi * r * depth(r), core, edge)[0])
+
+    shares = np.array([0.1, 0.3, 0.5, 0.7, 0.9, 0.95])
+    exact = np.array([worn_in_all(0.5) / worn_in_all(share) for share in shares])
+    assert worn_as_far(shares, np.full(6, 0.5)) == pytest.approx(exact, rel=0.05)
 
 
 def read_loops(course: PredictedLoops, amplitude_um: float) -> AnyRecord:

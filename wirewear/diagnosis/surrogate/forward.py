@@ -23,6 +23,7 @@ from wirewear.diagnosis.surrogate.followed import CyclePath, Followed, followed
 from wirewear.diagnosis.surrogate.inputs import NUMBERS, SurrogateInputs
 from wirewear.diagnosis.surrogate.layered_wires import LAYER_MEMORY, SHEAR_RATIO, remembered
 from wirewear.diagnosis.surrogate.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
+from wirewear.diagnosis.surrogate.sticking import worn_as_far
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import Chain
 
@@ -148,7 +149,8 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     at, ends = (first[:, None] + np.searchsorted(nodes, cycles)).ravel(), first + nodes.size - 1
     whole, setup = Chain.joined(chains), _columns(setups, cycles.size)
     chain, end = whole.taken(at), whole.taken(ends)
-    contact = replace(_contact(states, setup, chain, slip[at], layer and layer.taken(at)), share=share[at])
+    contact = _contact(states, setup, chain, slip[at], layer and layer.taken(at), share[at])
+    contact = replace(contact, share=share[at])
     if not in_time[0]:
         true = *sensing.branches_of(contact, chain, slip[at]), sensing.loads_of(contact)
     else:
@@ -189,6 +191,7 @@ def _wear_path(
         for one, own in zip(setups, np.split(spent, count), strict=True)
     ]
     energy = 4e-3 * np.concatenate([chain.friction for chain in chains]) * load_N * slip
+    share = np.full(slip.size, states.yields[0, 1] if states.sticks else 1.0)
     for _ in range(_WEAR_SWEEPS):
         each = zip(setups, chains, np.split(slip, count), strict=True)
         faster = np.concatenate([states.wearing(*own) for own in each])
@@ -199,7 +202,7 @@ def _wear_path(
         ]
         layer, chain = _Layer.of_all(states, chains, slip), Chain.joined(chains)
         for _ in range(_SLIP_SWEEPS if setup.load_cycle.steady else 1):
-            contact = _contact(states, setup, chain, slip, layer)
+            contact = _contact(states, setup, chain, slip, layer, share)
             # What a swinging holder changes of slip goes with the square of the ratio of both frequencies.
             if setup.load_cycle.steady:
                 slip, share = driven(setup, chain, contact, slip)
@@ -217,13 +220,16 @@ def _summed(per_cycle: Array, steps: Array) -> Array:
 
 
 def _contact(
-    states: WearStates, setup: SurrogateInputs, chain: Chain, slip: Array, layer: _Layer | None
+    states: WearStates, setup: SurrogateInputs, chain: Chain, slip: Array, layer: _Layer | None, reached: Array
 ) -> sensing.SlidingContact:
-    """The contact's force curve at a slip amplitude, from the state of equal V R/δ⁴."""
+    """The contact's force curve at a slip amplitude, from the state of equal V R/δ⁴; reached: share of its friction."""
     slip = states.reach(np.maximum(slip, LEAST_SLIP * setup.amplitude_um))
     own = setup.stretch * slip
     similarity = states.similar(states.open_share(chain) * chain.worn_um3, own)
     row, share = _places(states, similarity)
+    for _ in range(_SLIP_SWEEPS * states.sticks):
+        run = states.yielding_between(row, share)[:, 1]
+        row, share = _places(states, similarity * worn_as_far(reached, run))
     slip_um, stiffness_N_per_um, slope, angle_rad = states.between(row, share)
     size = own / slip_um
     # Solvers agree best while the scar is shallow against the stroke, at a similarity of about one.
@@ -255,6 +261,7 @@ def _contact(
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
     yields = states.yielding_between(row, share)
     order, bends = yields[:, 0] * np.exp(setup.micro_slip), yields[:, 1:]
+    bends[:, 0] = reached
     return sensing.SlidingContact(along, along * ratio, stiffness, springs, order, np.ones_like(stiffness), bends)
 
 
