@@ -1,11 +1,12 @@
 """The picture of docs/partial_slip.md, and errors of loops' energies in partial slip at each level.
 
-Usage: python -m studies.benchmarks.partial_slip [--level quick --level standard] [--runs fine] [--output DIR]
+Usage: python -m studies.benchmarks.partial_slip [--level quick] [--kind ball] [--runs fine] [--output DIR]
 
 A ball of 12.7 mm on a flat, wires of 0.45 mm at 90° and of 1 mm at 30° and a barrel are pressed on the meshes of their
 runs and loaded until they all but slide. Loops of every amplitude follow from the first loading, twice as large
-(Masing), and are compared with Mindlin and Deresiewicz at the same force. --runs adds whole runs at half of the sliding
-force, on a rigid rig and on one as stiff as the contact.
+(Masing), and are compared with Mindlin and Deresiewicz at the same force; the second row of each has the core's radius
+less a(1 − Q/µP)^⅓ in elements. --runs adds whole runs at half of the sliding force, on a rigid rig and on one as stiff
+as the contact.
 """
 
 from dataclasses import dataclass
@@ -39,7 +40,7 @@ SHARES = (0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.7, 0.85, 0.95)
 DRAWN = 0.5  #: Share of µP at which the annulus is drawn.
 _STEPS, _LAST = 40, 0.985
 _STEEL: dict[str, Any] = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
-_KINDS: dict[str, tuple[float, float, dict[str, Any]]] = {
+KINDS: dict[str, tuple[float, float, dict[str, Any]]] = {
     "ball": (
         40.0,
         0.6,
@@ -92,10 +93,24 @@ class Loading:
         energy = 8.0 * below - 4.0 * self.force[1:] * self.displacement[1:]
         return np.array(energy / [reference.energy_per_cycle(self.exact, force) for force in self.force[1:]] - 1.0)
 
+    def core_errors(self) -> NDArray[np.float64]:
+        """Mean radius of the nodes that stick less the closed form's, at each step, over the side of an element there:
+        of those that gave way last.
+        """
+        sizes, start, found = self.problem.primary.node_areas, self.states[0], []
+        before, edge = start.traction[:, 2] > 0.0, float(np.sqrt(sizes.min()))
+        for state, share in zip(self.states[1:], self.shares[1:], strict=True):
+            sticks = (state.traction[:, 2] > 0.0) & (state.primary_slid == start.primary_slid)
+            edge = float(np.sqrt(sizes[before & ~sticks].mean())) if (before & ~sticks).any() else edge
+            core = self.exact.contact_radius_mm * max(1.0 - float(share), 0.0) ** (1.0 / 3.0)
+            found.append((float(np.sqrt(sizes[sticks].sum() / np.pi)) - core) / edge)
+            before = sticks
+        return np.array(found)
+
 
 def study_of(kind: str, held_N: float, rig: dict[str, Any] | None = None) -> Study:
     """One cycle of a contact under a held force, on a rigid rig or one with the keys `rig`."""
-    load, friction, bodies = _KINDS[kind]
+    load, friction, bodies = KINDS[kind]
     conditions = {"normal_load_N": load, "displacement_amplitude_um": 30.0, "frequency_Hz": 1.0, "cycles": 1}
     tables = {
         "format": 1,
@@ -112,7 +127,7 @@ def study_of(kind: str, held_N: float, rig: dict[str, Any] | None = None) -> Stu
 
 def exact_of(kind: str) -> reference.PartialSlipPoint:
     """The closed form of a contact, which moves along x."""
-    load, friction, _ = _KINDS[kind]
+    load, friction, _ = KINDS[kind]
     lower, upper = study_of(kind, 0.5 * friction * load).bodies
     hertz = hertz_of(load, lower, upper)
     stiffness = reference.elliptic_stiffness(hertz, lower.material, hertz.major_angle_rad)
@@ -133,7 +148,7 @@ def run_error(kind: str, level: str, rig_over_contact: float) -> float:
 
 def loaded(kind: str, level: str) -> Loading:
     """The first loading of a contact on the meshes of a level, until it all but slides."""
-    load, friction, _ = _KINDS[kind]
+    load, friction, _ = KINDS[kind]
     study = study_of(kind, 0.5 * friction * load)
     problem = contact_problem(study, discretise(study, level), lambda _stage: None)
     exact = exact_of(kind)
@@ -154,12 +169,13 @@ def _force(state: ContactState) -> float:
 
 
 def rows(loadings: dict[tuple[str, str], Loading]) -> list[str]:
-    """Lines of the table in the docs: errors at the steps nearest to the shares of µP, in percent."""
-    found = {
-        kind_level: [f"{100.0 * one.energy_errors()[np.argmin(np.abs(one.shares[1:] - q))]:+.1f}" for q in SHARES]
-        for kind_level, one in loadings.items()
-    }
-    return [f"| {kind}, {level} | {' | '.join(each)} |".replace("-", "−") for (kind, level), each in found.items()]
+    """Lines of the table in the docs: errors at the steps nearest to the shares of µP, in percent; and of the core."""
+    lines = []
+    for (kind, level), one in loadings.items():
+        steps = [int(np.argmin(np.abs(one.shares[1:] - q))) for q in SHARES]
+        for name, errors in ((level, 100.0 * one.energy_errors()), (f"{level}, core", one.core_errors())):
+            lines.append(f"| {kind}, {name} | {' | '.join(f'{errors[step]:+.1f}' for step in steps)} |")
+    return [line.replace("-", "−") for line in lines]
 
 
 def picture(loadings: dict[tuple[str, str], Loading]) -> Any:
@@ -199,19 +215,20 @@ def picture(loadings: dict[tuple[str, str], Loading]) -> Any:
 
 @click.command(cls=StudyScript)
 @click.option("--level", "levels", multiple=True, type=click.Choice(FIDELITIES), default=FIDELITIES[:2])
+@click.option("--kind", "kinds", multiple=True, type=click.Choice(tuple(KINDS)), default=tuple(KINDS))
 @click.option("--runs", type=click.Choice(FIDELITIES), help="Level of whole runs.")
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/partial_slip"), show_default=True)
-def main(levels: tuple[str, ...], runs: str | None, output: Path) -> None:
+def main(levels: tuple[str, ...], kinds: tuple[str, ...], runs: str | None, output: Path) -> None:
     """Load the contacts at each level, draw partial_slip.png and print the rows."""
     output.mkdir(parents=True, exist_ok=True)
-    loadings = {(kind, level): loaded(kind, level) for kind in _KINDS for level in levels}
-    drawn = {named: one for named, one in loadings.items() if named[0] in tuple(_KINDS)[:2]}
+    loadings = {(kind, level): loaded(kind, level) for kind in kinds for level in levels}
+    drawn = {named: one for named, one in loadings.items() if named[0] in kinds[:2]}
     click.echo(style.save(lambda: picture(drawn), output / "partial_slip.png"))
     click.echo("\n".join(rows(loadings)))
     if runs is None:
         return
     for rig in (np.inf, 1.0):
-        errors = " | ".join(f"{100.0 * run_error(kind, runs, rig):+.2f}" for kind in _KINDS)
+        errors = " | ".join(f"{100.0 * run_error(kind, runs, rig):+.2f}" for kind in kinds)
         click.echo(f"| rig {rig:g} times as stiff, {runs} | {errors} |".replace("-", "−"))
 
 
