@@ -15,8 +15,8 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
+from studies.study_script import StudyScript
 from wirewear import reference
-from wirewear.app.cli.study_script import StudyScript
 from wirewear.test.gaps import hertz_of
 
 from .partial_slip import KINDS, exact_of, study_of
