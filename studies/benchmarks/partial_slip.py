@@ -36,7 +36,7 @@ from wirewear.test import Study, study_from_tables
 from wirewear.test.fidelity import FIDELITIES
 from wirewear.test.gaps import hertz_of
 
-SHARES = (0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.7, 0.85, 0.95)
+SHARES = (0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 0.85, 0.95)
 DRAWN = 0.5  #: Share of µP at which the annulus is drawn.
 _STEPS, _LAST = 40, 0.985
 _STEEL: dict[str, Any] = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
