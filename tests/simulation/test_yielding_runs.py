@@ -12,6 +12,7 @@ from wirewear.reference import first_yield_ratio
 from wirewear.results import RunResult, read_result, write_result
 from wirewear.simulation import simulate
 from wirewear.simulation.near_zone import NearZone, near_zone_of
+from wirewear.simulation.observers import Observer
 from wirewear.simulation.yielding import limit_of_points
 from wirewear.test import Study, study_from_tables
 from wirewear.verification import QUICK, yielding
@@ -110,6 +111,15 @@ def near_zone(yield_MPa: float, friction: float) -> NearZone:
     found = near_zone_of(wires(wires={"yield_stress_MPa": yield_MPa}, contact=contact))
     assert found is not None
     return found
+
+
+def test_metal_that_flows_is_named_before_it_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    said, observer = list[str](), Observer()
+    monkeypatch.setattr(observer, "note", said.append)
+    monkeypatch.setattr("wirewear.simulation.point_runs.near_zone_of", lambda _: pytest.fail("; ".join(said)))
+    study = wires(wires={"yield_stress_MPa": 1800.0}, contact={"friction": 0.0, "plasticity": "near zone"})
+    with pytest.raises(pytest.fail.Exception, match="metal that flows"):
+        simulate(study, fidelity="quick", observer=observer)
 
 
 @pytest.mark.seconds

@@ -18,9 +18,11 @@ from wirewear.base.writing import prepared_folder
 from wirewear.results import RESULT_FILE_NAME, RunResult
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.line_runs import LineRun
+from wirewear.simulation.near_zone import NEAR_ZONE
 from wirewear.simulation.observers import Moment, Observer
 from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.store import Found, RunFolder, RunStore, occupied_by_runs
+from wirewear.simulation.yielding import limit_of_points
 from wirewear.test import AnyStudy, LineStudy, Study
 from wirewear.test.any_study import alone
 
@@ -268,7 +270,7 @@ def simulate(study: AnyStudy, *, fidelity: str = "standard", observer: Observer 
     """
     plan = plan_of(alone(study, 'take one of them, as in study.variant("{first}")'), fidelity)
     plan.require_affordable()
-    return cycle_through(plan.test, plan.recorder(), RunStore(plan.identity), observer or Observer(), resume=False)
+    return run_cycles(plan, RunStore(plan.identity), observer or Observer(), resume=False)
 
 
 def needed_memory(study: AnyStudy, fidelity: str) -> float:
@@ -276,6 +278,8 @@ def needed_memory(study: AnyStudy, fidelity: str) -> float:
     return float(plan_of(study, fidelity).needed_memory)
 
 
-def run_cycles(plan: PointRun | LineRun, folder: RunFolder, observer: Observer, *, resume: bool) -> RunResult:
+def run_cycles(plan: PointRun | LineRun, folder: RunStore, observer: Observer, *, resume: bool) -> RunResult:
     """Simulate a planned run in its folder, with `resume` from its checkpoint; raises what `cycle_through` does."""
+    if isinstance(plan, PointRun) and plan.study.contact.plasticity == NEAR_ZONE and limit_of_points(plan.study):
+        observer.note(f"{plan.study.name}: pressing metal that flows, and sliding it through its first cycles")
     return cycle_through(plan.test, plan.recorder(), folder, observer, resume=resume)
