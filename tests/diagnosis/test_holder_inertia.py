@@ -9,8 +9,11 @@ from scipy.linalg import expm
 from geometry.arrays import Array
 from tests.diagnosis.diagnosis_cases import with_effect
 from tests.diagnosis.test_sticking_diagnosis import FRICTION_N, ball, circumstances
+from tests.simulation.point_contacts import STEEL, TEST
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.loops.sensor import DAMPING, LoopSignals, Sensor
+from wirewear.results.values import sensor_of
+from wirewear.test import study_from_tables
 
 FREQUENCY_Hz, COMPLIANCE_um_per_N = 40.0, 0.5
 
@@ -60,3 +63,13 @@ def test_loops_of_the_fast_model_ring_as_den_hartog_says(ratio: float) -> None:
     own = (angle > 0.1) & (angle < np.pi - 0.05)
     assert np.count_nonzero(own) > 20
     assert q[own] / FRICTION_N == pytest.approx(den_hartog(angle[own], ratio), abs=0.15)
+
+
+def test_a_run_of_a_ball_is_read_by_a_force_cell_whose_holder_swings() -> None:
+    bodies = {"ball": {"diameter_mm": 12.7, **STEEL}, "flat": STEEL}
+    swings = [{"name": "holder_inertia", "mass_kg": 3.2}]
+    study = study_from_tables(
+        TEST | {"kind": "ball-on-flat", "bodies": bodies, "holder": {"tangential_stiffness_N_per_mm": 5000.0}}
+        | {"effects": swings}, "s"
+    )  # fmt: skip
+    assert sensor_of(study.resolved()).swing_s2 == pytest.approx(3.2 / 5e6)

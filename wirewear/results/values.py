@@ -60,7 +60,7 @@ def sensor_of(study: Mapping[str, object], sensor: Sensor = _IDEAL, age: Age = _
         raise StudyError(as_sentence(f"effects of the study {study.get('name', '')!r} {problem}")) from None
     rig = Holder(1.0)
     if applied(effects, Seam.HOLDER, rig, age).mass_kg > 0.0:
-        rig = applied(effects, Seam.HOLDER, study_from_tables(study, "the run's study").rig, age)
+        rig = applied(effects, Seam.HOLDER, study_from_tables(study, "the run's study").tables.rig, age)
     # From kg mm/N.
     swings = replace(sensor, swing_s2=1e-3 * rig.mass_kg * rig.compliance_at_contact_mm_per_N)
     return applied(effects, Seam.SENSOR, swings, age)
