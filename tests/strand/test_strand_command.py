@@ -213,7 +213,7 @@ def test_runs_of_contacts_go_through_the_engine_of_sweeps_once_and_stand_in_the_
         return SweepRow(number, {"cycles_to_initiation": 100.0 * number}, cpu_s=1.0)
 
     monkeypatch.setattr("wirewear.sweeps.running.run_case", short)
-    monkeypatch.setattr("wirewear.sweeps.forecast.needed_memory", lambda *_: 1e6)
+    monkeypatch.setattr("wirewear.simulation.needed_memory", lambda *_: 1e6)
     found = strand_contacts(strands_of_seven("left", **WEARS) | STEEL)
     studies = found.studies()
     for worst, expected in ((1, 1), (None, len(studies)), (1, len(studies))):
