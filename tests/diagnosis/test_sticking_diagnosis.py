@@ -106,7 +106,7 @@ def test_a_contact_that_sticks_slides_where_its_stroke_is_beyond_full_slip() -> 
 
 
 def test_a_core_that_sticks_beside_a_slider_keeps_its_bilinear_loop() -> None:
-    """Of a worn contact: its annulus gives way a quarter of the stroke after a reversal, and halves the stiffness."""
+    """The annulus of a worn contact gives way a quarter of the stroke after a reversal and halves the stiffness."""
     phase = 0.5 * np.pi + 2.0 * np.pi * np.arange(400) / 400
     x, back = np.cos(phase), np.sign(np.sin(phase))
     q = back * (20.0 - 16.0 * (1.0 - back * x + np.minimum(1.0 - back * x, 0.5)))

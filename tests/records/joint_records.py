@@ -41,7 +41,9 @@ class Rig:
     frequency_Hz: float = 0.25
 
     def swinging(self, count: int) -> tuple[Array, Array]:
-        """As `loop`, of a joint whose holder has a mass and 1 % of critical damping, by central differences."""
+        """Displacement and force (count,) of a joint whose holder has a mass and 1 % of critical damping, by central
+        differences.
+        """
         turns, parts = 12, 40
         angle = 2.0 * np.pi * np.arange(turns * parts * count) / (parts * count)
         step, spring, own = 1.0 / (self.frequency_Hz * parts * count), 1e3 * RIG_N_per_mm, 1e3 * OWN_N_per_mm

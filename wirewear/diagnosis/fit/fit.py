@@ -90,9 +90,7 @@ def fit_record(
         odd = tuple(remark.text for remark in remarks_of(record))
     with stage("measuring the loops"):
         tests = loops_of_tests(record)
-        worn, found, notes = wear.fitted_wear(record)
-        if given is not None:
-            worn, notes = wear.wear_given(given, tables, worn, found)
+        worn, found, notes = wear.fitted_wear(record, given)
     with stage("the contact on a rigid rig"):
         some_wear = {} if wear.stated_wear(tables) else {key: one.value for key, one in _some_wear(tables)[0].items()}
         contact = contact_stiffness(record, tests.friction, some_wear)
@@ -119,9 +117,7 @@ def _of_search(
     record: AnyRecord, given: wear.GivenWear | None, observer_of: ObserverOf | None, stage: Stage
 ) -> FittedTest:
     """Fit of a test whose loops show friction and rig only together with a model of the test."""
-    worn, found, notes = wear.fitted_wear(record)
-    if given is not None:
-        worn, notes = wear.wear_given(given, record.tables, worn, found)
+    worn, found, notes = wear.fitted_wear(record, given)
     friction = round(without_plateau.friction_of_forces(record), 3)
     rough = {"friction": FittedParameter(friction, (friction, friction), "1", 1), **worn}
     if wear.total_of(record.tables, worn) is None and wear.stated_wear(record.tables) is None:
@@ -132,27 +128,24 @@ def _of_search(
     with stage("fitting all cycles"):
         parameters, energy_J, limits = without_plateau.fitted_by_search(record, study, observer_of)
     if energy_J is not None:
-        worn, found, notes = wear.fitted_wear(record, energy_J)
-        if given is not None:
-            worn, notes = wear.wear_given(given, record.tables, worn, found)
-    parameters |= worn
-    odd = (remark.text for remark in remarks_of(record))
-    notes = [*odd, *limits, *notes, *_missing_wear(record, parameters), *_single(record)]
-    study = fitted_study(record, parameters, record.cycles)
-    return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=rigid)
+        worn, found, notes = wear.fitted_wear(record, given, energy_J)
+    return _without_fast_fit(record, parameters | worn, found, [*limits, *notes])
 
 
 def _of_sticking(record: AnyRecord, sticking: without_plateau.StickingFit, given: wear.GivenWear | None) -> FittedTest:
     """Fit of a test in partial slip, without the fast model."""
-    worn, found, notes = wear.fitted_wear(record)
-    if given is not None:
-        worn, notes = wear.wear_given(given, record.tables, worn, found)
-    parameters = sticking.parameters | worn
-    study = fitted_study(record, parameters, record.cycles)
+    worn, found, notes = wear.fitted_wear(record, given)
+    return _without_fast_fit(record, sticking.parameters | worn, found, [sticking.note, *notes])
+
+
+def _without_fast_fit(
+    record: AnyRecord, parameters: dict[str, FittedParameter], found: dict[str, FittedParameter], notes: list[str]
+) -> FittedTest:
+    """The test of a record whose parameters the fast model has not fitted to all of its loops."""
     odd = (remark.text for remark in remarks_of(record))
-    notes = [*odd, sticking.note, *notes, *_missing_wear(record, parameters), *_single(record)]
-    rigid = kind_of(record).rigid_N_per_mm
-    return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=rigid)
+    notes = [*odd, *notes, *_missing_wear(record, parameters), *_single(record)]
+    study = fitted_study(record, parameters, record.cycles)
+    return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=kind_of(record).rigid_N_per_mm)
 
 
 def tables_of_record(record: AnyRecord) -> dict[str, Any]:

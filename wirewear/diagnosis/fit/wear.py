@@ -35,13 +35,14 @@ class GivenWear:
 
 
 def fitted_wear(
-    record: AnyRecord, energy_J: float | None = None
+    record: AnyRecord, given: GivenWear | None = None, energy_J: float | None = None
 ) -> tuple[dict[str, FittedParameter], dict[str, FittedParameter], list[str]]:
     """Fitted wear parameters by name, further figures by name, and sentences on what is missing.
 
     The further figures are the friction energy of a test in J and the worn volume of each body in mm³; a name is
-    missing if the record does not show it. energy_J: friction energy of each test, if it is known better than by the
-    areas of loops.
+    missing if the record does not show it. given: takes the place of what scars show; these then only determine the
+    bodies' shares. energy_J: friction energy of each test, if it is known better than by the areas of loops. Raises
+    RecordError if a volume is given, but the energy that wore it is unknown.
     """
     energies = {repeat: energy_J or accumulated_energy_J(record, repeat) for repeat in record.repeats}
     known = {repeat: energy for repeat, energy in energies.items() if energy}
@@ -59,6 +60,9 @@ def fitted_wear(
         found["accumulated_energy_J"] = FittedParameter.of_repeats([*known.values()], "J")
     seen = {repeat: energy for repeat, energy in known.items() if repeat not in unseen}
     fitted, notes = _worn(record.tables, volumes, seen)
+    if given is not None:
+        fitted, notes = _given(given, record.tables, fitted, found)
+        return fitted, found, notes
     return fitted, found, [*unseen.values(), *notes]
 
 
@@ -140,13 +144,11 @@ def where_volumes(tables: AnyTables) -> str:
     return f"measure both {names} ({' and '.join(f'[{names}.{body}]' for body in tables.body_names)} of the mapping)"
 
 
-def wear_given(
+def _given(
     given: GivenWear, tables: AnyTables, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
 ) -> Worn:
-    """Wear parameters by name as the user gives them, and sentences on their source.
-
-    worn, found: the first two results of `fitted_wear`; scars then only determine the bodies' shares. Raises
-    RecordError if a volume is given, but the energy that wore it is unknown.
+    """Wear parameters by name as the user gives them, and sentences on their source. worn, found: what the record
+    shows.
     """
     energy = found.get("accumulated_energy_J")
     if given.coefficient_mm3_per_J is not None:

@@ -56,7 +56,7 @@ class SlidingContact:
     springs_um_per_N: Array
     order: Array
     share: Array  #: (n,) force reached over friction, 0 to 1; 1 if the contact slides.
-    bends: Array
+    bends: Array  #: (n, 4) share at which the loop's ends lie, and sizes of its `BENDS`.
 
     def taken(self, moments: NDArray[np.intp]) -> "SlidingContact":
         """A copy with only those of its n moments whose indices are given, in their order."""
@@ -83,12 +83,18 @@ def elastic_of(contact: SlidingContact) -> Array:
     return contact.springs_um_per_N + contact.yielding_um_per_N
 
 
+def _waves(contact: SlidingContact) -> list[tuple[float, Array]]:
+    """Half waves up to a loop's ends and their sizes (n,), by which bends change first loading; none without bends."""
+    sizes = contact.bends[:, 1:]
+    return [*zip(WAVES.tolist(), (sizes @ BENDS).T, strict=True)] if sizes.any() else []
+
+
 def yielded(contact: SlidingContact, share: Array) -> Array:
     """Travel (n, m) over that until sliding as a contact is first loaded to these shares (n, m) of its friction."""
     travel: Array = 1.0 - (1.0 - share) ** (1.0 / contact.order[:, None])
-    if contact.bends[:, 1:].any():
+    if waves := _waves(contact):
         at = np.pi * np.minimum(share / contact.bends[:, :1], 1.0)
-        for wave, size in zip(WAVES, (contact.bends[:, 1:] @ BENDS).T, strict=True):
+        for wave, size in waves:
             travel = travel + size[:, None] * np.sin(wave * at)
     return travel
 
@@ -99,10 +105,11 @@ def loop_energy(contact: SlidingContact, slip: Array) -> Array:
     # Twice what the branch of micro-slip (`branch_of`) encloses with its chord.
     power, left = 1.0 / contact.order, 1.0 - contact.share
     inside = (1.0 - left ** (power + 1.0)) / (power + 1.0) - 0.5 * contact.share * (1.0 + left**power)
-    at = np.pi * np.minimum(contact.share / contact.bends[:, 0], 1.0)
-    for wave, size in zip(WAVES, (contact.bends[:, 1:] @ BENDS).T, strict=True):
-        below = contact.bends[:, 0] / (np.pi * wave) * (1.0 - np.cos(wave * at))
-        inside = inside + size * (0.5 * contact.share * np.sin(wave * at) - below)
+    if waves := _waves(contact):
+        at = np.pi * np.minimum(contact.share / contact.bends[:, 0], 1.0)
+        for wave, size in waves:
+            below = contact.bends[:, 0] / (np.pi * wave) * (1.0 - np.cos(wave * at))
+            inside = inside + size * (0.5 * contact.share * np.sin(wave * at) - below)
     return np.asarray(1e-3 * (sliding + 8.0 * inside * contact.knee_N**2 * contact.yielding_um_per_N))
 
 

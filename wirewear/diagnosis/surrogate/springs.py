@@ -115,7 +115,7 @@ def yielding_of(
         one = int(np.argmin(left))
         best = min(best, (float(left[one]), float(stiffness[one]), float(order[one])))
         if apart < _APART[0]:
-            # Stiffnesses are now so close that orders are told apart: from one neighbour of the best to the other.
+            # Stiffnesses are now so close that orders are sought between the neighbours of the best one.
             place = int(np.searchsorted(orders, best[2]))
             orders = np.linspace(orders[max(place - 1, 0)], orders[min(place + 1, orders.size - 1)], orders.size)
     return best[1], best[2]
