@@ -118,7 +118,7 @@ class HalfSpace:
 
     @cached_property
     def _factor(self) -> Array:
-        """Cholesky factors of all waves, banded: (n_x, n_y // 2 + 1, 3 (l + 1), _BAND)."""
+        """Cholesky factors of all waves, banded: (n_x, n_y // 2 + 1, 3 (l + 1), 6)."""
         length, _, _ = self._waves
         # Unknowns of two neighbouring levels.
         band = np.zeros((*length.shape, 3 * (len(self.layers_mm) + 1), 6))

@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
-from typing import Any
 
 import numpy as np
 from scipy.linalg import blas
@@ -268,7 +267,7 @@ class Interior:
         return projection, dict(zip(every, factorised(projection.mass, np.arange(held.shape[1]), 1, held), strict=True))
 
     def _solved(
-        self, name: tuple[object, ...], matrix: csr_matrix, forces: Any, factors: Callable[[], Factors]
+        self, name: tuple[object, ...], matrix: csr_matrix, forces: Array, factors: Callable[[], Factors]
     ) -> Array:
         """Displacements (n, k) of a matrix by forces (n, k), with the factors of this name: those that there are, if
         they serve, else what `factors` makes.
