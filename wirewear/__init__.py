@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from wirewear.app.api.run import Run, lives, read_result, read_results
     from wirewear.app.api.studies import Record, load, read_record, run, run_variants
     from wirewear.base.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError
-    from wirewear.loops.sensor import LoopSignals, Sensor, SensorNoise, sensor_held_stroke
+    from wirewear.loops.held_stroke import sensor_held_stroke
+    from wirewear.loops.sensor import LoopSignals, Sensor, SensorNoise
     from wirewear.records import ExperimentRecord, check_record, record_of_result, write_record
     from wirewear.results import Evolution, Loop, RunResult, Scar, largest_mean_pressure_MPa, write_result
     from wirewear.simulation import run_study

@@ -25,7 +25,7 @@ from wirewear.diagnosis.fit.sensor_calibration import (
     fitted_polynomial,
 )
 from wirewear.loops import LoopSignals, Measured, Sensor, SensorNoise, analyse_loop
-from wirewear.loops.sensor import sensor_held_stroke
+from wirewear.loops.held_stroke import sensor_held_stroke
 from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
 from wirewear.results import RunResult
 from wirewear.test import Study, load_study, parse_study

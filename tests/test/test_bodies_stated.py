@@ -8,7 +8,7 @@ from wirewear.records.contact_tables import RECORDS, RecordBody
 from wirewear.records.importing.mapping import MAPPINGS
 from wirewear.test.bodies import MountedBody, StatedBody
 from wirewear.test.kinds import KINDS
-from wirewear.test.lines import Pad, Specimen
+from wirewear.test.line_bodies import Pad, Specimen
 from wirewear.test.points import BallTable
 from wirewear.test.shapes import SHAPES, GrippedBody, ShapedBody
 from wirewear.test.wires import WireOverride

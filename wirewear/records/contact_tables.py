@@ -21,7 +21,8 @@ from wirewear.test.faces import FACE_KEYS, PadFace, half_width_of
 from wirewear.test.joints import AskedOfJoint, JointStiffness
 from wirewear.test.keys import Inconsistency, Table, one_of
 from wirewear.test.lengths import stated_length_mm, whole_test
-from wirewear.test.lines import Extent, Pad, PadAndSpecimen, Specimen, WearOfBodies
+from wirewear.test.line_bodies import Extent, Pad, Specimen
+from wirewear.test.lines import PadAndSpecimen, WearOfBodies
 from wirewear.test.points import TwoBodies
 
 

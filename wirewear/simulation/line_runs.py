@@ -17,15 +17,8 @@ from wirewear.effects import problem_with
 from wirewear.results import ContactForces, Loop, RunResult, Scar
 from wirewear.simulation.control import held_of
 from wirewear.simulation.cycler import FrettingTest, Motion
-from wirewear.simulation.line_model import (
-    LinePlan,
-    bodies,
-    limit_of_lines,
-    line_plan,
-    line_problem,
-    needed_memory,
-    require_affordable_lines,
-)
+from wirewear.simulation.line_memory import needed_memory, require_affordable_lines
+from wirewear.simulation.line_model import LinePlan, bodies, limit_of_lines, line_plan, line_problem
 from wirewear.simulation.plan import PlannedRun
 from wirewear.simulation.problem import laws_of
 from wirewear.simulation.recorded import Recorded

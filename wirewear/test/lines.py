@@ -5,30 +5,29 @@ across the motion. Numbers are those of the whole length.
 from collections.abc import Mapping
 from dataclasses import replace
 from math import pi
-from typing import Annotated, ClassVar, Literal, Self, TypeVar
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator
 
-from geometry import Cylinder, Elastic, PlanarGeometry, RingGeometry, RoundedFlat
+from geometry import Elastic, RoundedFlat
 from solvers import Coulomb, Drive, EnergyLaw, Holder, WearLaw, WearRates
 from wirewear.base import kinds
 from wirewear.base.errors import RecordError, StudyError
 from wirewear.base.units import Quantity
 from wirewear.effects import Seam
 from wirewear.test import keys
-from wirewear.test.bodies import BodiesByOptions, MountedBody, StatedBodies, yield_of
+from wirewear.test.bodies import BodiesByOptions, StatedBodies, yield_of
 from wirewear.test.conditions import DrivenConditions, FrictionTable
 from wirewear.test.drive import bulk_of
-from wirewear.test.faces import FACE_KEYS, PadFace, PadFaceOrFile
+from wirewear.test.faces import FACE_KEYS, PadFace
 from wirewear.test.keys import Inconsistency
 from wirewear.test.lengths import given_length_mm, key_of_whole, study_of_length, whole_test
+from wirewear.test.line_bodies import Extent, Pad, Specimen
 from wirewear.test.surfaces import LayerTable, layers_of
 from wirewear.test.tables import CommonTables, StatesItsKind
 from wirewear.test.template import Template
 
 LineLoad = Annotated[float, PlainValidator(Quantity("N", 1e-3, 1e6))]
-Taper = Annotated[float, PlainValidator(Quantity("1", -0.2, 0.2))]
-Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]
 
 TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}  #: An alloy like Ti-6Al-4V.
 
@@ -39,112 +38,6 @@ class ResolutionTable(keys.Table):
     contact_mesh_um: keys.ElementSize | None = Field(None, description="element size under the contact")
     far_mesh_mm: Extent = Field(1.0, description="largest element far from the contact")
     increments_per_cycle: keys.IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
-
-
-Planar = TypeVar("Planar", PlanarGeometry, RingGeometry)
-
-
-class HeldTable(MountedBody):
-    """Keys of the pad or the specimen, each held at its back."""
-
-    grip_width_mm: Extent | None = Field(
-        None, description="width of the back that is held, about its middle; all by default"
-    )
-
-    def held(self, geometry: Planar) -> Planar:
-        """A copy of `geometry` with the width and stiffness of this body's grip."""
-        stiffness, width = self.grip_stiffness_N_per_mm3, self.grip_width_mm
-        return replace(
-            geometry,
-            grip_half_width_mm=None if width is None else 0.5 * width,
-            grip_stiffness_N_per_mm3=None if isinstance(stiffness, str) else stiffness,
-        )
-
-
-class Pad(PadFaceOrFile, HeldTable):
-    """Keys of the pad, which the rig holds above the specimen."""
-
-    height_mm: Extent = Field(10.0, description="height of the pad between its contact and its holder")
-    half_width_mm: Extent | None = Field(
-        None, description="half of the pad's width; without it 10 or 0.8 radii, or as far as its profile goes"
-    )
-
-
-class Specimen(HeldTable):
-    """Keys of the flat, which the drive moves below the pad."""
-
-    height_mm: Extent = Field(10.0, description="height of the specimen between its contact and its moved back")
-    half_width_mm: Extent | None = Field(
-        None, description="half of the specimen's width; without it 10 or what it needs"
-    )
-    bore_radius_mm: Extent | None = Field(
-        None,
-        description="radius of a bore in place of a flat: a round pad is then a pin in it. The pin is held around its "
-        "core, at most 0.9 radii below its surface, and the specimen around the rim that lies its height outside the "
-        "bore",
-        examples=[6.02],
-    )
-    shaft_radius_mm: Extent | None = Field(
-        None,
-        description="radius of a shaft in place of a flat, with its axis along the motion: the pad is then a hub around"
-        " it, as thick as its height_mm. A height_mm below the radius is the wall of a hollow shaft",
-        examples=[10.0],
-    )
-    interference_um: keys.Approach | None = Field(
-        None, description="how much larger than its hub's the shaft's radius is; normal_load_N is then only expected"
-    )
-    taper: Taper = Field(0.0, description="rise of the shaft's radius, and of its hub's, along the motion")
-
-    def unfit_bore(self, pad: Pad, kind: str) -> Inconsistency | None:
-        """The contradiction of the bore with this pad in a test of this kind; None if they fit, or there is no bore."""
-        key = ("specimen", "bore_radius_mm")
-        if self.bore_radius_mm is None:
-            return None
-        if kind != kinds.LINE_CONTACT:
-            return Inconsistency(key, f'is given, but a bore is no flat: give kind = "{kinds.LINE_CONTACT}"')
-        if not isinstance(face := pad.profile, Cylinder):
-            return Inconsistency(key, "needs a round pad: give it radius_mm alone")
-        if not self.bore_radius_mm > face.radius_mm:
-            return Inconsistency(
-                key, f"is {self.bore_radius_mm:g}, but must be larger than the pin's radius_mm, {face.radius_mm:g}"
-            )
-        for name, body in (("pad", pad), ("specimen", self)):
-            for foreign in ("half_width_mm", "grip_width_mm", "surface", "bulk"):
-                if getattr(body, foreign) is not None:
-                    text = "is given, but a pin and a plate with a bore have none: remove it"
-                    return Inconsistency((name, foreign), text)
-        return None
-
-    def unfit_shaft(self, tables: "LineTables") -> Inconsistency | None:
-        """The contradiction of a shaft with the rest of its study; None if they fit, or there is no shaft."""
-        radius, pad = self.shaft_radius_mm, tables.pad
-        if radius is None:
-            beside = next((key for key in ("interference_um", "taper") if getattr(self, key)), None)
-            return (
-                Inconsistency(("specimen", beside), "is of a shaft: give its shaft_radius_mm, too") if beside else None
-            )
-        around, length = 2.0 * pi * radius, tables.contact.length_mm
-        problems = {
-            ("pad",): "is the hub of a shaft: give its bore's face_half_width_mm and the edge_radius_mm of its ends"
-            if not isinstance(pad.profile, RoundedFlat)
-            else None,
-            ("specimen", "interference_um"): "is missing: nothing else presses a hub on its shaft"
-            if self.interference_um is None
-            else None,
-            ("contact", "length_mm"): f"must be {around:.6g}, the shaft's circumference, to a thousandth"
-            if abs(length / around - 1.0) > 1e-3
-            else None,
-            ("holder", "rotational_stiffness_N_mm_per_rad"): "is given, but a hub does not turn over: remove it"
-            if tables.holder.rotational_stiffness_N_mm_per_rad != "rigid"
-            else None,
-        }
-        foreign = [("specimen", "bore_radius_mm"), ("holder", "normal_spring_stiffness_N_per_mm")]
-        foreign += [("conditions", "load_cycle")]
-        foreign += [(body, key) for body in ("pad", "specimen") for key in ("surface", "bulk", "grip_width_mm")]
-        for table, key in foreign:
-            given = getattr(getattr(tables, table), key)
-            problems[table, key] = "is given, but a shaft in a hub has none: remove it" if given else None
-        return next((Inconsistency(key, said) for key, said in problems.items() if said), None)
 
 
 class LineConditions(DrivenConditions):
@@ -332,7 +225,7 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
             return Inconsistency(("pad",), f"does not say which face it has: {wanted}")
         if (unfit := self.specimen.unfit_bore(self.pad, self.kind)) is not None:
             return unfit
-        if (unfit := self.specimen.unfit_shaft(self)) is not None:
+        if (unfit := self._of_shaft()) is not None:
             return unfit
         for name in ("pad", "specimen"):
             if (bulk := getattr(self, name).bulk) is not None and (problem := bulk.unfit(is_round=False)):
@@ -342,6 +235,38 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
                 ("effects",), "hold one that changes how crossed wires are mounted, which a pad is not"
             )
         return None
+
+    def _of_shaft(self) -> Inconsistency | None:
+        """The contradiction of a shaft with the rest of the study; None if they fit, or there is no shaft."""
+        own, pad = self.specimen, self.pad
+        radius = own.shaft_radius_mm
+        if radius is None:
+            beside = next((key for key in ("interference_um", "taper") if getattr(own, key)), None)
+            return (
+                Inconsistency(("specimen", beside), "is of a shaft: give its shaft_radius_mm, too") if beside else None
+            )
+        around, length = 2.0 * pi * radius, self.contact.length_mm
+        problems = {
+            ("pad",): "is the hub of a shaft: give its bore's face_half_width_mm and the edge_radius_mm of its ends"
+            if not isinstance(pad.profile, RoundedFlat)
+            else None,
+            ("specimen", "interference_um"): "is missing: nothing else presses a hub on its shaft"
+            if own.interference_um is None
+            else None,
+            ("contact", "length_mm"): f"must be {around:.6g}, the shaft's circumference, to a thousandth"
+            if abs(length / around - 1.0) > 1e-3
+            else None,
+            ("holder", "rotational_stiffness_N_mm_per_rad"): "is given, but a hub does not turn over: remove it"
+            if self.holder.rotational_stiffness_N_mm_per_rad != "rigid"
+            else None,
+        }
+        foreign = [("specimen", "bore_radius_mm"), ("holder", "normal_spring_stiffness_N_per_mm")]
+        foreign += [("conditions", "load_cycle")]
+        foreign += [(body, key) for body in ("pad", "specimen") for key in ("surface", "bulk", "grip_width_mm")]
+        for table, key in foreign:
+            given = getattr(getattr(self, table), key)
+            problems[table, key] = "is given, but a shaft in a hub has none: remove it" if given else None
+        return next((Inconsistency(key, said) for key, said in problems.items() if said), None)
 
     def _of_holder(self) -> Inconsistency | None:
         holder, key = self.holder, ("holder", "rotational_stiffness_N_mm_per_rad")

@@ -23,7 +23,8 @@ from wirewear.test.consistency import checked_tables
 from wirewear.test.fidelity import FIDELITIES, level_of
 from wirewear.test.joints import JointConditions, JointContact, JointTables
 from wirewear.test.kinds import kind_named
-from wirewear.test.lines import LineConditions, LineContactTable, LineMeshing, LineTables, LineWear, Pad, Specimen
+from wirewear.test.line_bodies import Pad, Specimen
+from wirewear.test.lines import LineConditions, LineContactTable, LineMeshing, LineTables, LineWear
 from wirewear.test.tables import ContactTables, StudyTables
 from wirewear.test.wires import Wires
 
