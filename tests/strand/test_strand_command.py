@@ -15,7 +15,8 @@ from tests.strand.ropes import rope, seven_wires, strands_of_seven
 from wirewear import StudyError, strand_contacts
 from wirewear.base.engine import Done, Engine, Result
 from wirewear.kinds import load_any_study
-from wirewear.strand.studies import run_contacts, with_figures_of_runs, write_studies
+from wirewear.strand.runs import run_contacts, with_figures_of_runs
+from wirewear.strand.studies import write_studies
 from wirewear.sweeps.sweep import SweepRow
 from wirewear.test import LineStudy, Study
 

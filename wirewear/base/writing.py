@@ -11,6 +11,7 @@ import errno
 import fcntl
 import json
 import os
+import re
 import secrets
 import shutil
 import sys
@@ -46,13 +47,27 @@ def write_csv(path: Path, table: pl.DataFrame | Sequence[Mapping[str, object]]) 
     Text that begins like a formula gets an apostrophe before it.
     Raises OSError if the file cannot be written.
     """
-    import polars as pl
+    with in_one_step(path) as partial:
+        if isinstance(table, Sequence):
+            names = list(dict.fromkeys(name for row in table for name in row))
+            lines: list[Iterable[object]] = [names, *([row.get(name) for name in names] for row in table)]
+            partial.write_text(
+                "".join(",".join(map(_cell, line)) + "\n" for line in lines), encoding="utf-8", newline=""
+            )
+        else:
+            import polars as pl
 
-    frame = table if isinstance(table, pl.DataFrame) else pl.DataFrame(table, infer_schema_length=None)
-    # Polars takes no name that is not in UTF-8, but takes any open file.
-    with in_one_step(path) as partial, partial.open("wb") as file:
-        frame.with_columns(pl.col(pl.String).str.replace(_BEGINS_FORMULA, "'$0")).write_csv(file)
+            # Polars takes no name that is not in UTF-8, but takes any open file.
+            with partial.open("wb") as file:
+                table.with_columns(pl.col(pl.String).str.replace(_BEGINS_FORMULA, "'$0")).write_csv(file)
     return path
+
+
+def _cell(value: object) -> str:
+    if not isinstance(value, str):
+        return "" if value is None else str(value).lower()
+    text = re.sub(_BEGINS_FORMULA, r"'\g<0>", value)
+    return '"' + text.replace('"', '""') + '"' if set(text) & set(',"\n\r') else text
 
 
 @overload

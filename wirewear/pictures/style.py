@@ -8,7 +8,7 @@ from contextvars import ContextVar
 from io import BytesIO
 from pathlib import Path
 from textwrap import fill
-from typing import Any, TypedDict
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import matplotlib as mpl
 import numpy as np
@@ -25,7 +25,9 @@ from wirewear.base import frame
 from wirewear.base.errors import ResultError
 from wirewear.base.words import counted
 from wirewear.base.writing import in_one_step, writing
-from wirewear.results import RunResult
+
+if TYPE_CHECKING:
+    from wirewear.results import RunResult
 
 GREY = "#8a8a8a"
 
@@ -181,7 +183,7 @@ def _narrow(axes: Axes) -> bool:
     return width_in < 0.36 * (math.log10(max(axes.get_xlim()[1], 1.0)) + 1.0)
 
 
-def titled(results: Sequence[RunResult], result: RunResult, text: str) -> str:
+def titled(results: Sequence["RunResult"], result: "RunResult", text: str) -> str:
     """Title of one of several runs' panels, in lines that fit into half of a picture; a single run goes without its
     name, which may be long.
     """

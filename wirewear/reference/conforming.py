@@ -11,8 +11,6 @@ from math import atan, log, pi, tan
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import cumulative_trapezoid
-from scipy.optimize import brentq
 
 from geometry import Elastic
 from geometry.arrays import Array
@@ -60,6 +58,8 @@ def pin_in_bore(
         clearance_mm=bore_radius_mm - pin_radius_mm,
         modulus_MPa=modulus_MPa,
     )
+    from scipy.optimize import brentq
+
     wanted = 2.0 * modulus_MPa * (bore_radius_mm - pin_radius_mm) / normal_load_N_per_mm
 
     def contact(half_angle_rad: float) -> PinContact:
@@ -78,6 +78,8 @@ def pin_scar(area_mm2: float, pin_radius_mm: float, bore_radius_mm: float) -> Li
     With clearance c, the area 2Rc (tan s − s) ends at the half-angle s, the half-width Rs around the pin, and the
     depth is c (1/cos s − 1). Raises ValueError for an argument that is not positive, or a bore that is not wider.
     """
+    from scipy.optimize import brentq
+
     clearance = bore_radius_mm - pin_radius_mm
     require_positive(area_mm2=area_mm2, pin_radius_mm=pin_radius_mm, clearance_mm=clearance)
     wanted = area_mm2 / (2.0 * pin_radius_mm * clearance)
@@ -109,6 +111,8 @@ class Taper:
         Strength of Materials II); a force along the axis widens them by Poisson's ratio, and it and the pressure
         change their length, and so how far the pin comes.
         """
+        from scipy.integrate import cumulative_trapezoid
+
         modulus, nu, outer = self.elastic.youngs_modulus_MPa, self.elastic.poissons_ratio, self.hub_radius_mm
         x = np.linspace(-0.5, 0.5, 2001) * self.length_mm
         r = self.radius_mm + self.rise * x

@@ -1,19 +1,14 @@
-"""Studies of a strand's contacts, to be simulated by `wirewear run` or all together by the engine of sweeps.
+"""Studies of a strand's contacts, to be simulated by `wirewear run`.
 
 A contact has a study if its motion is known and at least 0.1 µm in amplitude.
 """
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from math import degrees
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from wirewear.base.cache import Identity, identity_of
-from wirewear.base.engine import Engine
 from wirewear.base.errors import ResultError
 from wirewear.base.files import toml_text
 from wirewear.base.writing import write_text, writing
@@ -21,8 +16,6 @@ from wirewear.kinds import any_study
 from wirewear.strand.contacts import LoadedWire, WireContact
 from wirewear.strand.estimates import ContactEstimate
 from wirewear.strand.tables import RopeTables
-from wirewear.sweeps.running import SweepObserver, run_sweep
-from wirewear.sweeps.sweep import CODE, LIFE, Design, Sweep, SweepRow
 from wirewear.test import LineStudy, Study
 
 _CROSSED = (
@@ -33,15 +26,6 @@ _LINE = (
     "One millimetre of the line. Wires slide along it, a line contact in plane strain slides across: load, slip and\n"
     "bulk stress along the motion are kept. Energy and wear of a contact that slides as a whole are the same."
 )
-
-#: Figures of a run that stand in the table, by their names there.
-OF_RUN = {
-    "dissipated_energy_mJ": "run_friction_energy_mJ",
-    "slip_amplitude_um": "run_slip_amplitude_um",
-    "max_mean_pressure_MPa": "run_mean_pressure_MPa",
-    "worn_volume_mm3": "run_worn_volume_mm3",
-    LIFE: "run_life_cycles",
-}
 
 
 def file_name(contact_name: str) -> str:
@@ -191,59 +175,6 @@ def _wear(coefficient: float, is_line: bool) -> Mapping[str, float]:
 def _figure(value: float) -> float:
     """Value rounded to six digits."""
     return float(f"{value:.6g}")
-
-
-@dataclass(frozen=True, eq=False)
-class ContactRuns(Sweep):
-    """A sweep over the studies of different contacts, the worst first, of which the first `worst` are run."""
-
-    studies: tuple[Study | LineStudy, ...] = ()
-    worst: int = 0
-
-    def __len__(self) -> int:
-        return self.worst
-
-    @property
-    def identity(self) -> Identity:
-        asked = {"studies": [own.resolved() for own in self.studies], "fidelity": self.fidelity}
-        return identity_of(asked, CODE, {"added": {}})
-
-    def case(self, place: int) -> tuple[Study | LineStudy, dict[str, float]]:
-        return self.studies[place], {}
-
-
-def run_contacts(
-    name: str,
-    studies: Mapping[str, Study | LineStudy],
-    fidelity: str,
-    output: Path,
-    engine: Engine,
-    observer: SweepObserver | None = None,
-    *,
-    worst: int | None = None,
-) -> dict[str, SweepRow]:
-    """Run the studies of the first `worst` contacts (all for None) and return their rows by the contacts' names.
-
-    Each result is kept in a folder of `output`. Rows that it already holds are reused. Raises what `run_sweep` raises.
-    """
-    if not studies:
-        return {}
-    all_studies, count = tuple(studies.values()), min(worst or len(studies), len(studies))
-    none = np.zeros((count, 0))
-    asked = ContactRuns(name, all_studies[0], Design("grid", (), none, none), fidelity, True, all_studies, count)
-    rows = run_sweep(asked, output, engine, observer).rows
-    return {contact: rows[number] for number, contact in enumerate(studies, 1) if number in rows}
-
-
-def with_figures_of_runs(table: list[dict[str, object]], runs: Mapping[str, SweepRow]) -> list[dict[str, object]]:
-    """Rows of the table of contacts with the figures of each one's run, None where missing; as given without runs."""
-    return [row | _of_run(runs.get(str(row["contact"]))) for row in table] if runs else table
-
-
-def _of_run(row: SweepRow | None) -> dict[str, Any]:
-    figures = {} if row is None or row.figures is None else row.figures
-    failure = "" if row is None else row.failure
-    return {own: figures.get(key) for key, own in OF_RUN.items()} | {"run_failure": failure}
 
 
 def degrees_of(contact: WireContact) -> tuple[float, float]:

@@ -38,7 +38,7 @@ def strand(
     """
     from wirewear.app.cli.consoles import wide_console
     from wirewear.strand import strand_contacts
-    from wirewear.strand.studies import run_contacts, with_figures_of_runs, write_studies
+    from wirewear.strand.studies import write_studies
     from wirewear.views.strand_page import sentence, strand_json, strand_tables, write_strand
 
     found = strand_contacts(rope_path)
@@ -48,6 +48,7 @@ def strand(
     if with_runs:
         from wirewear.app.cli.sweeps import observer_of
         from wirewear.base.engine import engine_of
+        from wirewear.strand.runs import run_contacts, with_figures_of_runs
 
         with observer_of(min(worst or len(studies), len(studies))) as observer:
             runs = run_contacts(
