@@ -228,7 +228,11 @@ def grid_of(source: MeshSource) -> ContactPatch | None:
     if found is None or len(quads) != np.prod(np.array(found[1].shape) - 1):
         return None
     (along, across), grid = found
-    return ContactPatch(along, across, grid, own.face)
+    try:
+        return ContactPatch(along, across, grid, own.face)
+    except GeometryError:
+        # It reaches to where the face is steep.
+        return None
 
 
 def on_grid(places_mm: Array, nodes: IntArray) -> tuple[list[Array], IntArray] | None:

@@ -147,6 +147,8 @@ def _blocks(text: str) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
     lines = [line.strip() for line in text.splitlines()]
     lines = [line for line in lines if line and not line.startswith("**")]
     starts = [k for k, line in enumerate(lines) if line.startswith("*")]
+    if not starts:
+        raise ValueError("no line begins with a keyword such as *NODE")
     for start, end in zip(starts, [*starts[1:], len(lines)], strict=True):
         keyword, *options = [part.strip() for part in lines[start][1:].split(",")]
         pairs = [option.partition("=") for option in options if option]
@@ -172,6 +174,8 @@ class _Abaqus:
         """Store nodes, elements, sets or surfaces of a keyword with its options and data; ignore other keywords."""
         if keyword == "NODE":
             for line in lines:
+                if len(line) < 4:
+                    raise ValueError(f"node {line[0]} has {len(line) - 1} coordinates")
                 self.nodes[int(line[0])] = len(self.places)
                 self.places.append([float(value) for value in line[1:4]])
             if "NSET" in options:

@@ -170,12 +170,17 @@ def own_surface(source: MeshSource) -> OwnSurface:
     size = np.linalg.norm(normals, axis=1)
     # Faces are fitted whose normal's share along the outward direction is at least this.
     triangles = triangles[normals @ outward >= 0.5 * size]
+    if not len(triangles):
+        raise GeometryError(f"no face of its set {source.contact!r} looks along outward within 60°: state its normal")
     corners = np.unique(triangles)
     nodes = solid.nodes_between(corners)
     points = solid.points
     axes = _any_axes(outward, source)
-    start = _outermost(points, corners, triangles, outward) if source.at_mm is None else np.array(source.at_mm)
     scale = float(np.ptp(points[corners], axis=0).max())
+    if source.at_mm is None:
+        start = _outermost(points, corners, triangles, outward)
+    else:
+        start = _stated_place(points, corners, triangles, np.array(source.at_mm), outward)
     origin, form = _apex(points[nodes], start, axes, scale, moves=source.at_mm is None)
     axes = _principal(axes, form, source)
     local = (points - origin) @ axes.T
@@ -269,6 +274,27 @@ def _outermost(points: Array, nodes: IntArray, triangles: IntArray, outward: Arr
     return np.asarray(0.5 * (points[top].min(axis=0) + points[top].max(axis=0)))
 
 
+def _stated_place(points: Array, nodes: IntArray, triangles: IntArray, place: Array, outward: Array) -> Array:
+    """The place (3,), stated as that of first contact. Raises GeometryError if it lies off the contact surface, or the
+    surface is tilted there.
+    """
+    nearest = nodes[np.linalg.norm(points[nodes] - place, axis=1).argmin()]
+    away = float(np.linalg.norm(points[nearest] - place))
+    if away > float(np.linalg.norm(np.diff(points[triangles], axis=1), axis=2).max()):
+        raise GeometryError(
+            f"at_mm lies {away:.3g} mm from the nearest node of its contact surface: state a place on it"
+        )
+    normal = _normals(points, triangles[(triangles == nearest).any(axis=1)]).sum(axis=0)
+    normal = normal / np.linalg.norm(normal)
+    # Faces beside a node of a round surface do not tell its normal better.
+    if (tilt := degrees(np.arccos(np.clip(normal @ outward, -1.0, 1.0)))) > 10.0:
+        better = ", ".join(f"{value:.3g}" for value in normal)
+        raise GeometryError(
+            f"its surface is tilted by {tilt:.0f}° to its normal at at_mm: give outward = [{better}] with it"
+        )
+    return place
+
+
 def _apex(nodes: Array, start: Array, axes: Array, scale: float, *, moves: bool) -> tuple[Array, Array]:
     """Position (3,) of the surface's highest point and its curvature matrix (2, 2) there, by paraboloids through near
     nodes.
@@ -345,7 +371,8 @@ def _barrel(nodes: Array, scale: float, *, moves: bool) -> tuple[Barrel, Array]:
         return np.asarray((place[:, 2] - barrel.height(place[:, :2]) + hollow) / scale)
 
     x, y, z = near.T / scale
-    columns = np.column_stack([np.ones_like(x), -0.5 * x**2, -0.5 * y**2])
+    # Exact of balls and cylinders.
+    columns = np.column_stack([np.ones_like(x), -0.5 * x**2, -0.5 * (y**2 + z**2)])
     (_, along, across), *_ = np.linalg.lstsq(columns, z, rcond=None)
     start = np.array([0.0, 0.0, 0.0, along, across])
     found = least_squares(
@@ -353,8 +380,10 @@ def _barrel(nodes: Array, scale: float, *, moves: bool) -> tuple[Barrel, Array]:
     ).x
     curved = np.where(np.abs(found[3:]) < max(_EXACT, 1e-5 * np.abs(found[3:]).max()), 0.0, found[3:])
     largest = np.abs(curved).max()
+    # A curve of the sag c/8 shows only where nodes are less uneven than that.
+    uneven = 8.0 * float(np.abs(missed(found)).max())
     # A hollow curvature below this share of the largest counts as straight.
-    if (curved < -max(1e-3 * largest, _STRAIGHT)).any():
+    if (curved < -max(1e-3 * largest, _STRAIGHT, uneven)).any():
         raise GeometryError(
             f"its contact surface is hollow, of radius {scale / abs(float(curved.min())):.4g} mm: bodies at a point "
             "are round or flat"

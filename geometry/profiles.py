@@ -138,8 +138,8 @@ class Barrel:
         k, across = self.curvature_along_per_mm, self.curvature_across_per_mm
         if k * along_mm >= _REACH or across * across_mm >= _REACH * (1.0 - across * self._fall(np.array(along_mm))):
             raise GeometryError(
-                f"a contact patch {along_mm} mm to the side along and {across_mm} mm across does not fit on a surface "
-                f"of curvatures {k:g} and {across:g} per mm"
+                f"a contact patch {along_mm:.4g} mm to the side along and {across_mm:.4g} mm across does not fit on a "
+                f"surface of curvatures {k:g} and {across:g} per mm"
             )
 
     def _fall(self, x: Array) -> Array:

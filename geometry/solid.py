@@ -7,16 +7,17 @@ host is the elements of a file around a block of hexahedra made by this program;
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from geometry.arrays import Array, BoolArray, IntArray
 from geometry.elements import ELEMENT_KINDS, ElementKind
 from geometry.errors import GeometryError
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 LEAST_SHAPE = 0.01  #: Least determinant at a point of the Jacobian of an element, over its columns' lengths.
 _TRIED, _NEWTON, _BESIDE = (
@@ -36,6 +37,15 @@ class Places:
     #: of shape functions.
     weights: tuple[tuple[IntArray, IntArray, Array], ...]
     beyond_mm: Array  #: (p,) distance of the point outside its cell, 0 inside.
+
+
+@dataclass(frozen=True, eq=False)
+class _Faces:
+    """Corners (f, c) of faces, by how many cells each is shared, and True where these give it other nodes."""
+
+    corners: IntArray
+    times: IntArray
+    differ: BoolArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,18 +72,26 @@ class SolidMesh:
     @cached_property
     def boundary(self) -> tuple[IntArray, ...]:
         """Corners of faces that belong to one cell only, facing outwards: triangles (f, 3), quadrilaterals (f, 4)."""
-        found: dict[int, list[IntArray]] = {3: [], 4: []}
+        return tuple(each.corners[each.times == 1] for each in self._faces)
+
+    @cached_property
+    def _faces(self) -> tuple["_Faces", ...]:
+        """Faces of all cells, equal ones once: triangles and quadrilaterals."""
+        found: dict[int, list[tuple[IntArray, int]]] = {3: [], 4: []}
         for kind, cells in self.groups:
-            for face in kind.faces:
-                found[len(face)].append(cells[:, list(face)])
-        outer = []
+            for face, nodes in zip(kind.faces, kind.face_nodes, strict=True):
+                found[len(face)].append((cells[:, list(face)], len(nodes)))
+        made = []
         for count, lists in found.items():
-            faces = np.vstack(lists) if lists else np.zeros((0, count), dtype=np.int64)
-            if len(faces):
-                _, first, times = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-                faces = faces[first[times == 1]]
-            outer.append(faces)
-        return tuple(outer)
+            faces = np.vstack([np.zeros((0, count), dtype=np.int64), *(each for each, _ in lists)])
+            nodes = np.repeat([n for _, n in lists], [len(each) for each, _ in lists]).astype(np.int64)
+            _, first, which, times = np.unique(
+                np.sort(faces, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
+            )
+            differ = np.zeros(len(first), dtype=bool)
+            differ[which.ravel()[nodes != nodes[first][which.ravel()]]] = True
+            made.append(_Faces(faces[first], times, differ))
+        return tuple(made)
 
     def nodes_between(self, corners: IntArray) -> IntArray:
         """Sorted nodes (k,) of those boundary faces whose corners are all among the nodes `corners`, nodes within edges
@@ -133,8 +151,8 @@ class SolidMesh:
         return local, np.linalg.det(jacobian) * kind.weights
 
     def require_sound(self) -> None:
-        """Raise GeometryError if a cell is inside out or has no volume, naming its place, or if the mesh has parts that
-        share no nodes.
+        """Raise GeometryError if a cell is inside out or has no volume, naming its place, if cells overlap or meet in
+        faces of other orders, or if nodes coincide or parts share none.
 
         That the boundary is closed need not be checked: it is the boundary of the cells.
         """
@@ -158,8 +176,29 @@ class SolidMesh:
                 f"it consists of {count} parts that share no nodes, of {', '.join(map(str, sizes[:4]))}"
                 f"{' …' if count > 4 else ''} nodes: merge coincident nodes, or leave all but one part out"
             )
+        for faces in self._faces:
+            self._refuse(faces.corners[faces.times > 2], "belong to three elements or more: list each element once")
+            self._refuse(
+                faces.corners[faces.differ],
+                "have nodes between their corners on one side only, and would gape there: mesh it in one order",
+            )
+        pairs = self._tree_of(self.points).query_pairs(
+            1e-7 * float(np.ptp(self.points, axis=0).max()), output_type="ndarray"
+        )
+        if len(pairs):
+            place = ", ".join(f"{x:.4g}" for x in self.points[pairs[0, 0]])
+            raise GeometryError(
+                f"{len(pairs)} pairs of its nodes coincide, the first at ({place}) mm, and would gape: merge them"
+            )
+
+    def _refuse(self, faces: IntArray, why: str) -> None:
+        if len(faces):
+            place = ", ".join(f"{x:.4g}" for x in self.points[faces[0]].mean(axis=0))
+            raise GeometryError(f"{len(faces)} faces of its elements, the first at ({place}) mm, {why}")
 
     def _loose_parts(self) -> tuple[int, list[int]]:
+        from scipy.sparse.csgraph import connected_components
+
         rows = np.concatenate([cells[:, :1].repeat(cells.shape[1], axis=1).ravel() for cells in self.cells.values()])
         columns = np.concatenate([cells.ravel() for cells in self.cells.values()])
         size = len(self.points)
@@ -206,9 +245,15 @@ class SolidMesh:
             shapes.append((rows, cells[cell[rows] - first], kind.shapes(local[rows])))
         return Places(cell, tuple(shapes), best)
 
+    @staticmethod
+    def _tree_of(places: Array) -> "cKDTree":
+        from scipy.spatial import cKDTree
+
+        return cKDTree(places)
+
     @cached_property
-    def _tree(self) -> cKDTree:
-        return cKDTree(self.middles)
+    def _tree(self) -> "cKDTree":
+        return self._tree_of(self.middles)
 
     def _boxed(self, places: Array, which: IntArray) -> IntArray:
         """Pairs (k, 2) of a place, among `which`, and a cell whose bounding box contains it; also each place and its

@@ -60,7 +60,7 @@ def written(folder: Path, lines: Lines, kind: str = "C3D8") -> Path:
     points, cells = lines
     top = [k for k in range(1, len(points) + 1) if k % (N + 1) == 0]
     bottom = [k for k in range(1, len(points) + 1) if k % (N + 1) == 1]
-    text = ["*NODE", *(f"{k}, {x!r}, {y!r}, {z!r}" for k, (x, y, z) in enumerate(points, 1))]
+    text = ["*NODE", *(", ".join(map(repr, (k, *point))) for k, point in enumerate(points, 1))]
     text += [f"*ELEMENT, TYPE={kind}, ELSET=body", *(f"{k}, {', '.join(map(str, c))}" for k, c in enumerate(cells, 1))]
     text += ["*NSET, NSET=face", ", ".join(map(str, top)), "*NSET, NSET=back", ", ".join(map(str, bottom))]
     (file := folder / "own.inp").write_text("\n".join(text), encoding="utf-8")
@@ -73,8 +73,9 @@ def study(folder: Path, file: Path, **stated: str) -> Any:
     return load_any_study(path)
 
 
-def test_a_ball_of_hexahedra_is_known_by_its_radius(tmp_path: Path) -> None:
-    _, upper = study(tmp_path, written(tmp_path, block(ball))).bodies
+@pytest.mark.parametrize("wide", [4.0, 12.4])
+def test_a_ball_of_hexahedra_is_known_by_its_radius(tmp_path: Path, wide: float) -> None:
+    _, upper = study(tmp_path, written(tmp_path, block(lambda x, y: 5.0 + ball(x, y), wide))).bodies
     np.testing.assert_allclose(upper.curvatures_per_mm, 0.1, rtol=1e-6)
 
 
@@ -97,8 +98,23 @@ def test_a_face_that_is_no_barrel_passes_through_the_files_nodes(tmp_path: Path)
         ({"more": "outward = [0, 0, 0]"}, r"outward.*must be a direction"),
         ({"more": "[bodies.upper.parts.core]\nmaterial = 'steel'"}, "core"),
         ({"held": "face"}, "'face' is in the held set 'face', too"),
+        ({"more": "outward = [1, 0, 0]"}, "no face of its set 'face' looks along outward"),
+        ({"more": "at_mm = [0, 0, 9]"}, "at_mm lies 6 mm from the nearest node"),
+        ({"more": "outward = [0.3, 0, 1]\nat_mm = [0, 0, 3]"}, r"tilted by 17°.*outward = \["),
     ],
-    ids=["no contact", "not held", "metres", "unknown unit", "of a block", "no direction", "no such part", "held"],
+    ids=[
+        "no contact",
+        "not held",
+        "metres",
+        "unknown unit",
+        "of a block",
+        "no direction",
+        "no such part",
+        "held",
+        "aside",
+        "off",
+        "tilted",
+    ],
 )
 def test_what_does_not_fit_the_file_is_said(tmp_path: Path, stated: dict[str, str], said: str) -> None:
     with pytest.raises(StudyError, match=said) as refused:
@@ -124,6 +140,13 @@ def torn(lines: Lines) -> Lines:
     return points, [*cells, list(range(first + 1, first + 9))]
 
 
+def slit(lines: Lines) -> Lines:
+    points, cells = lines
+    points.append(list(points[cells[0][6] - 1]))
+    cells[0][6] = len(points)
+    return points, cells
+
+
 @pytest.mark.parametrize(
     ("spoiled", "said"),
     [
@@ -133,8 +156,23 @@ def torn(lines: Lines) -> Lines:
         (block(lambda x, y: 5.0 + 0.02 * (x**2 + y**2)), "hollow"),
         (block(lambda x, y: np.exp(-0.5 * (x**2 + y**2)) + 1.0), "is too coarse under the contact"),
         (([[0.0, 0.0, 0.0]] * 7, []), "no solid elements"),
+        (slit(block(ball)), "1 pairs of its nodes coincide, the first at"),
+        ((block(ball)[0], 2 * block(ball)[1]), "belong to three elements or more"),
+        (block(lambda x, _: 3.0 - 0.8 * np.abs(x)), "none on an edge"),
+        (([[0.0, 0.0]], []), "node 1 has 2 coordinates"),
     ],
-    ids=["inverted", "degenerate", "two parts", "hollow", "too coarse", "no elements"],
+    ids=[
+        "inverted",
+        "degenerate",
+        "two parts",
+        "hollow",
+        "too coarse",
+        "no elements",
+        "slit",
+        "twice",
+        "edge",
+        "cut short",
+    ],
 )
 def test_a_bad_mesh_is_refused_in_one_sentence(tmp_path: Path, spoiled: Lines, said: str) -> None:
     with pytest.raises(StudyError, match=said) as refused:

@@ -168,7 +168,8 @@ def unfit_mesh(stated: MeshKeys, poissons_ratio: float) -> tuple[str, str] | Non
     if (turn := own.turn_rad) > _TURN:
         return "file", (
             f"is too coarse under the contact: its faces there turn by {degrees(turn):.0f}° from one to the next, but "
-            f"must by at most {degrees(_TURN):.0f}°: elements of {own.element_mm * _TURN / turn:.2g} mm would do"
+            f"must by at most {degrees(_TURN):.0f}°: elements of {own.element_mm * _TURN / turn:.2g} mm would do on a "
+            "round face, none on an edge or a tip"
         )
     return None
 
@@ -231,8 +232,8 @@ class OwnBody(Body):
         raise StudyError(
             f"the {self.name} body is too small for this test: the contact is expected to need "
             f"{1e3 * max(reach_mm):.0f} um to each side of its middle, under which no block of elements fits into the "
-            "mesh of its file; lower the cycles, load, stroke or wear coefficient, or give a smaller "
-            "scar_half_width_um in [mesh]"
+            "mesh of its file; give a contact farther from its edges, lower the cycles, load, stroke or wear "
+            "coefficient, or give a smaller scar_half_width_um in [mesh]"
         )
 
 
