@@ -104,17 +104,10 @@ def bedded(
 
 
 def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: IntArray) -> Piece:
-    """The smallest piece of a body from which its compliance follows. gripped: nodes held rigidly, maybe none.
-
-    A ring is held along its axis and around it alone, so that its ends are free to widen.
-    """
-    if isinstance(mesh, QuadMesh) and mesh.axis_mm is not None:
+    """The smallest piece of a body from which its compliance follows. gripped: nodes held rigidly, maybe none."""
+    if (of_ring := held_of_ring(mesh, gripped)) is not None:
         inner = np.setdiff1d(np.arange(len(mesh.points)), patch.nodes)
-        held = np.zeros((len(mesh.points), 3), dtype=bool)
-        held[gripped, :2] = True
-        # So near to the axis, over the ring's radius, a node lies on it.
-        held[np.abs(mesh.points[:, 1] / mesh.axis_mm - 1.0) < 1e-9, 1:] = True
-        return Piece((), mesh, patch.nodes.ravel(), inner, held.reshape(1, -1), np.arange(len(mesh.points)))
+        return Piece((), mesh, patch.nodes.ravel(), inner, of_ring, np.arange(len(mesh.points)))
     across = () if isinstance(mesh, QuadMesh) else (1,)
     planes = tuple(axis for axis in (0, *across) if _is_symmetric(mesh, patch, gripped, axis))
     part, number = one_side(mesh, planes)
@@ -122,6 +115,19 @@ def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: In
     contact, held = number[patch.nodes[side]].ravel(), number[gripped]
     inner = np.setdiff1d(np.arange(len(part.points)), np.concatenate([held[held >= 0], contact]))
     return Piece(planes, part, contact, inner, held_on_planes(part, planes), np.flatnonzero(number >= 0))
+
+
+def held_of_ring(mesh: HexMesh | QuadMesh, gripped: IntArray) -> BoolArray | None:
+    """(1, 3 n) True for unknowns of a ring that are held: those on its axis, and of its grip those along the axis and
+    around it, so that its ends are free to widen. None for a mesh that is no ring.
+    """
+    if not isinstance(mesh, QuadMesh) or mesh.axis_mm is None:
+        return None
+    held = np.zeros((len(mesh.points), 3), dtype=bool)
+    held[gripped, :2] = True
+    # So near to the axis, over the ring's radius, a node lies on it.
+    held[np.abs(mesh.points[:, 1] / mesh.axis_mm - 1.0) < 1e-9, 1:] = True
+    return held.reshape(1, -1)
 
 
 def compliance_of(piece: Piece, patch: ContactPatch, schurs: list[Array]) -> PatchCompliance:

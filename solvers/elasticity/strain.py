@@ -46,8 +46,7 @@ def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
     from skfem import BilinearForm
     from skfem.models.elasticity import lame_parameters
 
-    axis = mesh.axis_mm if isinstance(mesh, QuadMesh) else None
-
+    axis = _axis_mm(mesh)
     basis, axes = _basis(mesh)
     lame_lambda, shear = lame_parameters(material.youngs_modulus_MPa, material.poissons_ratio)
     n, corners = len(mesh.points), basis.element_dofs.astype(np.int64)
@@ -139,6 +138,10 @@ class IntegrationPoints:
         # (m, 3, c) times (m, c, 3 q): how each component changes along each axis.
         along = np.moveaxis(self.gradients, 2, 1).reshape(len(cells), cells.shape[1], -1)
         change = (np.swapaxes(cells, 1, 2) @ along).reshape(len(cells), 3, count[1], 3).transpose(0, 2, 1, 3)
+        if (axis := _axis_mm(self.mesh)) is not None:
+            # A ring is stretched around its axis by what moves away from it, and shorn by what turns about it.
+            over = np.einsum("qc,mci->mqi", self.shapes, cells) / (self.positions[..., 1:] - axis)
+            change[..., 1, 1], change[..., 2, 1] = over[..., 2], -over[..., 1]
         shear = material.shear_modulus_MPa
         trace = material.lame_MPa * np.trace(change, axis1=2, axis2=3)
         stress = np.empty((*count, 6))
@@ -223,11 +226,13 @@ class Projection:
     """Integrals (n, n) over a mesh of n nodes by which stresses are projected to the nodes.
 
     mass: integrals of the products of two shape functions. slopes: one matrix for each of x, y and z, of the products
-    of a shape function and the derivative of another along this axis.
+    of a shape function and the derivative of another along this axis. around: of a ring, of the products of two shape
+    functions over the height above its axis.
     """
 
     mass: csr_matrix
     slopes: tuple[csr_matrix, ...]
+    around: csr_matrix | None = None
 
     @classmethod
     def of(cls, mesh: HexMesh | QuadMesh) -> Projection:
@@ -238,7 +243,11 @@ class Projection:
         slopes = [csr_matrix((len(mesh.points), len(mesh.points)))] * 3
         for i, axis in enumerate(axes):
             slopes[axis] = BilinearForm(lambda u, v, _, i=i: v * u.grad[i]).assemble(basis)
-        return cls(BilinearForm(lambda u, v, _: v * u).assemble(basis), tuple(slopes))
+        mass, axis_mm = BilinearForm(lambda u, v, _: v * u).assemble(basis), _axis_mm(mesh)
+        if axis_mm is None:
+            return cls(mass, tuple(slopes))
+        around = BilinearForm(lambda u, v, w: v * u / (w.x[1] - axis_mm)).assemble(basis)
+        return cls(mass, tuple(slopes), around)
 
     def loads(self, material: Elastic, displacements: Array) -> Array:
         """Integrals (n, s, 6) of shape functions times the stresses in MPa of displacements (s, n, 3) in mm."""
@@ -248,6 +257,11 @@ class Projection:
         for k, (i, j) in enumerate(TENSOR_PLACES):
             result[..., k] = material.shear_modulus_MPa * (change[j][..., i] + change[i][..., j])
         result[..., :3] += material.lame_MPa * sum(change[i][..., i, None] for i in range(3))
+        if self.around is not None:
+            over = (self.around @ moved.reshape(len(moved), -1)).reshape(moved.shape)
+            result[..., :3] += material.lame_MPa * over[..., 2, None]
+            result[..., 1] += 2.0 * material.shear_modulus_MPa * over[..., 2]
+            result[..., 4] -= material.shear_modulus_MPa * over[..., 1]
         return result
 
 
@@ -274,6 +288,11 @@ def interpolation(mesh: HexMesh | QuadMesh, places: Array) -> csr_matrix:
     weights, columns = kind.shapes(local[chosen, best]), mesh.cells[tried[chosen, best]]
     rows = np.repeat(chosen, count)
     return csr_matrix((weights.ravel(), (rows, columns.ravel())), shape=(len(places), len(mesh.points)))
+
+
+def _axis_mm(mesh: HexMesh | QuadMesh) -> float | None:
+    """Height of the axis about which a mesh turns into a ring; None if it does not."""
+    return mesh.axis_mm if isinstance(mesh, QuadMesh) else None
 
 
 def _kind(mesh: HexMesh | QuadMesh) -> ElementKind:

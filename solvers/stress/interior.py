@@ -315,9 +315,14 @@ class Interior:
     def _stiff(self, wanted: Iterable[tuple[bool, ...]]) -> Factors:
         """Factors of the stiffness for these symmetries."""
         wanted, every = list(wanted), list(product((False, True), repeat=len(self.planes)))
-        held = self._number[self.held]
-        free = np.setdiff1d(np.arange(len(self._nodes)), held[held >= 0])
+        held, free = self._number[self.held], np.arange(len(self._nodes))
+        held = held[held >= 0]
+        of_ring = condensation.held_of_ring(self._piece, held)
         on_planes = condensation.held_on_planes(self._piece, self.planes)[[every.index(odd) for odd in wanted]]
+        if of_ring is None:
+            free = np.setdiff1d(free, held)
+        else:
+            on_planes |= of_ring
         return dict(zip(wanted, factorised(self._stiffness, free, 3, on_planes), strict=True))
 
     @cached_property

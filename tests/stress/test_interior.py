@@ -8,7 +8,7 @@ import pytest
 import pyvista
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from geometry import BodyMesh, Elastic, HexMesh, build_body
+from geometry import BodyMesh, Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, build_body, build_planar
 from geometry.arrays import Array
 from solvers import condense
 from solvers.elasticity.strain import hydrostatic, integration_points, principal, turned, von_mises
@@ -20,6 +20,7 @@ from wirewear.app.api.run import Run, read_result
 from wirewear.results import write_result
 from wirewear.stress import body_grid, body_states, integration_point_cloud
 from wirewear.stress.bodies import Section, fanned, section
+from wirewear.stress.lines import LineBody
 from wirewear.stress.planes import crossland, smith_watson_topper
 from wirewear.stress.state import averaging
 from wirewear.stress.strength import StrengthAsked, strength_of, stresses_of, yield_sentence
@@ -357,3 +358,37 @@ def test_a_cycle_that_stands_for_another_one_is_said(tmp_path: Path) -> None:
     write_result(tmp_path / "result.h5", run_with_forces())
     asked = ["fields", str(tmp_path), "--cycle", "77", "--no-pictures", "--output", str(tmp_path / "fields")]
     assert "cycle 77 is not recorded, 100 is taken; recorded are 100." in wirewear(*asked).stderr
+
+
+@pytest.mark.parametrize("axis_mm", [-10.0, 10.0])
+def test_inside_a_ring_stresses_are_those_of_lame_and_saint_venant(axis_mm: float) -> None:
+    """A solid shaft, and a hub of twice its radius: far from the held end, under even pressure and even turning."""
+    half, radius, pressure = 50.0, 10.0, 100.0
+    lines = GradedAxis(0.5, half - 0.01, 0.5, half - 0.01)
+    ring = build_planar(PlanarGeometry(Flat(), half, 10.0, lines, growth=1.2, axis_mm=axis_mm, held_end=1))
+    body = LineBody.of(ring, bodies.STEEL, {})
+    nodes, width = ring.patch.nodes.ravel(), ring.patch.node_areas()
+    forces = np.zeros((2, len(nodes), 3))
+    forces[0, :, 2], forces[1, :, 1] = -pressure * width, width
+    moved = body.interior.displacements(nodes, forces)
+    compliance = condense(ring.mesh, ring.patch, bodies.STEEL).compliance
+    np.testing.assert_allclose(
+        moved[:, nodes].reshape(2, -1), forces.reshape(2, -1) @ compliance, atol=1e-9 * np.abs(moved).max()
+    )
+    places = body.points.positions.reshape(-1, 2)
+    middle = np.abs(places[:, 0]) < 0.5
+    r = np.abs(places[middle, 1] - axis_mm)
+    inner, outer = (0.0, radius) if axis_mm < 0.0 else (radius, 2.0 * radius)
+    squeezed, turned = (body.points.stresses(bodies.STEEL, one).reshape(-1, 6)[middle] for one in moved)
+    beyond = (outer / r) ** 2 if inner else -np.ones_like(r)
+    share = radius**2 / (outer**2 - inner**2)
+    np.testing.assert_allclose(
+        squeezed[:, 1], pressure * share * (1.0 + beyond) if inner else -pressure, atol=0.03 * pressure
+    )
+    torque = 2.0 * np.pi * radius**2 * (half + places[middle, 0])
+    polar = 0.5 * np.pi * (outer**4 - inner**4)
+    np.testing.assert_allclose(np.abs(turned[:, 3]), torque * r / polar, rtol=0.03, atol=0.01)
+    surface = nodes[[len(nodes) // 2]]
+    ((at_surface,), _) = body.interior.stresses(moved, surface)
+    exact = (outer**2 + radius**2) / (outer**2 - radius**2) if inner else -1.0
+    assert at_surface[1] == pytest.approx(pressure * exact, rel=0.02)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
+from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -65,7 +66,10 @@ def _meshed(tables: str, fidelity: str, body: str, depth: bytes) -> LineBody:
 
 
 def _tables(result: RunResult) -> str:
-    return json.dumps(result.study, sort_keys=True, default=str)
+    # A millimetre of a shaft is no study.
+    radius = result.study["specimen"].get("shaft_radius_mm")
+    whole = result if radius is None else result.of_length(2.0 * pi * radius)
+    return json.dumps(whole.study, sort_keys=True, default=str)
 
 
 def _study(tables: str) -> LineStudy:
@@ -74,8 +78,6 @@ def _study(tables: str) -> LineStudy:
 
 
 def _geometry(study: LineStudy, fidelity: str, body: str) -> PlanarGeometry | RingGeometry:
-    if study.specimen.shaft_radius_mm is not None:
-        raise ResultError("stresses inside are not computed for a shaft in a hub, only its contact.")
     meshes = line_plan(study, fidelity)
     return meshes.pad if body == "pad" else meshes.specimen
 
