@@ -147,12 +147,23 @@ def test_a_taper_slides_as_its_statics_say_under_the_pressure_of_lame() -> None:
     assert scar.pressure_MPa[len(scar.axial_um) // 2, 0] == pytest.approx(lame, rel=0.03)
 
 
+@pytest.mark.seconds
+@pytest.mark.parametrize(("taper", "force_N"), [(0.05, 7500.0), (0.0, 5000.0)])
+def test_a_shaft_pushed_in_by_a_force_slides_on_under_that_force(taper: float, force_N: float) -> None:
+    specimen = {"interference_um": None, "assembly_force_N": force_N, "taper": taper}
+    loop = simulate(shaft_study(specimen=specimen), fidelity="quick").loops[0]
+    inwards = np.roll(loop.displacement_um, 1) > loop.displacement_um
+    middle = np.flatnonzero(inwards)[np.abs(loop.displacement_um[inwards]).argmin()]
+    assert -loop.tangential_force_N[middle] == pytest.approx(force_N, rel=0.03)
+
+
 @pytest.mark.parametrize(
     ("changes", "complaint"),
     [
         ({"contact": {"length_mm": 10.0}}, r"length_mm in \[contact\].* must be 62\.8319, the shaft's circumference"),
         ({"specimen": {"interference_um": None}}, "nothing else presses a hub on its shaft"),
         ({"specimen": {"shaft_radius_mm": None}}, "is of a shaft: give its shaft_radius_mm, too"),
+        ({"specimen": {"assembly_force_N": 900.0}}, "are both given, but either follows from the other"),
         ({"pad": {"face_half_width_mm": None, "edge_radius_mm": None, "radius_mm": 6.0}}, "is the hub of a shaft"),
         ({"specimen": {"bore_radius_mm": 6.0}}, "bore_radius_mm"),
     ],

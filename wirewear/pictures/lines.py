@@ -26,15 +26,20 @@ def line_supports(study: LineStudy, pad: PlanarMesh, specimen: PlanarMesh) -> Fi
     unit = study.of_length(1.0)
     conditions, holder = unit.conditions, unit.holder
     tangential, rotational = holder.tangential_stiffness_N_per_mm, holder.rotational_stiffness_N_mm_per_rad
-    overlap = study.specimen.interference_um
+    overlap, pushed = study.specimen.interference_um, study.specimen.assembly_force_N
     supports = Supports(
-        load=f"{conditions.normal_load_N:g} N/mm" if overlap is None else f"{overlap:g} µm larger shaft",
+        load=f"pushed in by {pushed:g} N"
+        if pushed is not None
+        else f"{conditions.normal_load_N:g} N/mm"
+        if overlap is None
+        else f"{overlap:g} µm larger shaft",
         stroke=f"±{conditions.displacement_amplitude_um:g} µm",
         tangential="" if tangential == "rigid" else f"{tangential:g} N/mm²",
         rotational="" if rotational == "rigid" else f"{rotational:g} N/rad",
         pivot_height=None if rotational == "rigid" else holder.pivot_height_mm,
     )
-    called = "pad on specimen, plane strain" if overlap is None else "hub on shaft, about its axis"
+    is_shaft = study.specimen.shaft_radius_mm is not None
+    called = "hub on shaft, about its axis" if is_shaft else "pad on specimen, plane strain"
     view = (called, _held(pad, upper=True), _held(specimen, upper=False))
     return draw_boundary_conditions([view], supports, along_motion=[True])
 

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from solvers import ContactProblem, CycleTrace, unloaded_state
+from solvers import ContactProblem, CycleTrace, press, unloaded_state
 from wirewear.base import kinds
 from wirewear.base.cache import Identity
 from wirewear.effects import problem_with
@@ -88,6 +88,24 @@ class LineRunRecord(Recorded):
         return self._asked | self.tally.fresh | {"simulated_cycles": self.tally.counters.simulated_cycles}
 
 
+def _assembled(study: LineStudy, fidelity: str) -> LineStudy:
+    """The study of a shaft, pushed into its hub by a stated force, with the overlap that this leaves; others unchanged.
+
+    The force Q of a shaft that slides inwards along the taper t all over and the sum P of the pressure are as Q/P =
+    (µ + t)/(1 − µt).
+    """
+    force_N = study.specimen.assembly_force_N
+    if force_N is None:
+        return study
+    friction, taper = study.contact.friction, abs(study.specimen.taper)
+    load_N = force_N * (1.0 - friction * taper) / (friction + taper)
+    loaded = study.with_values({"conditions.normal_load_N": load_N})
+    driven = loaded.of_length(1.0).driven
+    problem = line_problem(driven, *bodies(driven, line_plan(loaded, fidelity)))
+    state, _ = press(problem, unloaded_state(problem))
+    return loaded.with_values({"specimen.assembly_force_N": None, "specimen.interference_um": -1e3 * state.holder_z})
+
+
 @dataclass(frozen=True)
 class LineRun(PlannedRun):
     """A line contact's study at a fidelity, with meshes and steps. derived: files that are made from its result."""
@@ -102,6 +120,7 @@ class LineRun(PlannedRun):
     @classmethod
     def of(cls, study: LineStudy, fidelity: str) -> "LineRun":
         """The planned run of a study without variants; StudyError if it cannot be meshed."""
+        study = _assembled(study, fidelity)
         return cls(study, fidelity, line_plan(study, fidelity))
 
     def recorder(self) -> LineRunRecord:

@@ -14,6 +14,7 @@ from wirewear.test.faces import PadFaceOrFile
 from wirewear.test.keys import Inconsistency
 
 Taper = Annotated[float, PlainValidator(Quantity("1", -0.2, 0.2))]
+AxialForce = Annotated[float, PlainValidator(Quantity("N", 1e-3, 1e7))]
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]
 
 Planar = TypeVar("Planar", PlanarGeometry, RingGeometry)
@@ -67,6 +68,9 @@ class Specimen(HeldTable):
     )
     interference_um: keys.Approach | None = Field(
         None, description="how much larger than its hub's the shaft's radius is; normal_load_N is then only expected"
+    )
+    assembly_force_N: AxialForce | None = Field(
+        None, description="force that has pushed the shaft into its hub, in place of interference_um"
     )
     taper: Taper = Field(0.0, description="rise of the shaft's radius, and of its hub's, along the motion")
 

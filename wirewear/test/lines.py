@@ -241,7 +241,7 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
         own, pad = self.specimen, self.pad
         radius = own.shaft_radius_mm
         if radius is None:
-            beside = next((key for key in ("interference_um", "taper") if getattr(own, key)), None)
+            beside = next((key for key in ("interference_um", "assembly_force_N", "taper") if getattr(own, key)), None)
             return (
                 Inconsistency(("specimen", beside), "is of a shaft: give its shaft_radius_mm, too") if beside else None
             )
@@ -250,8 +250,12 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
             ("pad",): "is the hub of a shaft: give its bore's face_half_width_mm and the edge_radius_mm of its ends"
             if not isinstance(pad.profile, RoundedFlat)
             else None,
-            ("specimen", "interference_um"): "is missing: nothing else presses a hub on its shaft"
-            if own.interference_um is None
+            ("specimen", "interference_um"): "is missing: nothing else presses a hub on its shaft but assembly_force_N"
+            if own.interference_um is None and own.assembly_force_N is None
+            else None,
+            ("specimen", "assembly_force_N"): "and interference_um are both given, but either follows from the other: "
+            "give one"
+            if own.interference_um is not None and own.assembly_force_N is not None
             else None,
             ("contact", "length_mm"): f"must be {around:.6g}, the shaft's circumference, to a thousandth"
             if abs(length / around - 1.0) > 1e-3
