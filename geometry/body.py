@@ -271,22 +271,20 @@ def build_body(geometry: BodyGeometry) -> BodyMesh:
 
 def swept_body(geometry: BodyGeometry) -> BodyMesh:
     """The mesh that is swept from a body's cross-section. Raises GeometryError as `build_body`."""
-    points, cells = extruded_hexahedra(*geometry.section(), _half_lines_to_end(geometry))
+    # Mesh lines (k,) in mm on x from the middle to the body's end: the patch's lines, then ever wider spacings.
+    patch_lines = geometry.axial.half_lines()
+    last = patch_lines[-1] - patch_lines[-2]
+    rest = geometry.half_length_mm - patch_lines[-1]
+    layers = graded_layers(min(last * 1.3, rest), 1.35, 1.5 * geometry.coarse_mm, rest)
+    points, cells = extruded_hexahedra(
+        *geometry.section(), np.concatenate([patch_lines, patch_lines[-1] + np.cumsum(layers)])
+    )
     mesh = HexMesh(geometry.bent(points), cells, {}).with_mirror_image(axis=1).with_mirror_image(axis=0)
     mesh = HexMesh(geometry.fitted(mesh.points), mesh.cells, {})
     smallest = mesh.require_quality(LEAST_SCALED_JACOBIAN)
     patch = _patch(geometry, mesh)
     named = HexMesh(mesh.points, mesh.cells, _named_surfaces(geometry, mesh, patch))
     return BodyMesh(geometry, named, patch, smallest)
-
-
-def _half_lines_to_end(geometry: BodyGeometry) -> Array:
-    """Mesh lines (k,) in mm on x from the middle to the body's end: the patch's lines, then ever wider spacings."""
-    patch_lines = geometry.axial.half_lines()
-    last = patch_lines[-1] - patch_lines[-2]
-    rest = geometry.half_length_mm - patch_lines[-1]
-    layers = graded_layers(min(last * 1.3, rest), 1.35, 1.5 * geometry.coarse_mm, rest)
-    return np.concatenate([patch_lines, patch_lines[-1] + np.cumsum(layers)])
 
 
 def _patch(geometry: BodyGeometry, mesh: HexMesh) -> ContactPatch:

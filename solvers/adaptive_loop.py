@@ -172,13 +172,6 @@ class _Walk:
     def _shortest(self) -> float:
         return _SMALLEST_STEP * 2.0 * self.amplitude
 
-    def _longest_at(self, place: float) -> float:
-        """Longest step in mm from a place: the cosine's. Near a scar's end the force bends to and fro, which chords
-        would miss.
-        """
-        turned = acos(max(1.0 - place / self.amplitude, -1.0)) + 2.0 * pi / self.increments
-        return self.amplitude * (1.0 - cos(min(turned, pi))) - place
-
     def stroke(self, state: ContactState, proposed: Array | None) -> list[_Step]:
         """The steps of a stroke from the end where the state is to the other end.
 
@@ -196,7 +189,10 @@ class _Walk:
         while not steps or steps[-1].end < whole:
             state, place = (steps[-1].after, steps[-1].end) if steps else (start, 0.0)
             stop = float(stops[np.searchsorted(stops, place, side="right")])
-            target = _target(place, min(size, self._longest_at(place)), stop)
+            # Longest step in mm from a place: the cosine's. Near a scar's end the force bends to and fro, which chords
+            # would miss.
+            turned = acos(max(1.0 - place / self.amplitude, -1.0)) + 2.0 * pi / self.increments
+            target = _target(place, min(size, self.amplitude * (1.0 - cos(min(turned, pi))) - place), stop)
             after, reports = advance(self.problem, state, sign * (self.amplitude - target), 0.0)
             step = _Step(state, after, place, target, tuple(reports))
             bend = _bend(steps[-1], step) if steps else 0.0

@@ -161,7 +161,13 @@ class LoadedSurface:
 
     def edge(self) -> Array:
         """Points (k, 2) in mm of the patch at which the window's lines cross the contact's edge."""
-        return self._places(self.between.edge())
+        numbers = self.between.edge()
+        return np.column_stack(
+            [
+                np.interp(numbers[:, k], np.arange(float(len(lines))), lines)
+                for k, lines in enumerate(self.surface.lines)
+            ]
+        )
 
     def correction(self, points_mm: Array) -> Array:
         """Stresses (k, 6) in MPa, in the body's axes, to be added to the elements' stresses at points (k, 2) in mm of
@@ -229,14 +235,6 @@ class LoadedSurface:
         return np.column_stack(
             [
                 np.interp(points_mm[:, k], lines, np.arange(float(len(lines))), -1.0, 1e9)
-                for k, lines in enumerate(self.surface.lines)
-            ]
-        )
-
-    def _places(self, numbers: Array) -> Array:
-        return np.column_stack(
-            [
-                np.interp(numbers[:, k], np.arange(float(len(lines))), lines)
                 for k, lines in enumerate(self.surface.lines)
             ]
         )

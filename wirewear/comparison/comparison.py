@@ -81,12 +81,16 @@ def compare(result: RunResult, record: AnyRecord) -> RecordComparison:
         )
     rows = [*loop_differences(loops), *evolution_differences(result, record), *scar_differences(scars)]
     notes = (*problems, *record.notes, *loop_notes, *scar_notes)
-    return RecordComparison(result, record, loops, scars, tuple(rows), notes, _unlike(result, record))
-
-
-def _unlike(result: RunResult, record: AnyRecord) -> str | None:
     own = {key: value for name in ("conditions", "pad", "wires") for key, value in result.study.get(name, {}).items()}
     own |= curved(result.study.get("bodies") or each_wire(result.study.get("wires", {})))
     asked = record.tables.conditions.cycles
     pairs = {key: (own.get(key), value) for key, value in record.tables.of_study.items()}
-    return unlike_conditions(pairs, (float(own.get("cycles", asked)), float(asked)))
+    return RecordComparison(
+        result,
+        record,
+        loops,
+        scars,
+        tuple(rows),
+        notes,
+        unlike_conditions(pairs, (float(own.get("cycles", asked)), float(asked))),
+    )

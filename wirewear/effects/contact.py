@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Array
 from solvers import RoughLayer, ThirdBody
 from wirewear.base import kinds
 from wirewear.base.course import Course
@@ -227,29 +226,23 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         scar2_um4 = chain.worn_area2_um4
         per_area2 = np.divide(chain.worn_um3, scar2_um4, out=np.zeros_like(scar2_um4), where=scar2_um4 > 0.0)
         depth_um = per_area2 * np.sqrt(scar2_um4)
-        retained = self.retained_fraction * _kept(self.retained_fraction * depth_um / self.full_um)
+        # Thickness (n,) of the bed without its limit, over the limit.
+        thickness = self.retained_fraction * depth_um / self.full_um
+        # A bed that is filled by less than this share of what it holds knows no limit.
+        retained = self.retained_fraction * np.divide(
+            -np.expm1(-thickness), thickness, out=np.ones_like(thickness), where=thickness > 1e-9
+        )
         scars = scar2_um4 / chain.fresh_area_um2**2
         largest = _SPREADING * retained * per_area2 / shear_N_per_um2
         # Square of the scar's area over that of the fresh contact at which beds of another growth shear alike.
         shear = largest * scars / (scars + 1.0) * ((scars + 1.0) / 100.0) ** self.growth
+        # Height (n,) of the rough layer that closes like a bed of thicknesses (n,) under the mean pressure.
+        pressure_MPa = 1e6 * chain.load_N / (np.sqrt(chain.worn_area2_um4) + chain.fresh_area_um2)
+        closure, _ = RoughLayer(1.0).closure(pressure_MPa, chain.worn_um3)
         return replace(
             chain,
             retained_fraction=chain.retained_fraction + retained,
             bed_MPa=np.full_like(chain.bed_MPa, self.modulus_MPa) if self.retained_fraction > 0.0 else chain.bed_MPa,
             compliance_um_per_N=chain.compliance_um_per_N + shear,
-            bed_um=chain.bed_um + self.spreading * self._as_rough_um(chain, retained * depth_um),
+            bed_um=chain.bed_um + self.spreading * retained * depth_um * pressure_MPa / self.modulus_MPa / closure,
         )
-
-    def _as_rough_um(self, chain: Chain, thickness_um: Array) -> Array:
-        """Height (n,) of the rough layer that closes like a bed of thicknesses (n,) under the mean pressure."""
-        pressure_MPa = 1e6 * chain.load_N / (np.sqrt(chain.worn_area2_um4) + chain.fresh_area_um2)
-        closure, _ = RoughLayer(1.0).closure(pressure_MPa, chain.worn_um3)
-        return np.asarray(thickness_um * pressure_MPa / self.modulus_MPa / closure)
-
-
-def _kept(thickness: Array) -> Array:
-    """Share (n,) of debris that stays in a bed of limited thickness; thickness: (n,) without the limit, over
-    the limit.
-    """
-    # A bed that is filled by less than this share of what it holds knows no limit.
-    return np.divide(-np.expm1(-thickness), thickness, out=np.ones_like(thickness), where=thickness > 1e-9)

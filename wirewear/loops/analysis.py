@@ -155,7 +155,10 @@ def analyse_loop(
     position_stiffness = sliding_stiffness(stiffness, corner)
     sliding = sliding_figures(loop, fits.both, tops, position_stiffness) if slides else SlidingFigures()
     zero = fits.force_zero
-    amplitude, largest_force = _displacement_amplitude(loop, fits), force_amplitude(loop, tops)
+    as_read = loop.displacement_um - loop.lean_um_per_N * loop.force_N
+    length_um = float(np.ptp(as_read)) if loop.lean_um_per_N else fits.length_um
+    deviation = loop.amplitude_noise_um if loop.smoothed else loop.raw_noise_um
+    amplitude, largest_force = Measured.from_deviation(0.5 * length_um, deviation), force_amplitude(loop, tops)
     read, reread = _slip_by_energy(loop, slip, energy, sliding, amplitude)
     ratio = energy_ratio(energy, amplitude, largest_force)
     hidden = None if fits.slide or viscous or ratio is None else _hidden(fits, ratio)
@@ -318,13 +321,6 @@ def _from_zero(loop: CleanLoop, friction: Measured | None, zero: Measured | None
     return Measured.from_deviation(
         friction.value + sign * zero.value / load, float(np.hypot(friction.deviation, zero.deviation / load))
     )
-
-
-def _displacement_amplitude(loop: CleanLoop, fits: BranchFits) -> Measured:
-    as_read = loop.displacement_um - loop.lean_um_per_N * loop.force_N
-    length_um = float(np.ptp(as_read)) if loop.lean_um_per_N else fits.length_um
-    deviation = loop.amplitude_noise_um if loop.smoothed else loop.raw_noise_um
-    return Measured.from_deviation(0.5 * length_um, deviation)
 
 
 def _energy_friction(loop: CleanLoop, energy: Measured, slip: Measured) -> Measured | None:

@@ -27,7 +27,11 @@ def outline(x: Array, y: Array) -> NDArray[np.intp] | None:
     leaps = int(np.count_nonzero(leaping))
     if not leaps and _sweeps(points[:, 0]) <= 2:
         return None
-    order = shortened(points, _about_the_middle(points))
+    # First order of the points: the upper branch by rising x, then the lower branch by falling x.
+    line = np.interp(points[:, 0], *_middle_line(points))
+    upper = points[:, 1] > line
+    up, down = np.flatnonzero(upper), np.flatnonzero(~upper)
+    order = shortened(points, np.concatenate([up[np.argsort(points[up, 0])], down[np.argsort(-points[down, 0])]]))
     tour = step_lengths(points, order)
     # A loop in order of time is no longer than three outlines; a log of several cycles is one outline a cycle. Points
     # in any order are so far from the next ones, on average, in shares of the box around them.
@@ -57,14 +61,6 @@ def _sweeps(level: Array) -> int:
     ends = np.where(level > 0.75, 1, np.where(level < 0.25, -1, 0))
     ends = ends[ends != 0]
     return int(np.count_nonzero(ends != np.roll(ends, 1)))
-
-
-def _about_the_middle(points: Array) -> NDArray[np.intp]:
-    """First order of the points: the upper branch by rising x, then the lower branch by falling x."""
-    line = np.interp(points[:, 0], *_middle_line(points))
-    upper = points[:, 1] > line
-    up, down = np.flatnonzero(upper), np.flatnonzero(~upper)
-    return np.concatenate([up[np.argsort(points[up, 0])], down[np.argsort(-points[down, 0])]])
 
 
 def _middle_line(points: Array) -> tuple[Array, Array]:

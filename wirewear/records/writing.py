@@ -18,9 +18,7 @@ from wirewear.base.files import TABLE_FILE_NAME, link_followed, read_bytes, spel
 from wirewear.base.locks import occupied
 from wirewear.base.writing import folder_in_one_step, put_back, usable_folder, write_csv, write_text, writing
 from wirewear.records.contact_tables import RECORDS
-from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.reading import EVOLUTION_COLUMNS, require_unchanged
-from wirewear.records.scars import MeasuredScar
 from wirewear.records.values import AnyRecord, MeasuredLoop
 
 if TYPE_CHECKING:
@@ -113,7 +111,10 @@ def write_record(
         frames["evolution"] = frame_of(columns)
     for body in tables.body_names:
         if own := record.scars_of(body):
-            frames[f"{tables.worn.name}_{body}"] = _write_surfaces(own)
+            parts = [{"repeat": np.full(one.points["x_um"].size, one.repeat), **one.points} for one in own]
+            frames[f"{tables.worn.name}_{body}"] = frame_of(
+                {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+            )
     if not frames or (tables.needs_loops and not record.loops):
         what = "has no loops" if tables.needs_loops else "holds nothing"
         raise RecordError(f"the record {record.name!r} {what}, so it cannot be written.")
@@ -151,11 +152,6 @@ def loops_frame(loops: Sequence[MeasuredLoop]) -> "pl.DataFrame":
     if any(loop.normal_force_N is not None for loop in loops):
         columns["normal_force_N"] = np.concatenate(normal)
     return frame_of(columns)
-
-
-def _write_surfaces(surfaces: Sequence[MeasuredScar | MeasuredProfile]) -> "pl.DataFrame":
-    parts = [{"repeat": np.full(one.points["x_um"].size, one.repeat), **one.points} for one in surfaces]
-    return frame_of({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
 def frame_of(columns: Mapping[str, ArrayLike]) -> "pl.DataFrame":

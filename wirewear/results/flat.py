@@ -115,8 +115,12 @@ def labelled(result: RunResult) -> xarray.DataTree:
     is not installed.
     """
     made = _xarray()
-    nodes: dict[str, Any] = {"/": made.Dataset(attrs=_described(result))}
-    nodes["/evolution"] = _evolution(result)
+    texts = {name: getattr(result, name) for name in ("name", "variant", "fidelity", "status")}
+    texts |= {name: json.dumps(dict(getattr(result, name)), default=str) for name in ("study", "versions")}
+    nodes: dict[str, Any] = {"/": made.Dataset(attrs=texts)}
+    columns = {name: ("cycle", np.array(values), _attributes(name)) for name, values in result.evolution.items()}
+    cycles = columns.pop("cycle")
+    nodes["/evolution"] = made.Dataset(columns, coords={"cycle": cycles})
     if result.loops:
         nodes["/loops"] = _loops(result.loops)
     for scar in result.scars:
@@ -150,17 +154,6 @@ def _xarray() -> Any:
 
 def _missing(package: str) -> ResultError:
     return ResultError(f"this needs {package}, which is not installed: pip install 'wirewear[xarray]'.")
-
-
-def _described(result: RunResult) -> dict[str, str]:
-    texts = {name: getattr(result, name) for name in ("name", "variant", "fidelity", "status")}
-    return texts | {name: json.dumps(dict(getattr(result, name)), default=str) for name in ("study", "versions")}
-
-
-def _evolution(result: RunResult) -> Any:
-    columns = {name: ("cycle", np.array(values), _attributes(name)) for name, values in result.evolution.items()}
-    cycles = columns.pop("cycle")
-    return _xarray().Dataset(columns, coords={"cycle": cycles})
 
 
 def _loops(loops: Iterable[Loop]) -> Any:

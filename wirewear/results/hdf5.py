@@ -204,7 +204,10 @@ def _run_result(file: h5py.File, path: Path) -> RunResult:
         quality={name: float(value) for name, value in tables["quality"].items()},
         versions={name: str(value) for name, value in tables["versions"].items()},
         timings_s={name: float(value) for name, value in tables["timings_s"].items()},
-        loops=tuple(_loop(group) for group in _in_order(file["loops"])),
+        loops=tuple(
+            Loop(cycle=int(group.attrs["cycle"]), **{name: group[name][()] for name in LOOP_COLUMNS if name in group})
+            for group in _in_order(file["loops"])
+        ),
         evolution=Evolution({name: data[()] for name, data in file["evolution"].items()}),
         scars=tuple(_scar(group) for group in _in_order(file["scars"])),
         contact_forces=tuple(_forces(group) for group in _in_order(file.get("contact_forces", {}))),
@@ -220,10 +223,6 @@ def _plastic_strain(group: h5py.Group) -> PlasticStrain:
 
 def _in_order(group: h5py.Group) -> Iterable[h5py.Group]:
     return (group[name] for name in sorted(group, key=int))
-
-
-def _loop(group: h5py.Group) -> Loop:
-    return Loop(cycle=int(group.attrs["cycle"]), **{name: group[name][()] for name in LOOP_COLUMNS if name in group})
 
 
 def _body(attributes: Mapping[str, Any]) -> str:

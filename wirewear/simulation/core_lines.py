@@ -87,7 +87,10 @@ def _within(axial: RimGradedAxis, transverse: RimGradedAxis, core: Ellipse, axia
     turn = core.angle_rad - axial_rad
     along, across = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
     reach = np.hypot(along / core.major_mm, across / core.minor_mm)
-    slopes = _slopes(along, across, core, reach, turn)
+    # Derivatives of the reach, in shares of the outline's, by the axial and the transverse place.
+    least = np.maximum(reach, _MIDDLE)
+    own, other = along / core.major_mm**2 / least, across / core.minor_mm**2 / least
+    slopes = own * np.cos(turn) - other * np.sin(turn), own * np.sin(turn) + other * np.cos(turn)
     element = np.hypot(slopes[0] * sizes[0], slopes[1] * sizes[1])
     beyond = (reach - 1.0) / np.maximum(element, _MIDDLE) - _BEYOND
     sticks = beyond < 0.0
@@ -104,10 +107,3 @@ def punch_stiffness(x: Array, y: Array, wide: Array, high: Array) -> float:
     """
     depth = depth_by_rectangle(x[:, None] - x, y[:, None] - y, wide, high)
     return float((wide * high) @ np.linalg.solve(depth, np.ones(len(x))))
-
-
-def _slopes(along: Array, across: Array, core: Ellipse, reach: Array, turn: float) -> tuple[Array, Array]:
-    """Derivatives of the reach, in shares of the outline's, by the axial and the transverse place."""
-    least = np.maximum(reach, _MIDDLE)
-    own, other = along / core.major_mm**2 / least, across / core.minor_mm**2 / least
-    return own * np.cos(turn) - other * np.sin(turn), own * np.sin(turn) + other * np.cos(turn)

@@ -223,7 +223,10 @@ class _Run:
                 state, report = self.cycler.pressed(problem)
                 self.record.pressed(problem, state, report)
                 state, done = self.cycler.moved_out(problem, self.cycler.printed(problem, state)), 0.0
-                self._fit_core(problem, state)
+                # The meshes must fit what sticks of the contact at the end of its first loading.
+                fitted = self.meshes.fitted(self.history, problem, state)
+                if fitted is not None:
+                    raise _OtherMeshesError(fitted)
                 stepper = wear_stepper(self.test, self.cycler, problem)
                 while done < 1.0:
                     step = stepper.step(problem, state, done, 1.0, (1.0,), 1.0)
@@ -239,12 +242,6 @@ class _Run:
             # Nothing of the run has been on the other meshes: that is no change.
             self.history = MeshHistory(fitting.stage, core=fitting.core)
             problem, self.cycler.guide = self._problem(), None
-
-    def _fit_core(self, problem: ContactProblem, state: ContactState) -> None:
-        """See that the meshes fit what sticks of a contact at the end of its first loading."""
-        fitted = self.meshes.fitted(self.history, problem, state)
-        if fitted is not None:
-            raise _OtherMeshesError(fitted)
 
     def _problem(self) -> ContactProblem:
         """The contact problem on the current meshes and under the current motion."""

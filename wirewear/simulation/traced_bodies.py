@@ -156,17 +156,13 @@ def worn_bodies(problem: ContactProblem, trace: CycleTrace) -> tuple[Worn, Worn]
     state = trace.middle
     wear, (primary_slid, secondary_slid) = state.wear, trace.slid
     primary = wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid, wear.primary_print
-    force, left = _faced_force(problem, state), wear.secondary_print
-    secondary = wear.secondary_depth, wear.secondary_energy, force, secondary_slid, left
-    lower, upper = (secondary, primary) if problem.primary_is_upper else (primary, secondary)
-    return (problem.lower, *lower), (problem.upper, *upper)
-
-
-def _faced_force(problem: ContactProblem, state: ContactState) -> Array:
-    """Forces (n, 3) in N on the nodes of the secondary body, from the primary's tractions that they face."""
+    # Forces (n, 3) in N on the nodes of the secondary body, from the primary's tractions that they face.
     body, facing = problem.secondary, facing_offset(problem, state, state.drive, state.holder_x)
     places = (body.node_positions + facing) @ problem.primary.world_to_patch.T
-    return at_points(places, problem.primary.patch, body.node_areas).averaged(state.traction)
+    force = at_points(places, problem.primary.patch, body.node_areas).averaged(state.traction)
+    secondary = wear.secondary_depth, wear.secondary_energy, force, secondary_slid, wear.secondary_print
+    lower, upper = (secondary, primary) if problem.primary_is_upper else (primary, secondary)
+    return (problem.lower, *lower), (problem.upper, *upper)
 
 
 def depth_spread(problem: ContactProblem, state: ContactState) -> float:

@@ -278,7 +278,11 @@ def life_of(
             first, criterion = states[0], criterion_of(table, states[0].body.material)
             step = 0.5 * first.body.patch.smallest_element
             depths = step * (_GROWTH ** np.arange(_DEPTHS) - 1.0) / (_GROWTH - 1.0)
-        known[cycle] = wear_state(states, criterion, table, depths, _worn(result, body, cycle))
+        # The depth (n_a, n_t) worn off a body by a recorded cycle on its patch, in its own axes, in mm.
+        order = slice(None, None, -1 if result.is_upper(body) else 1)
+        known[cycle] = wear_state(
+            states, criterion, table, depths, np.maximum(1e-3 * result.scar(cycle, body).depth_um[:, order], 0.0)
+        )
         if not all(course.among(known, one.block) for one in course.done if one.start < max(known)):
             continue
         ordered = tuple(known[one] for one in sorted(known))
@@ -332,12 +336,6 @@ def _chosen(recorded: Sequence[int], course: BlockCourse, count: int) -> list[in
         wanted = np.geomspace(own[-1], own[0], count) if len(own) > count else own
         chosen |= {own[int(np.abs(np.log(np.array(own) / at)).argmin())] for at in wanted}
     return sorted(chosen)
-
-
-def _worn(result: RunResult, body: str, cycle: int) -> Array:
-    """The depth (n_a, n_t) worn off a body by a recorded cycle on its patch, in its own axes, in mm."""
-    order = slice(None, None, -1 if result.is_upper(body) else 1)
-    return np.maximum(1e-3 * result.scar(cycle, body).depth_um[:, order], 0.0)
 
 
 def _damage(

@@ -112,7 +112,11 @@ def _critical(history: Array, on_planes: OnPlanes) -> tuple[Array, Array]:
     best = values.argmax(axis=1)
     normal, parameter = spread[best], values.max(axis=1)
     for tilt in _TILTS:
-        tried = _tilted(normal, tilt)
+        # Eight directions (n, 8, 3) at an angle from each of (n, 3).
+        first, second = in_plane(normal)
+        turn = np.arange(8) * np.pi / 4.0
+        aside = np.cos(turn)[:, None] * first[:, None] + np.sin(turn)[:, None] * second[:, None]
+        tried = np.cos(tilt) * normal[:, None] + np.sin(tilt) * aside
         values = on_planes(stress, tried)
         best, found = values.argmax(axis=1), values.max(axis=1)
         better = found > parameter
@@ -155,14 +159,6 @@ def normal_stresses(stress: Array, normals: Array) -> Array:
 def stress_vectors(stress: Array, normals: Array) -> Array:
     """Stress vectors (s, n, k, 3), tensor times normal, of tensors (s, n, 3, 3) on planes (n, k, 3)."""
     return np.asarray(np.einsum("snij,nkj->snki", stress, normals, optimize=True))
-
-
-def _tilted(normal: Array, angle_rad: float) -> Array:
-    """Eight directions (n, 8, 3) at an angle from each of (n, 3)."""
-    first, second = in_plane(normal)
-    turn = np.arange(8) * np.pi / 4.0
-    aside = np.cos(turn)[:, None] * first[:, None] + np.sin(turn)[:, None] * second[:, None]
-    return np.asarray(np.cos(angle_rad) * normal[:, None] + np.sin(angle_rad) * aside)
 
 
 def in_plane(normal: Array) -> tuple[Array, Array]:

@@ -17,7 +17,6 @@ from matplotlib.figure import Figure
 from rich import box
 from rich.table import Table
 
-from geometry.arrays import Array
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_bytes, write_csv, write_grid, writing
 from wirewear.pictures.style import INK, WIDTH_in, cycle_name, new_figure, panel_letters, save
@@ -195,7 +194,14 @@ def draw_strength(strength: Strength) -> Figure:
             surface = fanned(np.asarray(strength.grid.points)[:, :2], values, strength.surface)
             column[0].tricontourf(surface.places, surface.values, levels=levels, cmap=STRESS_COLOURS)
             column[0].set_ylim(low[1], high[1])
-        _draw_beneath(column[-1], strength, name, float(0.5 * (low[1] + high[1])), levels)
+        # The section at the middle y; of a line contact the plane that it is, where there are nodes.
+        if len(strength.surface):
+            cut = section(strength.grid, 1, float(0.5 * (low[1] + high[1])), name)
+        else:
+            cut = plane_section(strength.grid, name, within=strength.nodes)
+        column[-1].tricontourf(
+            cut.places, np.clip(cut.values, 0.0, 0.9999 * levels[-1]), levels=levels, cmap=STRESS_COLOURS
+        )
         column[-1].set(ylim=(low[2], high[2]), xlabel="x, along the motion [µm]")
         column[0].set_title(title)
         for axes in column:
@@ -235,14 +241,6 @@ def _panels(wide_um: float, tall_um: Sequence[float]) -> tuple[Figure, Any, list
         panels.append(row(top - scale * tall, scale * tall))
         top -= scale * tall + _UNDER_in
     return figure, np.array(panels), row(_FOOT_in, _BAR_in)
-
-
-def _draw_beneath(axes: Axes, strength: Strength, name: str, at_um: float, levels: Array) -> None:
-    """The section where y has that value; of a line contact the plane that it is."""
-    flat = not len(strength.surface)
-    # Beyond its nodes nothing is computed.
-    cut = plane_section(strength.grid, name, within=strength.nodes) if flat else section(strength.grid, 1, at_um, name)
-    axes.tricontourf(cut.places, np.clip(cut.values, 0.0, 0.9999 * levels[-1]), levels=levels, cmap=STRESS_COLOURS)
 
 
 def _row(one: Strength) -> dict[str, float | int | str | bool | None]:

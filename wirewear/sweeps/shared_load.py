@@ -176,17 +176,13 @@ def _measured(runs: list[RunResult | None], load: Array, lengths: Array) -> tupl
                 volume[number, block] = volume[number, block - 1] if block else 0.0
                 continue
             done += int(length)
-            approach[number, block] = _approach_mm(run, done)
+            # Approach of both bodies at mid-stroke of a recorded cycle.
+            forces = next(one for one in run.contact_forces if one.cycle == done)
+            approach[number, block] = -1e-3 * float(forces.holder_z_um[np.abs(forces.drive_um).argmin()])
             depth[number, block] = 1e-3 * _of_both(run, done, "max_depth_{}_um")
             volume[number, block] = _of_both(run, done, "worn_volume_{}_mm3")
             friction[number, block] = _at(run, done, "max_tangential_force_N")
     return approach, depth, volume, friction
-
-
-def _approach_mm(run: RunResult, cycle: int) -> float:
-    """Approach of both bodies at mid-stroke of a recorded cycle."""
-    forces = next(one for one in run.contact_forces if one.cycle == cycle)
-    return -1e-3 * float(forces.holder_z_um[np.abs(forces.drive_um).argmin()])
 
 
 def _of_both(run: RunResult, cycle: int, column: str) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 import solvers
 from geometry import Elastic, HexMesh, build_body
 from geometry.arrays import Array
-from solvers import ContactProblem, Holder, WearRates, advance, condense, press, unloaded_state
+from solvers import Holder, WearRates, advance, condense, press, unloaded_state
 from wirewear import reference
 from wirewear.loops.sensor import enclosed_area
 from wirewear.verification import hertz
@@ -190,7 +190,11 @@ class _Motion:
 
 
 def _quarter_cycle(resolution: float, units: _UnitSystem) -> _Motion:
-    problem = _in_units(resolution, units)
+    material = Elastic(STEEL.youngs_modulus_MPa * units.stress, STEEL.poissons_ratio)
+    meshed = build_body(wire_geometry(resolution, long_patch=True))
+    mesh = HexMesh(meshed.mesh.points * units.length, meshed.mesh.cells, meshed.mesh.surfaces)
+    body = condense(mesh, scaled_patch(meshed.patch, RADIUS_mm, units.length), material)
+    problem = crossed(body, body, Holder(LOAD_N, units.length / RIG_STIFFNESS_N_per_mm), friction=FRICTION)
     state, report = press(problem, unloaded_state(problem))
     path = AMPLITUDE_mm * np.concatenate([np.linspace(0.1, 1.0, 10), np.linspace(0.95, 0.5, 6)])
     iterations, force, holder = [report.iterations], [], [(state.holder_x, state.holder_z)]
@@ -203,11 +207,3 @@ def _quarter_cycle(resolution: float, units: _UnitSystem) -> _Motion:
     padded = np.zeros(8 * len(path))
     padded[: len(iterations)] = iterations
     return _Motion(padded, np.array(force), np.array(holder), state.traction)
-
-
-def _in_units(resolution: float, units: _UnitSystem) -> ContactProblem:
-    material = Elastic(STEEL.youngs_modulus_MPa * units.stress, STEEL.poissons_ratio)
-    meshed = build_body(wire_geometry(resolution, long_patch=True))
-    mesh = HexMesh(meshed.mesh.points * units.length, meshed.mesh.cells, meshed.mesh.surfaces)
-    body = condense(mesh, scaled_patch(meshed.patch, RADIUS_mm, units.length), material)
-    return crossed(body, body, Holder(LOAD_N, units.length / RIG_STIFFNESS_N_per_mm), friction=FRICTION)

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullLocator
@@ -86,7 +85,11 @@ def draw_fretting_map(result: SweepResult, tests: Sequence[MappedTest] = ()) -> 
         reach = [stroke, *(np.array([test.displacement_amplitude_um]) for test in tests)]
         axes.set_xlim(np.concatenate(reach).min() / 1.3, np.concatenate(reach).max() * 1.3)
         for axis, values in ((axes.xaxis, stroke), (axes.yaxis, load)):
-            _ticks(axis, values)
+            # Put ticks at the values of a grid, or at round values for other designs.
+            own = np.unique(values)
+            axis.set_major_locator(FixedLocator(own.tolist()) if own.size <= 8 else LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: written(value)))
+            axis.set_minor_locator(NullLocator())
     panel_letters(panels[: 1 + len(drawn)])
     named = {label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
     figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=4, fontsize=7)
@@ -106,14 +109,6 @@ def _varies(values: Array) -> bool:
 def _unit(name: str) -> str:
     unit = unit_of(name)
     return f" [{unit}]" if unit not in ("", "1") else ""
-
-
-def _ticks(axis: Axis, values: Array) -> None:
-    """Put ticks at the values of a grid, or at round values for other designs."""
-    own = np.unique(values)
-    axis.set_major_locator(FixedLocator(own.tolist()) if own.size <= 8 else LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: written(value)))
-    axis.set_minor_locator(NullLocator())
 
 
 def _regimes(axes: Axes, stroke: Array, load: Array, regimes: Sequence[str | None]) -> None:

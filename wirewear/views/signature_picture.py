@@ -22,7 +22,7 @@ from wirewear.pictures.style import (
     panel_letters,
     save,
 )
-from wirewear.results import Loop, Scar
+from wirewear.results import Scar
 from wirewear.sweeps.signature import Signature
 
 #: Lines of runs without and with the effect.
@@ -51,7 +51,10 @@ def signature_figure(signature: Signature) -> Figure:
     panels = list(figure.subplots(2, 3).flat)
     first, last = signature.loops[0], signature.loops[-1]
     for axes, pair in ((panels[0], first), (panels[1], last)):
-        _loops(axes, pair)
+        for loop, style in zip(pair, (NOMINAL, CHANGED), strict=True):
+            draw_loop(axes, *smooth_loop(loop), **style)
+        name_axes(axes)
+        axes.set_title(f"loop, cycle {cycle_name(pair[0].cycle)}")
     _difference(panels[2], signature)
     _evolution(panels[3], signature)
     scars = [
@@ -72,13 +75,6 @@ def signature_figure(signature: Signature) -> Figure:
 def _shown(value: float) -> str:
     written = plain(value)
     return written if isinstance(written, str) else f"{written:g}"
-
-
-def _loops(axes: Axes, pair: tuple[Loop, Loop]) -> None:
-    for loop, style in zip(pair, (NOMINAL, CHANGED), strict=True):
-        draw_loop(axes, *smooth_loop(loop), **style)
-    name_axes(axes)
-    axes.set_title(f"loop, cycle {cycle_name(pair[0].cycle)}")
 
 
 def _difference(axes: Axes, signature: Signature) -> None:

@@ -209,7 +209,10 @@ def run(
     else:
         study = study.variant(variant)
     if record_path is not None:
-        study = study.logging(_cycles_of(record_path, study.conditions.cycles))
+        from wirewear.records import read_record
+
+        last, measured = study.conditions.cycles, read_record(record_path).cycles
+        study = study.logging(tuple(sorted({cycle for cycle in measured if 1 <= cycle <= last} | {last})))
     if not overwrite:
         _require_no_others_files(folder, study, resume=resume)
     contacts = contacts_of(study)
@@ -303,14 +306,6 @@ def _status_of(path: Path) -> str | None:
     with suppress(WirewearError):
         return read_result(path).status
     return None
-
-
-def _cycles_of(record_path: Path, last: int) -> tuple[int, ...]:
-    """Cycles of a record's loops from 1 to `last`, and `last` itself."""
-    from wirewear.records import read_record
-
-    record = read_record(record_path)
-    return tuple(sorted({cycle for cycle in record.cycles if 1 <= cycle <= last} | {last}))
 
 
 def _refuse(given: bool, sentence: str) -> None:

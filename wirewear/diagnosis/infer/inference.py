@@ -225,7 +225,10 @@ def sought(
     places = [np.concatenate([start, np.zeros(count + free - start.size)]) for start in own]
     rests = yield [at(z) for z in places]
     best: tuple[float, Array, Array] | None = None
-    for start in _promising(places, rests):
+    # The two best of several starts, or the best alone if it is far better.
+    costs = [float(rest @ rest + z @ z) for z, rest in zip(places, rests, strict=True)]
+    order = np.argsort(costs, kind="stable")[:2]
+    for start in [places[one] for one in order if costs[one] <= _COMPARABLE * costs[order[0]]]:
         cost, z, rest = yield from _descend(at, np.clip(start, *ends), iterations, ends)
         if best is None or cost < best[0] - 1e-9:
             best = cost, z, rest
@@ -247,13 +250,6 @@ def _starts(candidates: Sequence[Candidate]) -> list[Array]:
     if len(candidates) == 1:
         return candidates[0].starts()
     return [np.concatenate([candidate.starts()[1] for candidate in candidates])]
-
-
-def _promising(starts: Sequence[Array], rests: Sequence[Array]) -> list[Array]:
-    """The two best of several starts, or the best alone if it is far better."""
-    costs = [float(rest @ rest + z @ z) for z, rest in zip(starts, rests, strict=True)]
-    order = np.argsort(costs, kind="stable")[:2]
-    return [starts[one] for one in order if costs[one] <= _COMPARABLE * costs[order[0]]]
 
 
 def _descend(

@@ -165,7 +165,9 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) ->
     if not mid > 0.0 or any(branch.knee_um > LATEST_KNEE * amplitude for branch in branches):
         if loop.figures(normal_load_N).regime == "gross slip":
             raise LoopError("it slides as a whole over a small part of the stroke alone, which hides how.")
-        branches, mid = [_sticking(branch) for branch in branches], 0.5 * float(np.ptp(clean.force_N))
+        # All samples before the largest force count as sticking.
+        branches = [replace(branch, knee=int(np.argmax(branch.force_N))) for branch in branches]
+        mid = 0.5 * float(np.ptp(clean.force_N))
         # The later half stands for what slides.
         shown, sticks = [branch.force_N.size // 2 for branch in branches], True
     pairs = [*zip(branches, shown, strict=True)]
@@ -244,13 +246,6 @@ def _branch(
     reversal = -float(other.force_N[-LAST_SAMPLES:].max())
     knee = knee_index(branch.travel_um, q, float(np.median(q[np.abs(x) < MIDDLE * amplitude])), amplitude, reversal)
     return ObservedBranch(sign, x, q, knee, None if normal_N is None else normal_N[branch.samples], reversal)
-
-
-def _sticking(branch: ObservedBranch) -> ObservedBranch:
-    """Copy of a branch in partial slip with its knee at the largest force, so that all samples before it count as
-    sticking.
-    """
-    return replace(branch, knee=int(np.argmax(branch.force_N)))
 
 
 def load_varies(load_N: Array | None) -> bool:

@@ -195,7 +195,10 @@ def _wear_path(
     for _ in range(_WEAR_SWEEPS):
         each = zip(setups, chains, np.split(slip, count), strict=True)
         faster = np.concatenate([states.wearing(*own) for own in each])
-        worn, spent = _summed(np.stack([faster * energy, 1e-3 * energy]).reshape(2, count, -1), steps)
+        # What comes together over steps of cycles (n,), of which the first goes on as it ends; per cycle (..., n).
+        per_cycle = np.stack([faster * energy, 1e-3 * energy]).reshape(2, count, -1)
+        middle = 0.5 * (per_cycle + np.concatenate([per_cycle[..., :1], per_cycle[..., :-1]], axis=-1))
+        worn, spent = np.cumsum(middle * steps, axis=-1)
         chains = [
             one.chain(*circumstances, own, lost) if one.follows_wear else replace(chain, energy_J=own, worn_um3=lost)
             for one, chain, own, lost in zip(setups, chains, spent, worn, strict=True)
@@ -211,12 +214,6 @@ def _wear_path(
                 found = _followed(setup, chain, contact, slip)
                 slip, share, energy = found.slip_um, found.share, found.energy_mJ
     return chains, slip, energy, share
-
-
-def _summed(per_cycle: Array, steps: Array) -> Array:
-    """What comes together over steps of cycles (n,), of which the first goes on as it ends; per cycle (..., n)."""
-    middle = 0.5 * (per_cycle + np.concatenate([per_cycle[..., :1], per_cycle[..., :-1]], axis=-1))
-    return np.cumsum(middle * steps, axis=-1)
 
 
 def _contact(

@@ -174,7 +174,9 @@ def _read(path: Path) -> LayeredWires:
 
 def _made(case: LayeredCase) -> LayeredWires:
     heights, volumes = case.highest * _HEIGHTS, case.most_worn * _VOLUMES
-    closure = _closure(case)
+    # Approach of rigid unworn wires with the highest layer: 2π p_c (s (exp(w/s) − 1) − w)/√along is the load.
+    load = case.along**0.5 / (2.0 * np.pi * case.engagement * case.highest)
+    closure = case.highest * float(brentq(lambda share: np.expm1(share) - share - load, 0.0, np.log1p(load) + 2.0))
     # The fourth power of a radius is what wear takes for it, over a number.
     worn = 4.0 * case.most_worn * case.along**0.5 / np.pi
     radius = max((worn + (2.0 * closure) ** 2) ** 0.25, _LEAST_RADIUS)
@@ -196,12 +198,6 @@ def _made(case: LayeredCase) -> LayeredWires:
     scar[:, :, 2:] = np.log(scar[:, :, 2:])
     along[..., :-1] -= along[:1, ..., :-1].copy()
     return LayeredWires(heights, _PRESENT, volumes, along, scar - scar[:1])
-
-
-def _closure(case: LayeredCase) -> float:
-    """Approach of rigid unworn wires with the highest layer: 2π p_c (s (exp(w/s) − 1) − w)/√along is the load."""
-    load = case.along**0.5 / (2.0 * np.pi * case.engagement * case.highest)
-    return case.highest * float(brentq(lambda share: np.expm1(share) - share - load, 0.0, np.log1p(load) + 2.0))
 
 
 def _under(wires: WornWires, worn: Worn, heights: Array, volume: float, case: LayeredCase) -> Array:

@@ -84,7 +84,7 @@ def worn_line(contact: WornLineContact) -> WornLine:
     weight = np.full(x.size, 2.0 * x[1])
     weight[[0, -1]] = x[1]
     elastic = _half_planes(x, contact.contact_modulus_MPa)
-    fall = _fall(contact.face, x)
+    fall = -contact.face.height(np.column_stack([x, np.zeros_like(x)]))
     areas = contact.most_area_mm2 * np.concatenate([[0.0], np.geomspace(_FIRST_SHARE, 1.0, _STEPS)])
     depth, share = np.zeros(x.size), np.ones(x.size)
     guess = np.where(x < max(contact.hertz_half_width_mm, x[1]), contact.load_N_per_mm, 0.0)
@@ -121,10 +121,6 @@ def _half_planes(x: Array, modulus_MPa: float) -> Array:
     both = element(x) + element(-x)
     both[:, 0] *= 0.5
     return np.asarray(-2.0 / (np.pi * modulus_MPa) * both)
-
-
-def _fall(face: Face, x: Array) -> Array:
-    return -face.height(np.column_stack([x, np.zeros_like(x)]))
 
 
 @dataclass(frozen=True, eq=False)

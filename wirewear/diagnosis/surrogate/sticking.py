@@ -93,15 +93,11 @@ def sticking_states(result: RunResult, friction: float, has_maps: bool = True) -
         load_drop_N=np.zeros(count),
         lift_N=np.zeros((count, len(LIFT_POWERS))),
         stroke_um=max(0.5 * float(np.ptp(loop.displacement_um)) for loop in result.loops),
-        scars=np.array([[_figures(result, cycle, body) for body in result.bodies] for cycle in cycles])
+        scars=np.array([[scar_figures_of(result, int(cycle), body)[0] for body in result.bodies] for cycle in cycles])
         if has_maps
         else np.zeros((count, 2, 4)),
         yields=np.column_stack([np.clip(found[:, 2], *_ORDERS), found[:, 3:]]),
     )
-
-
-def _figures(result: RunResult, cycle: float, body: str) -> list[float]:
-    return scar_figures_of(result, int(cycle), body)[0]
 
 
 def share_of(loop: Loop, friction: float, of_load: Array | float = 1.0) -> float:
@@ -133,7 +129,10 @@ def _row(loop: Loop, friction: float, of_load: Array) -> tuple[float, ...] | Non
         # Energy over 4 Q δ, which hardly slips at all.
         shown = float(loop.friction_work_mJ[-1]) / (4e-3 * force * half)
         orders = _orders(400)
-        order = float(np.interp(shown, _energies(orders, share), orders))
+        # Energies of loops over 4 Q δ, growing with the order.
+        power, left = 1.0 / orders, 1.0 - share
+        inside = (1.0 - left ** (power + 1.0)) / (power + 1.0) - 0.5 * share * (1.0 + left**power)
+        order = float(np.interp(shown, 2.0 * inside / (share * (1.0 - left**power)), orders))
     full = order * (1.0 - (1.0 - share) ** (1.0 / order)) / share
     return loop.cycle, full * force / half, order, share, *_bends(x, q, share, order)
 
@@ -155,10 +154,3 @@ def _bends(x: Array, q: Array, share: float, order: float) -> list[float]:
 
 def _orders(count: int) -> Array:
     return 1.0 + np.geomspace(_ORDERS[0] - 1.0, _ORDERS[1] - 1.0, count)
-
-
-def _energies(orders: Array, share: float) -> Array:
-    """Energies of loops over 4 Q δ, growing with the order."""
-    power, left = 1.0 / orders, 1.0 - share
-    inside = (1.0 - left ** (power + 1.0)) / (power + 1.0) - 0.5 * share * (1.0 + left**power)
-    return np.asarray(2.0 * inside / (share * (1.0 - left**power)))

@@ -59,7 +59,13 @@ def conditions_of(
             closed.pop("time_s", None)
             source["columns"].pop("time_s", None)
         found, doubt = frequency_of(columns, source, clock.doubt_s)
-        if "frequency_Hz" not in known and _without_unit(text) and found and not _RIGS_Hz[0] <= found <= _RIGS_Hz[1]:
+        if (
+            "frequency_Hz" not in known
+            and "time_s" in text.columns
+            and not text.columns["time_s"][1]
+            and found
+            and not _RIGS_Hz[0] <= found <= _RIGS_Hz[1]
+        ):
             source["columns"]["time_s"]["unit"] = OPEN
             remarks.append(f"{found:g} cycles in a unit of the column of time are none a second: which unit is it?")
         asked = _open(source, "time_s")
@@ -83,7 +89,8 @@ def conditions_of(
     amplitude, other = _amplitude(source, loops, known)
     key = "normal_load_N"
     if of_joint and load == OPEN and loops:
-        key, load = FRICTION_FORCE, _friction_force_N(loops)
+        ranges = [np.ptp(np.percentile(loop.tangential_force_N, [2.0, 98.0])) for loop in loops]
+        key, load = FRICTION_FORCE, float(f"{0.5 * np.median(ranges):.3g}")
         remark = f"the friction force, {load:g} N, is that of the loops: state what you expected to have it judged"
     conditions = {key: load, "displacement_amplitude_um": amplitude} | timing
     return conditions, signs, [*(one for one in (remark, other) if one), *remarks]
@@ -98,10 +105,6 @@ def _clocked(columns: dict[str, Array]) -> tuple[dict[str, Array], Clock]:
     clock = read_clock(time.ravel(), x.ravel(), columns["tangential_force_N"].ravel(), parts)
     rest = {key: own for key, own in columns.items() if key != "time_s"}
     return rest | ({} if clock.time_s is None else {"time_s": clock.time_s.reshape(x.shape)}), clock
-
-
-def _without_unit(text: GuessedFile) -> bool:
-    return "time_s" in text.columns and not text.columns["time_s"][1]
 
 
 def _open(source: dict[str, Any], key: str) -> bool:
@@ -193,11 +196,6 @@ def _load(source: dict[str, Any], normal: Array, known: Mapping[str, Any]) -> tu
         return OPEN, "the normal load, in newtons, is not stated: --normal-load does it, too"
     load = abs(float(f"{np.nanmedian(normal):.3g}"))
     return load, f"the normal load, {load:g} N, is the median of the measured one"
-
-
-def _friction_force_N(loops: Sequence[MeasuredLoop]) -> float:
-    ranges = [np.ptp(np.percentile(loop.tangential_force_N, [2.0, 98.0])) for loop in loops]
-    return float(f"{0.5 * np.median(ranges):.3g}")
 
 
 def _amplitude(

@@ -258,7 +258,14 @@ def read_loops(
     if is_record:
         loops = _record_loops(path)
     elif is_result:
-        loops = _result_loops(path, variant)
+        result = chosen_run(read_results(path), variant, path)
+        of = tuple(f"the forces are those of {said}" for said in (result.extent.said,) if said)
+        loops = tuple(
+            SampledLoop(
+                1, loop.cycle, loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, loop.time_s, of
+            )
+            for loop in result.loops
+        )
     else:
         loops = logged_loops(path, displacement, force, normal_load, spelling)
     if cycle is None:
@@ -277,12 +284,3 @@ def _record_loops(path: Path) -> tuple[SampledLoop, ...]:
         raise RecordError(f"the record {record.name!r} holds no loops.")
     require_pressing(loops, stated, record.tables.length_mm)
     return tuple(SampledLoop.of(loop, stated) for loop in loops)
-
-
-def _result_loops(path: Path, variant: str | None) -> tuple[SampledLoop, ...]:
-    result = chosen_run(read_results(path), variant, path)
-    of = tuple(f"the forces are those of {said}" for said in (result.extent.said,) if said)
-    return tuple(
-        SampledLoop(1, loop.cycle, loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, loop.time_s, of)
-        for loop in result.loops
-    )

@@ -275,19 +275,15 @@ def _profiles_in(
     given, columns = columns_of_levels(file, source, source.columns, f"profiles.{body}", repeat, source.step_um)
     for number in np.unique(columns["repeat"]):
         own = (columns["repeat"] == number) & np.isfinite(columns["x_um"]) & np.isfinite(columns[given])
-        x, level = _in_order(columns["x_um"][own], columns[given][own])
+        # Points sorted by position, with the mean of those at the same position.
+        places, where, count = np.unique(columns["x_um"][own], return_inverse=True, return_counts=True)
+        x, level = places, np.bincount(where, weights=columns[given][own]) / count
         if x.size < 3:
             raise RecordError(f"{file}: the {body}'s profile of repeat {number:g} has fewer than three points.")
         if given == "depth_um":
             yield MeasuredProfile.from_points(int(number), body, x, level)
         else:
             yield levelled(file, int(number), body, face, (x, level), subtract=source.subtract_face)
-
-
-def _in_order(x: Array, level: Array) -> tuple[Array, Array]:
-    """Points sorted by position, with the mean of those at the same position."""
-    places, where, count = np.unique(x, return_inverse=True, return_counts=True)
-    return places, np.bincount(where, weights=level) / count
 
 
 def _line_of_map(file: Path, source: ProfileSource) -> tuple[Array, Array]:
