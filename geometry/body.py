@@ -191,7 +191,6 @@ class BodyGeometry(ABC):
 
     @property
     def finest_mm(self) -> float:
-        """Smallest spacing of the contact patch's grid lines in either direction."""
         return min(axis.finest_mm for axis in (self.axial, self.transverse))
 
     @property

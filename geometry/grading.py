@@ -158,7 +158,6 @@ class GivenAxis:
 
     @property
     def fine_mm(self) -> float:
-        """Smallest spacing of the mesh lines."""
         return float(np.diff(self.lines_mm).min())
 
     @property
@@ -167,7 +166,6 @@ class GivenAxis:
 
     @property
     def outer_mm(self) -> float:
-        """Largest spacing of the mesh lines."""
         return float(np.diff(self.lines_mm).max())
 
     @property

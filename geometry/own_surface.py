@@ -53,7 +53,6 @@ class MeshSource:
 
     @property
     def solid(self) -> SolidMesh:
-        """The mesh in the file's coordinates, in mm."""
         return read_solid(self.file, self.digest, self.mm_per_unit)
 
 

@@ -38,7 +38,6 @@ class ContactPatch:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of nodes (n_a, n_t)."""
         return len(self.axial_mm), len(self.transverse_mm)
 
     @property

@@ -124,7 +124,6 @@ class BlockGeometry(BodyGeometry):
 
     @property
     def profile(self) -> Profile:
-        """`face` if one is given, otherwise the surface of the mesh."""
         return self.face or self.meshed_profile
 
     @property
@@ -153,7 +152,6 @@ class BlockGeometry(BodyGeometry):
         return bent
 
     def gripped(self, centres_mm: Array) -> BoolArray:
-        """(n,) True for facets on the block's back and its four sides."""
         x, y, z = centres_mm.T
         aside = np.maximum(np.abs(x) / self.half_width_along_mm, np.abs(y) / self.half_width_across_mm)
         return np.asarray((aside > 1.0 - 1e-9) | (z < -self.height_mm * (1.0 - 1e-9)))

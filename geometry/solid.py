@@ -63,7 +63,6 @@ class SolidMesh:
 
     @property
     def size(self) -> int:
-        """Number of cells of all kinds."""
         return sum(len(cells) for cells in self.cells.values())
 
     def moved(self, points: Array) -> Self:

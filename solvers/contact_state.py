@@ -35,7 +35,6 @@ class WearState:
 
     @property
     def depths(self) -> tuple[Array, Array]:
-        """The worn depths of (primary, secondary)."""
         return self.primary_depth, self.secondary_depth
 
     @property

@@ -195,7 +195,6 @@ class LoadCycle:
 
     @property
     def largest(self) -> float:
-        """Largest load over the test's load."""
         return max((share for _, share in self.points), default=1.0 + abs(self.amplitude))
 
 

@@ -69,7 +69,6 @@ class CycleTrace:
 
     @property
     def friction_work(self) -> float:
-        """Friction work in mJ of all increments."""
         return float(self.work.sum())
 
 

@@ -121,7 +121,6 @@ class ContactProblem:
 
     @cached_property
     def smallest_element(self) -> float:
-        """Smallest spacing in mm of grid lines on either patch."""
         return min(self.upper.patch.smallest_element, self.lower.patch.smallest_element)
 
     def offset(self, drive: float, holder_x: float) -> Array:

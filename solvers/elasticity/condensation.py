@@ -42,7 +42,6 @@ class CondensedBody:
 
     @property
     def compliance(self) -> Array:
-        """The whole matrix (3 n, 3 n) of `folded`."""
         return self.folded.dense
 
     @property

@@ -73,7 +73,6 @@ class NodalTransfer(NamedTuple):
 
     @property
     def sparse(self) -> csr_matrix:
-        """The weights as a sparse (k, n) matrix."""
         return csr_matrix((self.weights, self.columns, self.first), shape=(len(self.first) - 1, self.size))
 
 
@@ -161,7 +160,6 @@ class GaussLines:
 
     @property
     def planar(self) -> bool:
-        """True for the single point across a planar body."""
         return self.positions.shape == (1, 1)
 
 

@@ -84,12 +84,10 @@ class Pairing:
 
     @cached_property
     def primary(self) -> csr_matrix:
-        """`own` as a sparse (k, n) matrix."""
         return self.own.sparse
 
     @cached_property
     def secondary(self) -> csr_matrix:
-        """`opposite` as a sparse (k, n) matrix."""
         return self.opposite.sparse
 
 

@@ -80,12 +80,10 @@ class PlacedBody:
 
     @cached_property
     def node_areas(self) -> Array:
-        """(n,) plane area in mm² that belongs to each of the patch's nodes."""
         return self.patch.node_areas()
 
     @cached_property
     def edge_nodes(self) -> BoolArray:
-        """(n,) True for nodes on the patch's outer edge."""
         return self.patch.edge_nodes()
 
     @cached_property

@@ -41,7 +41,6 @@ class HalfSpace:
 
     @property
     def elastic(self) -> tuple[float, float]:
-        """Lamé's constants (λ, μ) in MPa."""
         return self.material.lame_MPa, self.material.shear_modulus_MPa
 
     def axes_mm(self) -> tuple[Array, Array]:

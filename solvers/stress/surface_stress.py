@@ -72,7 +72,6 @@ class SurfaceStress:
 
     @cached_property
     def window_normals(self) -> Array:
-        """(m_a, m_t, 3) outward unit normals at the window's nodes."""
         return self.on_lines(self.normals)
 
     @cached_property

@@ -5,7 +5,7 @@ node's frame, see `Pairing`; the first lies along the motion.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -51,7 +51,6 @@ class Position:
 
     @property
     def slides(self) -> bool:
-        """True if any node slips before or after this position."""
         return bool(self.before.any() or self.after.any())
 
 
@@ -67,9 +66,9 @@ def positions_of(
     ]
     strains = _strains(problem, stops, pairings)
     met = [_met(problem, *each) for each in zip(pairings, stops, strains, strict=True)]
-    sticks = met[0].sticks if half_cycle is None else half_cycle.image(met[0].sticks, half_cycle.primary)
-    following = (*(row.sticks for row in met[1:]), sticks)
-    return tuple(_position(row, stop, after) for row, stop, after in zip(met, stops, following, strict=True))
+    sticks = met[0][1] if half_cycle is None else half_cycle.image(met[0][1], half_cycle.primary)
+    following = (*(later for _, later in met[1:]), sticks)
+    return tuple(_joined(one, stop, after) for (one, _), stop, after in zip(met, stops, following, strict=True))
 
 
 def facing_nodes(problem: ContactProblem, state: ContactState, margin: float) -> IntArray:
@@ -80,24 +79,12 @@ def facing_nodes(problem: ContactProblem, state: ContactState, margin: float) ->
     return np.flatnonzero((gap < -margin * min(float(gap.min()), 0.0)) | (state.traction[:, 2] > 0.0))
 
 
-@dataclass(frozen=True)
-class _Met:
-    """A position by itself, between the one before it and the next."""
-
-    pairing: Pairing
-    lever: Array
-    before: Array
-    after: Array  #: (k,) slip of all nodes.
-    sticks: BoolArray  #: (n,) which of all the primary's nodes stick there under pressure.
-    direction: Array
-    stuck: Array
-    moved: float
-    moves: float
-    driven: float
-
-
-def _met(problem: ContactProblem, pairing: Pairing, stop: WearStop, strains: Sequence[tuple[Array, Array]]) -> _Met:
-    """Strains: motions (n, 3) of both bodies' nodes over each of the stop's legs."""
+def _met(
+    problem: ContactProblem, pairing: Pairing, stop: WearStop, strains: Sequence[tuple[Array, Array]]
+) -> tuple[Position, BoolArray]:
+    """The position as if no node stuck at the next one, and which (n,) of all the primary's nodes stick here under
+    pressure. strains: motions (n, 3) of both bodies' nodes over each of the stop's legs.
+    """
     old, new, following, nodes = stop.begins, stop.state, stop.ends, pairing.nodes
     lever = levers(problem, new.drive, new.holder_x)[nodes]
     # Slip after a position is that of the points that face each other there, as slip before it is: friction work is
@@ -120,38 +107,28 @@ def _met(problem: ContactProblem, pairing: Pairing, stop: WearStop, strains: Seq
     everywhere = np.zeros(problem.primary.patch.size, dtype=bool)
     everywhere[nodes] = sticks
     driven = 0.5 * (abs(new.drive - old.drive) + abs(following.drive - new.drive))
-    return _Met(
+    position = Position(
+        state=new,
         pairing=pairing,
         lever=lever,
         before=np.where(sticks, 0.0, np.linalg.norm(slip, axis=1)),
         after=np.linalg.norm(later, axis=1),
-        sticks=everywhere,
         direction=direction,
         stuck=np.where(sticks[:, None], tangential, 0.0),
         moved=(new.drive - old.drive) - (new.holder_x - old.holder_x),
         moves=(following.drive - new.drive) - (following.holder_x - new.holder_x),
         driven=driven if stop.driven is None else stop.driven,
+        share=1.0,
     )
+    return position, everywhere
 
 
-def _position(met: _Met, stop: WearStop, sticks: BoolArray) -> Position:
-    """sticks: (n,) which of all the primary's nodes stick at the next position."""
-    after = np.where(sticks[met.pairing.nodes], 0.0, met.after)
-    load = met.pairing.areas * np.maximum(stop.state.traction[met.pairing.nodes, 2], 0.0)
-    own = 0.5 * float(load @ (met.before + after))
-    return Position(
-        state=stop.state,
-        pairing=met.pairing,
-        lever=met.lever,
-        direction=met.direction,
-        stuck=met.stuck,
-        before=met.before,
-        after=after,
-        moved=met.moved,
-        moves=met.moves,
-        driven=met.driven,
-        share=1.0 if stop.load_slip is None or own == 0.0 else stop.load_slip / own,
-    )
+def _joined(position: Position, stop: WearStop, sticks: BoolArray) -> Position:
+    """The position before one at which all nodes `sticks` (n,) of the primary stick."""
+    after = np.where(sticks[position.nodes], 0.0, position.after)
+    load = position.pairing.areas * np.maximum(stop.state.traction[position.nodes, 2], 0.0)
+    own = 0.5 * float(load @ (position.before + after))
+    return replace(position, after=after, share=1.0 if stop.load_slip is None or own == 0.0 else stop.load_slip / own)
 
 
 def _strains(
@@ -243,12 +220,10 @@ class Orbits:
 
     @property
     def count(self) -> int:
-        """Number N of unknown pressures."""
         return int(self.start[-1])
 
     @cached_property
     def position(self) -> IntArray:
-        """(N,) index of the position of each unknown."""
         return np.repeat(np.arange(len(self.rows)), np.diff(self.start))
 
     @cached_property

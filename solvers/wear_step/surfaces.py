@@ -102,7 +102,6 @@ class Cycle:
 
     @cached_property
     def sticks(self) -> BoolArray:
-        """(N,) True for unknowns whose nodes stick."""
         return np.asarray(self.nodes.stuck[self.nodes.rows].any(axis=1))
 
     @cached_property

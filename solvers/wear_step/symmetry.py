@@ -37,7 +37,6 @@ class Mirror:
 
     @property
     def signs(self) -> Array:
-        """Factors (3,) on a vector's x, y and z components: (sign_x, sign_y, 1)."""
         return np.array([self.sign_x, self.sign_y, 1.0])
 
     def image(self, field: NDArray[Any], images: IntArray) -> NDArray[Any]:

@@ -61,7 +61,6 @@ class DelimitedLayout:
 
     @property
     def line_of_names(self) -> int:
-        """Number of the line that names the columns, counted from 1."""
         return self.header_lines + 1
 
     @property

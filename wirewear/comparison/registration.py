@@ -164,7 +164,6 @@ class ScarPair:
 
     @property
     def is_map(self) -> bool:
-        """True if there are several lines y, False for a profile along x."""
         return self.y_um.size > 1
 
     @property

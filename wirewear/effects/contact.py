@@ -50,7 +50,6 @@ class FrictionOffset(Effect[ContactLaw]):
     friction: float = _friction("true coefficient of friction", easy=0.85, hard=0.96, least=0.75, most=1.3)
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
-        """The contact law with the true coefficient of friction."""
         return replace(described, friction=self.friction)
 
 
@@ -85,7 +84,6 @@ class FrictionEvolution(Effect[ContactLaw]):
     order: float = form(order(0.7))
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
-        """The contact law with the coefficient of friction after `age.cycles` cycles."""
         course = Course(self.initial, self.final, self.cycles, self.steepness, self.order)
         return replace(described, friction=course.at(age.cycles))
 
@@ -132,7 +130,6 @@ class RoughnessCompliance(Effect[ContactLaw]):
     spreading: float = form(part("of its height that spreads the pressure", -0.5, 1.5), contacts=kinds.AT_A_POINT)
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
-        """The contact law with the rough layer added, of the height that it has after `age.cycles` cycles."""
         height_um = self._height_um.at(age.cycles)
         # Of a rough layer that has worn in, less than this share is as good as none.
         if height_um <= 1e-6 * self.layer_um:
@@ -208,7 +205,6 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     spreading: float = form(part("of its give that spreads the pressure", -0.5, 1.5), contacts=kinds.AT_A_POINT)
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
-        """The contact law with this layer of debris added."""
         if self.retained_fraction == 0.0:
             return described
         return replace(described, layers=(*described.layers, ThirdBody(self.retained_fraction, self.modulus_MPa)))

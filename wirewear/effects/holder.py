@@ -49,7 +49,6 @@ class TangentialCompliance(Effect[Holder]):
     )
 
     def changed(self, described: Holder, _age: Age) -> Holder:
-        """The holder with the spring added in series."""
         compliance = described.tangential_compliance_mm_per_N + 1.0 / self.stiffness_N_per_mm
         return replace(described, tangential_compliance_mm_per_N=compliance)
 
@@ -146,7 +145,6 @@ class FreePlay(Effect[Holder]):
     )
 
     def changed(self, described: Holder, _age: Age) -> Holder:
-        """The holder with this play added to its own."""
         return replace(described, play_mm=described.play_mm + 1e-3 * self.gap_um)
 
 
@@ -183,7 +181,6 @@ class HolderInertia(Effect[Holder]):
     )
 
     def changed(self, described: Holder, _age: Age) -> Holder:
-        """The holder with this mass added to its own."""
         return replace(described, mass_kg=described.mass_kg + self.mass_kg)
 
 
@@ -219,7 +216,6 @@ class Misalignment(Effect[Loading]):
     )
 
     def changed(self, described: Loading, _age: Age) -> Loading:
-        """The loading with this angle added to its misalignment."""
         return replace(described, misalignment_rad=described.misalignment_rad + radians(self.angle_deg))
 
 
@@ -254,7 +250,6 @@ class NormalLoadDrift(Effect[Loading]):
     )
 
     def changed(self, described: Loading, age: Age) -> Loading:
-        """The loading with the normal load after `age.cycles` cycles."""
         factor = max(1.0 + self.fraction_per_100k_cycles * age.cycles / 1e5, 0.01)
         return replace(described, normal_load_N=factor * described.normal_load_N)
 
@@ -287,7 +282,6 @@ class CrossingAngleError(Effect[Specimens]):
     )
 
     def changed(self, described: Specimens, _age: Age) -> Specimens:
-        """The wires at the true crossing angle."""
         return replace(described, crossing_angle_deg=described.crossing_angle_deg + self.angle_deg)
 
 
@@ -323,7 +317,6 @@ class Plasticity(Effect[Specimens]):
     )
 
     def changed(self, described: Specimens, _age: Age) -> Specimens:
-        """The wires with `flattening_um` added to their flattening."""
         return replace(described, flattening_mm=described.flattening_mm + 1e-3 * self.flattening_um)
 
 
@@ -361,5 +354,4 @@ class HeldDisplacement(Effect[Control]):
     )
 
     def changed(self, _described: Control, _age: Age) -> Control:
-        """A drive that holds `displacement_amplitude_um`."""
         return Control(self.displacement_amplitude_um)

@@ -42,7 +42,6 @@ class DisplacementGain(Effect[Sensor]):
     )
 
     def changed(self, described: Sensor, _age: Age) -> Sensor:
-        """The sensor with its displacement gain multiplied by this one."""
         return replace(described, displacement_gain=self.gain * described.displacement_gain)
 
 
@@ -88,7 +87,6 @@ class DisplacementLoadCoupling(Effect[Sensor]):
     )
 
     def changed(self, described: Sensor, _age: Age) -> Sensor:
-        """The sensor with this polynomial added to its own."""
         return replace(
             described,
             linear_um_per_N=described.linear_um_per_N + self.linear_um_per_N,
@@ -125,7 +123,6 @@ class ForceCrosstalk(Effect[Sensor]):
     )
 
     def changed(self, described: Sensor, _age: Age) -> Sensor:
-        """The sensor with this crosstalk added to its own."""
         return replace(described, force_crosstalk=described.force_crosstalk + self.coefficient)
 
 
@@ -163,7 +160,6 @@ class SensorLag(Effect[Sensor]):
     channel: str = choice("displacement", "force")
 
     def changed(self, described: Sensor, _age: Age) -> Sensor:
-        """The sensor with this lag added to its own."""
         if self.channel == "force":
             return replace(described, force_lag_s=described.force_lag_s + self.time_s)
         return replace(described, lag_s=described.lag_s + self.time_s)

@@ -44,7 +44,6 @@ class WearRateOffset(Effect[WearRates]):
     factor: float = _factor("of both wires", easy=1.5, hard=1.12, least=0.4, most=2.5)
 
     def changed(self, described: WearRates, _age: Age) -> WearRates:
-        """The wear rates multiplied by the factor."""
         return described.scaled(self.factor)
 
 
@@ -79,7 +78,6 @@ class WearRateEvolution(Effect[WearRates]):
     order: float = form(order(0.7))
 
     def changed(self, described: WearRates, age: Age) -> WearRates:
-        """The wear rates multiplied by the factor after `age.cycles` cycles."""
         return described.scaled(
             Course(self.initial_factor, self.final_factor, self.cycles, self.steepness, self.order).at(age.cycles)
         )
@@ -134,11 +132,9 @@ class ContactOxygenation(Effect[WearRates]):
     )
 
     def changed(self, described: WearRates, _age: Age) -> WearRates:
-        """The wear rates with this supply of oxygen."""
         if self.starved_factor == 1.0:
             return described
         return replace(described, oxygen=OxygenSupply(self.supply_W, self.starved_factor))
 
     def predicted(self, chain: Chain) -> Chain:
-        """The chain with this supply of oxygen."""
         return chain if self.starved_factor == 1.0 else chain.with_oxygen(self.supply_W, self.starved_factor)

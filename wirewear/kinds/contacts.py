@@ -92,7 +92,6 @@ class AtAPoint(Contacts):
         return write_meshes(study, fidelity, folder, ending)
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
-        """Write the scars of each run over the cycles, for ParaView."""
         from wirewear.results.flat import FOLDER_NAME, write_time_series
 
         for result in results:
@@ -144,7 +143,6 @@ class AlongALine(Contacts):
         return write_line_meshes(study, fidelity, folder)
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
-        """Write tables and pictures of each run, and a picture of several runs side by side."""
         from wirewear.pictures.lines import line_variants
         from wirewear.pictures.style import save
         from wirewear.results.flat import write_flat_tables

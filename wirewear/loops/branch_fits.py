@@ -36,7 +36,6 @@ class BranchFits:
 
     @property
     def misfit(self) -> float:
-        """Sum of squared force residuals of both fits, in N²."""
         return sum(slip.misfit for _, slip in self.both)
 
     @property

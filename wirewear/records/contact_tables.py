@@ -147,7 +147,6 @@ class LineTest(OfRecord):
 
     @classmethod
     def stated_by(cls, study: Mapping[str, object]) -> dict[str, object]:
-        """Values by key that a study states; wear coefficients of 0 are left out."""
         return {key: value for key, value in super().stated_by(study).items() if value or key not in LineStated.WEAR}
 
     @property
@@ -212,7 +211,6 @@ class LineTest(OfRecord):
         return 1.0 / (1.0 / whole - 1.0 / of_bodies)
 
     def require_whole(self, where: str) -> None:
-        """Raise RecordError if the pad has no face, or more than one; where: names the file in the message."""
         if (wanted := self.pad.missing_face(self.contact.kind)) is not None:
             raise RecordError(f"[pad] of {where} does not say which face the pad has: {wanted}.")
 
@@ -362,13 +360,11 @@ class JointTest(OfRecord):
         return {"normal_load_N": asked.normal_load_N, "displacement_amplitude_um": asked.displacement_amplitude_um}
 
     def with_bodies(self, data: dict[str, object]) -> dict[str, object]:
-        """Tables of a study with the stiffness of the joint added."""
         own = self.contact.model_dump(include={*JointStiffness.model_fields})
         return data | {"contact": {**table_of(data, "contact"), **own}}
 
     @property
     def contact_stiffness_N_per_um(self) -> float:
-        """Stiffness of the joint itself in N/µm; infinite if it is rigid."""
         stated = self.contact.contact_stiffness_N_per_mm
         return inf if stated == "rigid" else 1e-3 * float(stated)
 

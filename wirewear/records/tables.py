@@ -223,9 +223,6 @@ class PointTest(OfTest):
         """Key of the bodies that does not fit the others, with the reason; None if all fit."""
 
     def require_whole(self, where: str) -> None:
-        """Raise RecordError if the bodies do not touch at a point, or have a measured surface; where: names the file in
-        the message.
-        """
         if (wrong := self.contradiction()) is not None:
             raise RecordError(f"{wrong.keys[-1]} in [{'.'.join(wrong.keys[:-1])}] of {where} {wrong.problem}.")
         if any(body.surface is not None for body in self.bodies_of_test):
@@ -278,15 +275,11 @@ class PointRecordTables(OfRecord, PointTest):
     files: Files = Field(description="names of the data files")
 
     def require_whole(self, where: str) -> None:
-        """Raise RecordError if the bodies do not touch at a point, or a scar belongs to no body; where: names the file
-        in the message.
-        """
         super().require_whole(where)
         self.require_bodies(f"[files] of {where}", self.files, self.files.frames)
 
     @property
     def wear(self) -> dict[str, tuple[str, ...]]:
-        """Names of the bodies that each wear coefficient covers, by its key: one for both bodies together."""
         return {"energy_wear_coefficient_mm3_per_J": self.body_names}
 
     @property
@@ -304,7 +297,6 @@ class PointRecordTables(OfRecord, PointTest):
         return unworn_stiffness_N_per_um(self.conditions.normal_load_N, *self.bodies_of_test)
 
     def placed(self, surface: MeasuredScar) -> MeasuredScar:
-        """The map turned from the axes it was measured in, so that x runs along the motion."""
         of_body = getattr(self.files.frames, f"{SCARS.name}_{surface.body}") == "wire"
         return surface.turned(self.body(surface.body).axis_angle_deg if of_body else 0.0)
 
@@ -335,7 +327,6 @@ class RecordTables(PointRecordTables, WiresTest):
         return {**super().of_study, **curved(each_wire(wires)), **angles}
 
     def with_bodies(self, data: dict[str, object]) -> dict[str, object]:
-        """Tables of a study with both wires, and the angle of the motion to the moving wire, added."""
         wires = self.wires.model_dump(mode="json", exclude_none=True)
         angle = {"motion_angle_deg": wires.pop("motion_angle_deg", 0.0)}
         return data | {

@@ -68,7 +68,6 @@ class FrettingTest:
 
     @property
     def cycles(self) -> float:
-        """Number of cycles of the test."""
         return self.milestones[-1]
 
     @cached_property
@@ -101,7 +100,6 @@ class _Traced:
 
     @property
     def work_mJ(self) -> float:
-        """Friction work of the whole cycle."""
         return self.symmetry.strokes * self.trace.friction_work
 
 

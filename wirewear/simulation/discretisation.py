@@ -55,12 +55,10 @@ class Discretisation:
 
     @property
     def hertz(self) -> PointContact:
-        """Hertz's contact of the unworn bodies under the largest load."""
         return self.expected.hertz
 
     @property
     def unknowns(self) -> int:
-        """Number of displacement components of both patches together."""
         return unknowns(self.moving) + unknowns(self.fixed)
 
     def settings(self) -> dict[str, Any]:

@@ -33,7 +33,6 @@ class LineRunRecord(Recorded):
     contact_kind, bodies, length_mm = kinds.LINE_CONTACT, ("specimen", "pad"), 1.0
 
     def __init__(self, plan: "LineRun") -> None:
-        """An empty record, before the run."""
         super().__init__(plan.study, plan.fidelity, plan.planned.pressure_length_mm)
         self.study, self._asked = plan.study, plan.planned.settings() | {"identity": str(plan.identity)}
 
@@ -56,7 +55,6 @@ class LineRunRecord(Recorded):
         return {"largest_tilt_deg": float(np.abs(loop.tilt_deg).max()), **ends}
 
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
-        """Profiles of (specimen, pad) in the traced cycle, with the pressure at mid-stroke."""
         worn = worn_bodies(problem, trace)
         specimen, pad = (
             Scar(
@@ -81,7 +79,6 @@ class LineRunRecord(Recorded):
         return forces_on(problem, trace, cycle, self.study.log.contact_states, self.bodies)
 
     def tables(self) -> dict[str, object]:
-        """The resolved study, of its stated length, as a result keeps it."""
         return self.study.resolved()
 
     def settings(self, _history: MeshHistory) -> dict[str, object]:
@@ -164,7 +161,6 @@ class LineRun(PlannedRun):
 
     @property
     def needed_memory(self) -> float:
-        """Bytes that a run takes at least."""
         return needed_memory(self.planned)
 
     def prepare(self, stage: Callable[[str], None]) -> None:

@@ -141,7 +141,6 @@ class PointMeshes(Meshes):
         return (*self.stages, *self.spare, *(() if self.sticking is None else (self.sticking,)))
 
     def first(self) -> MeshHistory:
-        """The history with the stage for the fresh contact, or for the flattened one."""
         if self.begins_sticking and self.sticking is not None:
             return MeshHistory(_STICKING, core=self._stated_core)
         stage = 0
@@ -254,7 +253,6 @@ class PlannedRun:
 
     @property
     def label(self) -> str:
-        """Name of the run among others of its study: the variant's, or the study's."""
         return str(self.study.variant_name or self.study.name)
 
     def identified(self, plan: Mapping[str, object]) -> Identity:

@@ -137,7 +137,6 @@ class PointRun(PlannedRun):
 
     @property
     def needed_memory(self) -> float:
-        """Bytes that a run takes at least."""
         sizes = [(unknowns(stage.moving), unknowns(stage.fixed)) for stage in self.meshes.stages]
         # Of every logged cycle: four fields on both patches.
         logged = len(self.logged_cycles) * max(8.0 * 4 * sum(pair) / 3.0 for pair in sizes)
@@ -170,7 +169,6 @@ class PointRunRecord(Recorded):
     length_mm = None
 
     def __init__(self, plan: PointRun) -> None:
-        """An empty record, before the run."""
         super().__init__(plan.study, plan.fidelity, plan.pressure_length_mm)
         self.plan = plan
         self.contact_kind, self.bodies = plan.study.contact_kind, plan.discretisation.bodies
@@ -183,7 +181,6 @@ class PointRunRecord(Recorded):
         self._holder = {name: value for name, value in before.settings.items() if name.startswith(MEASURED)}
 
     def pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
-        """Record the fresh contact under the normal load alone, approach and radius included."""
         super().pressed(problem, state, report)
         self.tally.fresh |= {
             "fresh_approach_um": -1e3 * state.holder_z,
@@ -209,7 +206,6 @@ class PointRunRecord(Recorded):
         return not bends(since, (done, work_mJ, state.wear.energy_mJ))
 
     def logs(self, cycle: int, done: float) -> bool:
-        """True for cycles that the plan logs, the test's last, and the last of a run that a stop ends."""
         return self.ends or cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles
 
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:

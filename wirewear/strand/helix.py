@@ -26,7 +26,6 @@ class Helix:
 
     @property
     def signed_angle_rad(self) -> float:
-        """Lay angle to the axis, negative for a left lay."""
         return self.hand * self.angle_rad
 
     @property

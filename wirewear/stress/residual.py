@@ -28,7 +28,6 @@ class Residual:
 
     @cached_property
     def at_nodes(self) -> Array:
-        """Stresses (n, 6) in MPa projected to the mesh's nodes."""
         return self.points.at_nodes(self.at_points)
 
 

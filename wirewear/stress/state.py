@@ -68,7 +68,6 @@ class SolvedBody(Generic[M]):
 
     @property
     def mesh(self) -> Any:
-        """The body's mesh: a `HexMesh`, or a `QuadMesh` for a line contact."""
         return self.meshed.mesh
 
     @property

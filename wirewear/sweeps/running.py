@@ -124,7 +124,6 @@ class SweepResult:
 
     @property
     def whole(self) -> bool:
-        """True if every run has ended."""
         return len(self.rows) == len(self.sweep)
 
     @property

@@ -92,7 +92,6 @@ class LineWear(WearOfBodies):
 
     @property
     def of_law(self) -> WearLaw:
-        """The stated law, or the energy law."""
         return self.law or EnergyLaw()
 
 
@@ -217,7 +216,6 @@ class LineTables(CommonTables, PadAndSpecimen, StatesItsKind):
         return study_of_length(self, length_mm)
 
     def contradiction(self) -> Inconsistency | None:
-        """The first contradiction of the bodies, the holder (the pad may tip over) or wear laws; None if all fit."""
         return self._of_bodies() or self._of_holder() or self._of_wear()
 
     def _of_bodies(self) -> Inconsistency | None:

@@ -119,9 +119,6 @@ class TwoBodiesTables(ContactTables, _OfTwoBodies):
         return found
 
     def contradiction(self) -> Inconsistency | None:
-        """The first contradiction: of the bodies, of keys that crossed wires alone take, or of an amplitude above a
-        body's diameter. None if all fit.
-        """
         return self.bodies.contradiction() or _of_wires(self) or self.too_far()
 
 

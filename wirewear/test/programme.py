@@ -118,7 +118,6 @@ class Schedule(Generic[AnyStudy]):
 
     @cached_property
     def pulled(self) -> bool:
-        """True if any body carries a bulk stress in any block."""
         every: Sequence[Stretch[Any]] = self.stretches
         return any(own.study.drive.bulk for own in every)
 

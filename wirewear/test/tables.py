@@ -251,9 +251,6 @@ class StudyTables(ContactTables, _OfWires):
         return self.wires.of_test(self.conditions.motion_angle_deg)
 
     def contradiction(self) -> keys.Inconsistency | None:
-        """The first contradiction: of the wires, of a direction of motion stated twice, or of an amplitude above a
-        wire's diameter. None if all fit.
-        """
         twice = self.wires.motion_angle_deg is not None
         second = keys.Inconsistency(("conditions", "motion_angle_deg"), "is given, and the wires give it as well")
         return self.wires.contradiction() or (second if twice else None) or self.too_far()

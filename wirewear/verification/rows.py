@@ -1,12 +1,12 @@
 """Rows and levels of the verification table, and measures of convergence."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, fields
 from importlib.metadata import version
 from itertools import pairwise
 from math import isfinite, log
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from rich import box
 from rich.markup import escape
@@ -15,33 +15,12 @@ from rich.table import Table
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import json_text, prepared_folder, write_text, writing
 
-_LEVELS: dict[str, tuple[Any, Any]] = {
-    "name": ("quick", "full"),
-    "fidelity": ("standard", "fine"),
-    "hertz_resolutions": ((2.0, 3.0, 4.0), (2.0, 4.0, 8.0)),
-    "enlarged": (1.6, 1.5),
-    "loop_resolution": (2.0, 3.0),
-    "line_resolution": (16.0, 32.0),
-    "slip_increments": (10, 16),
-    "partial_slip_wear_resolution": (4.0, 6.0),
-    "partial_slip_wear_tolerance": (0.5, 0.2),
-    "partial_slip_run_resolution": (4.0, 8.0),
-    "partial_slip_run_tolerance": (0.3, 0.05),
-    "worn_line_cycles": (300, 5000),
-    "hertz_tolerances": ((0.12, 0.03, 0.01), (0.12, 0.01, 0.01)),
-    "ellipse_tolerance": (0.03, 0.02),
-    "slip_energy_tolerance": (0.15, 0.05),
-    "stress_tolerance": (0.02, 0.02),
-    "surface_resolution": (3.5, 5.0),
-    "surface_tolerance": (0.05, 0.02),
-    "line_surface_resolution": (12.0, 18.0),
-    "line_surface_tolerance": (0.05, 0.03),
-    "yielding_fidelity": ("quick", "standard"),
-    "yielding_radius_tolerance": (0.1, 0.06),
-    "yielding_print_tolerance": (0.2, 0.2),
-    "near_zone_resolution": (6, 9),
-    "near_zone_tolerance": (0.05, 0.03),
-}
+Value = TypeVar("Value")
+
+
+def _at(quick: Value, full: Value) -> Value:
+    """A field with its values at both levels."""
+    return field(default=quick, metadata={"full": full})
 
 
 @dataclass(frozen=True)
@@ -53,34 +32,34 @@ class Level:
     well, under loads that enlarge the contact by `enlarged`.
     """
 
-    name: str
-    fidelity: str  #: Level of fidelity of bodies that are meshed as in runs.
-    hertz_resolutions: tuple[float, float, float]
-    enlarged: float
-    loop_resolution: float
-    line_resolution: float
-    slip_increments: int  #: Increments of a loading branch in partial slip.
-    partial_slip_wear_resolution: float
-    partial_slip_wear_tolerance: float  #: Tolerance of the worn volume.
-    partial_slip_run_resolution: float
-    partial_slip_run_tolerance: float
-    worn_line_cycles: int  #: Cycles of the worn line contact.
-    hertz_tolerances: tuple[float, float, float]
-    ellipse_tolerance: float
-    slip_energy_tolerance: float
-    stress_tolerance: float  #: Tolerance of the largest stress beneath a contact.
-    surface_resolution: float
-    surface_tolerance: float
-    line_surface_resolution: float
-    line_surface_tolerance: float
-    yielding_fidelity: str  #: Level of fidelity of bodies that yield.
-    yielding_radius_tolerance: float
-    yielding_print_tolerance: float
-    near_zone_resolution: int
-    near_zone_tolerance: float
+    name: str = _at("quick", "full")
+    fidelity: str = _at("standard", "fine")  #: Level of fidelity of bodies that are meshed as in runs.
+    hertz_resolutions: tuple[float, float, float] = _at((2.0, 3.0, 4.0), (2.0, 4.0, 8.0))
+    enlarged: float = _at(1.6, 1.5)
+    loop_resolution: float = _at(2.0, 3.0)
+    line_resolution: float = _at(16.0, 32.0)
+    slip_increments: int = _at(10, 16)  #: Increments of a loading branch in partial slip.
+    partial_slip_wear_resolution: float = _at(4.0, 6.0)
+    partial_slip_wear_tolerance: float = _at(0.5, 0.2)  #: Tolerance of the worn volume.
+    partial_slip_run_resolution: float = _at(4.0, 8.0)
+    partial_slip_run_tolerance: float = _at(0.3, 0.05)
+    worn_line_cycles: int = _at(300, 5000)  #: Cycles of the worn line contact.
+    hertz_tolerances: tuple[float, float, float] = _at((0.12, 0.03, 0.01), (0.12, 0.01, 0.01))
+    ellipse_tolerance: float = _at(0.03, 0.02)
+    slip_energy_tolerance: float = _at(0.15, 0.05)
+    stress_tolerance: float = _at(0.02, 0.02)  #: Tolerance of the largest stress beneath a contact.
+    surface_resolution: float = _at(3.5, 5.0)
+    surface_tolerance: float = _at(0.05, 0.02)
+    line_surface_resolution: float = _at(12.0, 18.0)
+    line_surface_tolerance: float = _at(0.05, 0.03)
+    yielding_fidelity: str = _at("quick", "standard")  #: Level of fidelity of bodies that yield.
+    yielding_radius_tolerance: float = _at(0.1, 0.06)
+    yielding_print_tolerance: float = _at(0.2, 0.2)
+    near_zone_resolution: int = _at(6, 9)
+    near_zone_tolerance: float = _at(0.05, 0.03)
 
 
-QUICK, FULL = (Level(**{name: both[k] for name, both in _LEVELS.items()}) for k in (0, 1))
+QUICK, FULL = Level(), Level(**{one.name: one.metadata["full"] for one in fields(Level)})
 
 
 def table(rows: "Sequence[Row]") -> Table:
@@ -145,7 +124,6 @@ class Row:
 
     @property
     def passed(self) -> bool:
-        """True if the error is finite and within the tolerance."""
         return bool(isfinite(self.error) and abs(self.error) <= self.tolerance)
 
 

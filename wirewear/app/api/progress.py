@@ -50,7 +50,6 @@ class NotebookBar(Observer):
         self._draw()
 
     def stage(self, text: str) -> None:
-        """Show a text on what is being prepared, with the bar at 0."""
         self._last = (0.0, text)
         self._draw()
 
@@ -68,7 +67,6 @@ class NotebookBar(Observer):
         """Do nothing: logged results are not shown."""
 
     def note(self, sentence: str) -> None:
-        """Add a sentence below the bar."""
         self._notes.append(sentence)
         self._draw()
 

@@ -63,7 +63,6 @@ class LoopsOfTests:
 
     @property
     def friction(self) -> float:
-        """Mean friction coefficient of all loops."""
         return float(np.nanmean(self.figures[:, :, 0]))
 
     @property

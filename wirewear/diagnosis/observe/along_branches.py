@@ -299,7 +299,6 @@ class PlateauForce(observable.ByLocalLines):
         return sites.level * sites.branch
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:
-        """Correlation of solver differences along the stroke, over shorter distances at the scar's walls."""
         along = self.along(sites) / scale.amplitude_um
         beyond = np.maximum(np.abs(along) - WALL_PLACE, 0.0)
         lengths = np.sign(along) * ((np.abs(along) - beyond) / observable.REACH + beyond / REACH_WALL)
@@ -336,7 +335,6 @@ class KneePeak(observable.OfLoops):
         return observable.SolverSize(np.hypot(size, PEAK_SHARE * high))
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
-        """Correlation of solver differences over the cycles; the branches of a loop are independent."""
         return replace(observable.Smoothness.of_whole_loops(len(sites)), turned=0.0)
 
 

@@ -61,7 +61,6 @@ class _OfNormalForce(OfLoops):
     simulated = True
 
     def sites(self, reading: Reading) -> list[Site]:
-        """Every cycle at which a repeat has a normal force."""
         return [Site(cycle) for cycle in reading.cycles if any(loop.normal_N for loop in reading.at(cycle))]
 
     def whole(self, setup: SurrogateInputs, predicted: Array) -> Array:
@@ -121,7 +120,6 @@ class _AlongStroke(OfLoops):
         """Marks of the samples in one part and in the other; `place` is displacement over amplitude."""
 
     def sites(self, reading: Reading) -> list[Site]:
-        """Every cycle at which a repeat has a normal force."""
         return [
             Site(cycle)
             for cycle in reading.cycles

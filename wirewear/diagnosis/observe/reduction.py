@@ -133,7 +133,6 @@ class Part:
 
     @property
     def rows(self) -> slice:
-        """Indices of the part's numbers in the layout."""
         return slice(self.start, self.start + len(self.sites))
 
 
@@ -167,7 +166,6 @@ class Layout:
 
     @cached_property
     def cycles(self) -> Array:
-        """Cycles (c,) of all numbers, increasing."""
         return np.unique(self.cycle).astype(float)
 
     def of_kind(self, *kinds: type) -> BoolArray:

@@ -69,7 +69,6 @@ class _OfScars(observable.Observable):
         return observable.SolverSize(np.zeros(len(sites)), hooked=False)
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
-        """Solver differences are independent for all numbers."""
         return replace(observable.Smoothness.of_whole_loops(len(sites)), family=np.arange(len(sites)))
 
 
@@ -218,7 +217,6 @@ class ProfileDepths(observable.Observable):
     of_scars = True
 
     def sites(self, reading: Reading) -> list[observable.Site]:
-        """Places across the scar of each body that has profiles, at shares of its half-width."""
         found = []
         for body in BODIES:
             own = [read_profile(one) for one in reading.profiles if one.body == body and _holds_enough(one)]
@@ -277,7 +275,6 @@ class ProfileDepths(observable.Observable):
         return np.where(place < MIDDLE, "profile_middle", np.where(place < FLANK, "profile_flanks", "profile_edges"))
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
-        """Correlation of solver differences along each body's scar; none between bodies."""
         family = np.array([BODIES.index(body) for body in sites.body], dtype=np.intp)
         along = places_of(sites) / observable.REACH
         return replace(observable.Smoothness.of_whole_loops(len(sites)), along=along, family=family)

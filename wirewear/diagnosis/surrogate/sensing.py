@@ -64,12 +64,10 @@ class SlidingContact:
 
     @property
     def tip_N(self) -> Array:
-        """Force (n,) in N at the end of the stroke, mean of the branches."""
         return np.asarray(self.force_N[..., END].mean(axis=1))
 
     @property
     def knee_N(self) -> Array:
-        """Force (n,) in N at the onset of gross slip, mean of the branches."""
         return np.asarray(self.force_N[..., 0].mean(axis=1))
 
     @property

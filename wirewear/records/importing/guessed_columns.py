@@ -68,7 +68,6 @@ class GuessedFile:
 
     @property
     def named(self) -> bool:
-        """True if the file names its columns."""
         return any(self.titles)
 
     def unit(self, place: int, channel: str) -> str:

@@ -113,7 +113,6 @@ class MatlabReader(Reader):
     kind = "matlab"
 
     def reads(self, head: bytes) -> bool:
-        """True if a file begins as a MATLAB file; for version 4, with the head of its first variable."""
         return head.startswith(b"MATLAB ") or _of_version_4(head)
 
     def channels(self, path: Path) -> tuple[Channel, ...]:
@@ -121,7 +120,6 @@ class MatlabReader(Reader):
         return tuple(Channel(name) for own in _arrays(path, _contents(path)) for name in _parts(*own))
 
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Wanted) -> dict[str, Array]:  # noqa: ARG002
-        """Variables of the file by the names in `wanted`, (n,) or matrices; `layout` has no effect."""
         contents = _contents(path, {_whole(column) for column in wanted.values()})
         _require_one_channel_each(path, contents, wanted)
         return {name: _variable(path, contents, str(column)) for name, column in wanted.items()}
@@ -268,7 +266,6 @@ class TdmsReader(Reader):
         return head.startswith(b"TDSm")
 
     def channels(self, path: Path) -> tuple[Channel, ...]:
-        """Numeric channels with the unit and sample rate that their properties state."""
         return tuple(
             Channel(name, str(own.properties.get("unit_string", "")), _rate(own.properties))
             for name, own in _channels(path).items()
@@ -276,7 +273,6 @@ class TdmsReader(Reader):
         )
 
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:  # noqa: ARG002
-        """Channels (n,) of the file by the names in `wanted`; `layout` has no effect."""
         channels = _channels(path)
         return {name: _numbers(path, channels, str(column)) for name, column in wanted.items()}
 

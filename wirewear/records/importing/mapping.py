@@ -233,9 +233,6 @@ class PointMapping(PointTest):
         return self.scars
 
     def require_whole(self, where: str) -> None:
-        """Raise RecordError if the bodies do not touch at a point, or a scar belongs to no body; where: names the file
-        in the message.
-        """
         super().require_whole(where)
         self.require_bodies(f"[scars] of {where}", self.scars)
 
