@@ -99,6 +99,9 @@ USUAL_NAMES: dict[str, list[str]] = {
         Path(__file__).with_name("usual_names.toml").read_text(encoding="utf-8")
     ).items()
 }
+_WORDS = frozenset(
+    word for names in USUAL_NAMES.values() for name in names for word in re.findall(r"[^\W\d_]+", name) if len(word) > 1
+)
 
 
 #: Units that are written out or in other letters, in the singular and without accents, and how a mapping writes them.
@@ -193,11 +196,6 @@ def _alone(stem: str, beside: frozenset[str]) -> str:
     """Name without sensor words and numbers: ``"displacement"`` for ``"ch_1_displacement"``."""
     words = [word.removesuffix("aufnehmer") for word in re.split(r"[_/]", _RATE.sub("", stem))]
     return "_".join(dict.fromkeys(word for word in words if word not in beside and not re.fullmatch(r"\W*\d*", word)))
-
-
-_WORDS = frozenset(
-    word for names in USUAL_NAMES.values() for name in names for word in re.findall(r"[^\W\d_]+", name) if len(word) > 1
-)
 
 
 def encoding_of(data: bytes) -> str:

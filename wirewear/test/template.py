@@ -1,4 +1,4 @@
-"""New study files for users: every key with its meaning; those left to the program appear as comments."""
+"""New study files for users: every key with its meaning, as a comment where the program chooses the value."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field

@@ -1,8 +1,6 @@
-"""Contacts that conform: a pin in a bore, meshed as in runs, against Persson's contact, and as it slides up the bore's
-wall; a taper pushed into a hub.
+"""Contacts that conform: a pin in a bore, at rest (Persson's contact) and sliding up its wall, and a taper in a hub.
 
-Rows compare a computed quantity with a closed form, on the meshes and with the tolerance of a level. A half-angle is
-that of the contact, seen from the pin's centre.
+A half-angle is that of the contact, seen from the pin's centre.
 """
 
 from dataclasses import replace

@@ -1,15 +1,14 @@
 """Hertz contact of wires crossed at right angles and at 60° (Johnson 1985, section 4.2), and bodies of other checks.
 
-Rows compare a computed quantity with a closed form, on the meshes and with the tolerance of a level. The closed forms
-are for half-spaces; a wire of radius R gripped at its back is one only near the contact. Displacement at a distance r
-from a point force is that on a half-space (Boussinesq, Cerruti) plus the body's own: bending and shear of the gripped
-wire, less what the half-space does beyond it. That part varies on the scale of R, so over a contact of radius a it is a
-constant kappa, the bulk compliance, times the force, up to relative terms of (a/R)². kappa is read from the condensed
-compliance alone, as the mean of u(r) - u_half-space(r) over a ring just outside the contact; neither a contact solution
-nor a contact formula enters it. Approach and tangential displacement are compared after subtracting kappa times the
-force for both bodies; in series with a rig's spring it is a second spring. Table rows also give the error without this
-correction. With a/R = 0.03-0.05 the remaining error is below half a per cent. Pressures, radii and the energy at a
-given force need no correction, as rigid motion does not change them.
+The closed forms are for half-spaces; a wire of radius R gripped at its back is one only near the contact. Displacement
+at a distance r from a point force is that on a half-space (Boussinesq, Cerruti) plus the body's own: bending and shear
+of the gripped wire, less what the half-space does beyond it. That part varies on the scale of R, so over a contact of
+radius a it is a constant kappa, the bulk compliance, times the force, up to relative terms of (a/R)². kappa is read
+from the condensed compliance alone, as the mean of u(r) - u_half-space(r) over a ring just outside the contact; neither
+a contact solution nor a contact formula enters it. Approach and tangential displacement are compared after subtracting
+kappa times the force for both bodies; in series with a rig's spring it is a second spring. Table rows also give the
+error without this correction. With a/R = 0.03-0.05 the remaining error is below half a per cent. Pressures, radii and
+the energy at a given force need no correction, as rigid motion does not change them.
 """
 
 from dataclasses import dataclass, replace

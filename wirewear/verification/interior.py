@@ -1,8 +1,7 @@
 """Stresses inside the bodies and at the contact's edge: Hertz, McEwen, Hamilton's sliding sphere, Cattaneo–Mindlin.
 
-Rows compare a computed quantity with a closed form, on the meshes and with the tolerance of a level. Bodies of edge
-stresses are thick, as the closed forms are for half-spaces: on wires 33 contact radii thick, curvature alone changes
-the tension across a wire by 3 %.
+Bodies of edge stresses are thick, as the closed forms are for half-spaces: on wires 33 contact radii thick, curvature
+alone changes the tension across a wire by 3 %.
 """
 
 from collections.abc import Callable

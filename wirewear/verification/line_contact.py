@@ -1,11 +1,10 @@
 """Cattaneo–Mindlin line contact in plane strain: a cylinder on a flat, by the contact code with planar bodies.
 
-Rows compare a computed quantity with a closed form, on the meshes and with the tolerance of a level. The tension at the
-trailing edge (McEwen's sliding cylinder) is checked at the resolutions of standard and fine runs, too. The bodies are
-some forty contact half-widths wide and high, so that their finite size hardly changes pressure and width; displacements
-diverge logarithmically on a half-plane and are not compared. The holder is rigid and the flat's displacement
-prescribed: it grows until the tangential force reaches Q*, then falls until the force reaches zero. The closed forms
-are evaluated at the computed force.
+The tension at the trailing edge (McEwen's sliding cylinder) is checked at the resolutions of standard and fine runs,
+too. The bodies are some forty contact half-widths wide and high, so that their finite size hardly changes pressure and
+width; displacements diverge logarithmically on a half-plane and are not compared. The holder is rigid and the flat's
+displacement prescribed: it grows until the tangential force reaches Q*, then falls until the force reaches zero. The
+closed forms are evaluated at the computed force.
 """
 
 import numpy as np

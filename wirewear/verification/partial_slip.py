@@ -1,9 +1,8 @@
 """Cattaneo–Mindlin partial slip of equal wires crossed at right angles, and their final shape under wear.
 
-Rows compare a computed quantity with a closed form, on the meshes and with the tolerance of a level. The drive is
-prescribed behind a rigid rig, so that the closed forms are evaluated at the computed force. Wear at constant approach
-ends at a known shape that depends steeply on the radius of the stuck core: 1 % of the radius is 10 % of the worn
-volume. The core's edge is resolved by whole nodes, which limits the volume's accuracy.
+The drive is prescribed behind a rigid rig, so that the closed forms are evaluated at the computed force. Wear at
+constant approach ends at a known shape that depends steeply on the radius of the stuck core: 1 % of the radius is 10 %
+of the worn volume. The core's edge is resolved by whole nodes, which limits the volume's accuracy.
 """
 
 from math import pi, sqrt

@@ -1,10 +1,9 @@
 """Whole runs in partial slip: wires that wear, compared with their final shape, and contacts of other bodies at a
 point.
 
-Rows compare a computed quantity with a closed form, on the meshes and with the tolerance of a level. They use the
-meshes, cycle jumps and loops of `wirewear run`. The core is the part of the contact that sticks for good. Other bodies
-are a ball and barrels on flats and crossed cylinders; their bulk compliance (see `hertz`) is read from their condensed
-compliance, as for wires.
+They take the meshes, cycle jumps and loops of `wirewear run`. The core is the part of the contact that sticks for good.
+Other bodies are a ball and barrels on flats and crossed cylinders; their bulk compliance (see `hertz`) is read from
+their condensed compliance, as for wires.
 """
 
 from collections.abc import Mapping

@@ -1,7 +1,6 @@
 """Sliding wires in the proportions of the steel wires' test: loop behind a rig's spring, energies, symmetries.
 
-Rows compare a computed quantity with a closed form, on the meshes and with the tolerance of a level. The resolution of
-a mesh is its number of elements per contact radius.
+The resolution of a mesh is its number of elements per contact radius.
 """
 
 from dataclasses import dataclass
