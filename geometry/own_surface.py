@@ -184,7 +184,10 @@ def own_surface(source: MeshSource) -> OwnSurface:
     axes = _principal(axes, form, source)
     local = (points - origin) @ axes.T
     barrel, shift = _barrel(local[nodes], scale, moves=source.at_mm is None)
-    origin = _on_node(points[nodes], origin + shift @ axes, _EXACT * scale)
+    # A node that is as near is taken for the place, which keeps the symmetry of a symmetric mesh.
+    origin = origin + shift @ axes
+    away = np.linalg.norm(points[nodes] - origin, axis=1)
+    origin = points[nodes[away.argmin()]] if away.min() <= _EXACT * scale else origin
     local = (points - origin) @ axes.T
     off = local[nodes, 2] - barrel.height(local[nodes, :2])
     largest = float(np.abs(off).max())
@@ -324,12 +327,6 @@ def _apex(nodes: Array, start: Array, axes: Array, scale: float, *, moves: bool)
         if np.abs(step).max() < 1e-9 * scale:
             break
     return origin, form
-
-
-def _on_node(nodes: Array, place: Array, within_mm: float) -> Array:
-    """The node within `within_mm` of a place, otherwise the place; this keeps the symmetry of a symmetric mesh."""
-    away = np.linalg.norm(nodes - place, axis=1)
-    return np.asarray(nodes[away.argmin()] if away.min() <= within_mm else place)
 
 
 def _principal(axes: Array, form: Array, source: MeshSource) -> Array:

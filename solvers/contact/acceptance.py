@@ -10,7 +10,6 @@ closed loop is part of the loop's area: 0.3 % of it under a fresh Hertz contact 
 node opens or closes. The closure of layers does not count as such a motion; its work is stored.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -171,7 +170,10 @@ def accepted(
     traction[pairing.nodes] = outcome.traction
     forces = pairing.own.spread(outcome.traction), pairing.opposite.spread(outcome.traction)
     parts = slid(problem, state, system, outcome, drive, traction, forces)
-    primary_slid, secondary_slid = _slid_so_far(problem, state, parts)
+    primary_slid, secondary_slid = state.primary_slid.copy(), state.secondary_slid
+    for each in parts:
+        primary_slid[each.pairing.nodes] += each.length
+        secondary_slid = secondary_slid + each.pairing.opposite.spread(each.length) / problem.secondary.node_areas
     wear = deposited(state.wear, parts, cycles, problem.wear, (problem.primary, problem.secondary))
     if system.layers is not None and system.layers.yielding is not None:
         wear = printed(problem, wear, pairing, system.layers.yielding, normal_of(outcome.traction, pairing.frames))
@@ -225,15 +227,6 @@ def printed(
         secondary_print=other + spread.reshape(other.shape),
         plastic_mJ=wear.plastic_mJ + float(pairing.areas @ yielding.work(pressure)),
     )
-
-
-def _slid_so_far(problem: ContactProblem, state: ContactState, parts: Sequence[Sliding]) -> tuple[Array, Array]:
-    """Distance (n,) in mm that each node of the primary, and of the secondary, has slid so far."""
-    primary, secondary = state.primary_slid.copy(), state.secondary_slid
-    for part in parts:
-        primary[part.pairing.nodes] += part.length
-        secondary = secondary + part.pairing.opposite.spread(part.length) / problem.secondary.node_areas
-    return primary, secondary
 
 
 def require_inside_patches(problem: ContactProblem, pairing: Pairing, pressed: IntArray, drive: float) -> None:

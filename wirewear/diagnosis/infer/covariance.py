@@ -353,11 +353,5 @@ def _scatter_factors(observed: Observations, per_repeat: Array, stated: Sequence
     if count < 2:
         return np.ones(per_repeat.shape[1]), np.ones(per_repeat.shape[1])
     squares = (np.stack(rows) ** 2).sum(axis=0)
-    factors = _pooled(squares, count, np.where(stated, STATED_REPEATS, PRIOR_REPEATS))
-    return factors, np.asarray(chdtrc(count - 1, squares))
-
-
-def _pooled(squares: Array, count: int, prior: Array | float = PRIOR_REPEATS) -> Array:
-    """Factors on expected scatters from sums of squared deviates of so many repeats, pooled with the expectation."""
-    factors: Array = np.sqrt((prior + squares) / (prior + count - 1))
-    return factors
+    prior = np.where(stated, STATED_REPEATS, PRIOR_REPEATS)
+    return np.sqrt((prior + squares) / (prior + count - 1)), np.asarray(chdtrc(count - 1, squares))

@@ -325,7 +325,10 @@ def own_noise(cycles: Array, figures: Array) -> tuple[float | None, BoolArray]:
     if time.size < FEWEST_FIGURES or np.any(np.diff(time) <= 0.0):
         return None, sound
     for _ in range(places.size // 5):
-        away = _deviates(time, logs)
+        # From the line between both neighbours, scaled to the standard deviation of one value.
+        share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
+        away = logs[1:-1] - (1.0 - share) * logs[:-2] - share * logs[2:]
+        away /= np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
         noise = max(1.4826 * float(np.median(np.abs(away))), LEAST_NOISE)
         worst = int(np.argmax(np.abs(away)))
         if np.abs(away[worst]) <= OUTLYING * noise or time.size <= FEWEST_FIGURES:
@@ -333,15 +336,6 @@ def own_noise(cycles: Array, figures: Array) -> tuple[float | None, BoolArray]:
         sound[places[worst + 1]] = False
         places, time, logs = (np.delete(values, worst + 1) for values in (places, time, logs))
     return noise, sound
-
-
-def _deviates(time: Array, logs: Array) -> Array:
-    """Distance (n − 2,) of values from the line between both neighbours, scaled to the standard deviation of
-    one value.
-    """
-    share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
-    away = logs[1:-1] - (1.0 - share) * logs[:-2] - share * logs[2:]
-    return np.asarray(away / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2))
 
 
 def _chord_error_um(reading: Reading) -> float:

@@ -256,7 +256,12 @@ def read_loops(
     if variant is not None and not is_result:
         raise RecordError(f"--variant chooses among the runs of a result, which {path} is not.")
     if is_record:
-        loops = _record_loops(path)
+        record = read_record(path)
+        stated, logged = record.tables.conditions.normal_load_N, [loop.complete for loop in record.loops]
+        if not logged:
+            raise RecordError(f"the record {record.name!r} holds no loops.")
+        require_pressing(logged, stated, record.tables.length_mm)
+        loops = tuple(SampledLoop.of(loop, stated) for loop in logged)
     elif is_result:
         result = chosen_run(read_results(path), variant, path)
         of = tuple(f"the forces are those of {said}" for said in (result.extent.said,) if said)
@@ -275,12 +280,3 @@ def read_loops(
         known = ", ".join(str(number) for number in sorted({loop.cycle for loop in loops})) or "none"
         raise RecordError(f"{path} has no loop of cycle {cycle}; there are: {known}.")
     return chosen
-
-
-def _record_loops(path: Path) -> tuple[SampledLoop, ...]:
-    record = read_record(path)
-    stated, loops = record.tables.conditions.normal_load_N, [loop.complete for loop in record.loops]
-    if not loops:
-        raise RecordError(f"the record {record.name!r} holds no loops.")
-    require_pressing(loops, stated, record.tables.length_mm)
-    return tuple(SampledLoop.of(loop, stated) for loop in loops)
