@@ -44,8 +44,7 @@ class ElementMesh(ABC):
     cells: IntArray  #: (m, c) node indices.
     surfaces: Mapping[str, IntArray]  #: Name -> (k, s) nodes of boundary facets.
 
-    #: Names of coordinates; sides (f, s) of a cell that face outwards, as its nodes; what helps a distorted mesh.
-    AXES: ClassVar[str]
+    #: Sides (f, s) of a cell that face outwards, as its nodes; what helps a distorted mesh.
     SIDES: ClassVar[IntArray]
     ADVICE: ClassVar[str]
 
@@ -101,7 +100,6 @@ class ElementMesh(ABC):
 class HexMesh(ElementMesh):
     """A mesh of eight-node hexahedra, nodes in VTK order; its facets are quadrilaterals."""
 
-    AXES = "xyz"
     SIDES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
     ADVICE = "use a finer outer mesh or a smaller patch"
 
@@ -211,7 +209,6 @@ class QuadMesh(ElementMesh):
 
     axis_mm: float | None = None
 
-    AXES = "xz"
     SIDES = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
     ADVICE = "make the body narrower or higher"
 

@@ -98,7 +98,6 @@ class IncrementReport:
     normal_force: float = 0.0  #: Force on the upper body along z, N.
     friction_work: float = 0.0  #: For one cycle, mJ.
     iterations: int = 0  #: Newton steps.
-    pairings: int = 0  #: Times that the surfaces were paired.
     active: int = 0  #: Nodes in contact.
     sticking: int = 0  #: Nodes in contact that stick.
     contact_area: float = 0.0  #: Area of contact in the plane, mm².

@@ -156,13 +156,12 @@ def accepted(
     overlap_area: float,
     slip_share: Array,
     iterations: int,
-    pairings: int,
 ) -> tuple[ContactState, IncrementReport]:
     """The state after a converged increment, with wear and prints added on both surfaces, and the increment's report.
 
     drive: displacement at its end, mm. cycles: number of times that its wear counts. overlap_area, slip_share: as in
-    `ContactState`. iterations, pairings: Newton steps and pairings that it took, for the report. Raises PatchLeftError
-    if the contact has reached the edge of either patch.
+    `ContactState`. iterations: Newton steps that it took, for the report. Raises PatchLeftError if the contact has
+    reached the edge of either patch.
     """
     pairing = system.pairing
     require_inside_patches(problem, pairing, np.flatnonzero(outcome.traction[:, 2] > 0.0), drive)
@@ -195,7 +194,7 @@ def accepted(
         core=state.core & (traction[:, 2] > 0.0) & (primary_slid == state.primary_slid),
     )
     friction_work = sum(part.friction_work for part in parts)
-    return new, _report(problem, drive, pairing, outcome, friction_work, iterations, pairings)
+    return new, _report(problem, drive, pairing, outcome, friction_work, iterations)
 
 
 def printed(
@@ -253,7 +252,6 @@ def _report(
     outcome: ContactOutcome,
     friction_work: float,
     iterations: int,
-    pairings: int,
 ) -> IncrementReport:
     force = pairing.areas @ outcome.traction
     pressed = outcome.traction[:, 2] > 0.0
@@ -269,7 +267,6 @@ def _report(
         normal_force=float(force[2]),
         friction_work=friction_work,
         iterations=iterations,
-        pairings=pairings,
         active=int(pressed.sum()),
         sticking=outcome.sticking,
         contact_area=float(pairing.areas[pressed].sum()),

@@ -70,7 +70,6 @@ def opened(
         0.0,
         0.0 * state.slip_share,
         0,
-        0,
     )
 
 

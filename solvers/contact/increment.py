@@ -102,7 +102,7 @@ def solve_increment(
         beside = np.flatnonzero(overlapping)
         if moved <= tolerance and not (len(beside) and _touch(problem, state, system, outcome, drive, beside)):
             overlap = float(areas[gap + height < 0.0].sum())
-            return accepted(problem, state, system, outcome, drive, cycles, overlap, slip_share, iterations, pairings)
+            return accepted(problem, state, system, outcome, drive, cycles, overlap, slip_share, iterations)
         active = np.flatnonzero(guess[:, 2] > 0.0)
         nodes = _either(len(gap), active, np.flatnonzero(gap + height < 0.02 * abs(height)))
     raise IncrementFailedError("the pairing of the surfaces did not settle")
