@@ -104,9 +104,13 @@ class CycleEquations:
         )
         moved, rhs = _sides(terms, facing)
         unknowns = np.concatenate([on, len(active) + np.arange(len(cycle.positions))])
-        coupled = self._coupled(terms, moved)
+        alone, carried = _alone(terms, facing, moved)
+        if not carried.all():
+            raise NotConvergedError("nothing is left in contact that carries the load at a position of the cycle")
         solution = cycle.similar.solution(
-            unknowns, rhs, _comparable(coupled), lambda some: _product(terms, facing, moved, some), coupled
+            *(unknowns, rhs, np.concatenate([np.ones(len(on)), 1.0 / carried]), float(np.median(alone))),
+            lambda some: _product(terms, facing, moved, some),
+            lambda: self._coupled(terms, moved),
         )
         if solution is None or not np.all(np.isfinite(solution)):
             raise NotConvergedError("the pressures of a cycle on the surface that they wear are not determined")
@@ -148,19 +152,6 @@ class CycleEquations:
             return penalty * pressure, penalty
         closure, softness = (sum(part) for part in zip(*parts, strict=True))
         return closure + penalty * pressure, softness + penalty
-
-
-def _comparable(coupled: Coupled) -> Array:
-    """Factors that make loads of the size of gaps: by what pressures of a unit load open where that is most.
-    Raises NotConvergedError if nothing carries the load at a position.
-    """
-    lifts = np.array([np.abs(block[-1, :-1]).max(initial=0.0) for block in coupled.blocks])
-    size = float((coupled.diagonal + coupled.own).max(initial=0.0))
-    heights = np.array([abs(block[-1, -1]) for block in coupled.blocks])
-    carried = np.maximum(lifts / max(size, 1e-300), heights)
-    if not carried.all():
-        raise NotConvergedError("nothing is left in contact that carries the load at a position of the cycle")
-    return np.concatenate([np.ones(len(coupled.own)), 1.0 / carried])
 
 
 class _Terms(NamedTuple):
@@ -221,6 +212,27 @@ def _sides(terms: _Terms, facing: Facing) -> tuple[Array, Array]:
             entry += 1
     rhs[:size] = -terms.known[on]
     return moved, rhs
+
+
+@compiled
+def _alone(terms: _Terms, facing: Facing, moved: Array) -> tuple[Array, Array]:
+    """Gap in mm that each pressure (a,) in contact opens at its own node, per MPa; and for each position how large the
+    equation of its load is beside those of gaps: by what pressures of a unit load open where that is most.
+    """
+    on, start, faced, worked = terms.on, terms.start, terms.faced, terms.worked
+    alone, carried, entry = np.empty(len(on)), np.zeros(len(start) - 1), 0
+    for a in range(len(on)):
+        i, k = on[a], terms.position[a]
+        alone[a] = moved[entry + i - start[k]] + terms.softness[i]
+        for f in range(faced.first[i], faced.first[i + 1]):
+            for w in range(worked.first[i], worked.first[i + 1]):
+                if faced.columns[f] == worked.columns[w]:
+                    alone[a] += terms.opened[i] * faced.weights[f] * worked.weights[w] * terms.worn[i]
+        carried[k] = max(carried[k], abs(facing.lift[0, i] + terms.slope[i] * facing.lift[1, i]))
+        entry += start[k + 1] - start[k]
+    if np.isnan(terms.load_N[0]):
+        return alone, np.ones(len(carried))
+    return alone, np.maximum(carried / max(alone.max() if len(on) else 0.0, 1e-300), terms.spring_N_per_mm)
 
 
 @compiled

@@ -1,24 +1,31 @@
 """Equations of a cycle's pressures: one dense block for each position, coupled by the wear work on common nodes.
 
-All positions meet the same few nodes, so the coupling, of low rank, is eliminated before all else (Woodbury's identity:
-Hager, SIAM Rev. 31 (1989) 221): that takes a few per cent of what factors of the whole matrix take. Between two steps
-of Newton's method on a cycle's pressures, normals turn a little and a few nodes open or close. The factors of the
-equations before then make an excellent preconditioner: the method of generalised minimal residuals (Saad & Schultz,
-SIAM J. Sci. Stat. Comput. 7 (1986) 856) takes a few products of the new matrix.
+Where all positions meet the same few nodes, the coupling, of low rank, is eliminated before all else (Woodbury's
+identity: Hager, SIAM Rev. 31 (1989) 221): that takes a few per cent of what factors of the whole matrix take. Between
+two steps of Newton's method on a cycle's pressures, normals turn a little and a few nodes open or close. The factors of
+the equations before then make an excellent preconditioner: the method of generalised minimal residuals (Saad & Schultz,
+SIAM J. Sci. Stat. Comput. 7 (1986) 856) takes a few products of the new matrix. So factors of single precision do, at
+half the cost, but where equations are ill-conditioned.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import lapack
+from scipy.linalg import get_lapack_funcs, lapack
 from scipy.sparse import csr_matrix
 
 from geometry.arrays import Array, IntArray
 
 _RESIDUAL = 1e-12  # Of the right-hand side: what is left of equations that count as solved.
-_MOST_PRODUCTS = 30  # New factors cost no more than so many products.
+# New factors cost no more than so many products, and than one product for every so many unknowns.
+_MOST_PRODUCTS = 30
+_UNKNOWNS_A_PRODUCT = 40
+_FEW_NODES = 0.6  # Per unknown: with more of them, factors of the whole matrix take less time (steel wires).
+
+_Solver = Callable[[Array], Array]  # From right-hand sides to solutions of some equations, (n,).
 
 
 @dataclass(frozen=True)
@@ -36,81 +43,58 @@ class Coupled:
     worked: csr_matrix
 
     @cached_property
-    def diagonal(self) -> Array:
-        """(a,) gap in mm that each pressure opens at its own node by strain, per MPa."""
-        return np.concatenate([block.diagonal()[:-1] for block in self.blocks])
-
-    @cached_property
-    def own(self) -> Array:
-        """(a,) gap in mm that each pressure opens at its own node by wear, per MPa."""
-        return np.asarray(self.opened.multiply(self.worked).sum(axis=1)).ravel()
+    def places(self) -> list[IntArray]:
+        """Places (u + 1,) of each position's pressures and height among all unknowns."""
+        start = np.cumsum([0, *(len(block) - 1 for block in self.blocks)])
+        return [np.append(np.arange(*pair), start[-1] + k) for k, pair in enumerate(pairwise(start))]
 
 
-@dataclass(frozen=True)
-class _Block:
-    """One position's equations: where its pressures and height stand among all unknowns, factors, nodes (m,) that it
-    faces, and what work on them does to it, (n + 1, m).
-    """
-
-    own: IntArray
-    lu: Array
-    pivots: IntArray
-    nodes: IntArray
-    by_work: Array
-
-    def solved(self, rhs: Array) -> Array:
-        return np.asarray(lapack.dgetrs(self.lu, self.pivots, rhs)[0])
+def _as_a_whole(coupled: Coupled, precision: type) -> _Solver | None:
+    """Solver of the equations by one dense matrix; None where they are singular."""
+    getrf, getrs = get_lapack_funcs(("getrf", "getrs"), dtype=precision)
+    size = coupled.opened.shape[0]
+    count = size + len(coupled.blocks)
+    matrix = np.zeros((count, count), dtype=precision, order="F")
+    matrix[:size, :size] = (coupled.opened @ coupled.worked.T).toarray()
+    for own, block in zip(coupled.places, coupled.blocks, strict=True):
+        matrix[np.ix_(own, own)] += block
+    lu, pivots, singular = getrf(matrix, overwrite_a=True)
+    return None if singular else lambda rhs: getrs(lu, pivots, rhs)[0]
 
 
-@dataclass(frozen=True)
-class _Factors:
-    """Factors that solve the equations of some unknowns.  usual: the median of the diagonal of their pressures.
-    work: (nodes, a) sparse, work on the nodes that matter by each pressure.
-    """
-
-    unknowns: IntArray
-    usual: float
-    blocks: tuple[_Block, ...]
-    work: csr_matrix
-    lu: Array
-    pivots: IntArray
-
-    @classmethod
-    def of(cls, unknowns: IntArray, coupled: Coupled) -> "_Factors | None":
-        """Factors of equations between unknowns (a + positions,); None where they are singular."""
-        opened, start = coupled.opened, np.concatenate([[0], np.cumsum([len(block) - 1 for block in coupled.blocks])])
-        among = np.unique(opened.indices)
-        number = np.full(opened.shape[1], -1)
-        number[among] = np.arange(len(among))
-        work = coupled.worked[:, among].T.tocsc()
-        schur, blocks = np.eye(len(among)), []
-        for k, block in enumerate(coupled.blocks):
-            mine, entries = slice(start[k], start[k + 1]), slice(*opened.indptr[start[k : k + 2]])
-            nodes, column = np.unique(number[opened.indices[entries]], return_inverse=True)
-            by_work = np.zeros((len(block), len(nodes)), order="F")
-            counts = np.diff(opened.indptr[start[k] : start[k + 1] + 1])
-            by_work[np.repeat(np.arange(len(block) - 1), counts), column] = opened.data[entries]
-            lu, pivots, singular = lapack.dgetrf(block)
-            if singular:
-                return None
-            own = np.append(np.arange(start[k], start[k + 1]), start[-1] + k)
-            by_work = lapack.dgetrs(lu, pivots, by_work)[0]
-            blocks.append(_Block(own, lu, pivots, nodes, by_work))
-            schur[:, nodes] += work[:, mine] @ by_work[:-1]
-        lu, pivots, singular = lapack.dgetrf(schur)
+def _position_by_position(coupled: Coupled, precision: type) -> _Solver | None:
+    """Solver of the equations by a dense matrix for each position; None where they are singular."""
+    getrf, getrs = get_lapack_funcs(("getrf", "getrs"), dtype=precision)
+    opened, among = coupled.opened, np.unique(coupled.opened.indices)
+    number = np.full(opened.shape[1], -1)
+    number[among] = np.arange(len(among))
+    # Work on the nodes that matter by each pressure.
+    work = coupled.worked[:, among].T.astype(precision).tocsc()
+    schur: Array = np.eye(len(among), dtype=precision, order="F")
+    parts = []
+    for own, block in zip(coupled.places, coupled.blocks, strict=True):
+        faced = opened[own[:-1]]
+        nodes, column = np.unique(number[faced.indices], return_inverse=True)
+        by_work: Array = np.zeros((len(block), len(nodes)), dtype=precision, order="F")
+        by_work[np.repeat(np.arange(len(block) - 1), np.diff(faced.indptr)), column] = faced.data
+        lu, pivots, singular = getrf(block)
         if singular:
             return None
-        return cls(unknowns, float(np.median(coupled.diagonal + coupled.own)), tuple(blocks), work, lu, pivots)
+        by_work = getrs(lu, pivots, by_work)[0]
+        parts.append((own, lu, pivots, nodes, by_work))
+        schur[:, nodes] += work[:, own[:-1]] @ by_work[:-1]
+    joint, swaps, singular = getrf(schur, overwrite_a=True)
 
-    def solved(self, rhs: Array) -> Array:
-        """The solution of the equations themselves."""
-        found = np.empty_like(rhs)
-        for block in self.blocks:
-            found[block.own] = block.solved(rhs[block.own])
-        work = lapack.dgetrs(self.lu, self.pivots, self.work @ found[: self.work.shape[1]])[0]
-        for block in self.blocks:
-            found[block.own] -= block.by_work @ work[block.nodes]
+    def solved(rhs: Array) -> Array:
+        found: Array = np.empty(len(rhs), dtype=precision)
+        for own, lu, pivots, _, _ in parts:
+            found[own] = getrs(lu, pivots, rhs[own])[0]
+        done = getrs(joint, swaps, work @ found[: work.shape[1]])[0]
+        for own, _, _, nodes, by_work in parts:
+            found[own] -= by_work @ done[nodes]
         return found
+
+    return None if singular else solved
 
 
 class SimilarEquations:
@@ -119,42 +103,58 @@ class SimilarEquations:
     """
 
     def __init__(self) -> None:
-        self._factors: _Factors | None = None
+        self._known: tuple[IntArray, float, _Solver] | None = None
 
     def solution(
-        self, unknowns: IntArray, rhs: Array, row: Array, product: Callable[[Array], Array], coupled: Coupled
+        self,
+        unknowns: IntArray,
+        rhs: Array,
+        row: Array,
+        usual: float,
+        product: Callable[[Array], Array],
+        coupled_now: Callable[[], Coupled],
     ) -> Array | None:
         """The solution (m,) of equations between `unknowns` (m,), increasing numbers in the whole set; None where they
         are singular.
 
-        rhs: (m,). row: (m,) factors on the equations that give them comparable units. product: the matrix times a
-        vector (m,). coupled: the matrix itself, factorised only if kept factors do not do.
+        rhs: (m,). row: (m,) factors on the equations that give them comparable units. usual: median of the diagonal of
+        the pressures' equations. product: the matrix times a vector (m,). coupled_now: makes the matrix itself, for
+        factors, only if kept ones do not do.
         """
-        found = self._by_known_factors(unknowns, rhs, row, product)
-        if found is None:
-            self._factors = _Factors.of(unknowns, coupled)
-            found = self._by_known_factors(unknowns, rhs, row, product)
-        return found
+        found = self._by_known_factors(unknowns, rhs, row, product, len(unknowns) // _UNKNOWNS_A_PRODUCT)
+        if found is not None:
+            return found
+        coupled = coupled_now()
+        few = len(np.unique(coupled.opened.indices)) < _FEW_NODES * coupled.opened.shape[0]
+        for precision in (np.float32, np.float64):
+            solver = (_position_by_position if few else _as_a_whole)(coupled, precision)
+            if solver is None:
+                continue
+            self._known = unknowns, usual, solver
+            found = self._by_known_factors(unknowns, rhs, row, product, _MOST_PRODUCTS)
+            if found is not None:
+                return found
+        return None
 
     def _by_known_factors(
-        self, unknowns: IntArray, rhs: Array, row: Array, product: Callable[[Array], Array]
+        self, unknowns: IntArray, rhs: Array, row: Array, product: Callable[[Array], Array], most: int
     ) -> Array | None:
-        """The solution by the factors of equations before; None where that takes more than new factors."""
-        known = self._factors
-        if known is None:
+        """The solution by the kept factors and at most so many products, up to 30; None where that does not do."""
+        if self._known is None:
             return None
-        _, here, there = np.intersect1d(unknowns, known.unknowns, assume_unique=True, return_indices=True)
-        if len(unknowns) + len(known.unknowns) - 2 * len(here) > _MOST_PRODUCTS // 2:
+        before, usual, solved = self._known
+        _, here, there = np.intersect1d(unknowns, before, assume_unique=True, return_indices=True)
+        if len(unknowns) + len(before) - 2 * len(here) > most // 2:
             return None
 
         def approximate(residual: Array) -> Array:
             """Approximate solution of the equations, by the factors of an earlier matrix."""
-            load, rest = np.zeros(len(known.unknowns)), residual / row
-            load[there], answer = rest[here], rest / known.usual
-            answer[here] = known.solved(load)[there]
+            load, rest = np.zeros(len(before)), residual / row
+            load[there], answer = rest[here], rest / usual
+            answer[here] = solved(load)[there]
             return answer
 
-        return _minimal_residual(lambda some: row * product(some), row * rhs, approximate, _MOST_PRODUCTS)
+        return _minimal_residual(lambda some: row * product(some), row * rhs, approximate, min(most, _MOST_PRODUCTS))
 
 
 def _minimal_residual(
