@@ -49,7 +49,7 @@ class Coupled:
         return [np.append(np.arange(*pair), start[-1] + k) for k, pair in enumerate(pairwise(start))]
 
 
-def _as_a_whole(coupled: Coupled, precision: type) -> _Solver | None:
+def as_a_whole(coupled: Coupled, precision: type) -> _Solver | None:
     """Solver of the equations by one dense matrix; None where they are singular."""
     getrf, getrs = get_lapack_funcs(("getrf", "getrs"), dtype=precision)
     size = coupled.opened.shape[0]
@@ -62,7 +62,7 @@ def _as_a_whole(coupled: Coupled, precision: type) -> _Solver | None:
     return None if singular else lambda rhs: getrs(lu, pivots, rhs)[0]
 
 
-def _position_by_position(coupled: Coupled, precision: type) -> _Solver | None:
+def position_by_position(coupled: Coupled, precision: type) -> _Solver | None:
     """Solver of the equations by a dense matrix for each position; None where they are singular."""
     getrf, getrs = get_lapack_funcs(("getrf", "getrs"), dtype=precision)
     opened, among = coupled.opened, np.unique(coupled.opened.indices)
@@ -127,7 +127,7 @@ class SimilarEquations:
         coupled = coupled_now()
         few = len(np.unique(coupled.opened.indices)) < _FEW_NODES * coupled.opened.shape[0]
         for precision in (np.float32, np.float64):
-            solver = (_position_by_position if few else _as_a_whole)(coupled, precision)
+            solver = (position_by_position if few else as_a_whole)(coupled, precision)
             if solver is None:
                 continue
             self._known = unknowns, usual, solver

@@ -1,16 +1,18 @@
 """Frictional contact of crossed wires: partial slip, gross slip behind a rig, symmetry."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
-from scipy.linalg import lapack
 from scipy.sparse import csr_matrix
 
 from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, IncrementReport
 from solvers.newton.equations import _solved
-from solvers.wear_step.coupled import Coupled, SimilarEquations
+from solvers.wear_step import coupled as coupled_equations
+from solvers.wear_step.coupled import Coupled, SimilarEquations, as_a_whole, position_by_position
 from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from wirewear import reference
 
@@ -34,7 +36,7 @@ def matrix(seed: int = 1, change: float = 0.0) -> tuple[Array, Array, Array]:
     return blocks, opened, worked
 
 
-def whole(parts: tuple[Array, Array, Array], unknowns: IntArray) -> tuple[Array, Coupled]:
+def whole(parts: tuple[Array, Array, Array], unknowns: IntArray) -> tuple[Array, Callable[[], Coupled]]:
     """The matrix of some unknowns and then of the heights, and its parts."""
     near, opened, worked = (part[unknowns] for part in parts)
     position = unknowns // (COUNT // POSITIONS)
@@ -47,7 +49,7 @@ def whole(parts: tuple[Array, Array, Array], unknowns: IntArray) -> tuple[Array,
         dense[np.ix_(own, own)] = block
         blocks.append(block)
     dense[:size, :size] += opened @ worked.T
-    return dense, Coupled(blocks, csr_matrix(opened), csr_matrix(worked))
+    return dense, partial(Coupled, blocks, csr_matrix(opened), csr_matrix(worked))
 
 
 @pytest.mark.parametrize("change", [0.0, 1e-4, 1e-2, 0.3])
@@ -58,27 +60,30 @@ def test_equations_that_changed_are_solved_whatever_the_change(change: float) ->
         dense, coupled = whole(parts, unknowns)
         rhs = np.cos(np.arange(len(dense)))
         numbers = np.concatenate([unknowns, COUNT + np.arange(POSITIONS)])
-        found = similar.solution(numbers, rhs, 2.0 + np.sin(rhs), dense.__matmul__, coupled)
+        usual = float(np.median(dense.diagonal()[: len(unknowns)]))
+        found = similar.solution(numbers, rhs, 2.0 + np.sin(rhs), usual, dense.__matmul__, coupled)
         exact = np.linalg.solve(dense, rhs)
         assert found == pytest.approx(exact, rel=1e-7, abs=1e-9 * np.abs(exact).max())
 
 
-def test_no_factors_are_larger_than_a_position_or_the_nodes_that_all_share(monkeypatch: pytest.MonkeyPatch) -> None:
-    sizes: list[int] = []
-    factored = lapack.dgetrf
+def test_factors_of_positions_and_of_the_whole_matrix_solve_alike() -> None:
+    dense, coupled = whole(matrix(), np.arange(COUNT))
+    rhs = np.cos(np.arange(len(dense)))
+    for factored in (as_a_whole, position_by_position):
+        for precision, error in ((np.float32, 1e-3), (np.float64, 1e-9)):
+            solved = factored(coupled(), precision)
+            assert solved is not None
+            assert solved(rhs) == pytest.approx(np.linalg.solve(dense, rhs), rel=error, abs=error)
 
-    def watched(matrix: Array) -> object:
-        sizes.append(len(matrix))
-        return factored(matrix)
 
-    monkeypatch.setattr(lapack, "dgetrf", watched)
+def test_where_positions_share_few_nodes_no_factors_are_larger_than_one_of_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(coupled_equations, "as_a_whole", lambda *_: pytest.fail("factors of the whole matrix"))
     dense, coupled = whole(matrix(), np.arange(COUNT))
     numbers = np.arange(len(dense))
-    assert (
-        SimilarEquations().solution(numbers, np.cos(numbers), np.ones(len(dense)), dense.__matmul__, coupled)
-        is not None
-    )
-    assert sizes == [COUNT // POSITIONS + 1] * POSITIONS + [NODES]
+    ones, similar = np.ones(len(dense)), SimilarEquations()
+    assert similar.solution(numbers, np.cos(numbers), ones, 1.0, dense.__matmul__, coupled) is not None
 
 
 @pytest.fixture(scope="module")

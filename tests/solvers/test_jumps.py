@@ -151,5 +151,6 @@ def test_a_core_that_shrinks_wears_by_few_judged_jumps_as_by_many_short_ones(mon
 def test_a_run_resumed_after_every_jump_wears_as_much_and_counts_as_many_cycles() -> None:
     at_once, traced, _ = course(1.0, 100.0)
     resumed, again, _ = course(1.0, 100.0, resumed=True)
-    assert resumed == pytest.approx(at_once, rel=1e-6)
+    # Other first guesses end within what Newton's method leaves of gaps, 1e-5.
+    assert resumed == pytest.approx(at_once, rel=1e-5)
     assert again == traced
