@@ -8,12 +8,14 @@ import pytest
 from scipy.special import ellipk
 
 from geometry import RimGradedAxis
+from tests.simulation.point_contacts import STEEL
 from tests.studies import WEARING, steel_wires
+from wirewear.simulation.control import core_once_worn
 from wirewear.simulation.core_lines import fitted_to_core, punch_stiffness
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.expected_contact import Ellipse
 from wirewear.simulation.plan import core_stages
-from wirewear.test import parse_study
+from wirewear.test import parse_study, study_from_tables
 
 #: Volumes go with about the tenth power of the radius: this is 3 % of them.
 _OFF = 0.003
@@ -50,3 +52,25 @@ def test_meshes_for_a_core_go_with_the_plan_of_a_run_to_other_processes() -> Non
     cores = core_stages(study, "quick", discretise(study, "quick"))
     assert cores is not None
     assert pickle.loads(pickle.dumps(cores))(0.5) == cores(0.5)
+
+
+@pytest.mark.parametrize(("share", "once_worn"), [(0.3, 0.890), (0.6, 0.745), (0.8, 0.609)])
+def test_a_core_under_a_held_load_and_stroke_grows_as_far_as_rings_that_wear_leave_it(
+    share: float, once_worn: float
+) -> None:
+    """Reference: c/a within 0.001, a = 0.11819 mm, by rings worn by Archard's law that slip by Jäger's."""
+    asked = {"normal_load_N": 40.0, "displacement_amplitude_um": 1.0, "frequency_Hz": 1.0, "cycles": 10}
+
+    def grown(springs_mm_per_N: float, **conditions: float) -> float:
+        tables = {
+            "format": 1, "name": "ball", "kind": "ball-on-flat", "conditions": asked | conditions,
+            "bodies": {"ball": {"diameter_mm": 12.7, **STEEL}, "flat": STEEL}, "contact": {"friction": 0.6},
+        }  # fmt: skip
+        stuck = (1.0 - share) ** (1.0 / 3.0)
+        own = 1.5 * (1.0 - stuck**2) / share / 22461.5
+        return core_once_worn(study_from_tables(tables, "s"), stuck, own + springs_mm_per_N)
+
+    fresh = (1.0 - share) ** (1.0 / 3.0)
+    assert grown(0.0) == pytest.approx(once_worn, abs=0.0011)
+    assert grown(2.0 / 22461.5) == pytest.approx(0.5 * (grown(0.0) + fresh), abs=1e-4)
+    assert grown(0.0, held_tangential_force_N=24.0 * share) == grown(0.0, approach_um=2.2) == fresh

@@ -19,7 +19,7 @@ from solvers.contact_state import WearState
 from solvers.transfer import lies_within
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import StudyError
-from wirewear.simulation.control import stated_core
+from wirewear.simulation.control import core_once_worn, stated_core
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, follows
 from wirewear.simulation.expected_contact import ExpectedContact
@@ -207,7 +207,10 @@ class PointMeshes(Meshes):
         if self.for_core is None or not sticking or history.core is not None:
             return None
         core = stuck_share(problem, state)
-        return replace(history, core=core) if 0.0 < core < 1.0 else None
+        if not 0.0 < core < 1.0:
+            return None
+        force_N = abs(float(state.primary_force[:, 0].sum()))
+        return replace(history, core=core_once_worn(self.study, core, abs(float(state.drive)) / force_N))
 
     def moved_nodes(
         self, history: MeshHistory, problem: ContactProblem, state: ContactState, cycle: float, report: Report
