@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from wirewear.base.delimited import DelimitedLayout
+from wirewear.base.delimited import CSV, DelimitedLayout
 from wirewear.base.errors import RecordError
 from wirewear.base.files import DELIMITERS
 from wirewear.base.guessing import GuessedLayout, guessed_layout
@@ -176,18 +176,10 @@ def _that_moves(files: Sequence[GuessedFile], tables: Sequence[DelimitedLayout])
 def spelling_of(layout: DelimitedLayout) -> dict[str, object]:
     """Keys of a mapping that describe a text's layout; defaults are left out."""
     delimiter = next(name for name, sign in DELIMITERS.items() if sign == layout.delimiter)
-    spelled: dict[str, Any] = {"encoding": layout.encoding, "delimiter": delimiter, "decimal": layout.decimal}
-    if layout.header_lines:
-        spelled["header_lines"] = layout.header_lines
-    if not layout.names_line:
-        spelled["names_line"] = False
-    if layout.lines_after_names:
-        spelled["lines_after_names"] = layout.lines_after_names
-    if layout.most_rows is not None:
-        spelled["rows"] = layout.most_rows
-    if layout.blocks:
-        spelled["blocks"] = True
-    return spelled
+    keys = {"header_lines": "header_lines", "names_line": "names_line", "lines_after_names": "lines_after_names"}
+    keys |= {"rows": "most_rows", "blocks": "blocks"}
+    stated = {key: getattr(layout, name) for key, name in keys.items() if getattr(layout, name) != getattr(CSV, name)}
+    return {"encoding": layout.encoding, "delimiter": delimiter, "decimal": layout.decimal, **stated}
 
 
 def _counts_each_once(file: GuessedFile, columns: dict[str, tuple[str | int, str]]) -> bool:
@@ -271,9 +263,3 @@ def _since_an_epoch(text: GuessedFile, name: str | int) -> bool:
     time = text.read({"time_s": {"column": name}})["time_s"]
     # A test that began after so many of its own lengths was not timed from its start.
     return bool(np.nanmin(time) > 1e3 * np.ptp(time[np.isfinite(time)]))
-
-
-def listed_once(files: Sequence[Path]) -> str | list[str]:
-    """Names of the files, sorted, without repetition: one as a text, several as a list."""
-    names = sorted({path.name for path in files})
-    return names if len(names) > 1 else names[0]

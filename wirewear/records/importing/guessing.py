@@ -16,7 +16,7 @@ from wirewear.base.naming import plain
 from wirewear.base.words import as_sentence
 from wirewear.records.importing.guessed_columns import GuessedFile
 from wirewear.records.importing.guessed_conditions import conditions_of
-from wirewear.records.importing.guessed_files import joined, listed_once, looked_into, mapped_columns
+from wirewear.records.importing.guessed_files import joined, looked_into, mapped_columns
 from wirewear.records.importing.guessed_scars import Touching, body_of, listed, map_source, scars_of
 from wirewear.records.importing.height_maps import is_map, matrix_of
 from wirewear.records.importing.sources import name_pattern
@@ -95,10 +95,7 @@ def profiles_of(
         files.setdefault(body, []).append(path.name)
     sources = {}
     for body in (one for one in touching.names if one in found):
-        names = sorted(files[body])
-        pattern = name_pattern(names, has_cycle=True)
-        of_files = {"files": names if len(names) > 1 else names[0]} | ({"name_pattern": pattern} if pattern else {})
-        sources[body] = of_files | found[body]
+        sources[body] = _named_files(sorted(files[body])) | found[body]
     return sources, remarks
 
 
@@ -250,12 +247,7 @@ def loop_source(
             remarks.append(f"the encoding {encoding} is a guess: where the names are garbled, put another one")
     if missing and any(":" in str(own) for own in first.references):
         remarks.append('with one cycle a row, a channel is a group of columns such as "1:128"')
-    files = listed_once([text.path for text in loops])
-    source: dict[str, Any] = {"files": files}
-    pattern = name_pattern(listed(files), has_cycle="cycle" in columns)
-    if pattern is not None:
-        source["name_pattern"] = pattern
-    source |= first.spelling
+    source = _named_files([text.path.name for text in loops], has_cycle="cycle" in columns) | first.spelling
     if len({one.spelling.get("rows") for one in loops}) > 1:
         del source["rows"]
     if "time_s" not in columns and first.sample_rate_Hz is not None:
@@ -274,10 +266,15 @@ def evolution_source(tables: Sequence[GuessedFile], *, per_length: bool = False)
     if not tables:
         return {}, []
     columns, remarks = mapped_columns(tables[0], per_length=per_length)
-    files = listed_once([text.path for text in tables])
-    pattern = name_pattern(listed(files), has_cycle=True)
+    return _named_files([text.path.name for text in tables]) | tables[0].spelling | {"columns": columns}, remarks
+
+
+def _named_files(names: Sequence[str], *, has_cycle: bool = True) -> dict[str, Any]:
+    """Keys of a mapping for files of these names. has_cycle: True if columns number the cycles."""
+    files = sorted(set(names))
+    pattern = name_pattern(files, has_cycle=has_cycle)
     named = {} if pattern is None else {"name_pattern": pattern}
-    return {"files": files} | named | tables[0].spelling | {"columns": columns}, remarks
+    return {"files": files if len(files) > 1 else files[0], **named}
 
 
 def with_files_from(guess: GuessedMapping, home: Path, folder: Path) -> GuessedMapping:
