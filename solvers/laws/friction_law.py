@@ -16,7 +16,7 @@ import numpy as np
 
 from geometry.arrays import Array, IntArray
 from solvers.laws.local_state import LocalState
-from solvers.laws.plugins import law_called, laws_by_name, require_positive
+from solvers.laws.plugins import by_name, law_called, require_positive
 
 # Local coefficients have settled when they change by no more than this share of the largest.
 _SETTLED = 1e-4
@@ -289,7 +289,7 @@ def friction_laws() -> Mapping[str, type[FrictionLaw]]:
 
     Raises SolverError if a package's entry point holds no friction law, or one whose name is taken.
     """
-    return laws_by_name(ENTRY_POINT_GROUP, FrictionLaw, "friction law", LIBRARY)
+    return by_name(LIBRARY, ENTRY_POINT_GROUP, FrictionLaw, "friction law")
 
 
 def friction_law(name: str, parameters: Mapping[str, float]) -> FrictionLaw:

@@ -42,24 +42,33 @@ def installed(
         yield point.value, kind
 
 
+Kind = TypeVar("Kind")
 Law = TypeVar("Law")
 
 
-def laws_by_name(group: str, kind: type[Any], noun: str, library: tuple[type[Law], ...]) -> Mapping[str, type[Law]]:
-    """Every law of a kind by its name: the classes of `library`, then those that installed packages name in an entry
-    point group.
-
-    group, kind, noun: the entry point group, base class and name for messages of such laws, as for `installed`. Raises
-    SolverError if a package's entry point holds no such law, or one whose name is taken.
+def by_name(
+    library: tuple[type[Kind], ...],
+    group: str,
+    base: type[Any],
+    noun: str,
+    home: str = "solvers",
+    needed: tuple[str, ...] = ("name",),
+    problem: Callable[[str], Exception] = SolverError,
+    *,
+    key: str = "name",
+) -> dict[str, type[Kind]]:
+    """Every class of a library, then those that installed packages add, by the attribute `key`. The other arguments are
+    those of `installed`, whose errors are raised, also if a name is taken.
     """
-    found: dict[str, Any] = {_name(law): law for law in library}
-    for place, law in installed(group, kind, noun, "solvers", ("name",), SolverError):
-        if _name(law) in found:
-            raise SolverError(
-                f"the entry point {place} adds a {noun} named {_name(law)!r}, but there is one of that name "
-                "already: uninstall that package, or give its law another name"
+    found = {str(getattr(kind, key)): kind for kind in library}
+    for place, kind in installed(group, base, noun, home, needed, problem):
+        name = str(getattr(kind, key))
+        if name in found:
+            raise problem(
+                f"the entry point {place} adds one more {noun} of the {key} {name!r}, but there is one of that {key} "
+                f"already: uninstall that package, or give it another {key}"
             )
-        found[_name(law)] = law
+        found[name] = kind
     return found
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.errors import SolverError
 from solvers.laws.friction_law import Friction, FrictionLaw, bend_of_power, power_of_pressure
-from solvers.laws.plugins import law_called, laws_by_name, require_positive
+from solvers.laws.plugins import by_name, law_called, require_positive
 
 #: Entry point group in which a package names its subclasses of `WearLaw`.
 ENTRY_POINT_GROUP = "wirewear.wear_laws"
@@ -213,7 +213,7 @@ def wear_laws() -> Mapping[str, type[WearLaw]]:
 
     Raises SolverError if a package's entry point holds no wear law, or one whose name is taken.
     """
-    return laws_by_name(ENTRY_POINT_GROUP, WearLaw, "wear law", LIBRARY)
+    return by_name(LIBRARY, ENTRY_POINT_GROUP, WearLaw, "wear law")
 
 
 def wear_law(name: str, parameters: Mapping[str, float]) -> WearLaw:

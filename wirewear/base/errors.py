@@ -2,11 +2,14 @@
 
 import sys
 import warnings
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from geometry.errors import WirewearError
 
 __all__ = ["WirewearError"]
+
+Error = TypeVar("Error", bound=WirewearError)
 
 
 class KeptNothingWarning(UserWarning):
@@ -49,6 +52,11 @@ class EngineError(WirewearError):
 
 class LostTaskError(EngineError):
     """The process of a task was lost each time the task was started."""
+
+
+def ended(kind: type[Error]) -> Callable[[str], Error]:
+    """A function that makes an error of a kind from a sentence without its full stop."""
+    return lambda sentence: kind(f"{sentence}.")
 
 
 def show_warnings_plainly() -> None:

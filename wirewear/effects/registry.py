@@ -8,8 +8,8 @@ from math import isinf
 
 from rich.table import Table
 
-from solvers.laws.plugins import installed
-from wirewear.base.errors import StudyError
+from solvers.laws.plugins import by_name
+from wirewear.base.errors import StudyError, ended
 from wirewear.base.words import shown
 from wirewear.effects import contact, holder, measurements, sensors, wear
 from wirewear.effects.effect import AnyEffect, Effect
@@ -87,16 +87,8 @@ def all_effects() -> dict[str, EffectType]:
 
 @cache
 def _all_effects() -> dict[str, EffectType]:
-    found = {effect.name: effect for effect in LIBRARY}
     needed = ("name", "seam", "signature", "confused_with")
-    for place, effect in installed(ENTRY_POINT_GROUP, Effect, "effect", "wirewear.effects", needed, _problem):
-        if effect.name in found:
-            raise StudyError(
-                f"the entry point {place} adds an effect named {effect.name!r}, but there is one of that name "
-                "already: uninstall that package, or give its effect another name."
-            )
-        found[effect.name] = effect
-    return found
+    return by_name(LIBRARY, ENTRY_POINT_GROUP, Effect, "effect", "wirewear.effects", needed, ended(StudyError))
 
 
 def effect_named(name: object) -> EffectType:
@@ -107,10 +99,6 @@ def effect_named(name: object) -> EffectType:
     close = get_close_matches(str(name), known, n=1)
     hint = f"did you mean {close[0]!r}?" if close else f"the effects are {', '.join(known)}."
     raise StudyError(f"there is no effect {name!r}: {hint}")
-
-
-def _problem(sentence: str) -> StudyError:
-    return StudyError(f"{sentence}.")
 
 
 def all_measurements() -> tuple[Measurement, ...]:

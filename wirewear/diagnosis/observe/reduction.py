@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.laws.plugins import installed
-from wirewear.base.errors import WirewearError
+from wirewear.base.errors import WirewearError, ended
 from wirewear.diagnosis.observe import channels
 from wirewear.diagnosis.observe.along_branches import KneePeak, PlateauForce, ShelfTravel, Stick
 from wirewear.diagnosis.observe.channels import Energy, LargestForce, SlipAmplitude
@@ -322,7 +322,7 @@ def row_labels() -> dict[str, str]:
 def _all_observables() -> tuple[Observable, ...]:
     found = [kind() for kind in LIBRARY]
     home, needed = "wirewear.diagnosis.observe", ("name", "words", "unit", "zones")
-    for place, kind in installed(ENTRY_POINT_GROUP, Observable, "observable", home, needed, _problem):
+    for place, kind in installed(ENTRY_POINT_GROUP, Observable, "observable", home, needed, ended(WirewearError)):
         one = kind()
         if not _names(*found).isdisjoint(_names(one)):
             raise WirewearError(
@@ -335,7 +335,3 @@ def _all_observables() -> tuple[Observable, ...]:
 
 def _names(*observables: Observable) -> set[str]:
     return {name for one in observables for name in (one.name, *(zone.name for zone in one.zones))}
-
-
-def _problem(sentence: str) -> WirewearError:
-    return WirewearError(f"{sentence}.")

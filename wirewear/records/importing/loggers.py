@@ -15,9 +15,9 @@ import h5py
 import numpy as np
 
 from geometry.arrays import Array
-from solvers.laws.plugins import installed
+from solvers.laws.plugins import by_name
 from wirewear.base.delimited import DelimitedLayout
-from wirewear.base.errors import RecordError
+from wirewear.base.errors import RecordError, ended
 from wirewear.base.files import is_special
 from wirewear.base.hdf5 import require_self_contained
 from wirewear.base.memory import HARMLESS, MOST_EXPANSION, require_room
@@ -319,16 +319,9 @@ def readers() -> Mapping[str, Reader]:
 
     Raises RecordError if a package's entry point is not a reader, or its kind is already used.
     """
-    found: dict[str, Reader] = {kind.kind: kind() for kind in LIBRARY}
-    home = "wirewear.records.importing.text_reader"
-    for place, reader in installed(ENTRY_POINT_GROUP, Reader, "reader", home, ("kind",), _problem):
-        if reader.kind in found:
-            raise RecordError(
-                f"the entry point {place} adds a reader of files of the kind {reader.kind!r}, but there is one "
-                "already: uninstall that package, or give its reader another kind."
-            )
-        found[reader.kind] = reader()
-    return found
+    home, problem = "wirewear.records.importing.text_reader", ended(RecordError)
+    known = by_name(LIBRARY, ENTRY_POINT_GROUP, Reader, "reader", home, ("kind",), problem, key="kind")
+    return {kind: reader() for kind, reader in known.items()}
 
 
 def kind_of(path: Path) -> str:
@@ -344,7 +337,3 @@ def kind_of(path: Path) -> str:
     except OSError as problem:
         raise RecordError(f"{path} cannot be read ({problem.strerror}).") from None
     return next((kind for kind, reader in readers().items() if reader.reads(head)), TextReader.kind)
-
-
-def _problem(sentence: str) -> RecordError:
-    return RecordError(f"{sentence}.")
