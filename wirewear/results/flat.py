@@ -56,14 +56,22 @@ def write_time_series(result: RunResult, folder: Path) -> list[Path]:
 
 
 def _series(folder: Path, result: RunResult, body: str) -> Path:
+    scars = result.scars_of(body)
+    for scar in scars:
+        _write_surface(folder / _surface_file(scar), scar, upper=result.is_upper(body))
+    return write_collection(
+        folder / f"scar_{body}.pvd", [(str(scar.cycle), "0", _surface_file(scar)) for scar in scars]
+    )
+
+
+def write_collection(path: Path, files: Iterable[tuple[str, str, str]]) -> Path:
+    """Write a PVD file over files beside it, each with its time, part and name; return its path."""
     root = ET.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection = ET.SubElement(root, "Collection")
-    for scar in result.scars_of(body):
-        name = _surface_file(scar)
-        _write_surface(folder / name, scar, upper=result.is_upper(body))
-        ET.SubElement(collection, "DataSet", timestep=str(scar.cycle), group="", part="0", file=name)
+    for time, part, name in files:
+        ET.SubElement(collection, "DataSet", timestep=time, group="", part=part, file=name)
     ET.indent(root)
-    return write_bytes(folder / f"scar_{body}.pvd", ET.tostring(root, xml_declaration=True, encoding="utf-8"))
+    return write_bytes(path, ET.tostring(root, xml_declaration=True, encoding="utf-8"))
 
 
 def _surface_file(scar: Scar) -> str:

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree as ET
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,9 +17,10 @@ from rich import box
 from rich.table import Table
 
 from wirewear.base.errors import ResultError
-from wirewear.base.writing import write_bytes, write_csv, write_grid, writing
+from wirewear.base.writing import write_csv, write_grid, writing
 from wirewear.pictures.style import INK, WIDTH_in, cycle_name, new_figure, panel_letters, save
 from wirewear.results import RunResult
+from wirewear.results.flat import write_collection
 from wirewear.stress.bodies import (
     BodyState,
     Tracked,
@@ -87,7 +87,9 @@ def write_fields(
                 if integration_points:
                     points = integration_point_cloud(state)
                     written.append(write_grid(folder / f"{_name(state)}_points.vtp", points))
-        written.append(_write_series(folder / f"cycle_{logged:07d}.pvd", moments))
+        shown = ((state, str(part)) for states in moments for part, state in enumerate(states))
+        of_cycle = [(f"{one.forces.phase[one.position]:.9g}", part, f"{_name(one)}.vtu") for one, part in shown]
+        written.append(write_collection(folder / f"cycle_{logged:07d}.pvd", of_cycle))
     touching = [states for states in moments if any(state.applied.any() for state in states)]
     if pictures:
         for states in tracked(touching, "drawing"):
@@ -110,17 +112,6 @@ def _draw(folder: Path, states: Sequence[BodyState]) -> list[Path]:
         save(lambda: draw_cut(states), folder / f"cut_{place}.png"),
         save(lambda: draw_tractions(states), folder / f"tractions_{place}.png"),
     ]
-
-
-def _write_series(path: Path, moments: Sequence[Sequence[BodyState]]) -> Path:
-    root = ET.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
-    collection = ET.SubElement(root, "Collection")
-    for states in moments:
-        for part, state in enumerate(states):
-            time = f"{state.forces.phase[state.position]:.9g}"
-            ET.SubElement(collection, "DataSet", timestep=time, group="", part=str(part), file=f"{_name(state)}.vtu")
-    ET.indent(root)
-    return write_bytes(path, ET.tostring(root, xml_declaration=True, encoding="utf-8"))
 
 
 def strength_table(strengths: Sequence[Strength]) -> Table:
