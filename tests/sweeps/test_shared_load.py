@@ -202,7 +202,8 @@ def test_contacts_on_a_rig_that_gives_way_move_it_as_the_sum_of_their_forces_doe
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (("at_mm = 4.0", "at_mm = 0.5"), "closer than 1 mm"),
+        (("at_mm = 4.0", "at_mm = 0.4"), "closer than 0.5 mm"),
+        (("at_mm = 4.0", "at_mm = 0.6"), "wires of 1 mm overlap that cross it 0.6 mm apart"),
         (("cycles = 3600", "cycles = 3600\nheld_slip_amplitude_um = 5.0"), "held_slip_amplitude_um"),
         (("[contact]", "[holder]\nnormal_spring_stiffness_N_per_mm = 100.0\n[contact]"), "normal_spring"),
         (("at_mm = 4.0", "at_mm = 4.0\nconditions = { cycles = 3 }"), "cycles is one's own"),

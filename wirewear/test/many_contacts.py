@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import pi
+from math import pi, radians, sin
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -180,11 +180,14 @@ def _held_wire(study: Study) -> Wire:
 
 def _unfit(test: ManyContacts) -> str | None:
     """The rest of a sentence on what does not go with several contacts; None if all does."""
-    study, places, diameter = test.study, test.places_mm, _held_wire(test.study).diameter_mm
+    study, places, nearest = test.study, test.places_mm, 0.5 * _held_wire(test.study).diameter_mm
     if len(places) < 2:
         return "has one alone: leave [[contacts]] out"
-    if np.diff(np.sort(places)).min() < diameter:
-        return f"two of them are closer than {diameter:g} mm, the held wire's diameter, where they feel each other"
+    apart, driven = float(np.diff(np.sort(places)).min()), study.bodies[0]
+    if apart < nearest:
+        return f"two of them are closer than {nearest:g} mm, half the held wire's diameter, where they feel each other"
+    if isinstance(driven, Wire) and apart * sin(radians(study.crossing_angle_deg)) < driven.diameter_mm:
+        return f"driven wires of {driven.diameter_mm:g} mm overlap that cross it {apart:g} mm apart"
     conditions = study.conditions
     held = next((key for key, value in conditions if key.startswith("held_") and value is not None), None)
     own = next((key for one in test.contacts for key in ("normal_load_N", "cycles") if key in one.conditions), None)
