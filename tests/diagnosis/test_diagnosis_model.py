@@ -18,6 +18,7 @@ from tests.diagnosis.layouts import layout
 from tests.worked_examples import install_example
 from wirewear.base.course import Course
 from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate
+from wirewear.diagnosis.infer.covariance import HELD, components
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import SEPARABLE, classes_of, weigh
@@ -120,6 +121,19 @@ def test_a_force_beyond_friction_is_held_by_the_walls_of_the_scar_and_unworn_by_
     assert np.abs(course.tangential_force_N).max(axis=ends)[1] == pytest.approx(held_N, rel=1e-3)
     assert 0.5 * np.ptp(course.displacement_um, axis=ends)[0] == pytest.approx(largest_um)
     assert course.slip_um[1] < 0.5 * largest_um
+
+
+def test_a_stroke_under_a_force_that_walls_hold_is_known_as_well_as_the_walls() -> None:
+    whole, share = layout(), 1.5 / nominal().amplitude_um
+    held = replace(nominal(), held="tangential", held_share=share, largest_um=100.0)
+    course = simulate(states(), held, whole.cycles)
+    (part,) = (one for one in whole if one.observable.name == "amplitude")
+    size = np.sqrt(np.diag(components(states(), held, whole)[HELD])[part.rows])[-1]
+    error_N = 0.061 * ModelLoops(held, course).rise_N(part.sites)[-1]
+    other = simulate(states(), replace(held, held_share=share + error_N / held.amplitude_um), whole.cycles)
+    moved_um = part.observable.predict(other, part.sites) - part.observable.predict(course, part.sites)
+    assert size == pytest.approx(abs(moved_um[-1]), rel=0.3)
+    assert HELD not in components(states(), nominal(), whole)
 
 
 def test_walls_lift_the_wires_against_the_spring_that_presses_them() -> None:

@@ -20,7 +20,7 @@ from geometry.arrays import Array, IntArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe.local_lines import OUTLYING
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
-from wirewear.diagnosis.observe.observable import ModelLoops, Scale
+from wirewear.diagnosis.observe.observable import SLOPE_SHARE, ModelLoops, Scale
 from wirewear.diagnosis.observe.reduction import Layout, Observations, Part
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
@@ -52,7 +52,7 @@ _RELATIVE = {"friction": "friction_factor", "wear": "wear_factor", "load": "load
 FITTED = ("micro_slip",)
 
 #: Names of components that are no observable's.
-HOOKS, OWN = "hooks", "own"
+HOOKS, OWN, HELD = "hooks", "own", "held force"
 _OF_REPEATABILITY = constants("infer.covariance.repeatability")
 
 #: The expected noise counts as so many numbers.
@@ -135,7 +135,8 @@ def remainder(states: WearStates, setup: SurrogateInputs, layout: Layout) -> Arr
 
 
 def components(states: WearStates, setup: SurrogateInputs, layout: Layout) -> dict[str, Array]:
-    """Parts (n, n) of the covariance of `remainder`: of each observable by its name, `HOOKS` and `OWN`.
+    """Parts (n, n) of the covariance of `remainder`: of each observable by its name, `HOOKS`, `OWN` and, where a drive
+    holds a force, `HELD`.
 
     An observable's part is smooth over sites and cycles. `HOOKS`: hooks, which differ as a whole. `OWN`: what the
     reading of a loop leaves uncertain.
@@ -144,6 +145,8 @@ def components(states: WearStates, setup: SurrogateInputs, layout: Layout) -> di
     walls = derivatives(states, setup, layout, {"slope_factor": 1.0})[:, 0]
     shape = (len(layout), len(layout))
     found: dict[str, Array] = {OWN: np.zeros(shape)}
+    if setup.held == "tangential":
+        found[HELD] = _of_held_force(states, setup, layout, loops)
     hooks = walls.copy()
     for part in layout:
         rows, error = part.rows, part.observable.solver_error(loops, part.sites)
@@ -157,6 +160,19 @@ def components(states: WearStates, setup: SurrogateInputs, layout: Layout) -> di
         hooks[rows] *= error.hooked
     found[HOOKS] = HOOK**2 * np.outer(hooks, hooks) * alike(layout.cycle, LASTING_REACH)
     return found
+
+
+def _of_held_force(states: WearStates, setup: SurrogateInputs, layout: Layout, loops: ModelLoops) -> Array:
+    """Covariance (n, n) of what follows from differences in the force at the stroke's ends where walls of the scar
+    carry a held force: of all that it would take another stroke to hold.
+    """
+    rise_N = np.concatenate([loops.rise_N(part.sites) for part in layout])
+    slides = np.isin(layout.cycle, layout.cycles[loops.predicted.slip_um > 0.0])
+    step = 1e-3 * setup.held_share
+    per_N = derivatives(states, setup, layout, {"held_share": step})[:, 0] / (step * setup.amplitude_um)
+    size = np.hypot(HOOK, SLOPE_SHARE) * rise_N * slides * per_N
+    trend = LASTING * alike(layout.cycle, LASTING_REACH) + (1.0 - LASTING) * (layout.cycle[:, None] == layout.cycle)
+    return np.asarray(np.outer(size, size) * trend)
 
 
 def smooth_covariance(layout: Layout, size: Array, scale: Scale) -> Array:
