@@ -54,9 +54,6 @@ DRAWN = {
     "partial_slip.png": (
         "python -m studies.benchmarks.partial_slip --output runs/pictures/partial_slip  # partial_slip.png",
     ),
-    "saddle.png": (
-        "wirewear run studies/saddle/study.toml --fidelity quick --output runs/pictures/saddle  # loads.png",
-    ),
     "scars_3d.png": (_STEEL, "wirewear show runs/pictures/steel  # pictures/scars_3d.png"),
     "yielding_wires.png": (
         "wirewear run studies/yielding_wires/study.toml --fidelity quick --output runs/pictures/yielding",

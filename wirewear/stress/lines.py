@@ -136,25 +136,31 @@ def _drawn(state: InnerState[LineBody], grids: Mapping[str, pyvista.Unstructured
 
 
 def _section(grids: Sequence[pyvista.UnstructuredGrid], half_um: float, title: str) -> Figure:
-    """The bodies whole, and near the contact."""
+    """The bodies whole, and near the contact; of a contact as wide as these, where the stress is largest."""
     largest = max(float(grid.cell_data["von_mises_MPa"].max()) for grid in grids)
     levels = np.linspace(0.0, largest, _LEVELS)
     figure = new_figure(3.2)
-    panels = figure.subplots(1, 2)
     everything = np.vstack([grid.points for grid in grids])
     whole = 0.52 * float(np.ptp(everything[:, [0, 2]], axis=0).max())
-    of_all = "both bodies" if len(grids) > 1 else "the whole body"
-    for axes, half, name in zip(panels, (whole, half_um), (of_all, "near the contact"), strict=True):
+    middle = 0.5 * (everything[:, 2].max() + everything[:, 2].min())
+    views = [(whole, "both bodies" if len(grids) > 1 else "the whole body", (0.0, middle))]
+    if half_um < whole:
+        views.append((half_um, "near the contact", (0.0, 0.0)))
+    else:
+        worst = max(grids, key=lambda grid: float(grid.cell_data["von_mises_MPa"].max()))
+        place = worst.cell_centers().points[worst.cell_data["von_mises_MPa"].argmax()]
+        views.append((0.1 * whole, "where it is largest", (float(place[0]), float(place[2]))))
+    panels = figure.subplots(1, 2)
+    for axes, (half, name, (x, z)) in zip(panels, views, strict=True):
         for grid in grids:
             cut = plane_section(grid)
             values = np.clip(cut.values, 0.0, 0.9999 * largest)
             axes.tricontourf(cut.places, values, levels=levels, cmap=STRESS_COLOURS)
             axes.tricontour(cut.places, cut.values, levels=levels[1:], colors=INK, linewidths=0.3)
-        centre = 0.5 * (everything[:, 2].max() + everything[:, 2].min()) if half == whole else 0.0
         axes.set(
             aspect="equal",
-            xlim=(-half, half),
-            ylim=(centre - half, centre + half),
+            xlim=(x - half, x + half),
+            ylim=(z - half, z + half),
             xlabel="x, along the motion [µm]",
             title=name,
         )
