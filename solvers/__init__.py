@@ -11,6 +11,7 @@ from geometry.lazy import loaded_late
 if TYPE_CHECKING:
     from solvers.adaptive_loop import closed_adaptive_cycle
     from solvers.bulk_stress import BulkStress
+    from solvers.conduction import Conductor, surface_rise
     from solvers.contact import ContactProblem, advance, press, unloaded_state
     from solvers.contact.linearising import stuck_share
     from solvers.contact.problem import misaligned
@@ -73,18 +74,18 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    "Archard", "BulkStress", "Compliance", "CondensedBody", "ContactBody", "ContactLayer", "ContactProblem",
-    "ContactState", "Coulomb", "CycleJump", "CycleTrace", "Drive", "DriveTiming", "EnergyLaw", "EnergyThreshold",
-    "Friction", "FrictionLaw", "Guide", "Holder", "HolderElements", "IncrementReport", "JumpController", "JumpStep",
-    "LoadCycle", "LocalField", "LocalState", "LogarithmicRate", "NotConvergedError", "OxygenDistance", "OxygenSupply",
-    "PatchLeftError", "PlacedBody", "PowerOfPressure", "PowerReduced", "PressureLimit", "Rate", "RoughLayer",
-    "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer", "Symmetry", "ThirdBody", "Waveform",
-    "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "bare_depth", "bulk_work", "change_by_work",
-    "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened",
-    "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error", "mirrored_prints", "misaligned",
-    "move_stuck", "place", "press", "remeshed", "restarted", "run_cycle", "settled", "sticks_throughout", "stuck_share",
-    "symmetry_of", "take_step", "traced_quarter", "transferred", "transferred_wear", "trapezoidal", "triangular",
-    "unloaded_state", "wear_laws",
+    "Archard", "BulkStress", "Compliance", "CondensedBody", "Conductor", "ContactBody", "ContactLayer",
+    "ContactProblem", "ContactState", "Coulomb", "CycleJump", "CycleTrace", "Drive", "DriveTiming", "EnergyLaw",
+    "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder", "HolderElements", "IncrementReport",
+    "JumpController", "JumpStep", "LoadCycle", "LocalField", "LocalState", "LogarithmicRate", "NotConvergedError",
+    "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure", "PowerReduced",
+    "PressureLimit", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer",
+    "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "bare_depth",
+    "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing",
+    "first_quarter", "flattened", "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error",
+    "mirrored_prints", "misaligned", "move_stuck", "place", "press", "remeshed", "restarted", "run_cycle", "settled",
+    "sticks_throughout", "stuck_share", "surface_rise", "symmetry_of", "take_step", "traced_quarter", "transferred",
+    "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_laws",
 ]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

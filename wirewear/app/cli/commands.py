@@ -1,8 +1,8 @@
 """All commands: importing a module adds its commands to the group."""
 
-from wirewear.app.cli import fit, life, loops, new, records, strand, stress, studies, sweeps
+from wirewear.app.cli import fit, heat, life, loops, new, records, strand, stress, studies, sweeps
 from wirewear.app.cli.group import cli, default_output
 
 __all__ = [
-    "cli", "default_output", "fit", "life", "loops", "new", "records", "strand", "stress", "studies", "sweeps",
+    "cli", "default_output", "fit", "heat", "life", "loops", "new", "records", "strand", "stress", "studies", "sweeps",
 ]  # fmt: skip
