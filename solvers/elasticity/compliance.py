@@ -242,9 +242,11 @@ class MirroredCompliance:
 
 
 def displacement_at(pairing: Pairing, primary: PlacedBody, secondary: PlacedBody, forces: tuple[Array, Array]) -> Array:
-    """Mean displacement (k, 3) in mm of the upper relative to the lower body at a pairing's nodes, in world axes.
+    """Displacement (k, 3) in mm of the upper relative to the lower body, in world axes: means over the part of the
+    surface that each of a pairing's k nodes stands for.
 
-    forces: (n, 3) nodal forces in N on (primary, secondary), with the sign of the force on the upper body.
+    forces: in N on the nodes of each body's own patch, of the primary and of the secondary, each (n, 3) with its own n
+    and with the sign of the force on the upper body.
     """
     return PairedCompliance(pairing, pairing, (primary, secondary), forces).old
 

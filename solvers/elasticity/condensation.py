@@ -117,8 +117,9 @@ def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: In
 
 
 def held_of_ring(mesh: HexMesh | QuadMesh, gripped: IntArray) -> BoolArray | None:
-    """(1, 3 n) True for unknowns of a ring that are held: those on its axis, and of its grip those along the axis and
-    around it, so that its ends are free to widen. None for a mesh that is no ring.
+    """(1, 3 n) True for displacements of a ring (a planar mesh turned about an axis along x) that are held: at nodes on
+    the axis those across and around it, at gripped nodes those along and around it, so that the ends are free to widen.
+    None for a mesh that is no ring.
     """
     if not isinstance(mesh, QuadMesh) or mesh.axis_mm is None:
         return None

@@ -55,8 +55,8 @@ def sliding_stress(
     peak_shear_MPa: float,
     poissons_ratio: float,
 ) -> Array:
-    """Stresses (..., 6) in MPa in a half-space under a pressure p0 √(1 − r²/a²) and a shear q0 √(1 − r²/a²) along +x: a
-    sliding sphere for q0 = µ p0.
+    """Stresses (..., 6) in MPa (xx, yy, zz, xy, yz, xz; tension positive) in a half-space z ≥ 0 under a pressure
+    p0 √(1 − r²/a²) and a shear q0 √(1 − r²/a²) along +x: a sliding sphere for q0 = µ p0.
 
     The largest tension is on the surface at the trailing edge x = −a: p0 (1 − 2ν)/3 + q0 π (4 + ν)/8 (Hamilton, Proc.
     Inst. Mech. Eng. 197C (1983) 53). Raises ValueError for a radius that is not positive, or a point above the surface.

@@ -46,7 +46,9 @@ class Forecast:
 
 
 def sizes_of(sweep: Sweep) -> np.ndarray:
-    """Sizes of all runs (n,), interpolated between 200 of them at most; NaN for all if no run can be planned."""
+    """Size of each run (n,): the root of the bytes that it needs, which grows as its number of unknowns; interpolated
+    between 200 planned ones at most; NaN for all if none can be planned.
+    """
     count = len(sweep)
     # Runs that are planned to know the sizes of all.
     planned = np.unique(np.linspace(0, count - 1, min(count, 200)).round().astype(int))

@@ -56,7 +56,8 @@ class Candidate:
         """The effect of this class as a candidate for a test, its parameters and forms as they are expected there.
 
         stated: values of the test, from which parameters may be scaled. chosen: words by their names; defaults if None.
-        scales: factors on expected sizes by unit; 1 if missing. contact: kind of contact.
+        scales: by the unit of a parameter, as "N_per_mm", a factor on the sizes that are expected of it; 1 if missing.
+        contact: kind of contact.
         """
         known = {
             name: described.beside(stated).scaled((scales or {}).get(described.quantity.unit, 1.0))

@@ -61,8 +61,8 @@ def lines_to_fill_in(text: str) -> str:
 
 
 def require_mapping(path: Path) -> None:
-    """Raise RecordError, in one sentence, if a file is of another kind, such as a study or a record, or has open
-    lines.
+    """Raise RecordError, in one sentence, if a file is of another kind, such as a study or a record, or still has
+    lines to be filled in.
     """
     require_no_other(path, RecordError, Held.MAPPING)
     if path.is_file() and (left := lines_to_fill_in(read_text(path, RecordError))):
