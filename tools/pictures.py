@@ -45,6 +45,10 @@ DRAWN = {
         "wirewear new --mapping runs/pictures/log/loops.csv --diameter 0.45",
         "wirewear import runs/pictures/log/mapping.toml --dry-run --output runs/pictures/log/a  # ../a_first_loop.png",
     ),
+    "heat.png": (
+        _STEEL,
+        "wirewear heat runs/pictures/steel --conductivity 46 --heat-capacity 3.6 --cycle 1000  # heat/heat.png",
+    ),
     "inside.png": (_STEEL, "wirewear fields runs/pictures/steel --cycle 100  # fields/section_0000100_016.png"),
     "mechanism.png": ("python -m studies.rope_wires.mechanism --output runs/pictures/mechanism  # mechanism.png",),
     "mesh.png": (f"{_MESH}  # mesh.png",),
