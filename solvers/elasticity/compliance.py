@@ -242,11 +242,8 @@ class MirroredCompliance:
 
 
 def displacement_at(pairing: Pairing, primary: PlacedBody, secondary: PlacedBody, forces: tuple[Array, Array]) -> Array:
-    """Displacement (k, 3) in mm of the upper relative to the lower body, in world axes: means over the part of the
-    surface that each of a pairing's k nodes stands for.
-
-    forces: in N on the nodes of each body's own patch, of the primary and of the secondary, each (n, 3) with its own n
-    and with the sign of the force on the upper body.
+    """Displacement (k, 3) in mm of the upper relative to the lower body, in world axes: means over what each of the
+    pairing's k nodes stands for. forces: (n, 3) in N on each patch's own n nodes, signed as those on the upper body.
     """
     return PairedCompliance(pairing, pairing, (primary, secondary), forces).old
 

@@ -122,14 +122,12 @@ def _cells(scar: Scar, forces: ContactForces) -> tuple[Array, Array, Callable[[A
     proportion to the force per area between nodes.
     """
     rows, columns = np.unravel_index(forces.nodes, scar.depth_um.shape)
-    length = None if scar.length_mm is None else 1e3 * scar.length_mm
     lines = (scar.axial_um, scar.transverse_um)
+    # A line contact has one line, which stands for all of its length.
     ends = [
-        (own[max(at.min() - 1, 0)], own[min(at.max() + 1, len(own) - 1)])
-        for own, at in zip(lines, (rows, columns), strict=True)
+        (own[max(at.min() - 1, 0)] - beyond, own[min(at.max() + 1, len(own) - 1)] + beyond)
+        for own, at, beyond in zip(lines, (rows, columns), (0.0, 500.0 * (scar.length_mm or 0.0)), strict=True)
     ]
-    if length is not None:
-        ends[1] = (-0.5 * length, 0.5 * length)
     cell = max(high - low for low, high in ends) / _CELLS
     middles = [
         0.5 * (low + high) + cell * (np.arange(count) - 0.5 * (count - 1))
