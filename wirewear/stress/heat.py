@@ -26,6 +26,7 @@ from wirewear.base.writing import write_csv, writing
 from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.results import ContactForces, RunResult, Scar
 from wirewear.stress.averaging import linear_weights
+from wirewear.test.lengths import extent_of
 
 _MOMENTS = 96  # Of a cycle: a sliding contact passes less than a fifteenth of its stroke between two of them.
 _CELLS = 96  # Along the longer side of the heated part of a surface.
@@ -126,7 +127,7 @@ def _cells(scar: Scar, forces: ContactForces) -> tuple[Array, Array, Callable[[A
     # A line contact has one line, which stands for all of its length.
     ends = [
         (own[max(at.min() - 1, 0)] - beyond, own[min(at.max() + 1, len(own) - 1)] + beyond)
-        for own, at, beyond in zip(lines, (rows, columns), (0.0, 500.0 * (scar.length_mm or 0.0)), strict=True)
+        for own, at, beyond in zip(lines, (rows, columns), (0.0, 1e3 * extent_of(scar.length_mm).half_mm), strict=True)
     ]
     cell = max(high - low for low, high in ends) / _CELLS
     middles = [

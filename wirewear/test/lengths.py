@@ -76,6 +76,11 @@ class Extent:
         return 1.0
 
     @property
+    def half_mm(self) -> float:
+        """By how much a contact reaches beyond its outermost computed lines across the motion: 0 at a point."""
+        return 0.0
+
+    @property
     def said(self) -> str:
         """Part of a contact that forces and energies belong to, as "10 mm of the contact"; empty at a point."""
         return ""
@@ -106,6 +111,10 @@ class Length(Extent):
     @property
     def share(self) -> float:
         return 1.0 / self.length_mm
+
+    @property
+    def half_mm(self) -> float:
+        return 0.5 * self.length_mm
 
     @property
     def said(self) -> str:
