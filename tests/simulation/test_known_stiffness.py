@@ -11,10 +11,13 @@ from geometry.mesh_files import digest_of
 from geometry.own_surface import MeshSource
 from geometry.stiffness_files import of_stiffness, read_stiffness
 from wirewear.base.errors import StudyError
+from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.problem import condensed_body, write_condensed
+from wirewear.simulation.workbench import write_meshes
 from wirewear.test.study import load_study, point_study
 
 STEEL = Elastic(210e3, 0.3)
+BODY = {"youngs_modulus_MPa": 210e3, "poissons_ratio": 0.3}
 AXIS = GradedAxis(0.1, 0.1, 0.1, 0.2)
 BLOCK = BlockGeometry(0.2, 0.1, 1.5, 1.5, 1.5, AXIS, AXIS, 0.5)
 
@@ -50,6 +53,20 @@ def test_a_body_whose_stiffness_is_written_and_read_back_is_the_same_body(writte
     np.testing.assert_allclose((barrel.curvature_along_per_mm, barrel.curvature_across_per_mm), (0.2, 0.1), rtol=1e-9)
     if ending == ".npz":
         np.testing.assert_allclose(geometry.layers, BLOCK.layers, rtol=1e-12)
+
+
+@pytest.mark.seconds
+def test_a_stiffness_that_a_study_writes_serves_that_study(tmp_path: Path) -> None:
+    bodies = {"lower": {"shape": "flat", **BODY}, "upper": {"shape": "ball", "diameter_mm": 6.0, **BODY}}
+    tables = {
+        "format": 1, "name": "s", "kind": "point-contact", "bodies": bodies, "contact": {"friction": 0.6},
+        "conditions": {"normal_load_N": 5.0, "displacement_amplitude_um": 20.0, "frequency_Hz": 3.0, "cycles": 1000},
+        "wear": {"energy_wear_coefficient_mm3_per_J": 2e-5},
+    }  # fmt: skip
+    write_meshes(point_study(tables, "s"), "quick", tmp_path, "npz")
+    known = {"shape": "stiffness", "file": str(tmp_path / "lower.npz"), "contact": "contact", "held": "grip", **BODY}
+    meshes = PointRun.of(point_study(tables | {"bodies": bodies | {"lower": known}}, "s"), "quick").meshes
+    assert (len(meshes.stages), meshes.sticking) == (1, None)
 
 
 @pytest.mark.parametrize(

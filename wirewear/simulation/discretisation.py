@@ -24,6 +24,7 @@ from wirewear.simulation.expected_contact import (
 )
 from wirewear.test import Body, Study
 from wirewear.test.fidelity import WIRE_LEVELS, WireLevel, level_of
+from wirewear.test.own_bodies import StiffBody
 
 #: The predicted scar is enlarged by this factor to give the finely meshed patch.
 SCAR_MARGIN = 1.2
@@ -144,10 +145,13 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None, core:
 
 
 def follows(study: Study, fidelity: str) -> bool:
-    """True if meshes may follow the scar: the study states no mesh sizes of its own, nor asks for one mesh."""
+    """True if meshes may follow the scar: the study states no mesh sizes of its own, nor asks for one mesh, nor has a
+    body of known stiffness, whose nodes are given.
+    """
     chosen = study.fidelity(fidelity)
     given = (study.mesh.scar_half_width_um, chosen.contact_mesh_um, chosen.outer_mesh_um)
-    return study.mesh.follow_scar and all(size is None for size in given)
+    may = study.mesh.follow_scar and not any(isinstance(body, StiffBody) for body in study.bodies)
+    return may and all(size is None for size in given)
 
 
 def _require_stable_update(study: Study, expected: ExpectedContact, element_mm: float, increments: int) -> None:

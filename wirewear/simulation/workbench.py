@@ -44,15 +44,15 @@ def write_meshes(study: Study, fidelity: str, folder: Path, ending: str = "vtu")
     supports to a folder; return the files.
 
     ending: a mesh format, or "npz" for the condensed stiffness of each body, without pictures. If the meshes follow the
-    scar, those of the last stage are written and the first one is drawn as well. Of a study with variants, the mesh of
-    the study as a whole is written. Raises StudyError if the study cannot be discretised, GeometryError if the mesh is
-    distorted, and ResultError if the files cannot be written.
+    scar, those of the last stage are written and the first one is drawn as well; stiffnesses are of one mesh for the
+    whole test. Of a study with variants, the mesh of the study as a whole is written. Raises StudyError if the study
+    cannot be discretised, GeometryError if the mesh is distorted, and ResultError if the files cannot be written.
     """
     from wirewear.pictures import body_meshes, save, surface_fields
     from wirewear.pictures.own_body import own_body
     from wirewear.pictures.supports import supports
 
-    run = PointRun.of(study, fidelity)
+    run = PointRun.of(study if ending != "npz" else study.with_values({"mesh.follow_scar": False}), fidelity)
     run.require_affordable()
     first, *others = run.meshes.stages
     last = others[-1] if others else first
