@@ -55,7 +55,7 @@ def test_a_body_whose_stiffness_is_written_and_read_back_is_the_same_body(writte
         np.testing.assert_allclose(geometry.layers, BLOCK.layers, rtol=1e-12)
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_a_stiffness_that_a_study_writes_serves_that_study(tmp_path: Path) -> None:
     bodies = {"lower": {"shape": "flat", **BODY}, "upper": {"shape": "ball", "diameter_mm": 6.0, **BODY}}
     tables = {
