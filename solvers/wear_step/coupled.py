@@ -18,6 +18,7 @@ from scipy.linalg import get_lapack_funcs, lapack
 from scipy.sparse import csr_matrix
 
 from geometry.arrays import Array, IntArray
+from solvers.jit_cache import compiled
 
 _RESIDUAL = 1e-12  # Of the right-hand side: what is left of equations that count as solved.
 # New factors cost no more than so many products, and than one product for every so many unknowns.
@@ -52,14 +53,24 @@ class Coupled:
 def as_a_whole(coupled: Coupled, precision: type) -> _Solver | None:
     """Solver of the equations by one dense matrix; None where they are singular."""
     getrf, getrs = get_lapack_funcs(("getrf", "getrs"), dtype=precision)
-    size = coupled.opened.shape[0]
-    count = size + len(coupled.blocks)
+    count = coupled.opened.shape[0] + len(coupled.blocks)
     matrix = np.zeros((count, count), dtype=precision, order="F")
-    matrix[:size, :size] = (coupled.opened @ coupled.worked.T).toarray()
+    opened, worked = coupled.opened, coupled.worked.tocsc()
+    _join(matrix, (opened.indptr, opened.indices, opened.data), (worked.indptr, worked.indices, worked.data))
     for own, block in zip(coupled.places, coupled.blocks, strict=True):
         matrix[np.ix_(own, own)] += block
     lu, pivots, singular = getrf(matrix, overwrite_a=True)
     return None if singular else lambda rhs: getrs(lu, pivots, rhs)[0]
+
+
+@compiled
+def _join(matrix: Array, opened: tuple[IntArray, IntArray, Array], worked: tuple[IntArray, IntArray, Array]) -> None:
+    """Add opened times the transpose of worked to the matrix; both sparse, by rows and by columns."""
+    for i in range(len(opened[0]) - 1):
+        for entry in range(opened[0][i], opened[0][i + 1]):
+            node = opened[1][entry]
+            for other in range(worked[0][node], worked[0][node + 1]):
+                matrix[i, worked[1][other]] += opened[2][entry] * worked[2][other]
 
 
 def position_by_position(coupled: Coupled, precision: type) -> _Solver | None:
