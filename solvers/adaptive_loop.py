@@ -213,7 +213,8 @@ class _Walk:
                 step, growth = refused[0][0], 1.0
             else:
                 # A force that bends ever more goes on doing so, up to where the contact slides.
-                growth = _change(ahead * _trend(bends, bend), allowed)
+                trend = float(np.clip(bend / bends[-1], 1.0, 4.0)) if bends and bends[-1] > 0.0 else 1.0
+                growth = _change(ahead * trend, allowed)
             steps.append(step)
             bends.append(bend)
             on_the_way_out = proposed is not None and not refused
@@ -258,11 +259,6 @@ def _bend(behind: _Step, ahead: _Step) -> float:
     Twice that of a parabola, since the bend may be sharp.
     """
     return abs(ahead.slope - behind.slope) / (2.0 * (behind.length + ahead.length))
-
-
-def _trend(bends: Sequence[float], bend: float) -> float:
-    """Expected ratio of the bends in the next step and in this one, from 1 to 4; bends: of the steps before."""
-    return float(np.clip(bend / bends[-1], 1.0, 4.0)) if bends and bends[-1] > 0.0 else 1.0
 
 
 def _force(state: ContactState) -> float:

@@ -21,6 +21,7 @@ _COMMENT, _PERHAPS = re.compile(r"\s*(?:!|%|//|#\s)"), re.compile(r"\s*[#;*]")
 _WORD = re.compile(r"[^\W\d_]{2}")
 
 _COUNT = r"(\d+(?:[,.'’ \xa0\u202f]\d{3})*(?:[.,]\d+)?(?:e\+?\d+|\s*[x×·*]\s*10\s?\^?\d+)?)\s*(k|mio|m)?"
+_THOUSANDS = re.compile(_COUNT)  #: "5k", which needs no word beside it.
 
 
 def _patterns(key: str) -> tuple[re.Pattern[str], re.Pattern[str]]:
@@ -33,7 +34,6 @@ def _patterns(key: str) -> tuple[re.Pattern[str], re.Pattern[str]]:
     )
 
 
-_THOUSANDS = re.compile(_COUNT)  #: "5k", which needs no word beside it.
 _COUNTS = {key: _patterns(key) for key in NUMBER_WORDS}
 
 

@@ -213,7 +213,9 @@ def _carried_on(scar: Scar, values: Array, least: float) -> tuple[BoolArray, Arr
         neighbour = _from(values, step_a, step_t)
         slope = neighbour - _from(neighbour, step_a, step_t)
         near += counts * neighbour
-        beyond += counts * (neighbour + slope * _lengthening(scar, step_a, step_t))
+        (a_near, a_far), (t_near, t_far) = _spans(scar.axial_um, step_a), _spans(scar.transverse_um, step_t)
+        lengthening = np.hypot(a_near[:, None], t_near) / np.hypot(a_far[:, None], t_far)
+        beyond += counts * (neighbour + slope * lengthening)
         count += counts
     count = np.maximum(count, 1.0)
     return inside, near / count, beyond / count
@@ -223,13 +225,6 @@ def _from(values: Array, step_a: int, step_t: int) -> Array:
     """Value of the neighbour at this step from each point; zero beyond the grid's edge."""
     padded = np.pad(values, 1)
     return padded[1 + step_a :, 1 + step_t :][: values.shape[0], : values.shape[1]]
-
-
-def _lengthening(scar: Scar, step_a: int, step_t: int) -> Array:
-    """Distance of each point to a neighbour, over that from the neighbour to the next point in line, (n_a, n_t)."""
-    (a_near, a_far), (t_near, t_far) = _spans(scar.axial_um, step_a), _spans(scar.transverse_um, step_t)
-    near = np.hypot(a_near[:, None], t_near[None, :])
-    return np.asarray(near / np.hypot(a_far[:, None], t_far[None, :]))
 
 
 def _spans(line: Array, step: int) -> tuple[Array, Array]:

@@ -51,7 +51,9 @@ def impossible_loads(
     low, high = _extents(loops).T
     middle = np.array([median_load_N(loop) for loop in loops])
     known = np.isfinite(middle)
-    exchanged = (low < 0.0) & (high > 0.0) & (np.abs(high + low) < high - low) & _one_signed(loops)
+    least, most = np.array([_quantiles(loop.tangential_force_N) for loop in loops]).reshape(-1, 2).T
+    one_signed = (least > 0.0) | (most < 0.0)
+    exchanged = (low < 0.0) & (high > 0.0) & (np.abs(high + low) < high - low) & one_signed
     largest = np.maximum(np.abs(low), np.abs(high))
     nothing = known & (largest < NOTHING * load_N)
     negative = known & ~exchanged & ~nothing & (high <= NOTHING * largest)
@@ -102,9 +104,3 @@ def median_load_N(loop: MeasuredLoop) -> float:
     """Median of a loop's normal force in N; NaN if not measured."""
     values = np.empty(0) if loop.normal_force_N is None else loop.normal_force_N[np.isfinite(loop.normal_force_N)]
     return float(np.median(values)) if values.size else np.nan
-
-
-def _one_signed(loops: Sequence[MeasuredLoop]) -> BoolArray:
-    """True for each loop (n,) whose tangential force never changes sign."""
-    low, high = np.array([_quantiles(loop.tangential_force_N) for loop in loops]).reshape(-1, 2).T
-    return np.asarray((low > 0.0) | (high < 0.0))

@@ -9,7 +9,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import ValidationError
@@ -273,7 +273,10 @@ def _checked(data: dict[str, Any], text: str, path: Path, model: type[Model]) ->
     strange = [keys for keys in unknown if not _looks_misspelt(keys, data, model)]
     rest = copy.deepcopy(data)
     for *table, key in strange:
-        del _below(rest, table)[str(key)]
+        here: Any = rest
+        for name in table:
+            here = here[name]
+        del here[key]
     try:
         tables = model.model_validate(rest)
     except ValidationError as error:
@@ -288,13 +291,6 @@ def _passed_over(keys: Sequence[int | str], text: str, path: Path) -> str:
     *table, key = keys
     home = f"[{'.'.join(map(str, table))}]" if table else "the file"
     return f"{path.name}, line {_position(text, keys)[0]}: the unknown key {shown(key)} in {home} was passed over"
-
-
-def _below(data: dict[str, Any], table: Sequence[int | str]) -> dict[str, Any]:
-    here: Any = data
-    for key in table:
-        here = here[key]
-    return cast("dict[str, Any]", here)
 
 
 def _looks_misspelt(keys: Sequence[int | str], data: Mapping[str, Any], model: type[Table]) -> bool:

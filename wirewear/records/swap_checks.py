@@ -101,7 +101,9 @@ def exchanged_loops(checked: CheckedRecord) -> Iterator[Remark]:
         off = values - expected
         known = np.isfinite(off)
         if np.count_nonzero(known) >= FEWEST:
-            deviation = _deviation(off[known])
+            # By the median, so that misplaced loops do not count.
+            spread = np.median(np.abs(off[known] - np.median(off[known])))
+            deviation = max(1.4826 * float(spread), FINEST)
             misfits.append((values / deviation, expected / deviation))
     if not misfits:
         return
@@ -148,13 +150,6 @@ def _expected(checked: CheckedRecord, name: str, values: Array, repeat: Numbers,
 
 def _medians(values: Array, group: Numbers) -> Array:
     return np.array([np.median(values[group == own]) for own in group])
-
-
-def _deviation(off: Array) -> float:
-    """Robust standard deviation of differences (n,), by their median, so that misplaced loops do not count; at least
-    FINEST.
-    """
-    return max(1.4826 * float(np.median(np.abs(off - np.median(off)))), FINEST)
 
 
 def _other_order(energies: Array, expected: dict[str, Array]) -> str | None:

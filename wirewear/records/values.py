@@ -22,7 +22,7 @@ from wirewear.records.tables import RecordTables, StatedRig
 from wirewear.test import study_from_tables
 from wirewear.test.conditions import held_by
 from wirewear.test.messages import validated
-from wirewear.test.programme import CycleBlock, Schedule, worked_course
+from wirewear.test.programme import Schedule, worked_course
 
 #: What changes over the cycles, as keys of `[stated]` and as effects of a study.
 _EVOLUTIONS = ("friction_evolution", "wear_rate_evolution")
@@ -78,6 +78,10 @@ def stated_tables(tables: AnyTables, friction: float) -> dict[str, object]:
     wear = {key: stated[key] for key in (*type(tables.stated).WEAR, "law") if key in stated}
     wears = any("_wear_coefficient_" in key for key in wear)
     effects = [{"name": key, **stated[key]} for key in _EVOLUTIONS if key in stated]
+    programme = [
+        {"cycles": block.cycles, **block.values, **({"name": block.name} if block.name else {})}
+        for block in tables.programme
+    ]
     data: dict[str, Any] = {
         "format": 1,
         "name": tables.name,
@@ -87,15 +91,10 @@ def stated_tables(tables: AnyTables, friction: float) -> dict[str, object]:
         "holder": rig or {"tangential_stiffness_N_per_mm": "rigid"},
         **({"wear": wear} if wears else {}),
         **({"effects": effects} if effects else {}),
-        **({"programme": [_stated_block(block) for block in tables.programme]} if tables.programme else {}),
+        **({"programme": programme} if programme else {}),
     }
     whole: dict[str, Any] = tables.with_bodies(data)
     return whole
-
-
-def _stated_block(block: CycleBlock) -> dict[str, Any]:
-    """Block of a record's programme as a table of a study's programme."""
-    return {"cycles": block.cycles, **block.values, **({"name": block.name} if block.name else {})}
 
 
 @dataclass(frozen=True, eq=False)

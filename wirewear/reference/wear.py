@@ -276,7 +276,8 @@ def turned_load(profile: Profile, radius_mm: float, modulus_MPa: float) -> float
 def _stacked(profile: Profile, reach_mm: float, power: int) -> float:
     nodes, weights = _rule()
     t = reach_mm * np.sin(0.25 * math.pi * (nodes + 1.0))
-    return float(0.25 * math.pi * (weights @ (t**power * _steepness(profile, t))))
+    steepness = -profile.slope(np.column_stack([t, np.zeros_like(t)]))[:, 0]
+    return float(0.25 * math.pi * (weights @ (t**power * steepness)))
 
 
 def even_line_contact(
@@ -382,7 +383,3 @@ def _rule() -> tuple[Array, Array]:
 
 def _fall(profile: Profile, x_mm: Array) -> Array:
     return np.asarray(-profile.height(np.column_stack([x_mm, np.zeros_like(x_mm)])))
-
-
-def _steepness(profile: Profile, x_mm: Array) -> Array:
-    return np.asarray(-profile.slope(np.column_stack([x_mm, np.zeros_like(x_mm)]))[:, 0])

@@ -90,7 +90,10 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None, core:
     contact's axes that sticks and that mesh lines are fitted to, None for any lines. Raises StudyError if the fine
     patch would not fit on a body, or the contact would leave it during the stroke.
     """
-    level, chosen = _level_of(study, fidelity), study.fidelity(fidelity)
+    level, chosen = level_of(WIRE_LEVELS, fidelity), study.fidelity(fidelity)
+    # A finer mesh may have more unknowns.
+    allowed = round(level.most_unknowns * chosen.mesh_refinement**2)
+    level = replace(level.coarser(1.0 / chosen.mesh_refinement), most_unknowns=allowed)
     expected = expected_contact(study, sticks=sticks)
     if expected.sticks and (expected.face is None or study.wear is not None):
         level = level.for_sticking(wears=study.wear is not None)
@@ -171,12 +174,6 @@ def _require_stable_update(study: Study, expected: ExpectedContact, element_mm: 
             f"update diverges beyond {limit:.3g} cycles; take at most {0.5 * limit:.2g}, "
             'or update = "implicit", which has no limit'
         )
-
-
-def _level_of(study: Study, fidelity: str) -> WireLevel:
-    """A level of fidelity with the study's refinement of the mesh, which also raises the number of unknowns allowed."""
-    level, refinement = level_of(WIRE_LEVELS, fidelity), study.fidelity(fidelity).mesh_refinement
-    return replace(level.coarser(1.0 / refinement), most_unknowns=round(level.most_unknowns * refinement**2))
 
 
 @dataclass(frozen=True)

@@ -245,17 +245,12 @@ def fast_fit(states: WearStates, setup: SurrogateInputs, tests: LoopsOfTests) ->
     return running if gain > EVIDENCE and change > LEAST_CHANGE else constant
 
 
-def _bounds(count: int, tests: LoopsOfTests) -> tuple[Array, Array]:
-    low, high = (np.full(count, np.log(end)) for end in FRICTIONS)
-    if count > 2:
+def _fitted(states: WearStates, setup: SurrogateInputs, tests: LoopsOfTests, start: Array) -> FastFit:
+    low, high = (np.full(start.size, np.log(end)) for end in FRICTIONS)
+    if start.size > 2:
         # Running-in takes at most so many times the test.
         low[2], high[2] = 0.0, np.log(10.0 * tests.cycles[-1])
     low[-1], high[-1] = 0.0, np.inf
-    return low, high
-
-
-def _fitted(states: WearStates, setup: SurrogateInputs, tests: LoopsOfTests, start: Array) -> FastFit:
-    low, high = _bounds(start.size, tests)
     start = np.clip(start, low + 1e-9, high - 1e-9)
 
     def modelled(coordinates: Array) -> Array:

@@ -83,7 +83,8 @@ def fit_record(
     varies = tables.conditions.load_cycle is not None
     sticking = None if varies else without_plateau.fitted_sticking(record, rigid)
     if sticking is not None:
-        return _of_sticking(record, sticking, given)
+        worn, found, notes = wear.fitted_wear(record, given)
+        return _without_fast_fit(record, sticking.parameters | worn, found, [sticking.note, *notes])
     if without_plateau.needs_search(record):
         return _of_search(record, given, observer_of, stage)
     with stage("checking the record"):
@@ -130,12 +131,6 @@ def _of_search(
     if energy_J is not None:
         worn, found, notes = wear.fitted_wear(record, given, energy_J)
     return _without_fast_fit(record, parameters | worn, found, [*limits, *notes])
-
-
-def _of_sticking(record: AnyRecord, sticking: without_plateau.StickingFit, given: wear.GivenWear | None) -> FittedTest:
-    """Fit of a test in partial slip, without the fast model."""
-    worn, found, notes = wear.fitted_wear(record, given)
-    return _without_fast_fit(record, sticking.parameters | worn, found, [sticking.note, *notes])
 
 
 def _without_fast_fit(

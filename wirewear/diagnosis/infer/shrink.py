@@ -160,7 +160,10 @@ def splits(layout: Layout) -> Iterator[Split]:
     loops = layout.of_kind(AlongBranch)
     scars = layout.marked(part for part in layout if part.observable.of_scars)
     if scars.all():
-        yield from _of_profiles(layout)
+        level = np.concatenate([part.sites.level for part in layout])
+        order = np.argsort(np.argsort(level, kind="stable"), kind="stable")
+        test = order // 2 % 2 == 1
+        yield Split((int(layout.cycle.max()),), test, ~test, scar=STRETCHES)
         return
     chosen = held_out_cycles(layout.cycle[loops])
     for place, held in enumerate(chosen):
@@ -176,14 +179,6 @@ def splits(layout: Layout) -> Iterator[Split]:
     if len(names) > 1:
         of_held = scars & layout.of_body(name := [*names][-1])
         yield Split((int(layout.cycle[of_held].max()),), of_held, ~of_held, scar=name)
-
-
-def _of_profiles(layout: Layout) -> Iterator[Split]:
-    """Every second stretch of the profiles, where nothing but these is known."""
-    level = np.concatenate([part.sites.level for part in layout])
-    order = np.argsort(np.argsort(level, kind="stable"), kind="stable")
-    test = order // 2 % 2 == 1
-    yield Split((int(layout.cycle.max()),), test, ~test, scar=STRETCHES)
 
 
 @dataclass(frozen=True)

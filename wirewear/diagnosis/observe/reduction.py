@@ -22,7 +22,7 @@ from wirewear.diagnosis.observe.along_branches import KneePeak, PlateauForce, Sh
 from wirewear.diagnosis.observe.channels import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
 from wirewear.diagnosis.observe.observable import AlongBranch, Observable, Sites
-from wirewear.diagnosis.observe.observed_record import Reading, read
+from wirewear.diagnosis.observe.observed_record import read
 from wirewear.diagnosis.observe.scars import ProfileDepths, ScarFigures, ScarSkew
 from wirewear.diagnosis.surrogate.forward import OF_LOOPS, PredictedLoops, simulated
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
@@ -267,7 +267,10 @@ def reduce(record: AnyRecord, observables: Sequence[Observable] | None = None) -
         for part in layout:
             values[row, part.rows], noise[row, part.rows] = part.observable.measure(reading, repeat, part.sites)
             alike[row, part.rows, part.rows] = part.observable.alike(reading, repeat, part.sites)
-    common = _common(reading, layout)
+    common = np.zeros((len(layout), len(layout.parts)))
+    for column, part in enumerate(layout):
+        common[part.rows, column] = part.observable.common_error(reading, part.sites)
+    common = common[:, np.abs(common).max(axis=0, initial=0.0) > 0.0]
     missing = ~(np.isfinite(values) & np.isfinite(noise) & (noise > 0.0))
     values[missing], noise[missing] = np.nan, np.nan
     seen = ~missing.all(axis=0)
@@ -284,14 +287,6 @@ def reduce(record: AnyRecord, observables: Sequence[Observable] | None = None) -
         common_motion(reading.loops),
         alike[:, seen][:, :, seen],
     )
-
-
-def _common(reading: Reading, layout: Layout) -> Array:
-    """Errors common to all repeats (n, k), one column for each observable that has one."""
-    columns = np.zeros((len(layout), len(layout.parts)))
-    for place, part in enumerate(layout):
-        columns[part.rows, place] = part.observable.common_error(reading, part.sites)
-    return columns[:, np.abs(columns).max(axis=0, initial=0.0) > 0.0]
 
 
 def _stated_scatter(record: AnyRecord) -> dict[str, float]:
