@@ -178,7 +178,10 @@ def _drawn(
     stiffness = random.log_uniform(*RIG_N_per_mm)
     steel = reference.Elastic(MODULUS_MPa[1], 0.3)
     fixed = reference.Elastic(random.uniform(*MODULUS_MPa), 0.3) if random.happens(0.3) else steel
-    pair = _sensible(pair_of(steel, fixed))
+    pair = pair_of(steel, fixed)
+    room = LARGEST_CONTACT * min(pair.diameters_mm) / pair.hertz.major_semi_axis_mm
+    if room < 1.0:
+        pair = replace(pair, load_N=pair.load_N * room**3)
     load, hertz, diameters = pair.load_N, pair.hertz, pair.diameters_mm
     threshold = pair.sliding_threshold_mm(friction, math.inf if rigid else stiffness)
     longest = max(MOST_STROKE_PER_RADIUS * hertz.contact_radius_mm, 1.2 * threshold)
@@ -221,12 +224,6 @@ def _diameters(random: _Draw) -> tuple[float, float]:
         fixed = moving
     # Very unequal wires are not what a crossed-wire test uses.
     return moving, min(max(fixed, moving / 2.5), moving * 2.5)
-
-
-def _sensible(pair: _Pair) -> _Pair:
-    """The pair under a load at which Hertz's contact is small against the wires."""
-    room = LARGEST_CONTACT * min(pair.diameters_mm) / pair.hertz.major_semi_axis_mm
-    return replace(pair, load_N=pair.load_N * room**3) if room < 1.0 else pair
 
 
 def _contact(random: _Draw, friction: float) -> list[str]:

@@ -29,6 +29,8 @@ from wirewear.base.writing import prepared_folder
 
 from .random_draws import draw, draw_shapes
 
+_SHOWN = ("index", "ended", "cpu_s", "simulated_cycles", "mirror_error", "energy_against_loops", "message")
+
 
 class OutOfTimeError(Exception):
     """A study took more CPU time than it was given."""
@@ -121,9 +123,6 @@ def main(
         print(*(f"{row.get(key, '-')}" for key in _SHOWN), flush=True)
         rows[int(str(row["index"]))] = row
     report(list(rows.values()))
-
-
-_SHOWN = ("index", "ended", "cpu_s", "simulated_cycles", "mirror_error", "energy_against_loops", "message")
 
 
 def report(rows: list[dict[str, object]]) -> None:

@@ -62,7 +62,8 @@ def make_batch(
     """
     folder = Path(folder)
     key_path = key_path or default_key_path(folder)
-    _refuse_key_inside(folder, key_path)
+    if folder.resolve() in key_path.resolve().parents:
+        raise BlindError(f"the key file {key_path} would lie among the records: keep it elsewhere.")
     if folder.exists() and not folder.is_dir():
         raise BlindError(f"{folder} is a file: name a new folder for the records.")
     workshop = folder / WORKSHOP
@@ -117,11 +118,6 @@ def _key_of_prepared(batch: Path, key_path: Path, arguments: dict[str, Any], fol
     if known.get("code") != prepared_by["code"]:
         raise BlindError(f"{folder} was started by another version of the program: name a new folder.")
     return key
-
-
-def _refuse_key_inside(folder: Path, key_path: Path) -> None:
-    if folder.resolve() in key_path.resolve().parents:
-        raise BlindError(f"the key file {key_path} would lie among the records: keep it elsewhere.")
 
 
 def _check_same(known: dict[str, Any], arguments: dict[str, Any], folder: Path) -> None:

@@ -91,20 +91,18 @@ def logged_loop(
     if time_s is None:
         count = nuisances.samples
         time_s = np.arange(count) / (count * frequency_Hz)
-        channels_um_N = _evenly_sampled(channels_um_N, count)
+        size = channels_um_N[0].size
+        phase = np.arange(count) * size / count
+        one, two, three = (np.interp(phase, np.arange(size), channel, period=size) for channel in channels_um_N)
+        channels_um_N = one, two, three
     noise = (nuisances.displacement_noise_um, nuisances.force_noise_N, nuisances.force_noise_N)
     read = []
     for channel, deviation in zip(channels_um_N, noise, strict=True):
         noisy = channel + deviation * _noise(time_s.size, nuisances.correlation, random)
-        read.append(_with_outliers(noisy, nuisances.outlier_share, random))
+        hit = random.random(noisy.size) < nuisances.outlier_share
+        reach = OUTLIER_REACH * float(np.abs(noisy).max())
+        read.append(noisy + hit * random.uniform(-reach, reach, noisy.size))
     return MeasuredLoop(repeat, cycle, time_s, read[0], read[1], read[2] if nuisances.has_normal_force else None)
-
-
-def _evenly_sampled(channels: Channels, count: int) -> Channels:
-    size = channels[0].size
-    phase = np.arange(count) * size / count
-    first, second, third = (np.interp(phase, np.arange(size), channel, period=size) for channel in channels)
-    return first, second, third
 
 
 def _noise(count: int, correlation: float, random: np.random.Generator) -> Array:
@@ -114,12 +112,6 @@ def _noise(count: int, correlation: float, random: np.random.Generator) -> Array
     white = random.standard_normal(count)
     white[1:] *= np.sqrt(1.0 - correlation**2)
     return np.asarray(lfilter([1.0], [1.0, -correlation], white))
-
-
-def _with_outliers(values: Array, share: float, random: np.random.Generator) -> Array:
-    hit = random.random(values.size) < share
-    reach = OUTLIER_REACH * float(np.abs(values).max())
-    return np.asarray(values + hit * random.uniform(-reach, reach, values.size))
 
 
 def loop_figures(displacement_um: Array, force_N: Array) -> Mapping[str, float]:

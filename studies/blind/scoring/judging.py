@@ -154,7 +154,8 @@ def judged(truth: Truth, answer: Answer | None) -> Judgement:
         set_holds_truth=any(members & aim for members in chosen for aim in aims),
         set_size=sum(len(members) for members in chosen),
         class_size=max(len(aim) for aim in aims),
-        outside_score=_outside_score(answer, mass),
+        # How strongly the answer says that no known effect explains the gap: its probability, the verdict on top.
+        outside_score=mass.get(frozenset({OUTSIDE}), 0.0) + (answer.verdict == "unexplained"),
         pair_found=_pair(truth, answer, aims),
         aims=_aims(truth, classes),
         parameters=_covered(truth, answer),
@@ -223,12 +224,6 @@ def _label(first: frozenset[str], truth: Truth, answer: Answer) -> str:
             return effect
     likeliest = sorted((c for c in answer.causes if c.effect in first), key=lambda c: -c.probability)
     return likeliest[0].effect if likeliest else min(first)
-
-
-def _outside_score(answer: Answer, mass: Mapping[frozenset[str], float]) -> float:
-    """How strongly the answer says that no known effect explains the gap: its probability, and the verdict on top."""
-    stated = mass.get(frozenset({OUTSIDE}), 0.0)
-    return 1.0 + stated if answer.verdict == "unexplained" else stated
 
 
 def _pair(truth: Truth, answer: Answer | None, aims: list[frozenset[str]]) -> int | None:

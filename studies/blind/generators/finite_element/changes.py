@@ -24,6 +24,9 @@ ANGLE = "crossing_angle_error"
 #: The parts that a run has; causes of other parts are the independent model's alone.
 _PARTS = (ReadingOfTest, FrictionFactor, LoadFactor, WearChange, AgeingHolder)
 
+#: Sets that may be drawn: the half for development is drawn of the independent model alone.
+DRAWN_SETS = tuple(name for name in SETS if name != "development")
+
 
 @dataclass(frozen=True)
 class FrictionTimes(Effect[ContactLaw]):
@@ -122,10 +125,6 @@ class WearScatter(Effect[Any]):
     def changed(self, described: Any, _age: Age) -> Any:
         """The rates times the factor."""
         return described.scaled(self.factor)
-
-
-#: Sets that may be drawn: the half for development is drawn of the independent model alone.
-DRAWN_SETS = tuple(name for name in SETS if name != "development")
 
 
 def outside_of(name: str) -> tuple[str, ...]:

@@ -105,18 +105,14 @@ def _scars(grid: Grid, last: Snapshot, case: Case, repeat: int, random: np.rando
     scars = []
     for wire, depth, x in _depths(grid, last):
         lines = scar_lines_um(case.nominal, wire)
-        scars.append(sampling.logged_scar(repeat, wire, lines, _on_lines(x, grid.y_mm, depth, lines), random))
+        surface = RegularGridInterpolator((x, grid.y_mm), depth.T, bounds_error=False, fill_value=0.0)
+        points = np.stack(np.meshgrid(1e-3 * lines[0], 1e-3 * lines[1], indexing="ij"), axis=-1)
+        scars.append(sampling.logged_scar(repeat, wire, lines, 1e3 * surface(points), random))
     return scars
 
 
 def _depths(grid: Grid, snapshot: Snapshot) -> tuple[tuple[str, Array, Array], ...]:
     return ("moving", snapshot.shapes.moving, grid.moving_x_mm), ("fixed", snapshot.shapes.fixed, grid.x_mm)
-
-
-def _on_lines(x_mm: Array, y_mm: Array, depth_mm: Array, lines_um: tuple[Array, Array]) -> Array:
-    surface = RegularGridInterpolator((x_mm, y_mm), depth_mm.T, bounds_error=False, fill_value=0.0)
-    points = np.stack(np.meshgrid(1e-3 * lines_um[0], 1e-3 * lines_um[1], indexing="ij"), axis=-1)
-    return np.asarray(1e3 * surface(points))
 
 
 def _differences(case: Case, true: World, model: IndependentModel) -> dict[str, float]:

@@ -63,7 +63,8 @@ def _study(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> LineStudy:
     from wirewear.simulation.line_model import line_plan
 
     tables = line_record_tables(nominal, "blind", {})
-    tables = tables.model_copy(update={"conditions": tables.conditions.model_copy(update={"cycles": _length(nominal)})})
+    conditions = tables.conditions.model_copy(update={"cycles": round(LATE[-1] * nominal.cycles)})
+    tables = tables.model_copy(update={"conditions": conditions})
     logged = {cycle for cycle in BETWEEN if cycle < nominal.cycles}
     logged |= {round(share * nominal.cycles) for share in LATE}
     study: LineStudy = stated_study(tables, {"log": {"loop_cycles": sorted(logged)}})
@@ -75,10 +76,6 @@ def _study(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> LineStudy:
         "jump_tolerance": JUMP_TOLERANCE,
     }
     return study.changed({"mesh": mesh})
-
-
-def _length(nominal: LineNominal) -> int:
-    return round(LATE[-1] * nominal.cycles)
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 #: Positions of a stroke at which a loop's forces are computed, closer to its ends, and fewest and most of a sweep.
 POSITIONS, SWEPT = 13, (7, 15)
 GOLDEN = 0.6180339887  #: Uneven part of successive sweeps' positions: the golden ratio's.
+#: Shares of the load for which a stick zone's approach is computed.
+SHARES = np.array([0.02, 0.1, 0.25, 0.45, 0.7, 1.0])
 
 
 class Elastic(Protocol):
@@ -159,10 +161,6 @@ class Pair:
     def _moved(self, field: Array, place: float) -> Array:
         rows, weight = self._rows(place)
         return np.asarray((1.0 - weight) * field[rows] + weight * field[rows.start + 1 : rows.stop + 1])
-
-
-#: Shares of the load for which a stick zone's approach is computed.
-SHARES = np.array([0.02, 0.1, 0.25, 0.45, 0.7, 1.0])
 
 
 class StickingPair(Pair):
