@@ -195,8 +195,8 @@ class _Handler(BaseHTTPRequestHandler):
         self._send_state()
 
     def _asked(self) -> list[str] | None:
-        """What stands behind the secret; None of who does not know it, comes by another name of this machine,
-        or from another page.
+        """The address's parts behind the secret; None if the secret is wrong, or the request came by another name of
+        this machine or from another page.
         Raises ValueError if it is no address.
         """
         secret, *places = [unquote(part) for part in urlsplit(self.path).path.split("/")[1:]] or [""]

@@ -286,7 +286,7 @@ class Workspace:
                 coming.unlink(missing_ok=True)
 
     def _put_aside(self, place: Path) -> None:
-        """What is to be made again is never lost: it gets the next number. Whoever calls holds the lock."""
+        """Keep an earlier file or folder of this name under the next number. Whoever calls holds the lock."""
         if os.path.lexists(place):
             earlier = prepared_folder(self.folder / "earlier")
             numbers = [int(number) for path in earlier.iterdir() if (number := path.name.split("_")[0]).isdecimal()]

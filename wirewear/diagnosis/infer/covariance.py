@@ -260,7 +260,7 @@ def noise_evidence(observed: Observations, scattered: Array) -> dict[str, NoiseE
 
 
 def _contrasts(observed: Observations) -> Iterator[tuple[NDArray[np.intp], Array, Array]]:
-    """Of each repeat but the first: where (k,) it and all before it are seen, and its difference (k,) from their mean.
+    """For each repeat but the first, where (k,) it and all before it are seen, and its difference (k,) from their mean.
 
     Differences are scaled so that they scatter as one repeat does; the covariance (k, k) of the noise is that of them.
     """

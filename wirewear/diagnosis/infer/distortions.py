@@ -92,13 +92,13 @@ def _beside(problem: Problem, fit: Fit) -> list[Distortion]:
 
 
 def _log_evidence(residual: Array, columns: Array) -> float:
-    """Of residuals (m,) that are normal deviates beside columns (m, k) times others, but for a constant."""
+    """Log evidence, but for a constant, of residuals (m,) that are columns (m, k) times normal deviates plus others."""
     squares, logarithm = _explained(residual, columns)
     return -0.5 * (float(residual @ residual) - squares) - 0.5 * logarithm
 
 
 def _explained(residual: Array, columns: Array) -> tuple[float, float]:
-    """What such columns take from the squares of residuals, and the logarithm of the volume that they span."""
+    """By how much such columns lower the residuals' sum of squares, and the logarithm of the volume that they span."""
     inner = columns.T @ columns + np.eye(columns.shape[1])
     along = columns.T @ residual
     return float(along @ np.linalg.solve(inner, along)), float(np.linalg.slogdet(inner)[1])

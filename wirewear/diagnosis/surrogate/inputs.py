@@ -244,9 +244,9 @@ def _driven(conditions: Any, friction_N: float, compliance_um_per_N: float, driv
 def _worked(
     study: AnyStudy, friction_N: Callable[[Any], float], compliance_um_per_N: float
 ) -> tuple[tuple[float, float], ...]:
-    """Of a test by blocks, cycles with how many of the study's own conditions wear as much as all so far.
+    """Cycles of a test by blocks, each with the number of cycles under the study's own conditions that wear as much.
 
-    friction_N: that of a study, which carries the rig: that is no slip.
+    friction_N: gives a study's friction force, by which the rig yields; the contact slips by the rest of the stroke.
     """
     schedule: Schedule[Any] = study.schedule
     if not schedule.blocks:

@@ -344,7 +344,7 @@ def _elastic(body: Mapping[str, Any]) -> Elastic:
 
 
 def _radius_mm(face: Face) -> float:
-    """Of a cylinder that falls as much as the face does at the end of its steep part."""
+    """Radius of a cylinder that falls as much as the face does at the end of its steep part."""
     match face:
         case Cylinder(radius_mm=radius):
             return radius
