@@ -161,16 +161,10 @@ class IntegrationPoints:
         """Nodal fields (n, k) closest in the mean square to values (m, q, k) at the integration points of a mesh all of
         whose nodes have cells. Raises SolverError when the projection does not converge.
         """
-        from scipy.sparse.linalg import cg
-
         mass = Projection.of(self.mesh).mass
-        scale = diags(1.0 / mass.diagonal())
         result = np.zeros((len(self.mesh.points), values.shape[-1]))
         for k, load in enumerate(self.loads(values).T):
-            # Relative residual of the projection to nodes.
-            result[:, k], failed = cg(mass, load, M=scale, rtol=1e-7)
-            if failed:
-                raise SolverError("stresses could not be projected to the nodes; please report this study")
+            result[:, k] = solved_for_mass(mass, load)
         return result
 
     def loads(self, values: Array) -> Array:
@@ -221,13 +215,25 @@ def _cofactors(matrix: Array, cofactor: Array) -> float:
     return float(matrix[0, 0] * cofactor[0, 0] + matrix[0, 1] * cofactor[0, 1] + matrix[0, 2] * cofactor[0, 2])
 
 
+def solved_for_mass(mass: csr_matrix, load: Array) -> Array:
+    """Nodal values (n,) by which a mass matrix (n, n) makes a load (n,), to 1e-7 of it. Raises SolverError when
+    conjugate gradients do not converge.
+    """
+    from scipy.sparse.linalg import cg
+
+    found, failed = cg(mass, load, M=diags(1.0 / mass.diagonal()), rtol=1e-7)
+    if failed:
+        raise SolverError("stresses could not be projected to the nodes; please report this study")
+    return np.asarray(found)
+
+
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """Integrals (n, n) over a mesh of n nodes by which stresses are projected to the nodes.
+    """Integrals over a mesh of n nodes by which stresses are projected to p of them.
 
-    mass: integrals of the products of two shape functions. slopes: one matrix for each of x, y and z, of the products
-    of a shape function and the derivative of another along this axis. around: of a ring, of the products of two shape
-    functions over the height above its axis.
+    mass: (p, p) integrals of the products of two shape functions. slopes: one matrix (p, n) for each of x, y and z, of
+    the products of a shape function and the derivative of another along this axis. around: (p, n) of a ring, of the
+    products of two shape functions over the height above its axis.
     """
 
     mass: csr_matrix
@@ -236,7 +242,7 @@ class Projection:
 
     @classmethod
     def of(cls, mesh: HexMesh | QuadMesh) -> Projection:
-        """The integrals of a mesh."""
+        """The integrals of a mesh, for all its nodes."""
         from skfem import BilinearForm
 
         basis, axes = _basis(mesh)
@@ -249,16 +255,23 @@ class Projection:
         around = BilinearForm(lambda u, v, w: v * u / (w.x[1] - axis_mm)).assemble(basis)
         return cls(mass, tuple(slopes), around)
 
+    def at(self, nodes: IntArray) -> Projection:
+        """The integrals for some of the nodes (k,); values at the others are 0."""
+        if len(nodes) == self.mass.shape[0]:
+            return self
+        around = None if self.around is None else self.around[nodes]
+        return Projection(self.mass[nodes][:, nodes], tuple(one[nodes] for one in self.slopes), around)
+
     def loads(self, material: Elastic, displacements: Array) -> Array:
-        """Integrals (n, s, 6) of shape functions times the stresses in MPa of displacements (s, n, 3) in mm."""
+        """Integrals (p, s, 6) of shape functions times the stresses in MPa of displacements (s, n, 3) in mm."""
         moved = np.ascontiguousarray(np.swapaxes(displacements, 0, 1))
-        change = [(each @ moved.reshape(len(moved), -1)).reshape(moved.shape) for each in self.slopes]
-        result = np.empty((*moved.shape[:2], 6))
+        change = [(each @ moved.reshape(len(moved), -1)).reshape(-1, *moved.shape[1:]) for each in self.slopes]
+        result = np.empty((*change[0].shape[:2], 6))
         for k, (i, j) in enumerate(TENSOR_PLACES):
             result[..., k] = material.shear_modulus_MPa * (change[j][..., i] + change[i][..., j])
         result[..., :3] += material.lame_MPa * sum(change[i][..., i, None] for i in range(3))
         if self.around is not None:
-            over = (self.around @ moved.reshape(len(moved), -1)).reshape(moved.shape)
+            over = (self.around @ moved.reshape(len(moved), -1)).reshape(-1, *moved.shape[1:])
             result[..., :3] += material.lame_MPa * over[..., 2, None]
             result[..., 1] += 2.0 * material.shear_modulus_MPa * over[..., 2]
             result[..., 4] -= material.shear_modulus_MPa * over[..., 1]

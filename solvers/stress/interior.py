@@ -10,7 +10,7 @@ Appl. Mech. 20 (1953) 327). For a small step the contact is then a joint over th
 problem is linear.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -24,16 +24,22 @@ from geometry import Elastic, HexMesh, QuadMesh, mirror_images
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.elasticity import condensation, elimination
 from solvers.elasticity.embedding import Joined
-from solvers.elasticity.strain import TENSOR_PLACES, Projection, stiffness_matrix
+from solvers.elasticity.strain import TENSOR_PLACES, Projection, solved_for_mass, stiffness_matrix
 
 #: A contact is solved less exactly: forces of a symmetry below this share of the largest are none, and states whose
 #: forces differ by no more are one state.
 _ALIKE = 1e-9
 
 
-#: Share of the energy's root by which displacements may err that are found with the factors of another body, and the
-#: steps that this may take before the body's own factors cost less: they take as long as about fifteen.
-_EXACT, _STEPS = 1e-8, 12
+#: Share of the energy's root by which displacements may err that are found with the factors of another body (a worn
+#: ball's and flat's stresses then err by 2e-6 of the largest), and the steps that this may take before the body's own
+#: factors cost less: they take as long as about fifteen.
+_EXACT, _STEPS = 1e-6, 12
+
+#: Loads farther away from a node than so many elements do not change its projected stress: each element weakens them
+#: to 2 - √3 (the inverse of the mass matrix of a line of equal elements), eight change stresses by 2e-7 of the largest.
+_FELT = 8
+_FEW = 3  #: For fewer states than this, conjugate gradients project faster than factors.
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,7 +234,8 @@ class Interior:
         """Stresses (s, k, 6) in MPa at nodes (k,), by displacements (s, n, 3) in mm of all nodes. They are projected to
         the nodes: least squares of what they differ by from those inside the elements.
         """
-        (projection, factors), own = self._projection, self._own[nodes]
+        felt, every = self._felt(self._own[nodes]), list(product((False, True), repeat=len(self.planes)))
+        projection = self._projection.at(np.flatnonzero(felt))
         result = np.zeros((len(displacements), len(nodes), 6))
         # Loads of all motions, by the planes on which their stresses are zero.
         gathered: dict[tuple[bool, ...], list[tuple[BoolArray, Array, Array]]] = {}
@@ -244,27 +251,35 @@ class Interior:
             images = np.ones((len(nodes), 6))
             for axis, sign in zip(self.planes, signs, strict=True):
                 images[self.mesh.points[nodes, axis] < 0.0] *= sign
-            for zero in factors:
+            for zero in every:
                 like = np.ones(6, dtype=bool)
                 for sign, is_zero in zip(signs, zero, strict=True):
                     like &= (sign < 0.0) == is_zero
                 gathered.setdefault(zero, []).append((like, images, loads[..., like].reshape(len(loads), -1)))
-        for zero, each in gathered.items():
-            loads = np.hstack([one for _, _, one in each])
-            found = factors[zero].solved(loads)[own]
-            parts = np.split(found, np.cumsum([one.shape[1] for _, _, one in each])[:-1], axis=1)
+        each_loads = [np.hstack([one for _, _, one in each]) for each in gathered.values()]
+        on_planes = np.array([self._piece.points[felt, axis] == 0.0 for axis in self.planes]).reshape(-1, felt.sum())
+        held = np.array([on_planes[list(zero)].any(axis=0) for zero in gathered])
+        solved = _projected(projection.mass, held, each_loads, by_factors=len(displacements) >= _FEW)
+        own = np.cumsum(felt)[self._own[nodes]] - 1
+        for each, found in zip(gathered.values(), solved, strict=True):
+            parts = np.split(found[own], np.cumsum([one.shape[1] for _, _, one in each])[:-1], axis=1)
             for (like, images, _), part in zip(each, parts, strict=True):
                 of_states = part.reshape(len(nodes), len(displacements), -1)
                 result[..., like] += images[:, like] * np.swapaxes(of_states, 0, 1)
         return result
 
     @cached_property
-    def _projection(self) -> tuple[Projection, dict[tuple[bool, ...], Factor]]:
-        """The projection of stresses in the piece, and its factors for components that are zero on these planes."""
-        projection, every = Projection.of(self._piece), list(product((False, True), repeat=len(self.planes)))
-        on_planes = np.array([self._piece.points[:, axis] == 0.0 for axis in self.planes]).reshape(-1, len(self._nodes))
-        held = np.array([on_planes[list(zero)].any(axis=0) for zero in every])
-        return projection, dict(zip(every, factorised(projection.mass, np.arange(held.shape[1]), 1, held), strict=True))
+    def _projection(self) -> Projection:
+        """The projection of stresses in the piece."""
+        return Projection.of(self._piece)
+
+    def _felt(self, nodes: IntArray) -> BoolArray:
+        """(p,) True for nodes of the piece at which loads are felt at some of its nodes (k,)."""
+        felt, cells = np.zeros(len(self._nodes), dtype=bool), self._piece.cells
+        felt[nodes] = True
+        for _ in range(_FELT):
+            felt[cells[felt[cells].any(axis=1)]] = True
+        return felt
 
     def _solved(
         self, name: tuple[object, ...], matrix: csr_matrix, forces: Array, factors: Callable[[], Factors]
@@ -393,6 +408,19 @@ class EmbeddedInterior(Interior):
 
     def _image(self, axis: int) -> None:
         """None: the host need not be its own mirror image."""
+
+
+def _projected(mass: csr_matrix, held: BoolArray, loads: Sequence[Array], *, by_factors: bool) -> list[Array]:
+    """Nodal values (n, k) that loads (n, k) make with a mass matrix (n, n), for each row of `held` (v, n): 0 there."""
+    if by_factors:
+        factors = factorised(mass, np.arange(mass.shape[0]), 1, held)
+        return [factor.solved(load) for factor, load in zip(factors, loads, strict=True)]
+    found = [np.zeros_like(load) for load in loads]
+    for free, load, result in zip(~held, loads, found, strict=True):
+        own = mass[free][:, free]
+        for k, column in enumerate(load[free].T):
+            result[free, k] = solved_for_mass(own, column)
+    return found
 
 
 def _signs(axis: int) -> Array:

@@ -45,7 +45,7 @@ KEYS = 0.5 * np.array([[0.0, -1.0, 2.0, -1.0], [2.0, 0.0, -5.0, 3.0], [0.0, 1.0,
 _POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 
 #: Tractions act on a point from so many mean elements away, along so many directions, at so many distances.
-_REACH, _DIRECTIONS, _DISTANCES = 8.0, 48, 48
+_REACH, _DIRECTIONS, _DISTANCES = 8.0, 32, 32
 
 
 @dataclass(frozen=True, eq=False)
