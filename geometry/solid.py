@@ -187,13 +187,13 @@ class SolidMesh:
         if len(pairs):
             place = ", ".join(f"{x:.4g}" for x in self.points[pairs[0, 0]])
             raise GeometryError(
-                f"{len(pairs)} pairs of its nodes coincide, the first at ({place}) mm, and would gape: merge them"
+                f"{2 * len(pairs)} of its nodes coincide in pairs, the first at ({place}) mm: merge them"
             )
 
     def _refuse(self, faces: IntArray, why: str) -> None:
         if len(faces):
             place = ", ".join(f"{x:.4g}" for x in self.points[faces[0]].mean(axis=0))
-            raise GeometryError(f"{len(faces)} faces of its elements, the first at ({place}) mm, {why}")
+            raise GeometryError(f"faces of its elements, {len(faces)} in all, the first at ({place}) mm, {why}")
 
     def _loose_parts(self) -> tuple[int, list[int]]:
         from scipy.sparse.csgraph import connected_components

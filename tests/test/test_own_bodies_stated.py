@@ -156,7 +156,7 @@ def slit(lines: Lines) -> Lines:
         (block(lambda x, y: 5.0 + 0.02 * (x**2 + y**2)), "hollow"),
         (block(lambda x, y: np.exp(-0.5 * (x**2 + y**2)) + 1.0), "is too coarse under the contact"),
         (([[0.0, 0.0, 0.0]] * 7, []), "no solid elements"),
-        (slit(block(ball)), "1 pairs of its nodes coincide, the first at"),
+        (slit(block(ball)), "2 of its nodes coincide in pairs, the first at"),
         ((block(ball)[0], 2 * block(ball)[1]), "belong to three elements or more"),
         (block(lambda x, _: 3.0 - 0.8 * np.abs(x)), "none on an edge"),
         (([[0.0, 0.0]], []), "node 1 has 2 coordinates"),
