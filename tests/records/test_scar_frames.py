@@ -210,3 +210,13 @@ specimen_energy_wear_coefficient_mm3_per_J = 2e-5""",
     setup = nominal_line_setup(study.of_length(8.0), record.tables.conditions.drive)
     states = LineStates.of_line(run, study.pad.profile, 8.0)
     assert concluded(record, study.of_length(8.0), states, reduce(record), setup=setup).diagnosis.verdict == "no_gap"
+
+
+@pytest.mark.parametrize("deepest_um", [0.1, 0.006, 0.002])
+def test_a_shallow_ring_on_a_map_without_noise_has_its_volume(deepest_um: float) -> None:
+    """Of a depth D sin²(π (r − c)/w) from r = c to c + w that is π D w (c + w/2)."""
+    x, core, wide = np.linspace(-130.0, 130.0, 105), 50.0, 70.0
+    out = np.hypot(x[:, None], x) - core
+    depth = deepest_um * np.sin(np.pi * np.clip(out / wide, 0.0, 1.0)) ** 2
+    scar = MeasuredScar(1, "fixed", x, x, depth)
+    assert 1e9 * scar.volume_mm3 == pytest.approx(np.pi * deepest_um * wide * (core + 0.5 * wide), rel=1e-3)

@@ -11,7 +11,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.records.levelling import CERTAIN, WELL_KNOWN, Unworn, unworn_surface
-from wirewear.records.spikes import BORDER, as_measured, border_text, noise_um, spikes_text, without_spikes
+from wirewear.records.spikes import BORDER, FINEST_um, as_measured, border_text, noise_um, spikes_text, without_spikes
 from wirewear.records.unworn_bodies import LevelSurface
 from wirewear.results.scar import SCAR_FIGURES, Scar, called, scar_figures
 
@@ -173,7 +173,7 @@ class MeasuredScar:
     def ground_um(self) -> float:
         """Depth in µm that the map shows where nothing is worn; 0 if it cannot be distinguished from 0."""
         ground = -float(self._level.parameters[0]) if self._level else 0.0
-        return ground if abs(ground) > OFF_ZERO * noise_um(self.depth_um) else 0.0
+        return ground if abs(ground) > max(OFF_ZERO * noise_um(self.depth_um), FINEST_um) else 0.0
 
     @cached_property
     def worn_um(self) -> Array:
