@@ -89,8 +89,8 @@ def main() -> None:
 def speak_up(command: str, silence_s: float = SILENCE_s, *, only_once: bool = False) -> None:
     """Print to standard error that `command` is at work whenever nothing has been printed for `silence_s` seconds.
 
-    On a terminal that is a line which disappears when something else is printed; elsewhere it is printed again after
-    pauses that grow, so that logs stay short. only_once: never again once anything was printed.
+    On a terminal that is a line which disappears when something else is printed. only_once: never again once anything
+    was printed.
     """
     started = last = monotonic()
     line, own, lasting = "", sys.stderr.write, sys.stderr.isatty() and not only_once
@@ -116,17 +116,16 @@ def speak_up(command: str, silence_s: float = SILENCE_s, *, only_once: bool = Fa
 
     def watch() -> None:
         nonlocal last, line
-        pause, said = silence_s, f"wirewear: {command} is at work"
+        said = f"wirewear: {command} is at work"
         while not (only_once and last > started):
-            sleep(min(max(last + pause - monotonic(), 0.02), pause))
-            if monotonic() < last + pause:
+            sleep(min(max(last + silence_s - monotonic(), 0.02), silence_s))
+            if monotonic() < last + silence_s:
                 continue
             # Of a stream's own buffer the lock could be held when the program ends.
             with suppress(OSError, ValueError):
                 os.write(sys.stderr.fileno(), (f"\r{said}" if lasting else f"{said}\n").encode())
             last, line = monotonic(), said if lasting else ""
-            pause *= 1 if lasting else 2
-            said = f"wirewear: {command} is at work, {last + pause - started:.0f} s"
+            said = f"wirewear: {command} is at work, {last + silence_s - started:.0f} s"
 
     Thread(target=watch, daemon=True).start()
 
