@@ -15,7 +15,7 @@ from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_model_error
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
-from wirewear.diagnosis.infer.inference import ITERATIONS, Asking, Fit, Problem, applied, placed, sought, together
+from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, applied, placed, sought, together
 from wirewear.diagnosis.infer.weighing import NOTICEABLE, Remainder, distances, remainder_of
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.surrogate.candidates import Candidate, library
@@ -158,29 +158,13 @@ def problem_around(
 
 
 def _refitted(problem: Problem, singles: Sequence[Fit], best: Fit) -> list[Fit]:
-    """None, and all again under another covariance: from where they were, and the better ones from all starts, also
-    those that turn out to be better under this covariance only.
-    """
-    rough = {place for place, one in enumerate(singles) if _is_hopeless(one, best)}
+    """None, and all again under another covariance: from where they were, and the better ones from all starts."""
     asked = [sought(problem, ())]
-    for place, one in enumerate(singles):
-        asked.append(
-            _again(problem, one) if place not in rough else sought(problem, one.candidates, [one.places], _SCREENING)
-        )
-    none, *found = together(problem, asked)
-    leader = max(found, key=lambda one: one.merit)
-    better = [place for place in sorted(rough) if not _is_hopeless(found[place], leader)]
-    for place, one in zip(better, together(problem, [_again(problem, found[k]) for k in better]), strict=True):
-        found[place] = one
-    return [none, *found]
-
-
-def _is_hopeless(one: Fit, best: Fit) -> bool:
-    return best.log_evidence - one.log_evidence > _HOPELESS * abs(best.log_evidence)
-
-
-def _again(problem: Problem, one: Fit) -> Asking[Fit]:
-    return sought(problem, one.candidates, [one.places, *one.candidates[0].starts()])
+    for one in singles:
+        hopeless = best.log_evidence - one.log_evidence > _HOPELESS * abs(best.log_evidence)
+        starts = [one.places] if hopeless else [one.places, *one.candidates[0].starts()]
+        asked.append(sought(problem, one.candidates, starts, _SCREENING if hopeless else ITERATIONS))
+    return together(problem, asked)
 
 
 def _enough(singles: Sequence[Fit], pairs: Sequence[Fit]) -> list[Fit]:
