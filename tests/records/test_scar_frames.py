@@ -214,7 +214,7 @@ specimen_energy_wear_coefficient_mm3_per_J = 2e-5""",
 
 @pytest.mark.parametrize("deepest_um", [0.1, 0.006, 0.002])
 def test_a_shallow_ring_on_a_map_without_noise_has_its_volume(deepest_um: float) -> None:
-    """Of a depth D sin²(π (r − c)/w) from r = c to c + w that is π D w (c + w/2)."""
+    """A ring of the depth D sin²(π (r − c)/w) from the radius r = c to c + w has the volume π D w (c + w/2)."""
     x, core, wide = np.linspace(-130.0, 130.0, 105), 50.0, 70.0
     out = np.hypot(x[:, None], x) - core
     depth = deepest_um * np.sin(np.pi * np.clip(out / wide, 0.0, 1.0)) ** 2

@@ -18,7 +18,8 @@ from geometry import BodyGeometry, BodyMesh, Elastic, GeometryError, build_body
 from geometry.arrays import Array, IntArray
 from solvers.elasticity.embedding import Joined
 from solvers.elasticity.strain import hydrostatic, integration_points, principal, turned, von_mises
-from solvers.stress.interior import EmbeddedInterior, Factors
+from solvers.stress.factors import Factors
+from solvers.stress.interior import EmbeddedInterior
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
 from wirewear.stress.state import InnerState, Inside, SolvedBody

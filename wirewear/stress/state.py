@@ -20,7 +20,8 @@ from geometry.arrays import Array, IntArray
 from solvers.bulk_stress import section_stress
 from solvers.elasticity.placement import rotation_to_world
 from solvers.elasticity.strain import IntegrationPoints, integration_points, scattered
-from solvers.stress.interior import Factors, Interior
+from solvers.stress.factors import Factors
+from solvers.stress.interior import Interior
 from solvers.stress.line_surface_stress import LineSurfaceStress
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
