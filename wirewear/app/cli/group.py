@@ -279,6 +279,12 @@ def _draw_for_a_journal(context: click.Context, _: click.Parameter, wanted: bool
         context.with_resource(on_paper())
 
 
+#: An option of commands that look at recorded cycles of a result.
+recorded_cycles = click.option(
+    "--cycle", "cycles", type=Finite(0.0), multiple=True, help="May be repeated.  [default: all recorded ones]"
+)
+
+
 #: An option of commands that leave pictures as files.
 paper = click.option(
     "--paper",
@@ -335,6 +341,11 @@ stage = partial(busy, long=True)  #: A stage of a command that takes long.
 def given(option: str) -> bool:
     """True if an option of the present command was given on the command line; option: the name of its parameter."""
     return click.get_current_context().get_parameter_source(option) is ParameterSource.COMMANDLINE
+
+
+def beside(result_path: Path) -> Path:
+    """The folder of a result that is named by its folder or by its file."""
+    return result_path if result_path.is_dir() else result_path.parent
 
 
 def default_output(study_path: Path) -> Path:

@@ -7,8 +7,8 @@ from typing import Any
 
 import click
 
-from wirewear.app.cli.group import Finite, OutputFolder, cli, paper
-from wirewear.base.errors import ResultError
+from wirewear.app.cli.group import Finite, OutputFolder, beside, cli, paper, recorded_cycles
+from wirewear.app.cli.stress import recorded, report_taken
 from wirewear.base.writing import usable_folder
 
 
@@ -51,9 +51,7 @@ class OfBodies(Finite):
     default=(0.0, 0.0),
     help="From each body, through its holder, to the surroundings.  [default: none]",
 )
-@click.option(
-    "--cycle", "cycles", type=Finite(0.0), multiple=True, help="May be repeated.  [default: all recorded ones]"
-)
+@recorded_cycles
 @click.option("--output", metavar="DIR", type=OutputFolder(), help="[default: heat/ beside the result]")
 @paper
 def heat(
@@ -71,15 +69,13 @@ def heat(
     from wirewear.stress.heat import heat_table, surface_heat, write_heat
 
     result = one_run(result_path)
-    recorded = sorted({one.cycle for one in result.contact_forces})
-    if not recorded:
-        raise ResultError(
-            f"{result_path} has no contact forces (contact_states in [log]), from which heat is computed."
-        )
+    for cycle in cycles:
+        report_taken(cycle, result, result.bodies)
+    asked = cycles or recorded(result.contact_forces)
+    taken = dict.fromkeys(result.forces(cycle, result.bodies[0]).cycle for cycle in asked)
     stated = zip(conductivity, heat_capacity, resistance, strict=True)
     conductors = dict(zip(result.bodies, (Conductor(*each) for each in stated), strict=True))
-    folder = usable_folder(output or (result_path if result_path.is_dir() else result_path.parent) / "heat")
-    taken = dict.fromkeys(result.forces(cycle, result.bodies[0]).cycle for cycle in cycles or recorded)
+    folder = usable_folder(output or beside(result_path) / "heat")
     found = [one for cycle in taken for one in surface_heat(result, cycle, conductors)]
     wide_console(110).print(heat_table(found, result.called))
     for path in write_heat(found, folder):

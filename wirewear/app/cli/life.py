@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wirewear.app.cli.group import Finite, Given, OutputFolder, busy, cli, default_output, paper
+from wirewear.app.cli.group import Finite, Given, OutputFolder, beside, busy, cli, default_output, paper
 from wirewear.app.cli.stress import BODY, asked_bodies
 from wirewear.base.errors import ResultError, StudyError
 from wirewear.base.words import counted
@@ -59,9 +59,9 @@ def life(
     named = {"criterion": criterion, "material": material, "averaging_length_um": averaging_length}
     values = {key: value for key, value in named.items() if value is not None} | dict(map(_pair, others))
     if path.suffix == ".toml":
-        result, beside = _run_first(path, fidelity, variant, body, values)
+        result, home = _run_first(path, fidelity, variant, body, values)
     elif variant is None:
-        result, beside = one_run(path), path if path.is_dir() else path.parent
+        result, home = one_run(path), beside(path)
     else:
         raise ResultError("--variant is of a study: name the folder of the variant's run instead.")
     with progress_bar() as bar:
@@ -75,7 +75,7 @@ def life(
         found = lives(
             result, asked_bodies(body, result.label, result.bodies), values=values, wear_states=wear_states, tell=report
         )
-    folder = usable_folder(output or beside / "life")
+    folder = usable_folder(output or home / "life")
     with busy("drawing the damage and writing the page"):
         written = write_lives(found, result.label, folder, cycle)
     if as_json:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from wirewear.app.cli.group import STRENGTH, Finite, OutputFolder, cli, paper
+from wirewear.app.cli.group import STRENGTH, Finite, OutputFolder, beside, cli, paper, recorded_cycles
 from wirewear.base.errors import ResultError
 from wirewear.base.words import counted
 from wirewear.base.writing import usable_folder
@@ -62,7 +62,7 @@ def fields(
     from wirewear.app.cli.consoles import progress_bar
     from wirewear.kinds import contacts_of
 
-    folder = output or (result_path if result_path.is_dir() else result_path.parent) / "fields"
+    folder = output or beside(result_path) / "fields"
     chosen = None if "all" in at else at or ("mid-forward",)
     if animate and chosen is not None and len(set(chosen)) < 2:
         raise ResultError("an animation needs several positions: give --at all.")
@@ -78,7 +78,7 @@ def fields(
             name = result.contact_kind.replace("-", " ")
             raise ResultError(f"{option} does not apply to {result_path}, which is a {name}.")
         bodies = asked_bodies(body, result.label, result.bodies)
-        _report_taken(cycle, result, bodies)
+        report_taken(cycle, result, bodies)
         usable_folder(folder)
         shown: dict[str, Any] = {
             "bodies": bodies,
@@ -106,9 +106,7 @@ def asked_bodies(body: str, where: str, bodies: tuple[str, ...]) -> tuple[str, .
 
 @cli.command()
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
-@click.option(
-    "--cycle", "cycles", type=Finite(0.0), multiple=True, help="May be repeated.  [default: all recorded ones]"
-)
+@recorded_cycles
 @BODY
 @click.option("--yield-strength", metavar="MPa", type=STRENGTH, help="Of the bodies' material.")
 @click.option(
@@ -148,7 +146,7 @@ def strength(
 
     asked = StrengthAsked(yield_strength, crossland_slope, averaging_length)
     chosen, strength_at = _assessing(result_path, body, cycles, asked)
-    folder = usable_folder(output or (result_path if result_path.is_dir() else result_path.parent) / "strength")
+    folder = usable_folder(output or beside(result_path) / "strength")
     courses: dict[str, list[Strength]] = {one: [] for one in chosen}
     written: list[Path] = []
     with progress_bar() as bar:
@@ -194,24 +192,27 @@ def _assessing(
     result = one_run(path)
     contacts = contacts_of(result)
     inside = contacts.inside
-    every = cycles or _recorded(result.contact_forces)
+    every = cycles or recorded(result.contact_forces)
     bodies = asked_bodies(body, result.label, result.bodies)
     for cycle in cycles:
-        _report_taken(cycle, result, bodies)
+        report_taken(cycle, result, bodies)
     chosen = {one: [*dict.fromkeys(assessable(result, one, cycle, asked, inside) for cycle in every)] for one in bodies}
     return chosen, lambda one, cycle: strength_of(result, one, cycle, asked, inside)
 
 
-def _report_taken(cycle: float, result: RunResult, bodies: Iterable[str]) -> None:
+def report_taken(cycle: float, result: RunResult, bodies: Iterable[str]) -> None:
+    """State on standard error which recorded cycle is taken where forces on the bodies are not recorded at `cycle`.
+    Raises ResultError if there are none near it.
+    """
     taken = {result.forces(cycle, one).cycle for one in bodies} - {cycle}
     if taken:
-        recorded = ", ".join(map(counted, _recorded(result.contact_forces)))
+        others = ", ".join(map(counted, recorded(result.contact_forces)))
         click.echo(
-            f"wirewear: cycle {cycle:g} is not recorded, {counted(taken.pop())} is taken; recorded are {recorded}.",
+            f"wirewear: cycle {cycle:g} is not recorded, {counted(taken.pop())} is taken; recorded are {others}.",
             err=True,
         )
 
 
-def _recorded(forces: Iterable[ContactForces]) -> list[int]:
+def recorded(forces: Iterable[ContactForces]) -> list[int]:
     """Cycles with recorded contact forces; [1] if there are none."""
     return sorted({one.cycle for one in forces}) or [1]

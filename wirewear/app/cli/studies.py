@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wirewear.app.cli.group import Given, OutputFolder, busy, cli, default_output, given, most_memory, paper
+from wirewear.app.cli.group import Given, OutputFolder, beside, busy, cli, default_output, given, most_memory, paper
 from wirewear.base.errors import ResultError, RunError, StudyError, WirewearError
 from wirewear.base.writing import json_text, require_absent, usable_folder, writing
 from wirewear.test import FIDELITIES
@@ -141,7 +141,7 @@ def report(result_path: Path, output: Path | None) -> None:
     from wirewear.results import read_results
     from wirewear.views.run_page import write_page
 
-    folder = output or (result_path if result_path.is_dir() else result_path.parent)
+    folder = output or beside(result_path)
     with busy("writing the page"):
         written = write_page(read_results(result_path), usable_folder(folder))
     click.echo(written)
