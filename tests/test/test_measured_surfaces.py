@@ -11,7 +11,7 @@ import pytest
 
 from geometry import ContactPatch, Flat
 from geometry.arrays import Array
-from solvers import CondensedBody, PatchLeftError, place, press, unloaded_state
+from solvers import CondensedBody, place, press, unloaded_state
 from tests.studies import line_study
 from tests.synthetic_results import result as made_up
 from tests.test.pads import BALL, LINE, POINTS, STEEL, STEEL_MODULUS, BALL_RADIUS_mm, study
@@ -25,7 +25,9 @@ from wirewear.records import LineRecord, check_record
 from wirewear.records.values import stated_study
 from wirewear.results import BODIES, RunResult
 from wirewear.results.flat import profiles_table, scars_table
+from wirewear.simulation import problem as problem_module
 from wirewear.simulation import run_study, simulate
+from wirewear.simulation.expected_contact import stands_out
 from wirewear.simulation.line_model import bodies_stiffness_N_per_mm2
 from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.problem import measured
@@ -235,11 +237,31 @@ def test_a_surface_that_cannot_be_taken_is_stated_in_one_sentence(
     assert "\n" not in str(found.value)
 
 
-def test_a_surface_that_stands_out_where_the_bodies_then_touch_is_named() -> None:
-    tables, line = study(BALL).resolved(), np.array([-100.0, 100.0])
-    tables["bodies"]["ball"]["surface"] = kept(line, line, np.array([[-1e3, -1e3], [-1e3, 1e3]]))
-    with pytest.raises(PatchLeftError, match=r"upper body stands out by 1000 um .*at \(-100, -100\) um"):
+@pytest.mark.parametrize(("rise_um", "where"), [(1e3, "at the rim of its map"), (300.0, "outside the finely")])
+@pytest.mark.parametrize("body", ["ball", "flat"])
+def test_a_surface_that_stands_out_where_the_bodies_then_touch_is_named_before_anything_is_meshed(
+    monkeypatch: pytest.MonkeyPatch, body: str, rise_um: float, where: str
+) -> None:
+    monkeypatch.setattr(problem_module, "build_body", None)
+    tables, line = study(BALL).resolved(), np.linspace(-1e3, 1e3, 11)
+    depth = np.zeros((11, 11))
+    depth[(0, 0) if "rim" in where else (2, 5)] = -rise_um
+    tables["bodies"][body]["surface"] = kept(line, line, depth)
+    at = r"\(-1000, -1000\)" if "rim" in where else r"\(-600, 0\)"
+    with pytest.raises(StudyError, match=rf"{body} stands out by {rise_um:g} um .*at {at} um, {where}"):
         simulate(any_study(tables, "s.toml"), fidelity="quick")
+
+
+@pytest.mark.parametrize(("rise_um", "alone"), [(1.5, False), (10.0, True)])
+def test_a_rise_that_the_load_levels_stands_out_nowhere(rise_um: float, alone: bool) -> None:
+    """The approach of the fresh bodies is 2.5 um; the gap where the map ends 0.2 um."""
+    line = np.linspace(-50.0, 50.0, 21)
+    rise = rise_um * np.exp(-(((line[:, None] - 50.0) ** 2 + line[None, :] ** 2) / 20.0**2))
+    tables = study(BALL).resolved()
+    tables["bodies"]["ball"]["surface"] = kept(line, line, -rise)
+    own = any_study(tables, "s.toml")
+    assert isinstance(own, Study)
+    assert (stands_out(own, 0.1) is not None) == alone
 
 
 def test_heights_name_where_to_be_read_by_what_does_not_level_them(tmp_path: Path) -> None:

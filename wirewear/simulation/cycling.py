@@ -17,7 +17,6 @@ from wirewear.base.words import counted
 from wirewear.results import RunResult
 from wirewear.simulation.cycler import Cycler, FrettingTest, Motion
 from wirewear.simulation.observers import Observer, moment_of
-from wirewear.simulation.problem import standing_out
 from wirewear.simulation.recorded import Recorded
 from wirewear.simulation.store import Checkpoint, MeshHistory, RunStore
 from wirewear.test.conditions import Stop
@@ -234,10 +233,10 @@ class _Run:
                 return problem, self._measured(problem, state, 1.0, 1.0)
             except _OtherMeshesError as other:
                 fitting = other.history
-            except PatchLeftError as left:
+            except PatchLeftError:
                 larger = self.meshes.next_stage(self.history, 0.0)
                 if larger is None:
-                    raise PatchLeftError("; ".join([str(left), *standing_out(problem)])) from None
+                    raise
                 fitting = larger
             # Nothing of the run has been on the other meshes: that is no change.
             self.history = MeshHistory(fitting.stage, core=fitting.core)

@@ -11,7 +11,8 @@ from math import cos, hypot, nan, pi, radians, sin, sqrt
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry import Flat, LoweredSurface
+from geometry.arrays import Array, BoolArray
 from solvers import Archard, ContactProblem, ContactState, Coulomb, EnergyLaw, WearRates
 from solvers.contact.between_nodes import SpreadPressure
 from wirewear import reference
@@ -22,8 +23,9 @@ from wirewear.simulation.control import point_sticks
 from wirewear.simulation.yielding import limit_of_points, spread_by_yield
 from wirewear.test import AnyStudy, Study
 from wirewear.test.faces import Face, half_width_of
-from wirewear.test.gaps import hertz_of, on_pad
+from wirewear.test.gaps import Gap, hertz_of, on_pad
 from wirewear.test.life import TENSILE_STRENGTH, LifeTable
+from wirewear.test.surfaces import StatedSurface
 
 # Effects may add this factor to the worn volume before the patch grows: 8 % of its half-width in 3D. Runs with and
 # without effects that fit into the margin have the same meshes and differ by nothing else.
@@ -225,6 +227,47 @@ def expected_contact(study: Study, *, sticks: bool | None = None) -> ExpectedCon
     else:
         scar = scar_outline(volume, gap, face)
     return ExpectedContact(gap, hertz, scar, flattened, factors, sticks, face, lacking, spread)
+
+
+def stands_out(study: Study, reach_mm: float) -> str | None:
+    """Part of a sentence on a stated surface that rises so far above its unworn shape that the bodies touch there and
+    not in the middle, at the rim of its map or further than `reach_mm` from the middle; None if none does.
+    """
+    driven, held = bodies = study.bodies
+    maps = [(body, *_map_of(body.surface, body.axis_angle_deg)) for body in bodies if body.surface is not None]
+    load_N, middle = study.conditions.drive.load.largest * study.conditions.normal_load_N, np.zeros((1, 2))
+
+    def gap(places: Array) -> Array:
+        unworn = np.einsum("ni,ij,nj->n", places, Gap.like(load_N, driven, held).form, places)
+        return np.asarray(unworn - sum(own.height(places) for _, own, _, _ in maps))
+
+    for body, own, places, rim in maps:
+        found = gap(places)
+        first = int(found.argmin())
+        # A load that levels the difference brings the middle into contact, too.
+        alone = found[first] < gap(middle)[0] - hertz_of(load_N, driven, held).approach_mm
+        out_um, at = 1e3 * own.height(places[[first]])[0], places[first]
+        if out_um > 0.0 and alone and (rim[first] or hypot(*at) > reach_mm):
+            where = "at the rim of its map" if rim[first] else "outside the finely meshed patch"
+            return (
+                f"the surface stated of the {called(body.name)} stands out by {out_um:.4g} um from its unworn shape (a "
+                f"depth below 0) at ({1e3 * at[0]:.4g}, {1e3 * at[1]:.4g}) um, {where}, where the bodies would touch "
+                "first: give depths, and no heights"
+            )
+    return None
+
+
+def _map_of(surface: StatedSurface, axis_angle_deg: float) -> tuple[LoweredSurface, Array, BoolArray]:
+    """A stated surface of a flat over places along and across the motion, in mm; the places (n, 2) of its map; which
+    (n,) of them are at its rim.
+    """
+    angle = radians(axis_angle_deg) if surface.frame == "body" else 0.0
+    turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
+    lowered = surface.lowering(Flat(), turn.T)
+    lines = [1e-3 * line for line in surface.map[:2]]
+    at_ends = [np.isin(line, line[[0, -1]]) & (line.size > 1) for line in lines]
+    places = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2) @ turn.T
+    return lowered, places, np.logical_or.outer(*at_ends).ravel()
 
 
 def _worn_volume(study: Study, factors: WearFactors) -> float:

@@ -23,6 +23,7 @@ from wirewear.results.values import PlasticStrain
 from wirewear.simulation.control import held_of, point_sticks
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, discretise, unknowns
+from wirewear.simulation.expected_contact import stands_out
 from wirewear.simulation.near_zone import near_zone_of
 from wirewear.simulation.plan import PlannedRun, PointMeshes, core_stages, mesh_stages, spare_stages, sticking_stage
 from wirewear.simulation.problem import condense_bodies, fresh_state, laws_of, problem_at, too_much
@@ -65,6 +66,8 @@ class PointRun(PlannedRun):
         discretisation = discretise(largest, fidelity, sticks=all(regimes))
         stages = mesh_stages(largest, fidelity, discretisation)
         spare = spare_stages(largest, fidelity, discretisation, stages[-1])
+        if said := stands_out(study, [*stages, *spare][-1].to_half_width_mm):
+            raise StudyError(f"{said}.")
         moves = level_of(WIRE_LEVELS, fidelity).move_nodes_at_stages or study.mesh.move_nodes_at_stages
         sticking = sticking_stage(largest, fidelity, discretisation)
         cores = core_stages(largest, fidelity, discretisation)

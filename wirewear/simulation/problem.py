@@ -15,7 +15,7 @@ from typing import Protocol, TypedDict
 import numpy as np
 
 import solvers
-from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, LoweredSurface, Profile, build_body
+from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, Profile, build_body
 from geometry.arrays import Array
 from geometry.stiffness_files import OwnStiffness, write_stiffness
 from solvers.elasticity.elimination import inverse
@@ -249,26 +249,8 @@ def measured(
         return condensed
     angle = radians(axis_angle_deg) if surface.frame == "test" else 0.0
     to_map = rotation_to_world(upper=upper, axis_angle_rad=angle)[:2, :2]
-    x, y, depth = (1e-3 * values for values in surface.map)
-    if y.size == 1:
-        y, depth = np.array([-1.0, 1.0]), np.repeat(depth, 2, axis=1)
-    profile = LoweredSurface(condensed.patch.profile, x, y, depth, to_map)
+    profile = surface.lowering(condensed.patch.profile, to_map)
     return replace(condensed, patch=replace(condensed.patch, profile=profile))
-
-
-def standing_out(problem: solvers.ContactProblem) -> list[str]:
-    """Parts of a sentence, one for each body whose stated surface rises above its unworn shape; empty if none does."""
-    said = []
-    for body, name in ((problem.lower, "lower"), (problem.upper, "upper")):
-        surface = body.patch.profile
-        if isinstance(surface, LoweredSurface) and (least := surface.depth_mm.min()) < 0.0:
-            row, column = np.unravel_index(surface.depth_mm.argmin(), surface.depth_mm.shape)
-            at = ", ".join(f"{1e3 * place:.4g}" for place in (surface.x_mm[row], surface.y_mm[column]))
-            said.append(
-                f"the surface stated of the {name} body stands out by {-1e3 * least:.4g} um from its unworn shape (a "
-                f"depth below 0) at ({at}) um, so that the bodies may touch there first: give depths, and no heights"
-            )
-    return said
 
 
 class Laws(TypedDict):

@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
+from geometry import LoweredSurface, Profile
 from geometry.arrays import Array
 from solvers import SurfaceLayer
 from wirewear.base.errors import RecordError
@@ -145,6 +146,15 @@ class StatedSurface(Table):
     def map(self) -> tuple[Array, Array, Array]:
         """(x, y, depth): lines x (n_x,) and y (n_y,), and depths (n_x, n_y), all in µm."""
         return _map(self.x_um or (0.0,), self.y_um or (0.0,), self.depths or "")
+
+    def lowering(self, base: Profile, to_map: Array) -> LoweredSurface:
+        """The base surface lowered by the map. to_map: (2, 2) turns plane vectors (along, across) to the map's (x, y).
+        A profile goes on unchanged across.
+        """
+        x, y, depth = (1e-3 * values for values in self.map)
+        if y.size == 1:
+            y, depth = np.array([-1.0, 1.0]), np.repeat(depth, 2, axis=1)
+        return LoweredSurface(base, x, y, depth, to_map)
 
     @property
     def volume_mm3(self) -> float:
