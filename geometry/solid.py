@@ -26,6 +26,8 @@ _TRIED, _NEWTON, _BESIDE = (
     3.0,
 )  #: Cells tried for a place; Newton steps to its reference coordinates; their limit.
 _CHUNK = 2_000_000  #: Numbers of places times cells that are looked at together.
+_CHUNK_OF_CELLS = 5_000  #: Cells in which nodes are looked for together.
+_ON_A_FACE = 1e-3  #: Distance of a node from a cell, over the cell's size, from which on it is not on its face.
 
 
 @dataclass(frozen=True)
@@ -150,8 +152,8 @@ class SolidMesh:
         return local, np.linalg.det(jacobian) * kind.weights
 
     def require_sound(self) -> None:
-        """Raise GeometryError if a cell is inside out or has no volume, naming its place, if cells overlap or meet in
-        faces of other orders, or if nodes coincide or parts share none.
+        """Raise GeometryError if a cell is inside out or has no volume, naming its place, if cells overlap or do not
+        share whole faces of one order, or if nodes coincide or parts share none.
 
         That the boundary is closed need not be checked: it is the boundary of the cells.
         """
@@ -189,6 +191,46 @@ class SolidMesh:
             raise GeometryError(
                 f"{2 * len(pairs)} of its nodes coincide in pairs, the first at ({place}) mm: merge them"
             )
+        hanging = self._hanging()
+        if len(hanging):
+            place = ", ".join(f"{x:.4g}" for x in self.points[hanging[0]])
+            raise GeometryError(
+                f"{len(hanging)} of its nodes lie in or on the faces of elements that do not have them, the first at "
+                f"({place}) mm: mesh it so that neighbours share whole faces"
+            )
+        triangles, quads = self.boundary
+        cut = {tuple(sorted(face)) for face in triangles.tolist()}
+        parts = [np.sort(np.delete(quads, corner, axis=1), axis=1).tolist() for corner in range(4)]
+        halved = [any(tuple(part) in cut for part in each) for each in zip(*parts, strict=True)]
+        self._refuse(quads[halved], "have two triangles on their other side, and would gape there: mesh it with prisms")
+
+    def _hanging(self) -> IntArray:
+        """Nodes that lie in or on a cell which does not have them, where cells have faces that are not shared."""
+        outer = np.unique(np.concatenate([faces.ravel() for faces in self.boundary]))
+        known = np.zeros(len(self.points), dtype=bool)
+        known[outer] = True
+        # A cell with a face of its own has three such corners at least.
+        open_cells = [(kind, cells[known[cells[:, : kind.corners]].sum(axis=1) >= 3]) for kind, cells in self.groups]
+        nodes = np.unique(np.concatenate([cells.ravel() for _, cells in open_cells]))
+        tree, found = self._tree_of(self.points[nodes]), [np.zeros(0, dtype=np.int64)]
+        for kind, cells in open_cells:
+            low, high = self.points[cells].min(axis=1), self.points[cells].max(axis=1)
+            margin = _ON_A_FACE * (high - low).max(axis=1, keepdims=True)
+            low, high = low - margin, high + margin
+            for part in np.array_split(np.arange(len(cells)), 1 + len(cells) // _CHUNK_OF_CELLS):
+                near = tree.query_ball_point(0.5 * (low + high)[part], 0.5 * np.linalg.norm((high - low)[part], axis=1))
+                cell = np.repeat(part, [len(each) for each in near])
+                node = nodes[np.concatenate([np.array(each, dtype=np.int64) for each in near])]
+                at = self.points[node]
+                inside = ((at >= low[cell]) & (at <= high[cell])).all(axis=1) & (cells[cell] != node[:, None]).all(
+                    axis=1
+                )
+                cell, node, at = cell[inside], node[inside], at[inside]
+                local = self._local(kind, cells[cell], at)
+                missed = np.einsum("pn,pni->pi", kind.shapes(local), self.points[cells[cell]]) - at
+                touched = kind.outside(local) < _ON_A_FACE
+                found.append(node[touched & (np.linalg.norm(missed, axis=1) < margin[cell, 0])])
+        return np.unique(np.concatenate(found))
 
     def _refuse(self, faces: IntArray, why: str) -> None:
         if len(faces):

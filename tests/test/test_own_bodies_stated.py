@@ -61,7 +61,8 @@ def written(folder: Path, lines: Lines, kind: str = "C3D8") -> Path:
     top = [k for k in range(1, len(points) + 1) if k % (N + 1) == 0]
     bottom = [k for k in range(1, len(points) + 1) if k % (N + 1) == 1]
     text = ["*NODE", *(", ".join(map(repr, (k, *point))) for k, point in enumerate(points, 1))]
-    text += [f"*ELEMENT, TYPE={kind}, ELSET=body", *(f"{k}, {', '.join(map(str, c))}" for k, c in enumerate(cells, 1))]
+    for number, nodes in enumerate(cells, 1):
+        text += [f"*ELEMENT, TYPE={kind if len(nodes) == 8 else 'C3D6'}, ELSET=body", f"{number}, {str(nodes)[1:-1]}"]
     text += ["*NSET, NSET=face", ", ".join(map(str, top)), "*NSET, NSET=back", ", ".join(map(str, bottom))]
     (file := folder / "own.inp").write_text("\n".join(text), encoding="utf-8")
     return file
@@ -147,9 +148,32 @@ def slit(lines: Lines) -> Lines:
     return points, cells
 
 
+def refined(lines: Lines) -> Lines:
+    """Cut the first element in two, so that its new nodes hang on its neighbours' edges."""
+    points, cells = lines
+    low, high = cells[0][:4], cells[0][4:]
+    new = [len(points) + k for k in range(1, 5)]
+    points += [
+        [0.5 * (a + b) for a, b in zip(points[i - 1], points[k - 1], strict=True)]
+        for i, k in zip(low, high, strict=True)
+    ]
+    return points, [[*low, *new], [*new, *high], *cells[1:]]
+
+
+def split(lines: Lines) -> Lines:
+    """Cut the first element in two prisms, which the one above meets in a quadrilateral."""
+    points, ((a, b, c, d, e, f, g, h), *cells) = lines
+    return points, [[a, b, c, e, f, g], [a, c, d, e, g, h], *cells]
+
+
 @pytest.mark.parametrize(
     ("spoiled", "said"),
     [
+        (split(block(ball)), "1 in all, the first at .*, have two triangles on their other side"),
+        (
+            refined(block(ball)),
+            r"[23] of its nodes lie in or on the faces of elements that do not have them, the first at",
+        ),
         (turned(block(ball)), "turned inside out"),
         (flattened(block(ball)), "inside out|without volume"),
         (torn(block(ball)), "consists of 2 parts that share no nodes"),
@@ -162,6 +186,8 @@ def slit(lines: Lines) -> Lines:
         (([[0.0, 0.0]], []), "node 1 has 2 coordinates"),
     ],
     ids=[
+        "split face",
+        "hanging nodes",
         "inverted",
         "degenerate",
         "two parts",
