@@ -14,7 +14,7 @@ from wirewear.simulation.control import core_once_worn
 from wirewear.simulation.core_lines import fitted_to_core, punch_stiffness
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.expected_contact import Ellipse
-from wirewear.simulation.plan import core_stages
+from wirewear.simulation.meshes import core_stages
 from wirewear.test import parse_study, study_from_tables
 
 #: Volumes go with about the tenth power of the radius: this is 3 % of them.

@@ -19,8 +19,9 @@ from wirewear.base.cache import Identity
 from wirewear.simulation import Observer
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
+from wirewear.simulation.meshes import Meshes, MeshHistory
 from wirewear.simulation.statistics import Tally
-from wirewear.simulation.store import Checkpoint, Meshes, MeshHistory
+from wirewear.simulation.store import Checkpoint
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from wirewear.results import Evolution, RunResult
 from wirewear.simulation import Observer, convergence, discretise
 from wirewear.simulation.discretisation import unknowns
 from wirewear.simulation.expected_contact import Ellipse, patch_axes, scar_ellipse
-from wirewear.simulation.plan import MeshStage, mesh_stages, spare_stages
+from wirewear.simulation.meshes import MeshStage, mesh_stages, spare_stages
 from wirewear.simulation.point_runs import PointRun
 from wirewear.test import Study
 from wirewear.test.fidelity import WIRE_LEVELS

@@ -13,8 +13,8 @@ import solvers
 from wirewear.effects import Age
 from wirewear.simulation.control import AmplitudeSearch, HeldFigure, amplitude_from
 from wirewear.simulation.measures import Probe
+from wirewear.simulation.meshes import Meshes
 from wirewear.simulation.statistics import Tally
-from wirewear.simulation.store import Meshes
 from wirewear.test.conditions import Stop
 
 #: Called at every increment: the state after it, and the cycles done before the jump that it belongs to.

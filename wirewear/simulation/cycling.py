@@ -16,9 +16,10 @@ from solvers import ContactProblem, ContactState, JumpController, JumpStep, Patc
 from wirewear.base.words import counted
 from wirewear.results import RunResult
 from wirewear.simulation.cycler import Cycler, FrettingTest, Motion
+from wirewear.simulation.meshes import MeshHistory
 from wirewear.simulation.observers import Observer, moment_of
 from wirewear.simulation.recorded import Recorded
-from wirewear.simulation.store import Checkpoint, MeshHistory, RunStore
+from wirewear.simulation.store import Checkpoint, RunStore
 from wirewear.test.conditions import Stop
 
 FIGURES: Mapping[str, Callable[[ContactState], float]] = {

@@ -4,25 +4,25 @@ run.
 Bodies come as (specimen, pad): driven and below, held and above.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
+from geometry import EdgeGradedAxis, PlanarGeometry, RingGeometry
 from solvers import ContactProblem, CycleTrace, press, unloaded_state
 from wirewear.base import kinds
 from wirewear.base.cache import Identity
+from wirewear.base.memory import free_memory
 from wirewear.effects import problem_with
 from wirewear.results import ContactForces, Loop, RunResult, Scar
 from wirewear.simulation.control import held_of
 from wirewear.simulation.cycler import FrettingTest, Motion
-from wirewear.simulation.line_memory import needed_memory, require_affordable_lines
-from wirewear.simulation.line_model import LinePlan, bodies, limit_of_lines, line_plan, line_problem
+from wirewear.simulation.line_model import LinePlan, bodies, line_plan, line_problem
+from wirewear.simulation.meshes import LineMeshes, MeshHistory
 from wirewear.simulation.plan import PlannedRun
-from wirewear.simulation.problem import laws_of
+from wirewear.simulation.problem import Announce, laws_of, too_much
 from wirewear.simulation.recorded import Recorded
-from wirewear.simulation.store import MeshHistory, OneMesh
 from wirewear.simulation.traced_bodies import forces_on, worn_bodies
 from wirewear.test import LineStudy
 
@@ -136,7 +136,6 @@ class LineRun(PlannedRun):
     def test(self) -> FrettingTest:
         """The test as `cycle_through` simulates it, for 1 mm of length."""
         study, increments = self.study, self.planned.increments_per_cycle
-        driven = self.computed.driven
 
         def motion(own: LineStudy) -> Motion:
             return Motion(
@@ -151,9 +150,8 @@ class LineRun(PlannedRun):
             )
 
         milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, study.conditions.cycles}))
-        limit = limit_of_lines(driven, self.planned.hertz)
-        mesh = OneMesh(lambda: replace(line_problem(driven, *bodies(driven, self.planned)), limit=limit))
-        return self.tested(self.computed, motion, mesh, milestones, self.planned.jump_tolerance)
+        meshes = LineMeshes(self.computed.driven, self.planned)
+        return self.tested(self.computed, motion, meshes, milestones, self.planned.jump_tolerance)
 
     def require_affordable(self) -> None:
         """Raise StudyError if the compliances of both bodies take more memory than is free."""
@@ -161,7 +159,35 @@ class LineRun(PlannedRun):
 
     @property
     def needed_memory(self) -> float:
-        return needed_memory(self.planned)
+        return _needed_memory(self.planned)
 
-    def prepare(self, stage: Callable[[str], None]) -> None:
+    def prepare(self, _announce: Announce) -> None:
         """Does nothing: there is nothing that runs of line contacts share and that could be made before them."""
+
+
+def _needed_memory(meshes: LinePlan) -> float:
+    """Bytes that the compliances of both bodies take at a time."""
+    # Dense matrices of a contact's unknowns that are there at a time: those of both bodies, and one in the making.
+    return 3 * 8.0 * (2.0 * _nodes(meshes)) ** 2
+
+
+def require_affordable_lines(name: str, meshes: LinePlan) -> None:
+    """Raise StudyError if the compliances of both bodies take more memory than is free. name: the study's."""
+    needed, free = _needed_memory(meshes), free_memory()
+    if needed > free:
+        fits_um = 1e3 * meshes.pad.along.fine_mm * (needed / free) ** 0.5
+        raise too_much(f"{name!r}", _nodes(meshes), needed, free, f"give contact_mesh_um = {fits_um:.2g} or more")
+
+
+def _nodes(meshes: LinePlan) -> int:
+    return max(_fine_nodes(meshes.pad), _fine_nodes(meshes.specimen))
+
+
+def _fine_nodes(body: PlanarGeometry | RingGeometry) -> int:
+    """Number of nodes in the fine zone of a body's contact; those outside are fewer."""
+    along = body.along
+    if isinstance(along, EdgeGradedAxis):
+        fine_mm = along.half_extent_mm - along.fine_from_mm
+    else:
+        fine_mm = along.fine_half_extent_mm
+    return int(2.0 * fine_mm / along.fine_mm) + 1

@@ -24,12 +24,12 @@ from wirewear.simulation.control import held_of, point_sticks
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, discretise, unknowns
 from wirewear.simulation.expected_contact import stands_out
+from wirewear.simulation.meshes import MeshHistory, PointMeshes, core_stages, mesh_stages, spare_stages, sticking_stage
 from wirewear.simulation.near_zone import near_zone_of
-from wirewear.simulation.plan import PlannedRun, PointMeshes, core_stages, mesh_stages, spare_stages, sticking_stage
-from wirewear.simulation.problem import condense_bodies, fresh_state, laws_of, problem_at, too_much
+from wirewear.simulation.plan import PlannedRun
+from wirewear.simulation.problem import Announce, condense_bodies, fresh_state, laws_of, problem_at, too_much
 from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings
 from wirewear.simulation.statistics import bends
-from wirewear.simulation.store import MeshHistory, Report
 from wirewear.simulation.traced_bodies import forces_on, scars_of
 from wirewear.test import Study
 from wirewear.test.consistency import default_loop_cycles
@@ -160,10 +160,10 @@ class PointRun(PlannedRun):
             most = max(max(unknowns(stage.moving), unknowns(stage.fixed)) for stage in self.meshes.stages)
             raise too_much(_at(self.study, self.fidelity), most // 3, needed, free, _what_fits(self, free))
 
-    def prepare(self, stage: Report) -> None:
-        """Condense the bodies of all planned stages and cache them. stage: called with the name of each part."""
+    def prepare(self, announce: Announce) -> None:
+        """Condense the bodies of all planned stages and cache them. announce: called with the name of each part."""
         for meshes in self.meshes.stages:
-            condense_bodies(self.study, meshes, stage)
+            condense_bodies(self.study, meshes, announce)
 
 
 class PointRunRecord(Recorded):

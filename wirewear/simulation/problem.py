@@ -138,6 +138,9 @@ def _store(path: Path, body: solvers.CondensedBody) -> None:
         not_kept(path, problem)
 
 
+Announce = Callable[[str], None]  #: Called with the name of each part of a preparation as it begins.
+
+
 class BothMeshes(Protocol):
     """The geometries of the meshes of both bodies: the driven (moving) and the held (fixed) one."""
 
@@ -150,13 +153,13 @@ class BothMeshes(Protocol):
         """Geometry of the held body's mesh."""
 
 
-def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], None]) -> solvers.ContactProblem:
+def contact_problem(study: Study, meshes: BothMeshes, announce: Announce) -> solvers.ContactProblem:
     """The contact problem of a study without effects that depend on the age of the test: both bodies meshed and
-    condensed (or loaded), placed, the upper one on its rig. stage: called with the name of each part of the work.
+    condensed (or loaded), placed, the upper one on its rig. announce: called with the name of each part of the work.
     """
-    lower, upper = _placed(study, *condense_bodies(study, meshes, stage))
+    lower, upper = _placed(study, *condense_bodies(study, meshes, announce))
     limit, near = limit_of_points(study), near_zone_of(study)
-    stage("pressing the bodies together")
+    announce("pressing the bodies together")
     return solvers.ContactProblem(
         upper=upper,
         lower=lower,
@@ -168,21 +171,17 @@ def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], Non
 
 
 def with_nodes_moved(
-    problem: solvers.ContactProblem,
-    study: Study,
-    meshes: BothMeshes,
-    depths: tuple[Array, Array],
-    stage: Callable[[str], None],
+    problem: solvers.ContactProblem, study: Study, meshes: BothMeshes, depths: tuple[Array, Array], announce: Announce
 ) -> tuple[solvers.ContactProblem, float]:
     """(problem, smallest scaled Jacobian of both meshes): the problem with the surface nodes of both bodies moved down.
 
     depths: of the driven and the held body in mm, (n_a, n_t) each, below the unworn surface. The bodies are condensed
-    again; stage: called with the name of each part. Raises GeometryError if an element is distorted too much.
+    again; announce: called with the name of each part. Raises GeometryError if an element is distorted too much.
     """
     driven, held = study.bodies
-    stage(f"moving the nodes of the {called(driven.name)}")
+    announce(f"moving the nodes of the {called(driven.name)}")
     moving, first = condensed_worn_body(meshes.moving, driven.material, depths[0])
-    stage(f"moving the nodes of the {called(held.name)}")
+    announce(f"moving the nodes of the {called(held.name)}")
     fixed, second = condensed_worn_body(meshes.fixed, held.material, depths[1])
     lower, upper = _placed(study, moving, fixed)
     return replace(problem, lower=lower, upper=upper), min(first, second)
@@ -297,13 +296,13 @@ def fresh_state(problem: solvers.ContactProblem, study: Study, near: NearZone | 
 
 
 def condense_bodies(
-    study: Study, meshes: BothMeshes, stage: Callable[[str], None]
+    study: Study, meshes: BothMeshes, announce: Announce
 ) -> tuple[solvers.CondensedBody, solvers.CondensedBody]:
-    """(driven, held): both bodies condensed, or loaded from the cache. stage: called with the name of each part."""
+    """(driven, held): both bodies condensed, or loaded from the cache. announce: called with the name of each part."""
     driven, held = study.bodies
-    stage(f"condensing the {called(driven.name)}")
+    announce(f"condensing the {called(driven.name)}")
     moving = condensed_body(meshes.moving, driven.material)
-    stage(f"condensing the {called(held.name)}")
+    announce(f"condensing the {called(held.name)}")
     return moving, condensed_body(meshes.fixed, held.material)
 
 

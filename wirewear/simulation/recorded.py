@@ -33,9 +33,9 @@ from wirewear.results import (
 from wirewear.simulation.control import HeldFigure
 from wirewear.simulation.expected_contact import borne_settings, law_error
 from wirewear.simulation.measures import dissipated_energy_mJ, slip_amplitude_mm, unresolved_slip
+from wirewear.simulation.meshes import MeshHistory
 from wirewear.simulation.problem import worn_depths
 from wirewear.simulation.statistics import Tally, friction_work_mJ, judge, mirrored_mismatch
-from wirewear.simulation.store import MeshHistory
 from wirewear.simulation.traced_bodies import depth_spread, pressure_figures, volume_mismatch
 from wirewear.simulation.yielding import STRAIN, limit_settings
 from wirewear.test.conditions import held_keys

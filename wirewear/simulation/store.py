@@ -1,11 +1,9 @@
-"""Where a run keeps its result and its checkpoint: in a folder, or nowhere, with the meshes that it goes through.
+"""Where a run keeps its result and its checkpoint: in a folder, or nowhere.
 
-The checkpoint is the state of an unfinished run, enough to go on as if it had not been interrupted. The core is the
-part of a contact that sticks in its middle.
+The checkpoint is the state of an unfinished run, enough to go on as if it had not been interrupted.
 """
 
 import json
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -16,90 +14,19 @@ from typing import Any, TypeVar
 import h5py
 import numpy as np
 
-from geometry.arrays import Array
-from solvers import ContactProblem, ContactState, Guide, WearState
+from solvers import ContactState, Guide, WearState
 from wirewear.base.cache import Identity, digest
 from wirewear.base.errors import ResultError, RunError
 from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5, write_arrays
 from wirewear.base.locks import clear_abandoned, last_noted, occupied
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_result
-
-Report = Callable[[str], None]  #: Called with what is being prepared.
+from wirewear.simulation.meshes import MeshHistory
 
 CHECKPOINT_FILE_NAME = "checkpoint.h5"
 _FORMAT = 5
 
 T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class MeshHistory:
-    """Which meshes a run is on, and how they have changed. stage: index of the pair of meshes, -1 for those of a fresh
-    contact that sticks in its middle. moved: depths in mm by which surface nodes of the lower and the upper body were
-    moved, None if they were not. changes: each with its cycle. core: share (0 to 1) of the fresh contact's axes that
-    sticks and that mesh lines follow, None if they need not.
-    """
-
-    stage: int = 0
-    moved: tuple[Array, Array] | None = None
-    changes: tuple[dict[str, float], ...] = ()
-    core: float | None = None
-
-
-class Meshes(ABC):
-    """The meshes that a run goes through, and when it takes the next; by default the same ones to its end.
-
-    Histories are not changed: methods return the one that follows, or None if meshes stay as they are. report: called
-    with the name of each part of the work.
-    """
-
-    def first(self) -> MeshHistory:
-        """The history with the meshes for the fresh contact."""
-        return MeshHistory()
-
-    @abstractmethod
-    def problem(self, history: MeshHistory, report: Report, /) -> ContactProblem:
-        """The contact problem on the meshes of a history, without effects of the test's age."""
-
-    def next_stage(self, _history: MeshHistory, _cycle: float, /) -> MeshHistory | None:
-        """The history with the next, larger meshes in use from `_cycle` on; None if there are none."""
-        return None
-
-    def outgrown(self, _history: MeshHistory, _state: ContactState, _cycle: float, /) -> MeshHistory | None:
-        """The history with the next meshes in use from `_cycle` on, if the scar has outgrown these; else None."""
-        return None
-
-    def fitting(
-        self, _history: MeshHistory, _state: ContactState, _cycles: tuple[float, float], _sticks: bool, /
-    ) -> MeshHistory | None:
-        """The history with the meshes for a contact that sticks in its middle or that slides, if those in use are not;
-        else None.
-        _cycles: at which the current motion began, and now. _sticks: True if the middle stuck throughout the latest
-        cycle. Such meshes are left and taken again at most once during a motion.
-        """
-        return None
-
-    def fitted(self, _history: MeshHistory, _problem: ContactProblem, _state: ContactState, /) -> MeshHistory | None:
-        """The history with mesh lines that follow the core at the end of the first loading; None if they need not."""
-        return None
-
-    def moved_nodes(
-        self, history: MeshHistory, problem: ContactProblem, _state: ContactState, _cycle: float, _report: Report, /
-    ) -> tuple[MeshHistory, ContactProblem]:
-        """(history, problem) with nodes moved into the worn surface, if due after `_cycle` cycles; else as given."""
-        return history, problem
-
-
-@dataclass(frozen=True)
-class OneMesh(Meshes):
-    """Meshes that serve a whole run; `build` makes the problem on them. A contact that leaves them has failed."""
-
-    build: Callable[[], ContactProblem]
-
-    def problem(self, _history: MeshHistory, report: Report, /) -> ContactProblem:
-        report("meshing and condensing")
-        return self.build()
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,9 @@ from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
 from wirewear.results.scar import called
 from wirewear.simulation.discretisation import Discretisation, discretise
-from wirewear.simulation.line_memory import require_affordable_lines
 from wirewear.simulation.line_model import line_plan
-from wirewear.simulation.plan import MeshStage
+from wirewear.simulation.line_runs import require_affordable_lines
+from wirewear.simulation.meshes import MeshStage
 from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.problem import contact_problem, write_condensed
 from wirewear.test import LineStudy, Study
