@@ -16,10 +16,12 @@ from solvers import (
     PatchLeftError,
 )
 from wirewear.base.cache import Identity
+from wirewear.effects import Age
 from wirewear.simulation import Observer
-from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.meshes import Meshes, MeshHistory
+from wirewear.simulation.motion import Motion
+from wirewear.simulation.plan import FrettingTest
 from wirewear.simulation.statistics import Tally
 from wirewear.simulation.store import Checkpoint
 
@@ -107,6 +109,16 @@ def stage_of(problem: Any) -> int:
 ENTERED: list[tuple[float, float]] = []
 
 
+class Unchanging(Motion):
+    """A block whose problem is the one on the meshes, at any age."""
+
+    def aged(self, problem: ContactProblem, _age: Age) -> ContactProblem:
+        return problem
+
+    def under(self, problem: ContactProblem) -> ContactProblem:
+        return problem
+
+
 class ScriptedCycler:
     """The state is the number of cycles worn, the problem the stage of its meshes."""
 
@@ -178,14 +190,9 @@ def run(
 ) -> Result:
     monkeypatch.setattr("wirewear.simulation.cycling.Cycler", ScriptedCycler)
     monkeypatch.setattr("wirewear.simulation.cycling.wear_stepper", lambda *_: stepper)
-    unasked: Any = None
     ENTERED.clear()
-
-    def motion(amplitude_mm: float) -> Motion:
-        asked = {"fresh": unasked, "aged": unasked, "under": lambda own: own}
-        return Motion(solvers.Drive(amplitude_mm), 16, 16, follows_force=False, **asked)
-
-    test = FrettingTest(tuple((end, motion(own)) for end, own in blocks), Stages(limits), MILESTONES, 0.1)
+    motions = tuple((end, Unchanging(solvers.Drive(own), 16, 16, follows_force=False)) for end, own in blocks)
+    test = FrettingTest(motions, Stages(limits), MILESTONES, 0.1)
     recorded: Any = record or Record()
     kept: Any = store
     result: Any = cycle_through(test, recorded, kept, Observer(), resume=resume)

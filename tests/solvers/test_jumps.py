@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from threadpoolctl import threadpool_limits
 
 import solvers
-from solvers.contact import unloaded_state
 from tests.bodies import crossed_wires
 from tests.solvers.wear_jumps import INCREMENTS, RATES, at_the_end
 from wirewear.effects import Age
-from wirewear.simulation.cycler import Cycler, Motion
+from wirewear.simulation.cycler import Cycler
 from wirewear.simulation.cycling import WearStepper, whole_cycles
+from wirewear.simulation.motion import Motion
 from wirewear.simulation.statistics import Tally
 
 STAGE = 1.0 - 0.5**0.5  # Alexander's method, as the wear step takes it.
@@ -103,9 +103,14 @@ CYCLES = 3e3
 POWERS_OF_TEN = (10.0, 100.0, 1000.0)
 
 
-def rough(bare: solvers.ContactProblem, age: Age) -> solvers.ContactProblem:
-    """The wires with a layer that wears in, which leaves the load to an ever smaller contact."""
-    return replace(bare, layers=(solvers.RoughLayer(LAYER_mm * math.exp(-age.cycles / WEARS_IN_cycles)),))
+class WearingIn(Motion):
+    """Wires with a layer that wears in, which leaves the load to an ever smaller contact."""
+
+    def aged(self, problem: solvers.ContactProblem, age: Age) -> solvers.ContactProblem:
+        return replace(problem, layers=(solvers.RoughLayer(LAYER_mm * math.exp(-age.cycles / WEARS_IN_cycles)),))
+
+    def under(self, problem: solvers.ContactProblem) -> solvers.ContactProblem:
+        return problem
 
 
 def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = False) -> tuple[float, float, float]:
@@ -114,10 +119,7 @@ def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = Fals
     A run that is `resumed` after every jump knows nothing of a cycle traced before.
     """
     bare = crossed_wires(0.005, rig_N_per_mm=RIG_N_per_mm, wear=RATES)
-    motion, tally = (
-        Motion(solvers.Drive(STROKE_mm), INCREMENTS, INCREMENTS, False, unloaded_state, rough, lambda own: own),
-        Tally(),
-    )
+    motion, tally = WearingIn(solvers.Drive(STROKE_mm), INCREMENTS, INCREMENTS, follows_force=False), Tally()
 
     def started() -> WearStepper:
         return whole_cycles(
@@ -125,7 +127,7 @@ def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = Fals
         )
 
     jumps = started()
-    state = at_the_end(rough(bare, Age(0.0, 0.0)), STROKE_mm)
+    state = at_the_end(motion.aged(bare, Age(0.0, 0.0)), STROKE_mm)
     sticking, done, wanted = state.core.sum(), 1.0, jumps.first_jump
     with threadpool_limits(1, user_api="blas"):
         while done < cycles:

@@ -7,81 +7,25 @@ cycle.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import solvers
 from wirewear.effects import Age
-from wirewear.simulation.control import AmplitudeSearch, HeldFigure, amplitude_from
+from wirewear.simulation.control import AmplitudeSearch, amplitude_from
 from wirewear.simulation.measures import Probe
-from wirewear.simulation.meshes import Meshes
+from wirewear.simulation.motion import Motion
 from wirewear.simulation.statistics import Tally
-from wirewear.test.conditions import Stop
 
 #: Called at every increment: the state after it, and the cycles done before the jump that it belongs to.
 Watch = Callable[[solvers.ContactState, float], None]
 
 _Cycle = tuple[solvers.ContactState, solvers.CycleTrace]
 #: A loop with its problem and motion, and the states before and after it.
-_Loop = tuple[solvers.ContactProblem, "Motion", tuple[solvers.ContactState, ...], solvers.CycleTrace]
+_Loop = tuple[solvers.ContactProblem, Motion, tuple[solvers.ContactState, ...], solvers.CycleTrace]
 
 Reported = Callable[[solvers.ContactState, solvers.IncrementReport], None]  #: Called after every increment.
 
 #: Tries a jump: from the state after so many cycles over some more, to the state then and the pressures' change.
 Attempt = Callable[[solvers.ContactState, float, float], tuple[solvers.ContactState, float]]
-
-
-@dataclass(frozen=True)
-class Motion:
-    """The motion of a contact in a block of cycles, and how its problem follows from the block and the test's age.
-
-    increments: number in a cycle whose loop is measured; with follows_force more are made where the force turns
-    quickly. wear_increments: number in a cycle that is only worn by. fresh: gives the state of bodies that just touch.
-    aged: gives a problem with the effects that it has at an age. under: gives a problem with load, rig and laws of the
-    block. held: the quantity that the drive holds, None for its amplitude. printed: adds to a wear state the permanent
-    depths that sliding leaves in metal that flows; None for elastic bodies.
-    """
-
-    drive: solvers.Drive
-    increments: int
-    wear_increments: int
-    follows_force: bool
-    fresh: Callable[[solvers.ContactProblem], solvers.ContactState]
-    aged: Callable[[solvers.ContactProblem, Age], solvers.ContactProblem]
-    under: Callable[[solvers.ContactProblem], solvers.ContactProblem]
-    held: HeldFigure | None = None
-    printed: Callable[[solvers.ContactProblem, solvers.WearState], solvers.WearState] | None = None
-
-
-@dataclass(frozen=True)
-class FrettingTest:
-    """A test as a run goes through it, for any kind of contact. motions: (last cycle, motion) of each block.
-    milestones: cycles whose loop is measured, increasing to the test's end. jump_tolerance: relative error allowed to a
-    cycle jump. explicit_jump_cycles: size of jumps without error control, None for jumps with it.
-    """
-
-    motions: tuple[tuple[float, Motion], ...]
-    meshes: Meshes
-    milestones: tuple[float, ...]
-    jump_tolerance: float
-    explicit_jump_cycles: float | None = None
-    stop: Stop | None = None
-
-    @property
-    def cycles(self) -> float:
-        return self.milestones[-1]
-
-    @cached_property
-    def stops(self) -> tuple[float, ...]:
-        """Cycles that no jump passes over, increasing: milestones, and ends of motions."""
-        return tuple(sorted({*self.milestones, *(end for end, _ in self.motions)}))
-
-    def motion_at(self, done: float) -> Motion:
-        """The motion of cycle `done`, the last one of a block included; the last motion beyond the test's end."""
-        return next((motion for end, motion in self.motions if done <= end), self.motions[-1][1])
-
-    def motion_after(self, done: float) -> Motion:
-        """The motion of the cycles that follow cycle `done`."""
-        return next((motion for end, motion in self.motions if done < end), self.motions[-1][1])
 
 
 @dataclass(frozen=True)
@@ -196,9 +140,8 @@ class Cycler:
 
     def printed(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> solvers.ContactState:
         """The state of pressed bodies, pressed again with the prints that sliding leaves; unchanged without any."""
-        if self.motion.printed is None:
+        if (wear := self.motion.slid(problem, state.wear)) is None:
             return state
-        wear = self.motion.printed(problem, state.wear)
         again = replace(solvers.unloaded_state(problem), wear=wear, bulk=state.bulk)
         pressed, report = solvers.press(self.aged(problem, state, 0.0), again)
         self.tally.counters.count(report)

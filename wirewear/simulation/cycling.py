@@ -15,9 +15,11 @@ from threadpoolctl import threadpool_limits
 from solvers import ContactProblem, ContactState, JumpController, JumpStep, PatchLeftError, SolverError, take_step
 from wirewear.base.words import counted
 from wirewear.results import RunResult
-from wirewear.simulation.cycler import Cycler, FrettingTest, Motion
+from wirewear.simulation.cycler import Cycler
 from wirewear.simulation.meshes import MeshHistory
+from wirewear.simulation.motion import Motion
 from wirewear.simulation.observers import Observer, moment_of
+from wirewear.simulation.plan import FrettingTest
 from wirewear.simulation.recorded import Recorded
 from wirewear.simulation.store import Checkpoint, RunStore
 from wirewear.test.conditions import Stop

@@ -4,7 +4,7 @@ run.
 Bodies come as (specimen, pad): driven and below, held and above.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -14,14 +14,12 @@ from solvers import ContactProblem, CycleTrace, press, unloaded_state
 from wirewear.base import kinds
 from wirewear.base.cache import Identity
 from wirewear.base.memory import free_memory
-from wirewear.effects import problem_with
 from wirewear.results import ContactForces, Loop, RunResult, Scar
-from wirewear.simulation.control import held_of
-from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.line_model import LinePlan, bodies, line_plan, line_problem
 from wirewear.simulation.meshes import LineMeshes, MeshHistory
-from wirewear.simulation.plan import PlannedRun
-from wirewear.simulation.problem import Announce, laws_of, too_much
+from wirewear.simulation.motion import LineMotion
+from wirewear.simulation.plan import FrettingTest, PlannedRun
+from wirewear.simulation.problem import Announce, too_much
 from wirewear.simulation.recorded import Recorded
 from wirewear.simulation.traced_bodies import forces_on, worn_bodies
 from wirewear.test import LineStudy
@@ -135,23 +133,14 @@ class LineRun(PlannedRun):
     @property
     def test(self) -> FrettingTest:
         """The test as `cycle_through` simulates it, for 1 mm of length."""
-        study, increments = self.study, self.planned.increments_per_cycle
-
-        def motion(own: LineStudy) -> Motion:
-            return Motion(
-                drive=own.drive,
-                increments=increments,
-                wear_increments=increments,
-                follows_force=own.mesh.increments_per_cycle is None,
-                fresh=unloaded_state,
-                aged=lambda problem, age: problem_with(problem, own.effects, age),
-                under=lambda problem: replace(problem, **laws_of(own)),
-                held=held_of(own),
-            )
-
+        study = self.study
         milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, study.conditions.cycles}))
         meshes = LineMeshes(self.computed.driven, self.planned)
-        return self.tested(self.computed, motion, meshes, milestones, self.planned.jump_tolerance)
+        return self.tested(self.computed, self.motion, meshes, milestones, self.planned.jump_tolerance)
+
+    def motion(self, block: LineStudy) -> LineMotion:
+        """The motion of a block of cycles from the block's own study, of 1 mm."""
+        return LineMotion.of(block, self.planned.increments_per_cycle)
 
     def require_affordable(self) -> None:
         """Raise StudyError if the compliances of both bodies take more memory than is free."""

@@ -1,13 +1,47 @@
-"""What all planned runs share."""
+"""A test as a run goes through it, and what all planned runs share."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
-from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.meshes import Meshes
+from wirewear.simulation.motion import Motion
 from wirewear.test import AnyStudy
 from wirewear.test.any_study import Of
+from wirewear.test.conditions import Stop
+
+
+@dataclass(frozen=True)
+class FrettingTest:
+    """A test as a run goes through it, for any kind of contact. motions: (last cycle, motion) of each block.
+    milestones: cycles whose loop is measured, increasing to the test's end. jump_tolerance: relative error allowed to a
+    cycle jump. explicit_jump_cycles: size of jumps without error control, None for jumps with it.
+    """
+
+    motions: tuple[tuple[float, Motion], ...]
+    meshes: Meshes
+    milestones: tuple[float, ...]
+    jump_tolerance: float
+    explicit_jump_cycles: float | None = None
+    stop: Stop | None = None
+
+    @property
+    def cycles(self) -> float:
+        return self.milestones[-1]
+
+    @cached_property
+    def stops(self) -> tuple[float, ...]:
+        """Cycles that no jump passes over, increasing: milestones, and ends of motions."""
+        return tuple(sorted({*self.milestones, *(end for end, _ in self.motions)}))
+
+    def motion_at(self, done: float) -> Motion:
+        """The motion of cycle `done`, the last one of a block included; the last motion beyond the test's end."""
+        return next((motion for end, motion in self.motions if done <= end), self.motions[-1][1])
+
+    def motion_after(self, done: float) -> Motion:
+        """The motion of the cycles that follow cycle `done`."""
+        return next((motion for end, motion in self.motions if done < end), self.motions[-1][1])
 
 
 @dataclass(frozen=True)

@@ -20,14 +20,14 @@ from wirewear.base.words import counted
 from wirewear.results import PRESSURE_LENGTH, ContactForces, RunResult, Scar
 from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.results.values import PlasticStrain
-from wirewear.simulation.control import held_of, point_sticks
-from wirewear.simulation.cycler import FrettingTest, Motion
+from wirewear.simulation.control import point_sticks
 from wirewear.simulation.discretisation import Discretisation, discretise, unknowns
 from wirewear.simulation.expected_contact import stands_out
 from wirewear.simulation.meshes import MeshHistory, PointMeshes, core_stages, mesh_stages, spare_stages, sticking_stage
+from wirewear.simulation.motion import PointMotion
 from wirewear.simulation.near_zone import near_zone_of
-from wirewear.simulation.plan import PlannedRun
-from wirewear.simulation.problem import Announce, condense_bodies, fresh_state, laws_of, problem_at, too_much
+from wirewear.simulation.plan import FrettingTest, PlannedRun
+from wirewear.simulation.problem import Announce, condense_bodies, too_much
 from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings
 from wirewear.simulation.statistics import bends
 from wirewear.simulation.traced_bodies import forces_on, scars_of
@@ -81,24 +81,15 @@ class PointRun(PlannedRun):
     @property
     def test(self) -> FrettingTest:
         """The test as `cycle_through` simulates it."""
-        sizes, wear = self.discretisation, self.study.wear
-
-        def motion(own: Study) -> Motion:
-            near = near_zone_of(self.study)
-            return Motion(
-                drive=own.drive,
-                increments=sizes.increments_per_cycle,
-                wear_increments=sizes.increments_per_wear_cycle,
-                follows_force=own.fidelity(self.fidelity).increments_per_cycle is None,
-                fresh=lambda problem: fresh_state(problem, own, near),
-                aged=lambda problem, age: problem_at(problem, own, age),
-                under=lambda problem: replace(problem, **laws_of(own)),
-                held=held_of(own),
-                printed=None if near is None or near.sliding is near.pressing else near.slid,
-            )
-
+        wear, tolerance = self.study.wear, self.discretisation.jump_tolerance
         jump = wear.explicit_jump_cycles if wear else None
-        return self.tested(self.study, motion, self.meshes, self.milestones, sizes.jump_tolerance, jump)
+        return self.tested(self.study, self.motion, self.meshes, self.milestones, tolerance, jump)
+
+    def motion(self, block: Study) -> PointMotion:
+        """The motion of a block of cycles from the block's own study."""
+        sizes = self.discretisation
+        increments = sizes.increments_per_cycle, sizes.increments_per_wear_cycle
+        return PointMotion.of(block, near_zone_of(self.study), increments, self.fidelity)
 
     @property
     def logged_cycles(self) -> tuple[int, ...]:
