@@ -22,7 +22,7 @@ from wirewear import record_of_result
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
+from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate, simulated
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.sticking import sticking_states, worn_as_far
 from wirewear.diagnosis.surrogate.wear_states import WearStates
@@ -97,6 +97,16 @@ def test_springs_and_play_take_their_part_of_a_stroke_and_a_held_force_needs_it(
         assert largest(one) == pytest.approx(0.5 * FRICTION_N, rel=1e-3)
         assert 1e3 * one.energy_mJ == pytest.approx(energy_uJ, rel=3e-3)
         assert 0.5 * np.ptp(one.displacement_um, axis=(1, 2)) == pytest.approx(stroke, rel=1e-3)
+
+
+def test_a_held_force_stays_so_beside_drives_that_hold_their_stroke() -> None:
+    _, amplitude_um, _ = CASES[2]
+    held = circumstances(amplitude_um, held="tangential", held_share=0.5 * FRICTION_N / amplitude_um)
+    stroke = with_effect(held, "held_displacement", {"displacement_amplitude_um": amplitude_um})
+    forces = [largest(one) for one in simulated(ball(), (stroke, held, stroke), CYCLES)]
+    assert forces[1] == pytest.approx(0.5 * FRICTION_N, rel=1e-6)
+    assert forces[0] == pytest.approx(CASES[2][0] * FRICTION_N, rel=1e-3)
+    assert forces[2] == pytest.approx(forces[0], rel=1e-9)
 
 
 def test_a_contact_that_sticks_slides_where_its_stroke_is_beyond_full_slip() -> None:

@@ -46,22 +46,22 @@ def _sticking_share(setup: SurrogateInputs, chain: Chain, contact: sensing.Slidi
     """Share (n,) of the friction with which a contact that sticks in its middle holds what a drive holds; one where it
     slides. By bisection: all that is held grows with it.
     """
-    tip, held = contact.tip_N, setup.held if np.isnan(chain.amplitude_um).all() else ""
-    target = np.asarray(setup.held_share * setup.amplitude_um) if held else chain.amplitude_um
-    gain, coupling = (chain.gain, chain.linear_um_per_N) if setup.drive == "sensor" and not held else (1.0, 0.0)
+    # Beside those that hold a figure of the loop there may be drives that an effect makes hold their stroke.
+    tip, held = contact.tip_N, bool(setup.held) & np.isnan(chain.amplitude_um)
+    target = np.where(held, setup.held_share * setup.amplitude_um, chain.amplitude_um)
+    gain, coupling = (chain.gain, chain.linear_um_per_N) if setup.drive == "sensor" and not setup.held else (1.0, 0.0)
 
     def reached(share: Array) -> Array:
-        own = replace(contact, share=share)
-        if held == "energy":
-            return sensing.loop_energy(own, np.zeros_like(share))
-        if held == "slip":
-            return sensing.slip_amplitude(own, np.zeros_like(share))
-        if held == "tangential":
-            return share * tip
-        springs = contact.springs_um_per_N * share * tip + 0.5 * chain.free_play_um
-        if held == "motion":
-            springs = springs - chain.compliance_um_per_N * share * tip - 0.5 * chain.free_play_um
-        return np.asarray(gain * (sensing.micro_slip(own) + springs) + coupling * share * tip)
+        own, force = replace(contact, share=share), share * tip
+        moved = sensing.micro_slip(own) + contact.springs_um_per_N * force
+        stroke = gain * (moved + 0.5 * chain.free_play_um) + coupling * force
+        if setup.held == "energy":
+            figure = sensing.loop_energy(own, np.zeros_like(share))
+        elif setup.held == "slip":
+            figure = sensing.slip_amplitude(own, np.zeros_like(share))
+        else:
+            figure = force if setup.held == "tangential" else moved - chain.compliance_um_per_N * force
+        return np.where(held, figure, stroke)
 
     low, high = np.zeros_like(tip), np.full_like(tip, 1.0 - 1e-9)
     whole = reached(high) <= target
