@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         traced_quarter,
     )
     from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
+    from solvers.laws.debris import DebrisFlow
     from solvers.laws.friction_law import (
         Coulomb,
         Friction,
@@ -75,17 +76,17 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Archard", "BulkStress", "Compliance", "CondensedBody", "Conductor", "ContactBody", "ContactLayer",
-    "ContactProblem", "ContactState", "Coulomb", "CycleJump", "CycleTrace", "Drive", "DriveTiming", "EnergyLaw",
-    "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder", "HolderElements", "IncrementReport",
-    "JumpController", "JumpStep", "LoadCycle", "LocalField", "LocalState", "LogarithmicRate", "NotConvergedError",
-    "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure", "PowerReduced",
-    "PressureLimit", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer",
-    "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "bare_depth",
-    "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing",
-    "first_quarter", "flattened", "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error",
-    "mirrored_prints", "misaligned", "move_stuck", "place", "press", "remeshed", "restarted", "run_cycle", "settled",
-    "sticks_throughout", "stuck_share", "surface_rise", "symmetry_of", "take_step", "traced_quarter", "transferred",
-    "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_laws",
+    "ContactProblem", "ContactState", "Coulomb", "CycleJump", "CycleTrace", "DebrisFlow", "Drive", "DriveTiming",
+    "EnergyLaw", "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder", "HolderElements",
+    "IncrementReport", "JumpController", "JumpStep", "LoadCycle", "LocalField", "LocalState", "LogarithmicRate",
+    "NotConvergedError", "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure",
+    "PowerReduced", "PressureLimit", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion",
+    "SurfaceLayer", "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance",
+    "bare_depth", "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense",
+    "facing", "first_quarter", "flattened", "friction_laws", "jump_cycles", "kept_by", "measured_holder",
+    "mirror_error", "mirrored_prints", "misaligned", "move_stuck", "place", "press", "remeshed", "restarted",
+    "run_cycle", "settled", "sticks_throughout", "stuck_share", "surface_rise", "symmetry_of", "take_step",
+    "traced_quarter", "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_laws",
 ]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

@@ -32,6 +32,10 @@ class WearState:
     primary_print: Array | None = None
     secondary_print: Array | None = None  #: Depth likewise of the secondary.
     plastic_mJ: float = 0.0  #: Work that bodies with a pressure limit have taken up in their prints.
+    #: Thickness (n_a, n_t) in mm of the primary's debris that is still between the surfaces; None where none leaves: it
+    #: is the share of the worn depth that layers retain.
+    primary_debris: Array | None = None
+    secondary_debris: Array | None = None  #: Thickness likewise of the secondary's debris.
 
     @property
     def depths(self) -> tuple[Array, Array]:
@@ -41,6 +45,21 @@ class WearState:
     def prints(self) -> tuple[Array | None, Array | None]:
         """Prints, permanent depths by yielding, of (primary, secondary); None for an elastic body."""
         return self.primary_print, self.secondary_print
+
+    def debris(self, retained: float) -> tuple[Array, Array]:
+        """Thickness in mm of the debris of (primary, secondary), by the share of worn depths that layers retain."""
+        pair = self.primary_debris, self.secondary_debris
+        primary, secondary = (
+            retained * depth if own is None else own for own, depth in zip(pair, self.depths, strict=True)
+        )
+        return primary, secondary
+
+    def opened(self, retained: float) -> tuple[Array, Array]:
+        """Worn depths in mm of (primary, secondary) less what debris fills of them, see `debris`; without prints."""
+        if retained == 0.0 and self.primary_debris is None:
+            return self.depths
+        primary, secondary = (depth - filled for depth, filled in zip(self.depths, self.debris(retained), strict=True))
+        return primary, secondary
 
 
 @dataclass(frozen=True)

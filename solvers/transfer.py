@@ -46,7 +46,7 @@ def remeshed(
 def transferred_wear(
     wear: WearState, old: tuple[ContactPatch, ContactPatch], new: tuple[ContactPatch, ContactPatch]
 ) -> WearState:
-    """Worn depths, energies and prints on new patches; `old` and `new` are the patches of (primary, secondary).
+    """Worn depths, energies, prints and debris on new patches; `old` and `new` are the patches of (primary, secondary).
 
     Raises SolverError when a worn node lies outside its new patch.
     """
@@ -59,6 +59,8 @@ def transferred_wear(
         secondary_energy=transferred(wear.secondary_energy, old_secondary, new_secondary),
         primary_print=_transferred_print(wear.primary_print, old_primary, new_primary),
         secondary_print=_transferred_print(wear.secondary_print, old_secondary, new_secondary),
+        primary_debris=_transferred_print(wear.primary_debris, old_primary, new_primary),
+        secondary_debris=_transferred_print(wear.secondary_debris, old_secondary, new_secondary),
     )
 
 

@@ -158,14 +158,26 @@ class Sliding:
 
 
 def deposited(
-    wear: WearState, parts: Sequence[Sliding], cycles: float, rates: WearRates, bodies: tuple[PlacedBody, PlacedBody]
+    wear: WearState,
+    parts: Sequence[Sliding],
+    cycles: float,
+    rates: WearRates,
+    bodies: tuple[PlacedBody, PlacedBody],
+    retained: float,
 ) -> WearState:
     """The wear state after sliding in one or more pairings, repeated `cycles` times (0: no wear); bodies: (primary,
-    secondary).
+    secondary). retained: share of the worn depths that becomes debris.
     """
+    before = wear
     for part in parts if cycles > 0.0 else ():
         wear = _after(wear, part, cycles, rates, bodies)
-    return wear
+    if before.primary_debris is None or before.secondary_debris is None or wear is before:
+        return wear
+    return replace(
+        wear,
+        primary_debris=before.primary_debris + retained * (wear.primary_depth - before.primary_depth),
+        secondary_debris=before.secondary_debris + retained * (wear.secondary_depth - before.secondary_depth),
+    )
 
 
 def _after(

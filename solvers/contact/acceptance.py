@@ -173,7 +173,8 @@ def accepted(
     for each in parts:
         primary_slid[each.pairing.nodes] += each.length
         secondary_slid = secondary_slid + each.pairing.opposite.spread(each.length) / problem.secondary.node_areas
-    wear = deposited(state.wear, parts, cycles, problem.wear, (problem.primary, problem.secondary))
+    bodies = problem.primary, problem.secondary
+    wear = deposited(state.wear, parts, cycles, problem.wear, bodies, problem.retained)
     if system.layers is not None and system.layers.yielding is not None:
         wear = printed(problem, wear, pairing, system.layers.yielding, normal_of(outcome.traction, pairing.frames))
     new = replace(

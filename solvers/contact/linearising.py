@@ -142,8 +142,8 @@ def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairin
     """The layers at k paired nodes, with the limits that yielding sets there. traction: (k, 3) in MPa, before the
     increment.
     """
-    own = state.wear.primary_depth.ravel()[pairing.nodes]
-    other = pairing.opposite.averaged(state.wear.secondary_depth.ravel()) / pairing.areas
+    primary, secondary = problem.bedded(state.wear)
+    own, other = primary.ravel()[pairing.nodes], pairing.opposite.averaged(secondary.ravel()) / pairing.areas
     yielding = yield_between(problem, state, pairing)
     return layers_at_nodes(problem.layers, own + other, traction, pairing.frames[:, 0, :], yielding)
 

@@ -19,8 +19,9 @@ from solvers.contact_state import ContactState, DriveTiming, Holder, WearState
 from solvers.elasticity.pairing import Pairing, PrimarySurface, pair, primary_surface, vertical_gap
 from solvers.elasticity.placement import PlacedBody
 from solvers.errors import SolverError
+from solvers.laws.debris import DebrisFlow
 from solvers.laws.friction_law import Coulomb, Friction, FrictionLaw
-from solvers.laws.layers import ContactLayer, open_share
+from solvers.laws.layers import ContactLayer, retained_share
 from solvers.laws.local_state import LocalField, LocalState
 from solvers.laws.yielding import PressureLimit
 from solvers.newton import SemismoothNewton
@@ -47,19 +48,21 @@ class ContactProblem:
     #: `layer_mm_per_MPa` soft in all directions, whose compliance is a small share of a node's own.
     formulation: Formulation = "augmented-lagrangian"
     layers: tuple[ContactLayer, ...] = ()  #: Physical layers between the surfaces, in series.
+    debris: DebrisFlow | None = None  #: How debris that layers retain leaves, in cycle jumps; None: none leaves.
     limit: PressureLimit | None = None  #: Pressure at which the surfaces yield; None for elastic bodies.
     friction_law: FrictionLaw = field(default_factory=Coulomb)  #: The law to which `friction` belongs.
     timing: DriveTiming = field(default_factory=DriveTiming)  #: The drive over time, for laws that need speeds.
     fields: Mapping[str, LocalField] = field(default_factory=dict)  #: Further local fields, see `LocalState`.
     algorithm: ContactAlgorithm = field(default_factory=SemismoothNewton)  #: Solves the conditions of an increment.
     cycle: float = 0.0  #: Number of cycles done, for laws that depend on it.
+    retained: float = field(init=False)  #: Share of worn depths that becomes debris in the layers.
     surface: PrimarySurface = field(init=False, repr=False)  #: The primary's, for pairing.
     layer_mm_per_MPa: float = field(init=False)  #: Compliance of the penalty's layer; 0 without one.
 
     def __post_init__(self) -> None:
         if self.friction < 0.0:
             raise SolverError(f"the friction coefficient must not be negative, but is {self.friction}")
-        open_share(self.layers)
+        object.__setattr__(self, "retained", retained_share(self.layers))
         object.__setattr__(self, "surface", primary_surface(self.primary))
         # Of the nodes' own compliance; penetration is then about 1 % of the approach on usual meshes.
         layer = 0.02 * self._nodal_compliance() if self.formulation == "penalty" else 0.0
@@ -86,6 +89,13 @@ class ContactProblem:
         """The friction law with the coefficients (k,) that the local state at k nodes gives."""
         factor = self.friction_law.factor(local) * self.wear.friction_factor(local)
         return Friction(self.friction * factor, self.friction_law, local=local)
+
+    def bedded(self, wear: WearState) -> tuple[Array, Array]:
+        """Worn depths in mm of (primary, secondary) whose debris is still there, for layers; all where none leaves."""
+        if wear.primary_debris is None or self.retained == 0.0:
+            return wear.depths
+        primary, secondary = (thickness / self.retained for thickness in wear.debris(self.retained))
+        return primary, secondary
 
     def stretched(self, step: Array, nodes: IntArray, offset: Array) -> Array:
         """Motion (k, 3) in mm of the upper relative to the lower surface at nodes of the primary by a change of bulk
@@ -183,13 +193,12 @@ def misaligned(problem: ContactProblem, angle_rad: float) -> ContactProblem:
 
 
 def open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
-    """Depths (n_a, n_t) in mm by which the surfaces of (primary, secondary) have receded: worn depths, less the share
-    that layers fill, plus prints.
+    """Depths (n_a, n_t) in mm by which the surfaces of (primary, secondary) have receded: worn depths, less what debris
+    fills, plus prints.
     """
-    share = open_share(problem.layers)
     primary, secondary = (
-        (depth if share == 1.0 else share * depth) if pressed is None else share * depth + pressed
-        for depth, pressed in zip(state.wear.depths, state.wear.prints, strict=True)
+        depth if pressed is None else depth + pressed
+        for depth, pressed in zip(state.wear.opened(problem.retained), state.wear.prints, strict=True)
     )
     return primary, secondary
 

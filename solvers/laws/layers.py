@@ -26,7 +26,9 @@ _FADING = 0.1
 
 
 class ContactLayer(Protocol):
-    """A layer between the surfaces; k is the number of nodes, worn_mm the worn depth (k,) of both bodies together."""
+    """A layer between the surfaces; k is the number of nodes, worn_mm the worn depth (k,) of both bodies together whose
+    debris is still there: less than they have worn where some has left.
+    """
 
     @property
     def retained_fraction(self) -> float:
@@ -101,7 +103,7 @@ class LayersAtNodes:
     """
 
     layers: tuple[ContactLayer, ...]
-    worn: Array  #: (k,) worn depth of both bodies together, mm.
+    worn: Array  #: (k,) worn depth of both bodies together whose debris is still there, mm.
     old_displacement: Array  #: (k, 3) shear of the layers under the tractions before the increment, mm.
     yielding: YieldAtNodes | None = None
 
@@ -129,7 +131,7 @@ def layers_at_nodes(
     normals: Array,
     yielding: YieldAtNodes | None = None,
 ) -> LayersAtNodes:
-    """The layers at k nodes where both bodies together have worn by `worn` (k,) in mm.
+    """The layers at k nodes where debris of both bodies' worn depth `worn` (k,) in mm is still there.
 
     old_traction, normals: (k, 3) the traction in MPa before the increment and the unit normal, in world axes. yielding:
     pressure limits of the surfaces; None for elastic ones.
@@ -149,15 +151,16 @@ def _sum(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
     return np.sum(values, axis=0), np.sum(derivatives, axis=0)
 
 
-def open_share(layers: Sequence[ContactLayer]) -> float:
-    """Share (above 0, up to 1) of the worn depth by which wear opens the gap; debris that layers retain fills the rest.
+def retained_share(layers: Sequence[ContactLayer]) -> float:
+    """Share (from 0, below 1) of the worn depth that debris fills, in all layers together; wear opens the gap by the
+    rest.
 
     Raises SolverError if the layers' retained fractions sum to less than 0, or to 1 or more.
     """
     filled = sum(layer.retained_fraction for layer in layers)
     if not 0.0 <= filled < 1.0:
         raise SolverError(f"the layers fill {filled:g} of the worn depth; together they must fill less than all of it")
-    return 1.0 - filled
+    return filled
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from solvers.elasticity.nodal_transfer import NodalTransfer
 from solvers.errors import NotConvergedError
 from solvers.jit_cache import compiled, inlined
 from solvers.laws.friction_law import Friction
-from solvers.laws.layers import LayersAtNodes, layers_at_nodes, open_share
+from solvers.laws.layers import LayersAtNodes, layers_at_nodes
 from solvers.laws.yielding import YieldAtNodes
 from solvers.wear_step.coupled import Coupled
 from solvers.wear_step.orbits import Opening, scaled_rows
@@ -48,10 +48,10 @@ class CycleEquations:
     cycle: Cycle
     facing: Facing  #: Normals and loads on the surfaces assumed.
     gaps: Array  #: (N,) mm along z before the stage, with the holder at height 0.
-    opening: Opening  #: From wear work to the gap that it opens along z, of which layers fill their share.
+    opening: Opening  #: From wear work to the gap that it opens along z, without what debris fills of it.
     slip: Array  #: (N,) mm, mean of that before and after the position.
     cycles: Array  #: (N,) number of cycles for which each unknown wears.
-    worn: Depths  #: Depths in mm of the surfaces that layers lie on.
+    worn: Depths  #: Worn depths in mm whose debris is still there, for layers.
     friction: Friction  #: The law at the unknowns.
     yielding: YieldAtNodes | None = None  #: Pressure limits at the unknowns; None if nothing yields.
 
@@ -88,7 +88,7 @@ class CycleEquations:
         slope, constant = self.friction.tangent(about)
         work_slope, work_constant = self.problem.wear.law.work_per_slip(self.friction).tangent(about)
         constant, work_constant = np.where(active, constant, 0.0), np.where(active, work_constant, 0.0)
-        opened, wearing = open_share(self.problem.layers) * facing.upward, self.slip * cycle.wearing * self.cycles
+        opened, wearing = facing.upward, self.slip * cycle.wearing * self.cycles
         known = facing.upward * self.gaps + facing.by_stuck + closure - softness * about
         if work_constant.any():
             known += opened * self.opening.by(work_constant * wearing)

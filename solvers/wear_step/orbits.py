@@ -180,8 +180,8 @@ def _relative_motion(
         motion += problem.stretched(step, nodes, facing_offset(problem, new, new.drive, new.holder_x))
     motion += problem.layer_mm_per_MPa * (new.traction[nodes] - old.traction[nodes])
     if problem.layers:
-        other_depth = pairing.opposite.averaged(new.wear.secondary_depth.ravel()) / pairing.areas
-        worn = new.wear.primary_depth.ravel()[nodes] + other_depth
+        primary, secondary = problem.bedded(new.wear)
+        worn = primary.ravel()[nodes] + pairing.opposite.averaged(secondary.ravel()) / pairing.areas
         normals = pairing.frames[:, 0, :]
         after, before = (layers_at_nodes(problem.layers, worn, of.traction[nodes], normals) for of in (new, old))
         motion += after.old_displacement - before.old_displacement

@@ -18,7 +18,7 @@ they bear less, or wear in.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,11 +26,11 @@ from geometry.arrays import Array
 from solvers.contact import ContactProblem
 from solvers.contact_state import WearState
 from solvers.errors import NotConvergedError
+from solvers.laws.debris import staying
 from solvers.laws.friction_law import Friction
-from solvers.laws.layers import ContactLayer, layers_at_nodes, open_share
-from solvers.wear import Recession, after_work
+from solvers.laws.layers import ContactLayer, layers_at_nodes
+from solvers.wear import Rate, Recession, after_work
 from solvers.wear_step.active_set import CycleEquations
-from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.prints import yield_at
 from solvers.wear_step.strokes import ends_of_strokes
 from solvers.wear_step.surfaces import Cycle, Depths, Facing
@@ -57,7 +57,7 @@ def released_slip(
     """Factors (N,) on the unknowns' slip before and after their positions where slip follows from strain, both between
     0.25 and 4.
 
-    pressure: (N,) MPa, on surfaces worn to the depths `worn`. friction: the law at the unknowns there.
+    pressure: (N,) MPa. worn: depths whose debris is still there then. friction: the law at the unknowns there.
     """
     half_cycle, ends = cycle.half_cycle, ends_of_strokes(cycle.positions, cycle.half_cycle)
     before, after = cycle.traced_slips
@@ -106,7 +106,7 @@ def _released(
     sheared = _shear_compliance(problem.layers, cycle, worn, now, own)
     if len(sheared):
         tangential = traction - before[:, None] * position.pairing.frames[rows, 0, :]
-        moved += (sheared - _shear_compliance(cycle.layers, cycle, cycle.wear.depths, before, own))[
+        moved += (sheared - _shear_compliance(cycle.layers, cycle, problem.bedded(cycle.wear), before, own))[
             :, None
         ] * tangential
         moved += sheared[:, None] * more * frictions
@@ -190,32 +190,34 @@ def solve_stage(
     """
     nothing = np.zeros_like(before.primary_depth), np.zeros_like(before.secondary_depth)
     recession = problem.wear.recession(before, nothing, problem.primary_is_upper)
-    base, share = cycle.gaps(problem, before.depths), open_share(problem.layers)
-    worn, active, cycles, seen = before, pressure > 0.0, lasting(pressure), before.depths
+    worn, active, cycles, seen = before, pressure > 0.0, lasting(pressure), before.opened(problem.retained)
     every, yielding = np.ones(cycle.orbits.count), yield_at(problem, cycle)
     stretch = every, every
-    friction = cycle.law_at(problem, before, _slip_lengths(cycle, stretch), pressure)
+    friction = cycle.law_at(problem, before, cycle.slip_lengths(stretch), pressure)
     for iteration in range(1, _MOST_ITERATIONS + 1):
         # Normals, slip and layers follow the pressures at every step: that costs little beside solving the equations.
         cycle.influences.know(active | cycle.sticks)
         # Iterations after which normals follow the wear by half: where a flat's edge wears a wall, pressures turn its
         # normals so far in one step that the two go on in turns.
-        one, other = worn.depths
+        one, other = worn.opened(problem.retained)
         seen = (one, other) if iteration <= 12 else (0.5 * (seen[0] + one), 0.5 * (seen[1] + other))
         facing, known = cycle.facing(problem, seen), friction
-        slip = _slip_lengths(cycle, stretch)
+        slip = cycle.slip_lengths(stretch)
         friction = cycle.law_at(problem, worn, slip, pressure)
         if 1 < iteration <= _FOLLOWED:
             cycles = lasting(pressure)
-        opening, beyond = cycle.orbits.opening_by(recession.tangent), recession.beyond
-        gaps = base if beyond is None else base + share * cycle.orbits.opening(*beyond)
-        known_by = problem, cycle, facing, gaps, opening, slip, cycles, worn.depths, friction
+        base, opens = _staying(problem, cycle, before, cycles)
+        gaps, tangent = cycle.gaps(problem, base.opened(problem.retained)), recession.tangent
+        opening = cycle.orbits.opening_by((opens[0] * tangent[0], opens[1] * tangent[1]))
+        if recession.beyond is not None:
+            gaps += cycle.orbits.opening(opens[0] * recession.beyond[0], opens[1] * recession.beyond[1])
+        known_by = problem, cycle, facing, gaps, opening, slip, cycles, problem.bedded(worn), friction
         equations = CycleEquations(*known_by, yielding)
         found = equations.improved(pressure, active)
         change = float(np.abs(found.pressure - pressure).max())
         pressure, active = found.pressure, found.active
         works = equations.works(np.maximum(pressure, 0.0))
-        worn, recession = worn_by(problem, cycle.orbits, before, works, cycles)
+        worn, recession = worn_by(problem, cycle, before, works, cycles)
         stretch = _stretch(problem, cycle, facing, pressure, worn, friction)
         allowed = (_SETTLED if found.linear else _SETTLED_LAYERS) * float(pressure.max())
         settled = change <= allowed and not friction.differs(known)
@@ -227,36 +229,47 @@ def solve_stage(
 
 
 def worn_by(
-    problem: ContactProblem, orbits: Orbits, before: WearState, works: tuple[Array, Array], cycles: Array
+    problem: ContactProblem, cycle: Cycle, before: WearState, works: tuple[Array, Array], cycles: Array
 ) -> tuple[WearState, Recession]:
     """The wear state after a cycle is repeated, and the rates by which both bodies recede in it.
 
     works: friction work and wear work (N,) of one cycle per area, mJ/mm². cycles: (N,) how often each unknown's work is
     done.
     """
-    shapes = before.primary_depth.shape, before.secondary_depth.shape
-
-    def spread(work: Array) -> tuple[Array, Array]:
-        primary, secondary = orbits.deposited(cycles * work)
-        return primary.reshape(shapes[0]), secondary.reshape(shapes[1])
-
-    energy = spread(works[0])
-    work = energy if works[1] is works[0] else spread(works[1])
+    energy = _spread(cycle, cycles * works[0])
+    work = energy if works[1] is works[0] else _spread(cycle, cycles * works[1])
     totals = float(problem.surface.areas @ energy[0].ravel()), float(problem.surface.areas @ work[0].ravel())
     recession = problem.wear.recession(before, work, problem.primary_is_upper)
     bodies = problem.primary, problem.secondary
-    return after_work(before, recession.secant, energy, work, totals, bodies), recession
+    after = after_work(before, recession.secant, energy, work, totals, bodies)
+    if cycle.passages is not None:
+        left, opened = _staying(problem, cycle, before, cycles)
+        primary, secondary = (
+            debris + (1.0 - share) * (now - then)
+            for debris, share, now, then in zip(left.debris(0.0), opened, after.depths, before.depths, strict=True)
+        )
+        after = replace(after, primary_debris=primary, secondary_debris=secondary)
+    return after, recession
 
 
-def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:
-    """Slip (N,) in mm that each unknown's pressure stands for: half of that before and half of that after it, and of
-    positions that are left out as much as does the same work.
+def _spread(cycle: Cycle, work: Array) -> Depths:
+    """Work per area (N,) at the unknowns as that on the nodes of (primary, secondary), of their patches' shapes."""
+    primary, secondary = cycle.orbits.deposited(work)
+    return primary.reshape(cycle.wear.primary_depth.shape), secondary.reshape(cycle.wear.secondary_depth.shape)
 
-    stretch: (N,) factors on the slip before and after each position.
+
+def _staying(
+    problem: ContactProblem, cycle: Cycle, before: WearState, cycles: Array
+) -> tuple[WearState, tuple[Rate, Rate]]:
+    """The state `before` with what stays of its debris after so many cycles (N,), and the shares of the depth worn
+    meanwhile on (primary, secondary) that debris does not fill.
     """
-    before, after = cycle.traced_slips
-    shares = np.array([position.share for position in cycle.positions])[cycle.orbits.position]
-    return np.asarray(0.5 * shares * (stretch[0] * before + stretch[1] * after))
+    if cycle.passages is None:
+        return before, (1.0 - problem.retained, 1.0 - problem.retained)
+    (own, made), (other, made_there) = map(staying, _spread(cycle, cycles * cycle.passages))
+    primary, secondary = before.debris(problem.retained)
+    left = replace(before, primary_debris=own * primary, secondary_debris=other * secondary)
+    return left, (1.0 - problem.retained * made, 1.0 - problem.retained * made_there)
 
 
 def _stretch(
@@ -264,7 +277,7 @@ def _stretch(
 ) -> tuple[Array, Array]:
     """Factors (N,) by which slips before and after each position are longer than traced."""
     if cycle.strained:
-        return released_slip(problem, cycle, facing, pressure, worn.depths, friction)
+        return released_slip(problem, cycle, facing, pressure, problem.bedded(worn), friction)
     position = cycle.orbits.position
     before, after = _carried(problem, cycle, facing, pressure, friction)
     return before[position], after[position]

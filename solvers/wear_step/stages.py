@@ -83,11 +83,11 @@ def two_stages(
         if np.abs(balanced - ahead).max() <= 2e-3 * rest:
             break
         ahead = balanced
-        between = worn_by(early, cycle.orbits, cycle.wear, first.works, ahead)[0]
+        between = worn_by(early, cycle, cycle.wear, first.works, ahead)[0]
         last = solve_stage(late, cycle, between, last_for, last.pressure)
     wear = start.wear
     for problem, stage, count in ((early, first, ahead), (late, last, last.cycles)):
-        wear = worn_by(problem, cycle.orbits, wear, stage.works, count)[0]
+        wear = worn_by(problem, cycle, wear, stage.works, count)[0]
     return Stages(late, first, last, wear)
 
 
@@ -268,7 +268,12 @@ def _cycle(
     within = within_elements(problem, [position.state for position in positions], orbits.position)
     traced = _TracedCycle(problem, positions, orbits, work_mJ, symmetry.strokes, within)
     wearing = traced.at_unknowns(problem.wear.factor(traced))
-    return kept, Cycle(positions, orbits, influences, wear, symmetry.half_cycle, wearing, problem.layers, within)
+    cycle = Cycle(positions, orbits, influences, wear, symmetry.half_cycle, wearing, problem.layers, within)
+    if problem.debris is None:
+        return kept, cycle
+    protected = problem.debris.wearing(orbits.opening(*wear.debris(problem.retained)))
+    passages = problem.debris.passages(cycle.slip_lengths(), traced.at_unknowns(traced.edge_distance_mm))
+    return kept, replace(cycle, wearing=wearing * protected, passages=passages)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from solvers.elasticity.pairing import frames_on
 from solvers.elasticity.quadrature import gradient
 from solvers.jit_cache import compiled, inlined
 from solvers.laws.friction_law import Friction
-from solvers.laws.layers import ContactLayer, open_share
+from solvers.laws.layers import ContactLayer
 from solvers.laws.local_state import LocalState
 from solvers.wear_step.coupled import SimilarEquations
 from solvers.wear_step.influence import Influences
@@ -89,6 +89,7 @@ class Cycle:
     wearing: float | Array  #: Factor on the unknowns' wear work by law and oxygen, (N,) or one for all.
     layers: tuple[ContactLayer, ...] = ()  #: Between the surfaces as the cycle was traced.
     within: WithinElements | None = None  #: How pressure is spread within elements, for the unknowns.
+    passages: Array | None = None  #: (N,) how often debris passes to the contact's edge in a cycle; None: it stays.
     #: Solver of the pressures' equations, which keeps factors of earlier ones.
     similar: SimilarEquations = field(default_factory=SimilarEquations)
 
@@ -113,6 +114,17 @@ class Cycle:
         )
         return before, after
 
+    def slip_lengths(self, stretch: tuple[Array, Array] | None = None) -> Array:
+        """Slip (N,) in mm that each unknown's pressure stands for: half of that before and half of that after it, and
+        of positions that are left out as much as does the same work.
+
+        stretch: (N,) factors on the slip before and after each position; None: as traced.
+        """
+        before, after = self.traced_slips
+        shares = np.array([position.share for position in self.positions])[self.orbits.position]
+        one, other = stretch or (1.0, 1.0)
+        return np.asarray(0.5 * shares * (one * before + other * after))
+
     @cached_property
     def traced_pressures(self) -> Array:
         """Pressures (N,) in MPa of the unknowns in the traced cycle, at least 0."""
@@ -133,15 +145,15 @@ class Cycle:
         return self.strained or slip_is_left_over(self.positions, self.half_cycle)
 
     def facing(self, problem: ContactProblem, depths: Depths) -> Facing:
-        """Normals and loads at all positions once surfaces are worn to `depths`, in mm in all.
+        """Normals and loads at all positions once surfaces are open to `depths`, in mm in all; see `WearState.opened`.
 
         Normals turn by the slopes of what wore since the trace, but not at nodes of the core; nodes, areas and
         influences stay as traced.
         """
-        share, averaging, nodes = open_share(problem.layers), problem.surface.averaging, self.nodes
+        averaging, nodes, before = problem.surface.averaging, self.nodes, self.wear.opened(problem.retained)
         primary, secondary = (
-            -share * body.facing * gradient(new - old, body.patch) @ body.world_to_patch
-            for body, new, old in zip((problem.primary, problem.secondary), depths, self.wear.depths, strict=True)
+            -body.facing * gradient(new - old, body.patch) @ body.world_to_patch
+            for body, new, old in zip((problem.primary, problem.secondary), depths, before, strict=True)
         )
         own = averaging.averaged(primary, nodes.nodes)
         weights = self.orbits.areas * self.orbits.twice
@@ -177,16 +189,15 @@ class Cycle:
         return slice(*self.nodes.start[index : index + 2])
 
     def gaps(self, problem: ContactProblem, depths: Depths) -> Array:
-        """Gaps (N,) in mm along z of the undeformed surfaces worn to `depths` (in mm in all, of which layers fill their
-        share), with the holder at height 0; negative where the bodies overlap.
+        """Gaps (N,) in mm along z of the undeformed surfaces open to `depths` (in mm in all, see `WearState.opened`),
+        with the holder at height 0; negative where the bodies overlap.
         """
         fresh = [
             (p.pairing.gap + p.lever * p.state.holder_tilt)[rows]
             for p, rows in zip(self.positions, self.orbits.rows, strict=True)
         ]
-        traced = self.wear.depths
-        opened = self.orbits.opening(depths[0] - traced[0], depths[1] - traced[1])
-        return np.asarray(np.concatenate(fresh) + open_share(problem.layers) * opened)
+        traced = self.wear.opened(problem.retained)
+        return np.asarray(np.concatenate(fresh) + self.orbits.opening(depths[0] - traced[0], depths[1] - traced[1]))
 
 
 @compiled

@@ -1,10 +1,12 @@
 """Effects between the surfaces: a different or changing coefficient of friction, and compliant layers."""
 
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
-from solvers import RoughLayer, ThirdBody
+from geometry.arrays import Array
+from solvers import DebrisFlow, RoughLayer, ThirdBody
 from wirewear.base import kinds
 from wirewear.base.course import Course
 from wirewear.base.units import Quantity
@@ -217,13 +219,17 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         a power of A². One that is full at the thickness h_f has h_f (1 − exp(−f V/(A h_f))); further debris is ejected.
         A bed also spreads the pressure, like a rough layer that closes as much, h p/M, under the mean pressure p.
         """
+        return self.limited_to(self.full_um, chain)
+
+    def limited_to(self, full_um: float | Array, chain: Chain) -> Chain:
+        """The chain as `predicted` says, with the thickness in µm at which the bed is full at each of the n moments."""
         # Shear modulus over the modulus of a laterally confined bed, (1 − 2ν)/(2(1 − ν)) at ν = 0.3.
         shear_N_per_um2 = 1e-6 * 0.286 * self.modulus_MPa
         scar2_um4 = chain.worn_area2_um4
         per_area2 = np.divide(chain.worn_um3, scar2_um4, out=np.zeros_like(scar2_um4), where=scar2_um4 > 0.0)
         depth_um = per_area2 * np.sqrt(scar2_um4)
         # Thickness (n,) of the bed without its limit, over the limit.
-        thickness = self.retained_fraction * depth_um / self.full_um
+        thickness = self.retained_fraction * depth_um / full_um
         # A bed that is filled by less than this share of what it holds knows no limit.
         retained = self.retained_fraction * np.divide(
             -np.expm1(-thickness), thickness, out=np.ones_like(thickness), where=thickness > 1e-9
@@ -242,3 +248,94 @@ class ThirdBodyLayer(Effect[ContactLaw]):
             compliance_um_per_N=chain.compliance_um_per_N + shear,
             bed_um=chain.bed_um + self.spreading * retained * depth_um * pressure_MPa / self.modulus_MPa / closure,
         )
+
+
+@dataclass(frozen=True)
+class DebrisBalance(Effect[ContactLaw]):
+    """Debris that flows to the contact's edge and leaves, and protects what it covers.
+
+    As for `third_body`, a share f of each body's worn depth becomes debris, a bed of thickness h. It moves towards the
+    nearest edge, at a distance d, by a part ε of the slip: over a path s of slip the share ε s/d of it passes that
+    distance, so that h settles where source and ejection balance, h = f w d/(ε s) with the worn depth w over that path.
+    A bed takes up part of the slip, which wears nothing; 1/(1 + h/h_p) of it wears. So wear is slower the longer the
+    contact. Sources: Fillot, Iordanoff and Berthier, Wear 262 (2007) 949 (balance of source and ejection); Godet, Wear
+    100 (1984) 437 (protection). A diagnosis does not consider it.
+    """
+
+    name = "debris_balance"
+    seam = Seam.CONTACT
+    ages = Ageing.BY_WEAR
+    signature = "wear that is slower the longer the contact; a bed that is thickest in the middle"
+    remedy = "look at the debris in and around the scars before they are cleaned"
+    confused_with = ("third_body", "wear_rate_evolution")
+    answers = (
+        measurements.CLEANED_SCARS.shows("deeper scars once cleaned"),
+        measurements.EARLY_LOOPS.shows("faster wear while the contact is small"),
+    )
+    model_error = 0.3
+    needs_whole_cycles = True
+
+    retained_fraction: float = parameter(
+        "share of the worn depth that becomes debris between the surfaces",
+        Quantity("1", 0.0, 0.95),
+        neutral=0.0,
+        easy=0.4,
+        hard=0.1,
+        interest=(0.02, 0.7),
+        logarithmic=True,
+    )
+    modulus_MPa: float = parameter(
+        "modulus of the laterally confined bed",
+        Quantity("MPa", 1.0, 1e6),
+        neutral=None,
+        easy=2000.0,
+        hard=2000.0,
+        interest=(100.0, 5e4),
+        logarithmic=True,
+    )
+    leaving_share: float = parameter(
+        "part of the slip by which debris moves towards the contact's edge",
+        Quantity("1", 0.0, 1e6),
+        neutral=None,
+        easy=1e-4,
+        hard=1e-3,
+        interest=(1e-6, 1e-1),
+        logarithmic=True,
+    )
+    protecting_um: float = parameter(
+        "thickness of debris that takes up half of the slip",
+        Quantity("um", 1e-3, inf),
+        neutral=None,
+        easy=1.0,
+        hard=10.0,
+        interest=(0.05, 50.0),
+        logarithmic=True,
+    )
+
+    @classmethod
+    def considered_for(cls, _contact: str, _held: str) -> bool:
+        return False
+
+    def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
+        if self.retained_fraction == 0.0:
+            return described
+        flow = DebrisFlow(self.leaving_share, 1e-3 * self.protecting_um)
+        layers = (*described.layers, ThirdBody(self.retained_fraction, self.modulus_MPa))
+        return replace(described, layers=layers, debris=flow)
+
+    def predicted(self, chain: Chain) -> Chain:
+        """The chain with a bed as `ThirdBodyLayer` predicts it, limited to the thickness at which source and ejection
+        balance on a round scar, whose edge is a third of its radius away on average; wear is slower by what the bed
+        protects.
+        """
+        if self.retained_fraction == 0.0:
+            return chain
+        area_um2 = np.sqrt(chain.worn_area2_um4) + chain.fresh_area_um2
+        path_um = 1e6 * chain.energy_J / (chain.friction * chain.load_N)
+        distance_um = np.sqrt(area_um2 / np.pi) / 3.0
+        depth_um = np.divide(chain.worn_um3, area_um2)
+        full_um = self.retained_fraction * depth_um * distance_um / np.maximum(self.leaving_share * path_um, 1e-12)
+        bed = ThirdBodyLayer(self.retained_fraction, self.modulus_MPa)
+        bedded = bed.limited_to(np.maximum(full_um, 1e-9), chain)
+        thickness_um = (bedded.retained_fraction - chain.retained_fraction) * depth_um
+        return replace(bedded, wear_um3_per_mJ=chain.wear_um3_per_mJ / (1.0 + thickness_um / self.protecting_um))

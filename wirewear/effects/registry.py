@@ -25,7 +25,8 @@ EffectType = type[AnyEffect]
 LIBRARY: tuple[EffectType, ...] = (
     holder.TangentialCompliance, holder.RotationalCompliance, holder.FreePlay, holder.HolderInertia,
     contact.FrictionOffset,
-    contact.FrictionEvolution, contact.RoughnessCompliance, contact.ThirdBodyLayer, holder.Plasticity,
+    contact.FrictionEvolution, contact.RoughnessCompliance, contact.ThirdBodyLayer, contact.DebrisBalance,
+    holder.Plasticity,
     holder.CrossingAngleError, holder.Misalignment, holder.NormalLoadDrift, wear.WearRateOffset, wear.WearRateEvolution,
     wear.ContactOxygenation, sensors.DisplacementGain, sensors.DisplacementLoadCoupling, sensors.ForceCrosstalk,
     sensors.SensorLag, holder.HeldDisplacement,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
-from solvers import ContactLayer
+from solvers import ContactLayer, DebrisFlow
 
 if TYPE_CHECKING:
     from solvers import ContactProblem
@@ -53,10 +53,13 @@ class Ageing(StrEnum):
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """The coefficient of friction between the surfaces, and compliant layers there, in series."""
+    """The coefficient of friction between the surfaces, and compliant layers there, in series; how debris leaves, None
+    if it stays.
+    """
 
     friction: float
     layers: tuple[ContactLayer, ...] = ()
+    debris: DebrisFlow | None = None
 
 
 @dataclass(frozen=True)
@@ -117,7 +120,7 @@ def problem_with(problem: ContactProblem, effects: Sequence[ChangesASeam], age: 
         return problem
     holder = applied(effects, Seam.HOLDER, problem.holder, age)
     loading = applied(effects, Seam.LOADING, Loading(holder.normal_load_N), age)
-    law = applied(effects, Seam.CONTACT, ContactLaw(problem.friction, problem.layers), age)
+    law = applied(effects, Seam.CONTACT, ContactLaw(problem.friction, problem.layers, problem.debris), age)
     if loading.misalignment_rad != 0.0:
         from solvers import misaligned
 
@@ -127,5 +130,6 @@ def problem_with(problem: ContactProblem, effects: Sequence[ChangesASeam], age: 
         holder=replace(holder, normal_load_N=loading.normal_load_N),
         friction=law.friction,
         layers=law.layers,
+        debris=law.debris,
         wear=applied(effects, Seam.WEAR, problem.wear, age),
     )

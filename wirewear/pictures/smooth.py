@@ -6,7 +6,7 @@ falls to zero between two grid points, it is extrapolated from inside to find it
 other fields linearly.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +19,7 @@ from scipy.sparse.linalg import spsolve
 
 from geometry.arrays import Array, BoolArray
 from wirewear.results import Loop, Scar
-from wirewear.results.scar import FIELD_COLUMNS
+from wirewear.results.scar import FIELD_COLUMNS, FURTHER_COLUMNS
 
 MOST_LOOPS = 6
 
@@ -128,8 +128,8 @@ def _rows(points: list[NDArray[np.int_]], weights: list[Array], size: int) -> sp
 
 
 def smooth_scar(scar: Scar) -> Scar:
-    """A scar with its worn depth on a finer grid that contains its own; other fields are zero there, and prints are
-    left out. The scar ends where the depth, extrapolated from inside, becomes zero.
+    """A scar with its worn depth on a finer grid that contains its own; other fields are zero there, and prints and
+    debris are left out. The scar ends where the depth, extrapolated from inside, becomes zero.
     """
     inside, near, _ = _carried_on(scar, scar.depth_um, 0.0)
     beyond = extended(scar.axial_um, scar.transverse_um, scar.depth_um, inside)
@@ -140,8 +140,9 @@ def smooth_scar(scar: Scar) -> Scar:
     depth = np.where(inside, scar.depth_um, np.clip(beyond, np.minimum(lowest, 0.0), -_BELOW[0] * near))
     axial, transverse = _finer(scar.axial_um), _finer(scar.transverse_um)
     finer = np.maximum(_interpolated(scar, depth, axial, transverse), 0.0)
-    fields: Mapping[str, Any] = dict.fromkeys(FIELD_COLUMNS, np.zeros_like(finer)) | {"depth_um": finer}
-    return replace(scar, axial_um=axial, transverse_um=transverse, print_um=None, **fields)
+    fields: dict[str, Any] = dict.fromkeys(FIELD_COLUMNS, np.zeros_like(finer)) | {"depth_um": finer}
+    fields |= dict.fromkeys(FURTHER_COLUMNS)
+    return replace(scar, axial_um=axial, transverse_um=transverse, **fields)
 
 
 def smooth_field(scar: Scar, field: str, over_um: float = 0.0) -> tuple[Array, Array, MaskedField]:

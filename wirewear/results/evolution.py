@@ -28,6 +28,9 @@ BULK_WORK = "bulk_work_mJ"  #: The column of tests whose bodies are pulled, bent
 #: Columns of bodies that yield: volume of the prints and work in them, largest mean pressure over the yield stress.
 PLASTIC_VOLUME, PLASTIC_WORK, OVER_YIELD = "print_volume_mm3", "plastic_work_mJ", "mean_pressure_over_yield"
 
+#: Columns of debris that may leave.
+DEBRIS_VOLUME, DEBRIS_LEFT, DEBRIS_THICKNESS = "debris_volume_mm3", "debris_left_mm3", "debris_thickness_um"
+
 #: Columns that results of earlier versions lack, which are then NaN: unknown.
 LATER_COLUMNS = ("mid_stroke_pressure_MPa", "mirror_error", "max_mean_pressure_MPa", "mid_stroke_mean_pressure_MPa")
 
@@ -41,6 +44,9 @@ COLUMN_MEANINGS = {
     PLASTIC_VOLUME: "volume of the prints that pressure has left on both bodies, beside what has worn",
     PLASTIC_WORK: "work that has gone into the prints",
     OVER_YIELD: "largest mean pressure of the cycle, load over contact area, over the softer body's yield stress",
+    DEBRIS_VOLUME: "volume of the debris between the surfaces",
+    DEBRIS_LEFT: "volume of the debris that has left the contact",
+    DEBRIS_THICKNESS: "largest thicknesses of both bodies' debris together",
     BULK_WORK: "work of the bulk stresses on the contact, which a loop's area holds beside the friction work",
 }
 

@@ -12,7 +12,8 @@ Layout (format 3; files of format 1 end without a checksum); every name carries 
     /scars/NNNN                  one logged scar, attributes: cycle, body, diameter_mm, axis_angle_deg,
                                  length_mm of a line contact, diameter_along_mm where curved along; data sets
                                  axial_um (n_a,), transverse_um (n_t,), depth_um, energy_density_mJ_per_mm2,
-                                 pressure_MPa, slip_distance_um, of bodies that yield print_um (n_a, n_t)
+                                 pressure_MPa, slip_distance_um, of bodies that yield print_um, of debris
+                                 that flows debris_um (n_a, n_t)
     /contact_forces/NNNN         forces on a body in a logged cycle, attributes: cycle, body, axis_angle_deg,
                                  of maps geometry (JSON), youngs_modulus_MPa, poissons_ratio; data sets phase,
                                  drive_um, holder_x_um, holder_z_um, tangential_force_N (k,), nodes (m,) of integers,
@@ -46,7 +47,7 @@ from wirewear.base.writing import write_bytes, writing
 from wirewear.results import format_1 as earlier_lines
 from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, geometry_of
 from wirewear.results.evolution import Evolution
-from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, PRINT_COLUMN, Scar
+from wirewear.results.scar import FIELD_COLUMNS, FURTHER_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Loop, PlasticStrain, RunResult
 from wirewear.test.lengths import whole_test
 
@@ -236,7 +237,7 @@ def _scar(group: h5py.Group) -> Scar:
     # Files of older versions lack a field; it is then unknown, which is shown as nothing.
     missing = np.zeros(group["depth_um"].shape)
     fields |= {name: group[name][()] if name in group else missing for name in FIELD_COLUMNS}
-    fields |= {PRINT_COLUMN: group[PRINT_COLUMN][()]} if PRINT_COLUMN in group else {}
+    fields |= {name: group[name][()] for name in FURTHER_COLUMNS if name in group}
     return Scar(
         cycle=int(attributes["cycle"]),
         body=_body(attributes),

@@ -27,7 +27,7 @@ _CALLED = {body: f"{body} wire" for body in WIRES} | {body: f"{body} body" for b
 _BY_PLACE = (("lower", "driven", "moving"), ("upper", "held", "fixed"))
 GRID_COLUMNS = ("axial_um", "transverse_um")
 FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_distance_um")
-PRINT_COLUMN = "print_um"  #: The field of bodies that yield.
+FURTHER_COLUMNS = ("print_um", "debris_um")  #: Fields of bodies that yield, and of debris that flows.
 
 #: A scar's depth is that of its fifth deepest point, its length and width those of sections at a share of their
 #: height.
@@ -173,6 +173,8 @@ class Scar:
     diameter_along_mm: float = float("inf")
     #: Depth (n_a, n_t) of the print that pressure has left, besides the worn depth; None where bodies do not yield.
     print_um: Array | None = None
+    #: Thickness (n_a, n_t) of the body's debris that is still between the surfaces, where it may leave; else None.
+    debris_um: Array | None = None
 
     def __post_init__(self) -> None:
         where = f"scar of the {called(self.body)} at cycle {self.cycle}"
@@ -199,7 +201,7 @@ class Scar:
     @property
     def field_columns(self) -> tuple[str, ...]:
         """Names of the attributes that are fields (n_a, n_t) of this scar."""
-        return FIELD_COLUMNS if self.print_um is None else (*FIELD_COLUMNS, PRINT_COLUMN)
+        return (*FIELD_COLUMNS, *(name for name in FURTHER_COLUMNS if getattr(self, name) is not None))
 
     @property
     def measured_depth_um(self) -> Array:

@@ -57,7 +57,7 @@ class LineRunRecord(Recorded):
         specimen, pad = (
             Scar(
                 cycle=cycle,
-                body=name,
+                body=body_name,
                 diameter_mm=np.inf,
                 axis_angle_deg=0.0,
                 axial_um=1e3 * body.node_positions[:, 0],
@@ -67,9 +67,9 @@ class LineRunRecord(Recorded):
                 pressure_MPa=(force[:, 2] / body.patch.node_areas())[:, None],
                 slip_distance_um=1e3 * np.reshape(slid, depth.shape),
                 length_mm=self.length_mm,
-                print_um=None if pressed is None else 1e3 * pressed,
+                **{name: 1e3 * field for name, field in further.items()},
             )
-            for name, (body, depth, energy, force, slid, pressed) in zip(self.bodies, worn, strict=True)
+            for body_name, (body, depth, energy, force, slid, further) in zip(self.bodies, worn, strict=True)
         )
         return specimen, pad
 

@@ -30,6 +30,7 @@ from wirewear.results import (
     RunResult,
     Scar,
 )
+from wirewear.results.evolution import DEBRIS_LEFT, DEBRIS_THICKNESS, DEBRIS_VOLUME
 from wirewear.simulation.control import HeldFigure
 from wirewear.simulation.expected_contact import borne_settings, law_error
 from wirewear.simulation.measures import dissipated_energy_mJ, slip_amplitude_mm, unresolved_slip
@@ -91,6 +92,7 @@ def evolution_row(
         "contact_half_width_um": 1e3 * max(report.half_width_x for report in trace.reports),
         **pressures,
         **yielded(problem, state, trace, scars),
+        **covered(problem, state),
         "mirror_error": mirrored_mismatch(problem, trace),
         "jump_cycles": jump,
     }
@@ -115,6 +117,16 @@ def yielded(
         PLASTIC_WORK: state.wear.plastic_mJ,
         OVER_YIELD: max(pressures, default=0.0) / problem.limit.yield_stress_MPa,
     }
+
+
+def covered(problem: ContactProblem, state: ContactState) -> dict[str, float]:
+    """Columns of the evolution's row for debris that may leave (see `COLUMN_MEANINGS`); empty if none can."""
+    if problem.debris is None:
+        return {}
+    (own, other), worn = state.wear.debris(problem.retained), state.wear
+    volume = float(problem.primary.node_areas @ own.ravel() + problem.secondary.node_areas @ other.ravel())
+    left = problem.retained * (worn.primary_volume_mm3 + worn.secondary_volume_mm3) - volume
+    return {DEBRIS_VOLUME: volume, DEBRIS_LEFT: left, DEBRIS_THICKNESS: 1e3 * float(own.max() + other.max())}
 
 
 def layer_settings(layers: Mapping[str, Sequence[LayerTable]]) -> dict[str, object]:

@@ -6,6 +6,7 @@ body's nodes carry the contact tractions.
 
 from collections.abc import Sequence
 from math import nan
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +19,7 @@ from solvers.elasticity.quadrature import at_points
 from solvers.stress.body_forces import forces_on_bodies
 from solvers.transfer import spread_once
 from wirewear.results import ContactForces, Scar, largest_means
+from wirewear.results.scar import FURTHER_COLUMNS
 from wirewear.test import Body, Study
 
 MID_STROKE = 35.0 / 60.0  # Mid-stroke is where the drive is within this share of its amplitude: 35 µm of 60.
@@ -137,7 +139,7 @@ def positions(trace: CycleTrace, count: int) -> IntArray:
     return np.asarray(order[sorted(named | between)])
 
 
-Worn = tuple[PlacedBody, Array, Array, Array, Array, Array | None]
+Worn = tuple[PlacedBody, Array, Array, Array, Array, dict[str, Any]]
 
 
 def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Study) -> tuple[Scar, Scar]:
@@ -148,19 +150,24 @@ def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Stud
 
 def worn_bodies(problem: ContactProblem, trace: CycleTrace) -> tuple[Worn, Worn]:
     """(lower, upper), each as (body, worn depth (n_a, n_t) in mm, friction energy per area (n_a, n_t) in mJ/mm², nodal
-    forces (n, 3) in N at mid-stroke, slip path (n,) of the cycle in mm, print (n_a, n_t) in mm or None).
+    forces (n, 3) in N at mid-stroke, slip path (n,) of the cycle in mm, further fields (n_a, n_t) in mm by the names of
+    `FURTHER_COLUMNS`).
 
     Forces are those of one field of tractions. The forces that the solver transfers to the secondary body's nodes are
     spread over its elements, and smaller by a tenth where two of them span a contact's radius.
     """
     state = trace.middle
     wear, (primary_slid, secondary_slid) = state.wear, trace.slid
-    primary = wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid, wear.primary_print
+    pairs = zip(wear.prints, (None, None) if problem.debris is None else wear.debris(problem.retained), strict=True)
+    further: list[dict[str, Any]] = [
+        {name: field for name, field in zip(FURTHER_COLUMNS, pair, strict=True) if field is not None} for pair in pairs
+    ]
+    primary = wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid, further[0]
     # Forces (n, 3) in N on the nodes of the secondary body, from the primary's tractions that they face.
     body, facing = problem.secondary, facing_offset(problem, state, state.drive, state.holder_x)
     places = (body.node_positions + facing) @ problem.primary.world_to_patch.T
     force = at_points(places, problem.primary.patch, body.node_areas).averaged(state.traction)
-    secondary = wear.secondary_depth, wear.secondary_energy, force, secondary_slid, wear.secondary_print
+    secondary = wear.secondary_depth, wear.secondary_energy, force, secondary_slid, further[1]
     lower, upper = (secondary, primary) if problem.primary_is_upper else (primary, secondary)
     return (problem.lower, *lower), (problem.upper, *upper)
 
@@ -184,7 +191,7 @@ def _scar(
     energy: Array,
     force: Array,
     slid: Array,
-    pressed: Array | None,
+    further: dict[str, Any],
     cycle: int,
     described: Body,
 ) -> Scar:
@@ -207,7 +214,7 @@ def _scar(
         energy_density_mJ_per_mm2=energy[:, order],
         pressure_MPa=np.maximum(pressure, 0.0)[:, order],
         slip_distance_um=1e3 * slid.reshape(patch.shape)[:, order],
-        print_um=None if pressed is None else 1e3 * pressed[:, order],
+        **{name: 1e3 * field[:, order] for name, field in further.items()},
     )
 
 
