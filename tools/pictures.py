@@ -38,6 +38,10 @@ DRAWN = {
         f"wirewear compare runs/pictures/fit/run {_RECORD} --output runs/pictures/compared  # loops.png",
     ),
     "diagnosed.png": (f"wirewear diagnose {_RECORD} --output runs/pictures/diagnosis  # report.html",),
+    "debris.png": (
+        "wirewear run studies/debris/study.toml --fidelity quick --output runs/pictures/debris",
+        "python -m studies.debris.draw runs/pictures/debris --output runs/drawn  # debris.png",
+    ),
     "effects.png": ("python -m studies.effects.gallery --output runs/pictures/effects  # effects.png",),
     "first_loop.png": (
         f"install -D --mode 644 {_RECORD}/loops.csv runs/pictures/log/loops.csv",

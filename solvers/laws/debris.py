@@ -1,9 +1,9 @@
 """Debris between the surfaces that moves to the contact's edge and leaves it, and protects what it covers.
 
 A balance for each node: the thickness h of the debris grows by the share of the worn depth that becomes debris, and
-debris moves towards the nearest edge of the contact, at a distance d, by a part of the slip. Over a path s of slip it
-passes that distance `moving` s / d times. Source and ejection are the flows of Fillot, Iordanoff and Berthier, Wear 262
-(2007) 949, with an ejection in proportion to the thickness.
+debris moves by a part of the slip towards the nearest edge of what the contact touches in a cycle, at a distance d.
+Over a path s of slip it passes that distance `moving` s / d times. Source and ejection are the flows of Fillot,
+Iordanoff and Berthier, Wear 262 (2007) 949, with an ejection in proportion to the thickness.
 """
 
 from dataclasses import dataclass
@@ -31,9 +31,10 @@ class DebrisFlow:
             raise SolverError("debris must move by a share that is not negative, and protect by a positive thickness")
 
     def passages(self, path_mm: Array, edge_distance_mm: Array | float) -> Array:
-        """How often (any shape) debris would pass the distance to the contact's edge over a path of slip, both mm."""
-        # Debris at the edge itself leaves at once.
-        return np.asarray(self.moving * path_mm / np.maximum(edge_distance_mm, 1e-9))
+        """How often (any shape) debris would pass the distance to the contact's edge over a path of slip, both
+        mm and the distance positive.
+        """
+        return np.asarray(self.moving * path_mm / edge_distance_mm)
 
     def wearing(self, thickness_mm: Array) -> Array:
         """Share of the slip that wears the surfaces under debris of this thickness in mm, of its shape."""

@@ -206,7 +206,7 @@ def solve_stage(
         friction = cycle.law_at(problem, worn, slip, pressure)
         if 1 < iteration <= _FOLLOWED:
             cycles = lasting(pressure)
-        base, opens = _staying(problem, cycle, before, cycles)
+        base, opens = _staying(problem, cycle, before, cycles * (pressure > 0.0))
         gaps, tangent = cycle.gaps(problem, base.opened(problem.retained)), recession.tangent
         opening = cycle.orbits.opening_by((opens[0] * tangent[0], opens[1] * tangent[1]))
         if recession.beyond is not None:
@@ -236,14 +236,14 @@ def worn_by(
     works: friction work and wear work (N,) of one cycle per area, mJ/mm². cycles: (N,) how often each unknown's work is
     done.
     """
-    energy = _spread(cycle, cycles * works[0])
-    work = energy if works[1] is works[0] else _spread(cycle, cycles * works[1])
+    energy = cycle.spread(cycles * works[0])
+    work = energy if works[1] is works[0] else cycle.spread(cycles * works[1])
     totals = float(problem.surface.areas @ energy[0].ravel()), float(problem.surface.areas @ work[0].ravel())
     recession = problem.wear.recession(before, work, problem.primary_is_upper)
     bodies = problem.primary, problem.secondary
     after = after_work(before, recession.secant, energy, work, totals, bodies)
-    if cycle.passages is not None:
-        left, opened = _staying(problem, cycle, before, cycles)
+    if cycle.to_edge is not None:
+        left, opened = _staying(problem, cycle, before, cycles * (works[0] > 0.0))
         primary, secondary = (
             debris + (1.0 - share) * (now - then)
             for debris, share, now, then in zip(left.debris(0.0), opened, after.depths, before.depths, strict=True)
@@ -252,21 +252,16 @@ def worn_by(
     return after, recession
 
 
-def _spread(cycle: Cycle, work: Array) -> Depths:
-    """Work per area (N,) at the unknowns as that on the nodes of (primary, secondary), of their patches' shapes."""
-    primary, secondary = cycle.orbits.deposited(work)
-    return primary.reshape(cycle.wear.primary_depth.shape), secondary.reshape(cycle.wear.secondary_depth.shape)
-
-
 def _staying(
     problem: ContactProblem, cycle: Cycle, before: WearState, cycles: Array
 ) -> tuple[WearState, tuple[Rate, Rate]]:
-    """The state `before` with what stays of its debris after so many cycles (N,), and the shares of the depth worn
-    meanwhile on (primary, secondary) that debris does not fill.
+    """The state `before` with what stays of its debris after so many cycles under pressure (N,), and the shares of the
+    depth worn meanwhile on (primary, secondary) that debris does not fill.
     """
-    if cycle.passages is None:
+    if problem.debris is None or cycle.to_edge is None:
         return before, (1.0 - problem.retained, 1.0 - problem.retained)
-    (own, made), (other, made_there) = map(staying, _spread(cycle, cycles * cycle.passages))
+    paths = cycle.spread(cycles * cycle.slip_lengths())
+    (own, made), (other, made_there) = map(staying, map(problem.debris.passages, paths, cycle.to_edge))
     primary, secondary = before.debris(problem.retained)
     left = replace(before, primary_debris=own * primary, secondary_debris=other * secondary)
     return left, (1.0 - problem.retained * made, 1.0 - problem.retained * made_there)

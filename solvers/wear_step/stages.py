@@ -272,8 +272,7 @@ def _cycle(
     if problem.debris is None:
         return kept, cycle
     protected = problem.debris.wearing(orbits.opening(*wear.debris(problem.retained)))
-    passages = problem.debris.passages(cycle.slip_lengths(), traced.at_unknowns(traced.edge_distance_mm))
-    return kept, replace(cycle, wearing=wearing * protected, passages=passages)
+    return kept, replace(cycle, wearing=wearing * protected, to_edge=cycle.distances_to_edge(problem))
 
 
 @dataclass(frozen=True)

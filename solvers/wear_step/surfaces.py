@@ -11,7 +11,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial import KDTree
 
+from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact.between_nodes import WithinElements
@@ -89,7 +91,8 @@ class Cycle:
     wearing: float | Array  #: Factor on the unknowns' wear work by law and oxygen, (N,) or one for all.
     layers: tuple[ContactLayer, ...] = ()  #: Between the surfaces as the cycle was traced.
     within: WithinElements | None = None  #: How pressure is spread within elements, for the unknowns.
-    passages: Array | None = None  #: (N,) how often debris passes to the contact's edge in a cycle; None: it stays.
+    #: Distances in mm that debris on (primary, secondary) passes to leave, see `distances_to_edge`; None: it stays.
+    to_edge: Depths | None = None
     #: Solver of the pressures' equations, which keeps factors of earlier ones.
     similar: SimilarEquations = field(default_factory=SimilarEquations)
 
@@ -160,6 +163,20 @@ class Cycle:
         influences = self.influences
         return Facing(*_faced(nodes, own, secondary, self.orbits.start, weights, influences.store, influences.at))
 
+    def spread(self, work: Array) -> Depths:
+        """Work per area (N,) at the unknowns, summed on the nodes of (primary, secondary), of their patches' shapes."""
+        primary, secondary = self.orbits.deposited(work)
+        return primary.reshape(self.wear.primary_depth.shape), secondary.reshape(self.wear.secondary_depth.shape)
+
+    def distances_to_edge(self, problem: ContactProblem) -> Depths:
+        """Distances in mm from the nodes of (primary, secondary) to the edge of what the contact touches in the cycle,
+        at least half an element.
+        """
+        touched = self.spread((self.traced_pressures > 0.0).astype(float))
+        bodies = problem.primary.patch, problem.secondary.patch
+        primary, secondary = (_to_edge(patch, nodes > 1e-9) for patch, nodes in zip(bodies, touched, strict=True))
+        return primary, secondary
+
     def law_at(self, problem: ContactProblem, wear: WearState, slip: Array, pressure: Array) -> Friction:
         """The friction law at the N unknowns in a state of wear, on which, as on slip and pressure, the coefficient may
         depend. slip: (N,) mean slip in mm before and after each unknown's position. pressure: (N,) MPa.
@@ -198,6 +215,18 @@ class Cycle:
         ]
         traced = self.wear.opened(problem.retained)
         return np.asarray(np.concatenate(fresh) + self.orbits.opening(depths[0] - traced[0], depths[1] - traced[1]))
+
+
+def _to_edge(patch: ContactPatch, touched: BoolArray) -> Array:
+    """Distance in mm of each node (n_a, n_t) from the edge half an element beside the nearest node that is not touched;
+    at least half an element.
+    """
+    half = 0.5 * patch.smallest_element
+    places = np.stack(np.meshgrid(patch.axial_mm, patch.transverse_mm, indexing="ij"), axis=-1)
+    beside = places[~touched]
+    if not len(beside):
+        return np.full(touched.shape, np.inf)
+    return np.asarray(np.maximum(KDTree(beside).query(places)[0] - half, half))
 
 
 @compiled

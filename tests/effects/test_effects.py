@@ -19,6 +19,7 @@ from wirewear.test.study import study_from_tables
 FIXED = {
     "tangential_compliance": ["stiffness_N_per_mm"], "rotational_compliance": ["stiffness_N_mm_per_rad", "arm_mm"],
     "free_play": ["gap_um"],
+    "debris_balance": ["retained_fraction", "modulus_MPa", "leaving_share", "protecting_um"],
     "holder_inertia": ["mass_kg"], "friction_offset": ["friction"],
     "friction_evolution": ["initial", "final", "cycles"],
     "roughness_compliance": ["layer_um", "cycles"], "third_body": ["retained_fraction", "modulus_MPa"],

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import solvers
 from geometry.arrays import Array
 from solvers.laws.debris import staying
-from tests.solvers.wear_jumps import LINE_LOAD_N_per_mm, RATES, at_the_end, jumped, line_contact
+from tests.solvers.wear_jumps import RATES, LINE_LOAD_N_per_mm, at_the_end, jumped, line_contact
 
 pytestmark = pytest.mark.seconds
 RETAINED = 0.4
@@ -53,22 +53,20 @@ def test_debris_settles_where_what_wears_equals_what_leaves() -> None:
     moving = 0.4
     *_, before, last = worn(solvers.DebrisFlow(moving), 100.0, 200.0, 400.0, 800.0, 100.0)
     wear, contact = last.wear, line_contact()
-    x, touches = contact.primary.patch.axial_mm, np.flatnonzero(last.traction[:, 2] > 0.0)
-    thickness = wear.debris(RETAINED)[0].ravel()
+    x, touches = contact.primary.patch.axial_mm, last.traction[:, 2] > 0.0
+    # At the other end of the stroke the mirror image of these nodes touches.
+    half = float(np.abs(x[touches]).max()) + 0.5 * contact.primary.patch.smallest_element
     source = RETAINED * (wear.primary_depth - before.wear.primary_depth).ravel() / 100.0
     path = (wear.energy_mJ - before.wear.energy_mJ) / 100.0 / (contact.friction * LINE_LOAD_N_per_mm)
-    # The contact ends within the element beside the last node that touches.
-    half = 0.5 * (x[touches[-1]] - x[touches[0]]) + 0.5 * (x[1] - x[0]) * 0.5
-    middle = np.argmin(np.abs(x))
-    assert thickness[middle] == pytest.approx(source[middle] * half / (moving * path), rel=0.05)
-    quarter = touches[3 * len(touches) // 4]
-    assert 0.3 * thickness[middle] < thickness[quarter] < 0.7 * thickness[middle]
+    inside = np.abs(x) < 0.6 * half
+    settled = (source * (half - np.abs(x)) / (moving * path))[inside]
+    assert wear.debris(RETAINED)[0].ravel()[inside] == pytest.approx(settled, rel=0.01)
 
 
 def test_what_wears_stays_or_leaves() -> None:
     for state in worn(solvers.DebrisFlow(0.01), 50.0, 400.0, 800.0)[1:]:
         lost, there = volumes(state)
-        assert (0.0 < there).all()
+        assert (there > 0.0).all()
         assert (there < RETAINED * lost).all()
     assert lost == pytest.approx(RATES[0] * state.wear.energy_mJ, rel=1e-12)
 
@@ -79,7 +77,7 @@ def test_no_debris_leaves_without_motion_and_all_of_it_with_fast_motion() -> Non
     assert still.wear.debris(RETAINED)[0] == pytest.approx(RETAINED * still.wear.primary_depth, rel=1e-9, abs=1e-15)
     fast, bare = worn(solvers.DebrisFlow(1e6), 50.0, 400.0)[-1], worn(None, 50.0, 400.0, retained=0.0)[-1]
     assert fast.wear.primary_depth == pytest.approx(bare.wear.primary_depth, abs=1e-3 * bare.wear.primary_depth.max())
-    assert fast.wear.energy_mJ == pytest.approx(bare.wear.energy_mJ, rel=1e-6)
+    assert fast.wear.energy_mJ == pytest.approx(bare.wear.energy_mJ, rel=1e-4)
 
 
 def test_debris_protects_the_more_the_thicker_it_is() -> None:
