@@ -167,6 +167,20 @@ def test_a_contact_that_sticks_in_its_middle_has_elements_that_shrink_towards_it
     assert plan.increments_per_wear_cycle == 8
 
 
+@pytest.mark.parametrize("fidelity", sorted(WIRE_LEVELS))
+def test_partial_slip_under_a_changing_load_has_its_elements_and_more_increments(fidelity: str) -> None:
+    """A contact that only its lowest load lets slide as a whole."""
+    level = WIRE_LEVELS[fidelity]
+    changing = STICKING.replace("[contact]", "load_cycle = { amplitude_share = 0.2 }\n[contact]")
+    assert discretise(parse_study(changing, "study"), fidelity).increments_per_wear_cycle > 8
+    hardly = STICKING.replace(
+        "[contact]", "load_cycle = { amplitude_share = 0.97, frequency_ratio = 2, lag_deg = 180 }\n[contact]"
+    )
+    plan = discretise(parse_study(hardly, "study"), fidelity)
+    assert not plan.expected.sticks
+    assert plan.moving.axial.fine_mm == pytest.approx(plan.hertz.contact_radius_mm / level.per_sticking_radius, rel=0.1)
+
+
 def test_no_line_touches_the_rim_of_an_oblique_contact_that_sticks_in_its_middle() -> None:
     crossing = STICKING.replace("[wires]", "[wires]\ncrossing_angle_deg = 30.0")
     plan = discretise(parse_study(crossing, "study"), "quick")

@@ -252,15 +252,22 @@ def test_the_error_of_a_loops_energy_falls_with_the_square_of_the_rings_that_sli
     pressure = np.zeros((patch.size, 3))
     pressure[:, 2] = radius <= 1.0
 
-    def error(core: float, force: float = 1.0) -> float:
+    def error(core: float, force: float = 1.0, after: float = 0.0) -> float:
+        """after: slip of all in a second increment, over that of the annulus in the first."""
         slid = np.where((radius > core) & (radius <= 1.0), 1e-6, 0.0)
-        trace = SimpleNamespace(
-            start=SimpleNamespace(traction=pressure), slid=(slid, slid), tangential_force=np.array([-force, force])
+        start, *states = (
+            SimpleNamespace(traction=pressure, primary_slid=own) for own in (0.0 * slid, slid, slid + after)
         )
+        trace = SimpleNamespace(
+            start=start, states=states, slid=(slid + after, slid), tangential_force=np.array([-force, force]),
+            normal_force=np.ones(2), slips=np.array([1.0, after]),
+        )  # fmt: skip
         return unresolved_slip(patch, cast("CycleTrace", trace))
 
     assert error(1.0) == 1.0  # a finite force and nothing that slips
     assert np.isnan(error(-1.0))  # nothing that sticks
+    assert np.isnan(error(0.5, after=1.5))  # most energy is that of sliding as a whole
+    assert 0.0 < error(0.5, after=0.5) < error(0.5)  # all nodes slip, but mostly one after another
     assert np.isnan(error(1.0, force=0.0))
     # The area of such an annulus is 0.42 times as many edges of one node as elements lead to the rim.
     assert error(0.5) == pytest.approx(0.13 / (0.42 * elements) ** 2, rel=0.15)

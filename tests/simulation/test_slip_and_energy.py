@@ -106,6 +106,22 @@ def test_a_place_where_bodies_only_begin_to_slide_wears_by_what_its_loops_do() -
 
 
 @pytest.mark.slow
+def test_a_held_force_that_a_load_lets_slide_for_a_moment_has_the_energy_of_its_annulus() -> None:
+    cycle, stiffness, friction, load_N = {"amplitude_share": 0.56, "lag_deg": 126.1}, 796.2, 0.353, 2.2
+    conditions = {"normal_load_N": load_N, "displacement_amplitude_um": 15.0, "held_tangential_force_N": 0.9692}
+    held = study(cycle, stiffness, 1, **conditions).with_values({"contact.friction": friction})
+    evolution = simulate(held, fidelity="quick").evolution
+    moduli, time = (
+        (contact_modulus(STEEL, STEEL), tangential_contact_modulus(STEEL, STEEL)),
+        np.arange(1, 1001) / 1000.0,
+    )
+    shares = 1.0 + cycle["amplitude_share"] * np.cos(2.0 * np.pi * time - np.radians(cycle["lag_deg"]))
+    ball = SlidingBall(3.175, *moduli, friction, stiffness)
+    loop = slider_loop(1e-3 * float(evolution["displacement_amplitude_um"][-1]), load_N * shares, ball)
+    assert 1e3 * evolution["accumulated_energy_J"][-1] == pytest.approx(loop.energy_mJ, rel=0.02)
+
+
+@pytest.mark.slow
 def test_bodies_that_slide_only_while_they_part_hold_their_slip() -> None:
     held = study({"amplitude_share": 1.3, "lag_deg": 200.0}, 50.0, 1, held_slip_amplitude_um=4.0)
     evolution = simulate(held, fidelity="quick").evolution

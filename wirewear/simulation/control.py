@@ -267,8 +267,9 @@ def held_of(study: AnyStudy) -> HeldFigure | None:
     )
 
 
-def least_friction_N(study: AnyStudy) -> float:
-    """Largest amplitude (N) of a tangential force, in proportion to the drive, that friction carries in all of a test.
+def least_friction_N(study: AnyStudy, load_share: float | None = None) -> float:
+    """Largest amplitude (N) of a tangential force, in proportion to the drive, that friction carries in all of a test,
+    under its load or a constant share of that.
 
     0 if effects such as layers or misalignment let the bodies touch elsewhere.
     """
@@ -283,14 +284,17 @@ def least_friction_N(study: AnyStudy) -> float:
         if aged.layers or loaded.misalignment_rad:
             return 0.0
         least = min(least, aged.friction * loaded.normal_load_N)
-    return float(least * study.drive.least_load_per_place)
+    return float(least * (study.drive.least_load_per_place if load_share is None else load_share))
 
 
-def expected_to_stick(study: AnyStudy, onset_at: Callable[[float], SlidingOnset]) -> bool:
-    """True if the drive of a study without programme does not make its contact slide as a whole.
+def expected_to_stick(
+    study: AnyStudy, onset_at: Callable[[float], SlidingOnset], *, under_largest_load: bool = False
+) -> bool:
+    """True if the drive of a study without programme does not make its contact slide as a whole; under_largest_load:
+    True if it would not if the largest load of its cycle stayed.
     onset_at: from a friction force in N, the onset of sliding without the rig.
     """
-    friction_N = least_friction_N(study)
+    friction_N = least_friction_N(study, study.drive.load.largest if under_largest_load else None)
     if friction_N <= 0.0:
         return False
     onset, stated = onset_at(friction_N), held_by(study.conditions)
@@ -310,9 +314,9 @@ def round_contact(study: Study, load_N: float) -> tuple[float, float]:
     return (hertz.major_semi_axis_mm * hertz.minor_semi_axis_mm) ** 0.5, modulus
 
 
-def point_sticks(study: Study) -> bool:
+def point_sticks(study: Study, *, under_largest_load: bool = False) -> bool:
     """True if a contact at a point, of a study without programme, is expected to stick in its middle, by Cattaneo and
-    Mindlin.
+    Mindlin; under_largest_load: True if it would if the largest load of its cycle stayed.
     The contact between gripped bodies is softer and slides at larger strokes.
     """
     radius, modulus = round_contact(study, study.conditions.drive.load.largest * study.conditions.normal_load_N)
@@ -323,7 +327,7 @@ def point_sticks(study: Study) -> bool:
         slip, energy = reference.slip_amplitude(contact, motion), reference.energy_per_cycle(contact, friction_N)
         return SlidingOnset(friction_N, 1e3 * slip, energy, lambda: 1e3 * motion)
 
-    return expected_to_stick(study, onset)
+    return expected_to_stick(study, onset, under_largest_load=under_largest_load)
 
 
 def stated_core(study: Study) -> float | None:

@@ -13,6 +13,7 @@ from geometry import BodyGeometry, GradedAxis, Layering, RimGradedAxis
 from wirewear.base.errors import StudyError
 from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit
 from wirewear.results.scar import called
+from wirewear.simulation.control import point_sticks
 from wirewear.simulation.core_lines import fitted_to_core
 from wirewear.simulation.expected_contact import (
     Ellipse,
@@ -96,7 +97,10 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None, core:
     level = replace(level.coarser(1.0 / chosen.mesh_refinement), most_unknowns=allowed)
     expected = expected_contact(study, sticks=sticks)
     if expected.sticks and (expected.face is None or study.wear is not None):
-        level = level.for_sticking(wears=study.wear is not None)
+        level = level.for_sticking(wears=study.wear is not None, steady=study.drive.load.steady)
+    elif not study.drive.load.steady and point_sticks(study, under_largest_load=True):
+        # It slides as a whole at low loads alone, and dissipates most in partial slip.
+        level = replace(level, per_contact_radius=max(level.per_contact_radius, level.per_sticking_radius))
     if not study.contact.friction_law.proportional:
         # Elements a radius over those under Coulomb's law, for laws of friction that bend with the pressure.
         level = replace(level, per_contact_radius=1.25 * level.per_contact_radius)

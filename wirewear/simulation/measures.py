@@ -60,11 +60,11 @@ def unresolved_slip(patch: ContactPatch, trace: CycleTrace) -> float:
     """Estimated relative error of a closed loop's energy because few nodes slip around a middle that sticks.
 
     Whole nodes slip one after another, so the contact yields in steps; the error falls with the number of rings of
-    nodes in the slipping annulus. 1 if no node slips; NaN if none sticks or nothing moves. patch: of the primary body,
-    whose nodes carry the tractions.
+    nodes in the slipping annulus. 1 if no node slips; NaN if nothing moves, or none sticks for good and most energy is
+    that of sliding as a whole. patch: of the primary body, whose nodes carry the tractions.
     """
     pressed, slips = trace.start.traction[:, 2] > 0.0, trace.slid[0] > 0.0
-    if not (pressed & ~slips).any() or not np.ptp(trace.tangential_force) > 0.0:
+    if not np.ptp(trace.tangential_force) > 0.0 or not ((pressed & ~slips).any() or _mostly_slips_in_part(trace)):
         return nan
     touched = np.pad((pressed | slips).reshape(patch.shape), 1)
     within = touched[2:, 1:-1] & touched[:-2, 1:-1] & (touched[1:-1, 2:] & touched[1:-1, :-2] | (patch.shape[1] == 1))
@@ -107,6 +107,11 @@ def slip_amplitude_mm(trace: CycleTrace, probe: Probe | None = None) -> float:
             end = _probed(trace, probe, k, mean)
         ends.append(end)
     return max(0.5 * (ends[0] - ends[1]), 0.0)
+
+
+def _mostly_slips_in_part(trace: CycleTrace) -> bool:
+    work = trace.normal_force * np.abs(trace.slips)
+    return bool(work[~_all_slide(trace)].sum() > 0.5 * work.sum())
 
 
 def _all_slide(trace: CycleTrace) -> BoolArray:
