@@ -56,7 +56,7 @@ class Joined:
             raise SolverError("nothing holds the body; name a surface that is held")
         b, n = len(meshed.mesh.points), len(meshed.mesh.points) + len(host.solid.points)
         materials = (material, *(Elastic(*part) for part in host.parts))
-        of_host = _of_solid(host.solid, host.part, host.kept, materials)
+        of_host = solid_stiffness(host.solid, host.part, host.kept, materials)
         if meshed.bedding is not None:
             of_host = of_host + diags(np.repeat(meshed.bedding, 3))
         both = block_diag([_of_block(meshed.mesh, host, materials), of_host], format="csr")
@@ -122,10 +122,10 @@ def _of_block(mesh: HexMesh, host: Host, materials: tuple[Elastic, ...]) -> csr_
     if not host.block_part.any():
         return stiffness_matrix(mesh, materials[0])
     whole = SolidMesh(mesh.points, {8: mesh.cells}, {}, {})
-    return _of_solid(whole, host.block_part, np.ones(len(mesh.cells)), materials)
+    return solid_stiffness(whole, host.block_part, np.ones(len(mesh.cells)), materials)
 
 
-def _of_solid(solid: SolidMesh, part: IntArray, share: Array, materials: tuple[Elastic, ...]) -> csr_matrix:
+def solid_stiffness(solid: SolidMesh, part: IntArray, share: Array, materials: tuple[Elastic, ...]) -> csr_matrix:
     """Stiffness (3 n, 3 n) of a mesh whose cells count with a share (size,) each.
 
     part: number of the material of each cell (size,), or at each of its integration points (size, q).

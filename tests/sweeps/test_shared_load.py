@@ -122,6 +122,20 @@ def test_two_contacts_far_apart_are_two_runs_under_half_the_load(tmp_path: Path)
     assert found.labels == ("contact-1", "contact-1"), "equal contacts are run once"
 
 
+@pytest.mark.seconds
+def test_near_contacts_share_as_elements_of_the_wire_say_which_is_nearly_as_a_beam_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    near = STUDY + THREE.replace("4.0", "1.0")
+    found = shared(near, tmp_path).load_N
+    np.testing.assert_allclose(found[0], found[2], rtol=1e-9)
+    np.testing.assert_allclose(found.sum(axis=0), 6.0, rtol=1e-9)
+    monkeypatch.setattr(ManyContacts, "are_near", False)
+    as_beam = shared(near, tmp_path).load_N
+    np.testing.assert_allclose(found, as_beam, rtol=0.02)
+    assert np.abs(found / as_beam - 1.0).max() > 1e-4
+
+
 def test_a_contact_that_wears_faster_unloads(tmp_path: Path) -> None:
     stated = THREE.replace("at_mm = 0.0", "at_mm = 0.0\nwear = { energy_wear_coefficient_mm3_per_J = 3e-4 }")
 

@@ -4,6 +4,7 @@ The beam bends, shears (Timoshenko) and is pulled along its axis. Places are alo
 """
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from scipy.optimize import root
@@ -12,6 +13,17 @@ from geometry.arrays import Array
 from wirewear.base.errors import StudyError
 
 _PARTS = 8  #: Elements between neighbouring places; with twice as many, loads of the tests change by less than 1e-6.
+
+
+class HeldWire(Protocol):
+    """A wire under load_N on contacts, a beam or of elements."""
+
+    @property
+    def load_N(self) -> float: ...
+
+    def at(self, places_mm: Array, /) -> tuple[Array, Array]:
+        """(K (n, n) in N/mm, p (n,) in N) at places_mm (n,): forces p − K u hold the deflections u (n,) there."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -27,8 +39,7 @@ class Beam:
     tension_N: float = 0.0
     clamped_at_mm: tuple[float, ...] = ()
 
-    def at(self, places_mm: Array) -> tuple[Array, Array]:
-        """(K (n, n) in N/mm, p (n,) in N) at places_mm (n,): forces p − K u hold the deflections u (n,) there."""
+    def at(self, places_mm: Array, /) -> tuple[Array, Array]:
         marks = np.unique([*places_mm, *self.loads_at_mm, *self.clamped_at_mm])
         steps = np.linspace(0.0, 1.0, _PARTS, endpoint=False)
         nodes = np.append(marks[:-1, None] + np.diff(marks)[:, None] * steps, marks[-1])
@@ -77,7 +88,7 @@ class Yielding:
         return np.asarray(self.wear * np.sqrt(self.work + self.cycles * force_N))
 
 
-def contact_forces(beam: Beam, places_mm: Array, contacts: Yielding) -> Array:
+def contact_forces(beam: HeldWire, places_mm: Array, contacts: Yielding) -> Array:
     """Forces (n,) in N, 0 where open, with which contacts at places_mm (n,) hold the beam. Raises StudyError if it
     rests on none of them, or tips over.
     """

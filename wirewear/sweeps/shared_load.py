@@ -1,10 +1,11 @@
 """Runs of several contacts on one wire: how it shares the load among them as they wear.
 
-The wire is a beam on its contacts; these are far enough apart that each is a run of its own, whose approach under its
-load is the deflection of the beam there. Loads change from block to block of cycles. They follow from runs under
-estimated loads: elastic approach and worn depth of these are scaled to other loads, which the beam then shares out,
-until runs and beam agree. Such a round repeats until loads change by less than 0.5 %. A contact runs only through the
-blocks in which it is closed. A run's approach is that of the wire's back, of which the axis lacks a little.
+The wire is a beam on its contacts. Each of them is a run of its own, whose approach under its load is the deflection of
+the beam there; where contacts feel each other, elements of the wire with all contacts on them take the beam's place.
+Loads change from block to block of cycles. They follow from runs under estimated loads: elastic approach and worn depth
+of these are scaled to other loads, which the wire then shares out, until runs and wire agree. Such a round repeats
+until loads change by less than 0.5 %. A contact runs only through the blocks in which it is closed. A run's approach is
+that of the wire's back, of which the axis lacks a little.
 
 A rig that gives way takes the friction of all contacts. Each run has a share of its stiffness that is the share of its
 friction, so that all runs move the rig alike at the ends of the stroke.
@@ -16,9 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
+from solvers.elasticity.bar import Bar
 from wirewear.base.errors import StudyError
 from wirewear.results import RunResult
-from wirewear.sweeps.beam import Beam, Yielding, contact_forces
+from wirewear.sweeps.beam import Beam, HeldWire, Yielding, contact_forces
 from wirewear.test import Study
 from wirewear.test.gaps import hertz_of
 from wirewear.test.many_contacts import LoadedBlock, ManyContacts
@@ -209,12 +211,14 @@ def _filled(values: Array, known: BoolArray, default: float) -> Array:
 def _shared(test: ManyContacts, softness: Array, wear: Array, lengths: Array) -> Array:
     """Loads (n, b) that the beam shares out among contacts that yield so in each block (n, b), as `Yielding` says."""
     span, gap = test.span, np.array([1e-3 * own.gap_um for own in test.contacts])
-    stiffness = test.bending_stiffness_N_mm2, test.shear_stiffness_N
-    beam = Beam(*stiffness, test.load_N, span.loads_at_mm, span.tension_N, span.clamped_at_mm)
+    acts = test.load_N, span.loads_at_mm, span.tension_N, span.clamped_at_mm
+    wire: HeldWire = Beam(test.bending_stiffness_N_mm2, test.shear_stiffness_N, *acts)
+    if test.are_near:
+        wire = Bar(*acts, *test.held_section)
     found, work = np.zeros_like(softness), np.zeros(len(gap))
     for block, length in enumerate(lengths):
         contacts = Yielding(gap, softness[:, block], wear[:, block], work, float(length))
-        own = contact_forces(beam, test.places_mm, contacts)
+        own = contact_forces(wire, test.places_mm, contacts)
         found[:, block] = np.where(own > _CLOSED * test.load_N / len(gap), own, 0.0)
         work = work + length * found[:, block]
     return found

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, PlainValidator
 
+from geometry import Elastic
 from geometry.arrays import Array
 from wirewear.base.errors import StudyError
 from wirewear.base.units import Quantity
@@ -56,6 +57,9 @@ class SpanTable(keys.Table):
 class _Several(keys.Table):
     contacts: tuple[PlacedContact, ...] = Field(description="the contacts")
     span: SpanTable = Field(SpanTable(), description="the held wire between them")
+
+
+_NEAR = 4.0  #: Distance, over the diameter, up to which `are_near`.
 
 
 @dataclass(frozen=True)
@@ -119,13 +123,26 @@ class ManyContacts:
         return kappa * modulus * pi / 4.0 * (wire.diameter_mm**2 - wire.bore_mm**2)
 
     @property
+    def are_near(self) -> bool:
+        """True if two contacts are closer than four diameters of the held wire, so that elements take the beam's place:
+        two diameters apart, a beam is 0.6 % off a solution of both contacts at once, elements 0.2 %.
+        """
+        return bool(np.diff(np.sort(self.places_mm)).min() < _NEAR * _held_wire(self.study).diameter_mm)
+
+    @property
+    def held_section(self) -> tuple[float, float, Elastic, float]:
+        """Radius, inner radius and material of the held wire, and half the angle over which its back is gripped."""
+        wire = _held_wire(self.study)
+        return 0.5 * wire.diameter_mm, 0.5 * wire.bore_mm, wire.material, 0.5 * radians(wire.grip_angle_deg)
+
+    @property
     def backing_mm_per_N(self) -> float:
         """How much farther the back of the held wire comes to a contact than its axis, over the force: a run has the
         approach of the back, the beam is the axis. 1.56/(E d) by elements for solid wires in their grips, of which
-        several are to the diameter; 0 for tubes, whose walls bend.
+        several are to the diameter; 0 for tubes, whose walls bend, and for near contacts, whose elements show it.
         """
         wire = _held_wire(self.study)
-        return 0.0 if wire.bore_mm else 1.56 / (wire.youngs_modulus_MPa * wire.diameter_mm)
+        return 0.0 if wire.bore_mm or self.are_near else 1.56 / (wire.youngs_modulus_MPa * wire.diameter_mm)
 
     def alone(self, contact: int, blocks: Sequence[LoadedBlock]) -> Study:
         """The study of one contact, by its index from 0, whose programme are these blocks; a loop is recorded at the
