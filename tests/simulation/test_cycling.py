@@ -45,10 +45,10 @@ class Record:
     def restore(self, before: Result, done: float) -> None:
         self.rows = [row for row in before.measured if row[0] <= done]
 
-    def pressed(self, _problem: ContactProblem, _state: ContactState, _report: IncrementReport) -> None:
+    def record_pressed(self, _problem: ContactProblem, _state: ContactState, _report: IncrementReport) -> None:
         pass
 
-    def measured(
+    def record_loop(
         self, problem: ContactProblem, _state: ContactState, _trace: CycleTrace, done: float, *_: object
     ) -> None:
         self.rows.append((done, stage_of(problem)))
@@ -146,7 +146,7 @@ class ScriptedCycler:
     def moved_out(self, _problem: Any, state: float) -> float:
         return state
 
-    def measured(self, _problem: Any, state: float, _done: float) -> tuple[float, None]:
+    def closed_loop(self, _problem: Any, state: float, _done: float) -> tuple[float, None]:
         return state, None
 
     def goes_on_from(self, *_: object) -> bool:
@@ -189,7 +189,7 @@ def run(
     blocks: tuple[tuple[float, float], ...] = ((300.0, 1.0),),
 ) -> Result:
     monkeypatch.setattr("wirewear.simulation.cycling.Cycler", ScriptedCycler)
-    monkeypatch.setattr("wirewear.simulation.cycling.wear_stepper", lambda *_: stepper)
+    monkeypatch.setattr("wirewear.simulation.cycling.wear_jumps", lambda *_: stepper)
     ENTERED.clear()
     motions = tuple((end, Unchanging(solvers.Drive(own), 16, 16, follows_force=False)) for end, own in blocks)
     test = FrettingTest(motions, Stages(limits), MILESTONES, 0.1)

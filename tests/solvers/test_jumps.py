@@ -13,9 +13,9 @@ from tests.bodies import crossed_wires
 from tests.solvers.wear_jumps import INCREMENTS, RATES, at_the_end
 from wirewear.effects import Age
 from wirewear.simulation.cycler import Cycler
-from wirewear.simulation.cycling import WearStepper, whole_cycles
 from wirewear.simulation.motion import Motion
 from wirewear.simulation.statistics import Tally
+from wirewear.simulation.wear_jumps import ControlledJumps
 
 STAGE = 1.0 - 0.5**0.5  # Alexander's method, as the wear step takes it.
 
@@ -121,8 +121,8 @@ def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = Fals
     bare = crossed_wires(0.005, rig_N_per_mm=RIG_N_per_mm, wear=RATES)
     motion, tally = WearingIn(solvers.Drive(STROKE_mm), INCREMENTS, INCREMENTS, follows_force=False), Tally()
 
-    def started() -> WearStepper:
-        return whole_cycles(
+    def started() -> ControlledJumps:
+        return ControlledJumps(
             Cycler(motion, tally, lambda *_: None), solvers.JumpController(0.1, largest_share=largest_share)
         )
 

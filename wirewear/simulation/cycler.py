@@ -24,12 +24,9 @@ _Loop = tuple[solvers.ContactProblem, Motion, tuple[solvers.ContactState, ...], 
 
 Reported = Callable[[solvers.ContactState, solvers.IncrementReport], None]  #: Called after every increment.
 
-#: Tries a jump: from the state after so many cycles over some more, to the state then and the pressures' change.
-Attempt = Callable[[solvers.ContactState, float, float], tuple[solvers.ContactState, float]]
-
 
 @dataclass(frozen=True)
-class _Traced:
+class Traced:
     """A cycle traced without wear, and the problem (without effects of age) and state that it was traced for.
 
     start: the state at its beginning, which may differ from `state` by the amplitude that holds a figure.
@@ -57,7 +54,7 @@ class Cycler:
 
     def __init__(self, motion: Motion, tally: Tally, watch: Watch) -> None:
         """A cycler before the first cycle, without a guide. watch: called at every increment."""
-        self._latest: _Traced | None = None
+        self._latest: Traced | None = None
         self._quarter: solvers.CycleTrace | None = None
         self._loop: _Loop | None = None
         self.motion, self.tally, self._notify = motion, tally, watch
@@ -166,52 +163,19 @@ class Cycler:
     def worn(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, before: float, cycles: float
     ) -> solvers.ContactState:
-        """The state after one simulated cycle whose wear counts `cycles` times; `before` cycles are done before it."""
-        return self.cycled(problem, state, before, cycles)[0]
-
-    def cycled(
-        self, problem: solvers.ContactProblem, state: solvers.ContactState, before: float, cycles: float
-    ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
-        """(state, trace) of one simulated cycle whose wear counts `cycles` times (0: none); `before` cycles are done
-        before it.
+        """The state after one simulated cycle whose wear counts `cycles` times; `before` cycles are done before it.
         Effects are those at the middle of these cycles.
         """
         current, motion = self.aged(problem, state, before + 0.5 * cycles), self.motion
         increments = motion.drive.followed_by(motion.wear_increments)
         state, trace = solvers.run_cycle(current, state, motion.drive, increments, cycles, self._watch, self.guide)
         self._took(trace)
-        return state, trace
+        return state
 
-    def wearing(self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float) -> Attempt:
-        """A function that tries jumps from `state` after `done` cycles, from a cycle traced there without wear: from
-        (unused, cycles done, cycles to jump) it gives (state then, relative change of the pressures).
+    def traced(self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float) -> Traced:
+        """A cycle without wear after `done` cycles, from before if it was the latest; its increments are not counted
+        yet.
         """
-        traced, unused = self._traced(problem, state, done), list[_Traced]()
-        # A cycle that judges a jump, or leads to a loop, is that from which the next one starts: counted here, a run
-        # that is resumed between both, and traces it again, counts as one that is not.
-        self._count(traced)
-
-        def attempt(_state: solvers.ContactState, before: float, cycles: float) -> tuple[solvers.ContactState, float]:
-            def problem_at(cycle: float, energy_mJ: float) -> solvers.ContactProblem:
-                return self.motion.aged(problem, Age(cycle, 1e-3 * energy_mJ))
-
-            while unused:
-                self._count(unused.pop())
-            jump = solvers.jump_cycles(problem_at, traced.start, traced.trace, traced.symmetry, before, cycles)
-            self.guide, self.friction_work_mJ = jump.guide, jump.friction_work
-            if not jump.uncertain:
-                return jump.state, jump.pressure_change
-            # What sticks and how far the rest slides is known of the cycle before the jump: the one after it shows what
-            # came of that, and is of no use if the jump is rejected.
-            after = self._traced(problem, jump.state, before + cycles)
-            unused.append(after)
-            self.friction_work_mJ = after.work_mJ
-            missed = solvers.change_by_work(jump.friction_work, after.work_mJ, cycles, jump.state.wear.energy_mJ)
-            return jump.state, max(jump.pressure_change, missed)
-
-        return attempt
-
-    def _traced(self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float) -> _Traced:
         if self._latest is not None and self.goes_on_from(problem, state):
             return self._latest
         current, motion = self.aged(problem, state, done), self.motion
@@ -236,15 +200,16 @@ class Cycler:
         probe = forced if motion.drive.steady else None
         start, trace, _ = self._holding(current, begins, self._drive(state), cycle, watch, probe)
         self.sticks = solvers.sticks_throughout(trace.start, trace.states[-1])
-        self._latest = _Traced(problem, state, symmetry, start, trace, reports)
+        self._latest = Traced(problem, state, symmetry, start, trace, reports)
         return self._latest
 
-    def _count(self, traced: _Traced) -> None:
+    def count(self, traced: Traced) -> None:
+        """Add a traced cycle and its increments to the counters."""
         self.tally.counters.simulated_cycles += 1
         for report in traced.reports:
             self.tally.counters.count(report)
 
-    def measured(
+    def closed_loop(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float
     ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
         """(state, trace) of a closed loop without wear after `done` cycles, taken from before if nothing changed."""
@@ -256,12 +221,12 @@ class Cycler:
         # Where the contact wears, the next jump starts from the cycle that leads to the loop.
         moved, quarter = None, self._quarter
         if not problem.unchanging:
-            moved = self._traced(problem, state, done).trace
+            moved = self.traced(problem, state, done).trace
         elif quarter is not None and quarter.states[-1] is state and state.core.any():
             # Where the contact sticks in its middle, the way from mid-stroke is half of a stroke's.
             moved = quarter
         elif motion.held is not None:
-            moved = self._traced(problem, state, done).trace
+            moved = self.traced(problem, state, done).trace
         steady = motion.drive.steady
         increments = motion.drive.followed_by(motion.increments) if motion.follows_force else motion.increments
 

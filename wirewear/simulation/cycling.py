@@ -1,7 +1,7 @@
 """One run from its first cycle to its last: cycle jumps, loops at the milestones, meshes that follow the scar.
 
 It is the same for all kinds of contact. A `FrettingTest` is the test, a `Recorded` what is recorded of it, a `RunStore`
-where that is kept, and a `WearStepper` takes the jumps. Milestones are the cycles at which a loop is measured; a stop
+where that is kept, and `WearJumps` take the jumps. Milestones are the cycles at which a loop is measured; a stop
 is a value of a figure, such as the depth, that ends the test. FIGURES take these from a state, by the stops' keys.
 """
 
@@ -12,7 +12,7 @@ from math import log
 
 from threadpoolctl import threadpool_limits
 
-from solvers import ContactProblem, ContactState, JumpController, JumpStep, PatchLeftError, SolverError, take_step
+from solvers import ContactProblem, ContactState, JumpStep, PatchLeftError, SolverError
 from wirewear.base.words import counted
 from wirewear.results import RunResult
 from wirewear.simulation.cycler import Cycler
@@ -22,6 +22,7 @@ from wirewear.simulation.observers import Observer, moment_of
 from wirewear.simulation.plan import FrettingTest
 from wirewear.simulation.recorded import Recorded
 from wirewear.simulation.store import Checkpoint, RunStore
+from wirewear.simulation.wear_jumps import WearJumps, wear_jumps
 from wirewear.test.conditions import Stop
 
 FIGURES: Mapping[str, Callable[[ContactState], float]] = {
@@ -106,49 +107,6 @@ def _slope(before: tuple[float, float], after: tuple[float, float]) -> float:
     return log(after[1] / before[1]) / log(after[0] / before[0])
 
 
-@dataclass(frozen=True)
-class WearStepper:
-    """Takes cycle jumps.
-
-    first_jump: the size in cycles to try first. step: takes one accepted jump; its arguments are the problem (on the
-    current meshes, without effects of age), the state, the cycles done, the size to try, the milestones and the test's
-    end, neither of which is passed over. It raises PatchLeftError if the contact left a patch (the run goes on with
-    larger meshes from the state before), and SolverError if no jump could be taken.
-    """
-
-    first_jump: float
-    step: Callable[[ContactProblem, ContactState, float, float, tuple[float, ...], float], JumpStep[ContactState]]
-
-
-def wear_stepper(test: FrettingTest, cycler: Cycler, problem: ContactProblem) -> WearStepper:
-    """The stepper of a test: from milestone to milestone without wear, jumps of a stated size, or `whole_cycles`."""
-    size = test.explicit_jump_cycles
-    if not problem.unchanging and size is None:
-        return whole_cycles(cycler, JumpController(test.jump_tolerance))
-
-    def step(
-        own: ContactProblem, state: ContactState, done: float, wanted: float, milestones: tuple[float, ...], _end: float
-    ) -> JumpStep[ContactState]:
-        """Jump to the next milestone if nothing wears; otherwise simulate one cycle that stands for the jump."""
-        jump = min(milestone for milestone in milestones if milestone > done) - done
-        if problem.unchanging or size is None:
-            return JumpStep(state, jump, 0.0, wanted)
-        return JumpStep(cycler.worn(own, state, done, min(size, jump)), min(size, jump), 0.0, wanted)
-
-    return WearStepper(1.0 if problem.unchanging or size is None else size, step)
-
-
-def whole_cycles(cycler: Cycler, controller: JumpController) -> WearStepper:
-    """A stepper of jumps whose error `controller` bounds; see `solvers.wear_step`."""
-
-    def step(
-        own: ContactProblem, state: ContactState, done: float, wanted: float, milestones: tuple[float, ...], end: float
-    ) -> JumpStep[ContactState]:
-        return take_step(controller, state, wanted, done, milestones, end, cycler.wearing(own, state, done))
-
-    return WearStepper(controller.first_jump, step)
-
-
 def cycle_through(
     test: FrettingTest, record: Recorded, store: RunStore, observer: Observer, *, resume: bool = False
 ) -> RunResult:
@@ -223,17 +181,17 @@ class _Run:
         while True:
             try:
                 state, report = self.cycler.pressed(problem)
-                self.record.pressed(problem, state, report)
+                self.record.record_pressed(problem, state, report)
                 state, done = self.cycler.moved_out(problem, self.cycler.printed(problem, state)), 0.0
                 # The meshes must fit what sticks of the contact at the end of its first loading.
                 fitted = self.meshes.fitted(self.history, problem, state)
                 if fitted is not None:
                     raise _OtherMeshesError(fitted)
-                stepper = wear_stepper(self.test, self.cycler, problem)
+                jumps = wear_jumps(self.test, self.cycler, problem)
                 while done < 1.0:
-                    step = stepper.step(problem, state, done, 1.0, (1.0,), 1.0)
+                    step = jumps.step(problem, state, done, 1.0, (1.0,), 1.0)
                     state, done = step.state, done + step.jump
-                return problem, self._measured(problem, state, 1.0, 1.0)
+                return problem, self._measure_loop(problem, state, 1.0, 1.0)
             except _OtherMeshesError as other:
                 fitting = other.history
             except PatchLeftError:
@@ -251,8 +209,8 @@ class _Run:
 
     def _cycle_on(self, problem: ContactProblem, state: ContactState, done: float, jump: float | None) -> str:
         """Simulate up to the test's end or a stop; return a sentence on how it ended."""
-        stepper = wear_stepper(self.test, self.cycler, problem)
-        wanted = stepper.first_jump if jump is None else jump
+        jumps = wear_jumps(self.test, self.cycler, problem)
+        wanted = jumps.first_jump if jump is None else jump
         end = self.test.cycles
         if jump is None and done < end:
             # From now on the run can be resumed.
@@ -263,10 +221,10 @@ class _Run:
             motion = self.test.motion_after(done)
             if motion is not self.cycler.motion:
                 problem, state = self._entered(motion, problem, state, done)
-                stepper = wear_stepper(self.test, self.cycler, problem)
+                jumps = wear_jumps(self.test, self.cycler, problem)
             problem, state = self._on_due_meshes(problem, state, done)
             try:
-                step = self._stepped(stepper, problem, state, done, wanted)
+                step = self._stepped(jumps, problem, state, done, wanted)
             except PatchLeftError:
                 # The scar has become larger than its volume let expect.
                 larger = self.meshes.next_stage(self.history, done)
@@ -301,12 +259,12 @@ class _Run:
         return f"{counted(done)} cycles simulated{why}"
 
     def _stepped(
-        self, stepper: WearStepper, problem: ContactProblem, state: ContactState, done: float, wanted: float
+        self, jumps: WearJumps, problem: ContactProblem, state: ContactState, done: float, wanted: float
     ) -> JumpStep[ContactState]:
         """A jump that does not go beyond the test's stop."""
-        step = stepper.step(problem, state, done, wanted, self.test.stops, self.test.cycles)
+        step = jumps.step(problem, state, done, wanted, self.test.stops, self.test.cycles)
         while (size := self.ending.shorter(state, step.state, step.jump)) is not None:
-            step = stepper.step(problem, state, done, size, (done + size,), self.test.cycles)
+            step = jumps.step(problem, state, done, size, (done + size,), self.test.cycles)
         return step
 
     def _on_due_meshes(
@@ -326,7 +284,7 @@ class _Run:
         """Problem and state after measuring the loop, on larger or other meshes if the loop needs them."""
         while True:
             try:
-                return problem, self._measured(problem, state, done, jump)
+                return problem, self._measure_loop(problem, state, done, jump)
             except _OtherMeshesError as other:
                 problem, state = self._on_meshes(other.history, problem, state, done)
             except PatchLeftError:
@@ -367,14 +325,14 @@ class _Run:
             return onto, self.cycler.pressed_again(problem, state, onto, done)
         return onto, self.cycler.remeshed(problem, state, onto, done)
 
-    def _measured(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
+    def _measure_loop(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
         """Close a loop without wear and record it; return the state from which the run goes on."""
-        after, trace = self.cycler.measured(problem, state, done)
+        after, trace = self.cycler.closed_loop(problem, state, done)
         fitting = self._fitting(after, done)
         if fitting is not None:
             raise _OtherMeshesError(fitting)
         held = self.cycler.motion.held
-        self.record.measured(self.cycler.aged(problem, after, done), after, trace, done, jump, held)
+        self.record.record_loop(self.cycler.aged(problem, after, done), after, trace, done, jump, held)
         return state if self.cycler.goes_on_from(problem, state) else after
 
     def _moved(self, state: ContactState, done: float) -> None:

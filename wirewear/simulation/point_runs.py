@@ -174,8 +174,8 @@ class PointRunRecord(Recorded):
         # A run that had done its last cycle measures its holder no more.
         self._holder = {name: value for name, value in before.settings.items() if name.startswith(MEASURED)}
 
-    def pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
-        super().pressed(problem, state, report)
+    def record_pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
+        super().record_pressed(problem, state, report)
         self.tally.fresh |= {
             "fresh_approach_um": -1e3 * state.holder_z,
             "fresh_contact_radius_um": 1e3 * (report.contact_area / np.pi) ** 0.5,

@@ -189,7 +189,7 @@ class Recorded(ABC):
         count = int((evolution["cycle"] <= done).sum())
         self._rows = [{name: float(column[i]) for name, column in evolution.items()} for i in range(count)]
 
-    def pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
+    def record_pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
         """Record the fresh contact under the normal load alone: largest pressure, and figures of laws and yielding."""
         self.tally.fresh = {"fresh_max_pressure_MPa": report.max_pressure}
         if problem.limit is not None:
@@ -197,7 +197,7 @@ class Recorded(ABC):
         if not isnan(error := law_error(problem, state)):
             self.tally.fresh[_LAW_ERROR] = error
 
-    def measured(
+    def record_loop(
         self,
         problem: ContactProblem,
         state: ContactState,
