@@ -43,8 +43,8 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
             raise asked["raises"]
         return [synthetic_results.result(variant="compliant", stiffness_N_per_mm=167.0)]
 
-    def show(result: Path, output: Path | None, **options: Any) -> list[Path]:
-        asked.update(options, result=result, output=output)
+    def show(_results: object, folder: Path, **options: Any) -> list[Path]:
+        asked.update(options, folder=folder)
         if "raises" in asked:
             raise asked["raises"]
         return [Path("loops.png"), Path("scars.png")]

@@ -46,7 +46,10 @@ def variants(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.slow
 def test_every_picture_is_drawn_without_an_x_server(variants: Path) -> None:
     """A fresh process without a display, with warnings as errors, draws all of them, each with both runs in it."""
-    program = "import sys, pathlib; from wirewear.pictures import show; show(pathlib.Path(sys.argv[1]))"
+    program = (
+        "import sys, pathlib; from wirewear.pictures import show; from wirewear.results import read_results\n"
+        "folder = pathlib.Path(sys.argv[1]); show(read_results(folder), folder / 'pictures')"
+    )
     environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
     command = [sys.executable, "-W", "error", "-c", program, str(variants)]
     run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)

@@ -31,14 +31,13 @@ from wirewear.pictures.panels import draw_loop, draw_scar, name_axes
 from wirewear.pictures.scar_maps import contact_maps, profile, scar_sections, scar_series, scars_from_above
 from wirewear.pictures.scar_surfaces import scars_in_3d
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
-from wirewear.results import RunResult, read_results
+from wirewear.results import RunResult
 
 #: Lines of the driven and the held body where colours stand for runs.
 DASHES: tuple[LineStyleType, LineStyleType] = (0, (5, 1.5)), "-"
 
 WIDEST, THINNEST = 1.1, 0.7  #: Line widths of the first and the last loop, as shares of other lines'.
 FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100  #: Milliseconds of a frame and of the last one; dots per inch.
-FOLDER_NAME = "pictures"
 
 
 def amplitude_evolution(results: Sequence[RunResult]) -> Figure:
@@ -294,29 +293,23 @@ def _frame(result: RunResult, cycle: int, cycles: Sequence[int]) -> Figure:
 
 
 def show(
-    result_path: Path,
-    output_dir: Path | None = None,
+    results: Sequence[RunResult],
+    folder: Path,
     *,
     ending: str = "png",
     moving: bool = False,
     drawn: Callable[[Sequence[RunResult]], Mapping[str, Callable[[], Figure]]] | None = None,
 ) -> list[Path]:
-    """Write all pictures of the run or runs at `result_path`, a result file or a folder of runs, and return their
-    paths.
+    """Write all pictures of results to a folder and return their paths; none if nothing is logged yet.
 
-    output_dir: by default a folder `pictures` beside the result file or in the folder of runs. ending: png, svg or pdf.
-    moving: draw also loop and scar of each run over the cycles as an animated GIF. drawn: from results to functions
-    that draw pictures by name; by default those of contacts at a point. What an unfinished run has not logged yet is
-    left out. Raises ResultError if there is no readable result, nothing is logged yet, or a picture cannot be written.
+    ending: png, svg or pdf. moving: draw also loop and scar of each run over the cycles as an animated GIF. drawn: from
+    results to functions that draw pictures by name; by default those of contacts at a point. What an unfinished run has
+    not logged yet is left out. Raises ResultError if a picture cannot be written.
     """
-    results = read_results(result_path)
     if drawn is None or moving:
         results = tuple(result.with_maps() for result in results)
-    base = result_path if result_path.is_dir() else result_path.parent
-    folder = base / FOLDER_NAME if output_dir is None else output_dir
-    pictures = (drawn or drawings)(results)
-    if not pictures:
-        raise ResultError(f"nothing is logged yet at {result_path}, so there is nothing to draw")
+    if not (pictures := (drawn or drawings)(results)):
+        return []
     with writing(ResultError, f"cannot write pictures to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         with TemporaryFile(dir=folder):

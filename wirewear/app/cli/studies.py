@@ -127,8 +127,11 @@ def show(result_path: Path, output: Path | None, ending: str, animation: bool) -
     from wirewear.results import read_results
 
     with busy("drawing"):
-        drawn = contacts_of(read_results(result_path)[0]).drawings
-        pictures = list(draw(result_path, output, ending=ending, moving=animation, drawn=drawn))
+        results = read_results(result_path)
+        folder, drawn = output or beside(result_path) / "pictures", contacts_of(results[0]).drawings
+        pictures = draw(results, folder, ending=ending, moving=animation, drawn=drawn)
+    if not pictures:
+        raise ResultError(f"nothing is logged yet at {result_path}, so there is nothing to draw")
     for picture in pictures:
         click.echo(picture)
 
