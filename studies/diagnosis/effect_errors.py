@@ -28,9 +28,9 @@ from wirewear.diagnosis.infer.covariance import smooth_covariance, solver_covari
 from wirewear.diagnosis.observe.observable import Scale
 from wirewear.diagnosis.observe.observed_record import read_at_corners
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.surrogate.candidates import nominal_inputs
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.nominal import nominal_run, nominal_study
+from wirewear.diagnosis.surrogate.nominal_model import nominal_inputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import all_effects
 

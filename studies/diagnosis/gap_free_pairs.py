@@ -16,10 +16,10 @@ from wirewear import WirewearError, read_record
 from wirewear.diagnosis.infer.covariance import OWN, SCATTER, SHARED, components, derivatives
 from wirewear.diagnosis.observe.observed_record import read_at_corners
 from wirewear.diagnosis.observe.reduction import Layout, Observations, reduce
-from wirewear.diagnosis.surrogate.candidates import nominal_inputs
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.nominal import nominal_run, nominal_study
+from wirewear.diagnosis.surrogate.nominal_model import nominal_inputs
 from wirewear.diagnosis.surrogate.wear_states import NUMERICAL, WearStates
 from wirewear.records import RecordTables
 

@@ -15,8 +15,8 @@ from tests.simulation.point_contacts import STEEL, TEST
 from wirewear import record_of_result
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.preparation import ReducedRecord
-from wirewear.diagnosis.surrogate.candidates import nominal_inputs
 from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.nominal_model import nominal_inputs
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.simulation import run_study
 from wirewear.test import study_from_tables

@@ -16,9 +16,10 @@ from wirewear.base.errors import RecordError
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.fit import fit_record
 from wirewear.diagnosis.preparation import prepared
-from wirewear.diagnosis.surrogate.candidates import library, nominal_inputs
+from wirewear.diagnosis.surrogate.candidates import library
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.nominal import nominal_study
+from wirewear.diagnosis.surrogate.nominal_model import nominal_inputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.diagnosis.surrogate.worn_wires import WornWires, elastic, equilibrium, wearing
 from wirewear.loops.sensor import Sensor, SensorNoise

@@ -16,8 +16,8 @@ from wirewear import RecordError, read_record, write_record, write_result
 from wirewear.comparison.comparison import compare
 from wirewear.comparison.registration import register, scar_pairs
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.surrogate.candidates import nominal_line_setup
 from wirewear.diagnosis.surrogate.line_states import LineStates
+from wirewear.diagnosis.surrogate.nominal_model import nominal_line_inputs
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record
 from wirewear.records.writing import frame_of
@@ -207,7 +207,7 @@ specimen_energy_wear_coefficient_mm3_per_J = 2e-5""",
     # A stiffness is read of the few samples of a steep branch, whose displacements are noisy.
     near = {row: 0.04 if row.quantity == "measured stiffness" else 0.01 for row in loops}
     assert all(abs(row.difference) < share * row.simulated for row, share in near.items() if row.simulated)
-    setup = nominal_line_setup(study.of_length(8.0), record.tables.conditions.drive)
+    setup = nominal_line_inputs(study.of_length(8.0), record.tables.conditions.drive)
     states = LineStates.of_line(run, study.pad.profile, 8.0)
     assert concluded(record, study.of_length(8.0), states, reduce(record), setup=setup).diagnosis.verdict == "no_gap"
 

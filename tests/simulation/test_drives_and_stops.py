@@ -16,10 +16,11 @@ from wirewear.base.errors import RecordError
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.fit.without_plateau import friction_of_forces, needs_search
 from wirewear.diagnosis.observe.channels import half_width, loop_area
-from wirewear.diagnosis.surrogate.candidates import library, nominal_inputs
+from wirewear.diagnosis.surrogate.candidates import library
 from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.forward import simulate as simulate_fast
 from wirewear.diagnosis.surrogate.nominal import nominal_study
+from wirewear.diagnosis.surrogate.nominal_model import nominal_inputs
 from wirewear.effects.holder import HeldDisplacement
 from wirewear.effects.sensors import DisplacementGain
 from wirewear.loops.sensor import Sensor, SensorNoise

@@ -7,10 +7,10 @@ A coordinate is the value of a parameter in standard deviations of its expected 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import product
-from math import atan, log
-from typing import Any, Literal
+from math import log
+from typing import Any
 
 import numpy as np
 
@@ -20,8 +20,6 @@ from wirewear.base.errors import StudyError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.effects import AnyEffect, Chain, Parameter, Stated, all_effects
-from wirewear.test import LineStudy, Study
-from wirewear.test.gaps import Gap
 
 #: Where numerical freedoms lie on average, if not at their neutral value: a quick run sees a scar longer than the slip
 #: and blunts its walls, so that the state that fits others' loops is one of less wear with steeper slopes.
@@ -136,23 +134,6 @@ class Candidate:
                 start[0], start[-1] = unchanged[0] + size, late
                 starts.append(start)
         return starts
-
-
-def nominal_line_setup(study: LineStudy, drive: Literal["sensor", "stroke"]) -> SurrogateInputs:
-    """The inputs that a study of a line contact states, with its effects; drive: see `SurrogateInputs.of`."""
-    setup = SurrogateInputs.of(study, drive, sum(study.energy_coefficients()), study.contact.length_mm)
-    return replace(setup, effects=study.effects)
-
-
-def nominal_inputs(study: Study, drive: Literal["sensor", "stroke"]) -> SurrogateInputs:
-    """The inputs that a study of a contact at a point states, with its effects and the freedoms at their usual values.
-    drive: see `SurrogateInputs.of`. A study without wear has a wear coefficient of 0.
-    """
-    wear, friction = study.wear, study.contact.friction
-    worn = 0.0 if wear is None else wear.volume_per_sliding_mm3_per_N_m(friction) / max(friction, 1e-9)
-    setup = SurrogateInputs.of(study, drive, worn)
-    shear = Gap.like(study.conditions.normal_load_N, *study.bodies).shear
-    return replace(setup, crossing_error_rad=atan(shear), effects=study.effects, **EXPECTED)
 
 
 def library(setup: SurrogateInputs) -> tuple[Candidate, ...]:

@@ -117,7 +117,7 @@ def wears_evenly(study: AnyStudy) -> bool:
 
 
 @dataclass(frozen=True)
-class NominalRun:
+class RunRecipe:
     """How the nominal run of a study is to be made. Creating it runs nothing.
 
     margins: factors on the wear coefficients, tried in turn until a run completes.
@@ -128,41 +128,41 @@ class NominalRun:
     changes: Mapping[str, Any]  #: Changes of mesh and fidelity, as tables of a study.
 
 
-def point_run(study: Study) -> NominalRun:
+def point_recipe(study: Study) -> RunRecipe:
     """How the nominal run of a contact at a point is to be made: with a wear that gives wear states, and enough
     increments in a loop. Runs nothing.
     """
     increments = study.fidelity("quick").increments_per_cycle or INCREMENTS_PER_CYCLE
-    return NominalRun(wearing(study), _WEAR_MARGINS, {"fidelity": {"quick": {"increments_per_cycle": increments}}})
+    return RunRecipe(wearing(study), _WEAR_MARGINS, {"fidelity": {"quick": {"increments_per_cycle": increments}}})
 
 
-def line_run(study: LineStudy) -> NominalRun:
+def line_recipe(study: LineStudy) -> RunRecipe:
     """How the nominal run of a line contact is to be made: with the margin WEAR_MARGIN, and its jump tolerance. Runs
     nothing.
     """
     tolerance = study.mesh.jump_tolerance or JUMP_TOLERANCE
-    return NominalRun(study, (WEAR_MARGIN,), {"mesh": {"jump_tolerance": tolerance}})
+    return RunRecipe(study, (WEAR_MARGIN,), {"mesh": {"jump_tolerance": tolerance}})
 
 
 def nominal_run(
-    study: AnyStudy, observer_of: ObserverOf | None = None, asked: Callable[[Any], NominalRun] = point_run
+    study: AnyStudy, observer_of: ObserverOf | None = None, recipe_of: Callable[[Any], RunRecipe] = point_recipe
 ) -> RunResult:
     """The nominal run of a study without its effects, in quick fidelity, from the cache or made now.
 
     It is the run with the first margin that completes or, if none does, the one with most logged loops, whose status
     and message say why it ended. Of a programme it has only the loops of the study's own block. observer_of: makes the
-    observer of a run from its name; None for none. asked: how the run is to be made. Raises StudyError if the study
-    cannot be meshed; SolverError if the contact did not converge before enough loops were logged.
+    observer of a run from its name; None for none. recipe_of: gives how the run is to be made. Raises StudyError if the
+    study cannot be meshed; SolverError if the contact did not converge before enough loops were logged.
     """
     # Effects of the model enter the fast model; the wear states are those without.
-    nominal = asked(study.with_effects())
+    recipe = recipe_of(study.with_effects())
 
     def made(folder: Path) -> tuple[RunResult, Path]:
-        result = _run(nominal, folder, observer_of)
+        result = _run(recipe, folder, observer_of)
         return result, result.path or folder / RESULT_FILE_NAME
 
-    result, path = kept_or_made(f"nominal-{_identity(nominal).name}.h5", read_result, made)
-    return of_own_block(replace(result, path=path), nominal.study)
+    result, path = kept_or_made(f"nominal-{_identity(recipe).name}.h5", read_result, made)
+    return of_own_block(replace(result, path=path), recipe.study)
 
 
 def of_own_block(result: RunResult, study: AnyStudy) -> RunResult:
@@ -215,30 +215,30 @@ def wearing(study: Study) -> Study:
     return study.changed({"wear": Wear(energy_wear_coefficient_mm3_per_J=coefficient)})
 
 
-def limits_of(nominal: RunResult, study: AnyStudy) -> tuple[str, ...]:
+def limits_of(result: RunResult, study: AnyStudy) -> tuple[str, ...]:
     """Sentences on what limits wear states taken from a run: bulk stress that is left out, or an end before the last
     cycle; empty if nothing does.
     """
     notes = (_WITHOUT_BULK,) if study.schedule.pulled else ()
-    if nominal.status == "complete":
+    if result.status == "complete":
         return notes
-    reached = f"cycle {counted(nominal.loops[-1].cycle)} of {counted(nominal.study['conditions']['cycles'])}"
-    reason = nominal.message.rstrip(".")
+    reached = f"cycle {counted(result.loops[-1].cycle)} of {counted(result.study['conditions']['cycles'])}"
+    reason = result.message.rstrip(".")
     ended = f"the simulation of the nominal model ended at {reached} ({reason}): later wear is led on from there"
     return (*notes, ended)
 
 
-def _run(nominal: NominalRun, folder: Path, observer_of: ObserverOf | None) -> RunResult:
+def _run(recipe: RunRecipe, folder: Path, observer_of: ObserverOf | None) -> RunResult:
     from wirewear.simulation import Observer, run_study
 
     problem: Exception | None = None
     farthest: RunResult | None = None
-    study = nominal.study
+    study = recipe.study
     wear = {} if study.wear is None else study.wear.coefficients
-    changes = {**nominal.changes, "log": {"loop_cycles": logged_by(study)}}
+    changes = {**recipe.changes, "log": {"loop_cycles": logged_by(study)}}
     # The blocks of a programme come at their cycles, and layers and other laws wear by the energy so far.
     relabelled = wear and wears_evenly(study) and not study.schedule.blocks
-    for place, margin in enumerate(nominal.margins if relabelled else (1.0,)):
+    for place, margin in enumerate(recipe.margins if relabelled else (1.0,)):
         output = folder / str(place)
         faster = {"wear": {key: margin * value for key, value in wear.items()}} if wear else {}
         try:
@@ -267,12 +267,12 @@ def half_decades(cycles: int) -> list[int]:
     return [cycle for cycle in [*series, *late] if 1 <= cycle < cycles]
 
 
-def _identity(nominal: NominalRun) -> Identity:
-    study = nominal.study
+def _identity(recipe: RunRecipe) -> Identity:
+    study = recipe.study
     stated = {key: value for key, value in study.resolved().items() if key not in ("name", "log", "variants")}
     # Loops without inertia or damping are the same at any frequency, unless a law follows the speed.
     timing = {} if any(law.timed for law in study.laws) else {"frequency_Hz": 1.0}
-    how = {"margins": nominal.margins, "changes": nominal.changes}
+    how = {"margins": recipe.margins, "changes": recipe.changes}
     asked = {**stated, "conditions": {**table_of(stated, "conditions"), **timing}, **how}
     plan = {name: constant.value for name, constant in _KNOWN.known.items()} | {"added": added_code(study.laws)}
     return identity_of(asked, (*RUN_CODE, "wirewear/diagnosis/surrogate/nominal.py"), plan)

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, TypeVar, cast
+from math import atan
+from typing import ClassVar, Literal, TypeVar, cast
 
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.surrogate import nominal
-from wirewear.diagnosis.surrogate.candidates import nominal_inputs, nominal_line_setup
+from wirewear.diagnosis.surrogate.candidates import EXPECTED
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.line_states import LineStates
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_the_same, wears_evenly
@@ -24,7 +25,25 @@ from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.test import AnyStudy, LineStudy, Study
 from wirewear.test.conditions import held_keys
+from wirewear.test.gaps import Gap
 from wirewear.test.study import JointStudy
+
+
+def nominal_inputs(study: Study, drive: Literal["sensor", "stroke"]) -> SurrogateInputs:
+    """The inputs that a study of a contact at a point states, with its effects and the freedoms at their usual values.
+    drive: see `SurrogateInputs.of`. A study without wear has a wear coefficient of 0.
+    """
+    wear, friction = study.wear, study.contact.friction
+    worn = 0.0 if wear is None else wear.volume_per_sliding_mm3_per_N_m(friction) / max(friction, 1e-9)
+    setup = SurrogateInputs.of(study, drive, worn)
+    shear = Gap.like(study.conditions.normal_load_N, *study.bodies).shear
+    return replace(setup, crossing_error_rad=atan(shear), effects=study.effects, **EXPECTED)
+
+
+def nominal_line_inputs(study: LineStudy, drive: Literal["sensor", "stroke"]) -> SurrogateInputs:
+    """The inputs that a study of a line contact states, with its effects; drive: see `SurrogateInputs.of`."""
+    setup = SurrogateInputs.of(study, drive, sum(study.energy_coefficients()), study.contact.length_mm)
+    return replace(setup, effects=study.effects)
 
 
 @dataclass(frozen=True)
@@ -113,7 +132,7 @@ class LineModel:
         """Wear states of the study's nominal run over the record's length (1 mm if it states none), and sentences on
         what limits them. observer_of: see `nominal_run`. Raises as `PointModel.states` does.
         """
-        result = nominal.nominal_run(self.study, observer_of, nominal.line_run)
+        result = nominal.nominal_run(self.study, observer_of, nominal.line_recipe)
         length_mm = tables.length_mm or 1.0
         states = LineStates.of_line(result, self.study.pad.profile, length_mm)
         states = _of_run(states, result.of_length(length_mm), self.study)
@@ -123,7 +142,7 @@ class LineModel:
         """The inputs of the fast model that the study states, with its effects; of the record's `tables` the drive
         alone is taken.
         """
-        return nominal_line_setup(self.study, tables.conditions.drive)
+        return nominal_line_inputs(self.study, tables.conditions.drive)
 
     def with_effects(self, effects: Sequence[AnyEffect], amplitude_um: float, _increments: int) -> LineStudy:
         """The study with effects added to its own and another amplitude in µm."""
