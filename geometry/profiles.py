@@ -109,19 +109,19 @@ class Arc:
 
 @dataclass(frozen=True)
 class Barrel:
-    """A surface of revolution about a line parallel to the body's axis, with an arc as crown: a ball, a barrel, a
-    cylinder or a flat.
+    """A surface of revolution about a line parallel to the body's axis, whose outline along the axis is an arc: a ball,
+    a barrel, a cylinder or a flat.
 
-    curvature_along_per_mm, curvature_across_per_mm: one over the radius of the crown's arc along the axis, and of the
-    thickest circle across it; 0 where straight.
+    curvature_along_per_mm: one over the radius of that arc, 0 for a straight outline. curvature_across_per_mm: one over
+    the radius of the thickest circle around the line, 0 for a surface that is straight across.
     """
 
     curvature_along_per_mm: float
     curvature_across_per_mm: float
 
     def height(self, plane_mm: Array) -> Array:
-        """-(s + r - sqrt(r² - y²)), (n,) in mm, with s the fall of the crown at x and r = R - s the radius of the
-        circle across there.
+        """-(s + r - sqrt(r² - y²)), (n,) in mm. s: fall of the outline at x. r = R - s: radius of the circle around the
+        line there, with R that of the thickest one.
         """
         x, y, share, root = self._circle(plane_mm)
         across = self.curvature_across_per_mm

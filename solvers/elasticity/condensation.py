@@ -94,9 +94,11 @@ class Piece:
 def bedded(
     stiffness: csr_matrix, piece: HexMesh | QuadMesh, planes: tuple[int, ...], bedding_N_per_mm: Array
 ) -> csr_matrix:
-    """The stiffness matrix of a piece with springs to ground at its n nodes.
+    """The stiffness matrix (3 n, 3 n) of a piece whose n nodes are tied to ground by springs, in all three directions.
 
-    bedding_N_per_mm: (n,) at these nodes, in the whole body; those on a mirror plane get half for each such plane.
+    stiffness: (3 n, 3 n) of the piece without springs, in N/mm. planes: axes (0 is x, 1 is y) normal to the mirror
+    planes by which the piece was cut out of the body. bedding_N_per_mm: (n,) stiffness of each node's spring in the
+    whole body; a piece has half of the spring at a node on one plane, a quarter where two planes meet.
     """
     on_planes = sum(((piece.points[:, axis] == 0.0).astype(int) for axis in planes), np.zeros(len(piece.points), int))
     return csr_matrix(stiffness + diags(np.repeat(bedding_N_per_mm / 2.0**on_planes, 3)))

@@ -242,7 +242,7 @@ class Projection:
 
     @classmethod
     def of(cls, mesh: HexMesh | QuadMesh) -> Projection:
-        """The integrals of a mesh, for all its nodes."""
+        """The integrals over a mesh of n nodes, with p = n: stresses are projected to all of them."""
         from skfem import BilinearForm
 
         basis, axes = _basis(mesh)

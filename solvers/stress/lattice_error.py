@@ -36,11 +36,12 @@ _OF_TRACTION = ((2, 2), (4, 1), (5, 0))  #: Stress components that are the tract
 def lattice_error(
     along_mm: float, across_mm: float, first_layer_mm: float, growth: float, poissons_ratio: float
 ) -> Array:
-    """Elements' stress in a surface less a half-space's, around a node, by a unit traction at it that falls bilinearly
-    to zero at the next.
+    """Stress in the surface of a lattice of bricks less the stress in a half-space's, by a traction that is 1 at one
+    node and falls bilinearly to zero at its neighbours.
 
-    Returns (2 w + 1, 2 w + 1, 6, 3): at the nodes up to w away along and across, by component of stress and traction.
-    Bricks measure `along_mm` by `across_mm`; the layers' thickness grows from `first_layer_mm` by the factor `growth`.
+    Returns (_PERIOD, _PERIOD, 6, 3): that error, per unit of traction, at the nodes around the loaded one, which is in
+    the middle, along and across; by component of stress and component of traction. Bricks measure `along_mm` by
+    `across_mm` in the surface; the thickness of their layers grows from `first_layer_mm` by the factor `growth`.
     """
     along, across = (each.ravel() for each in np.meshgrid(_waves(), _waves(), indexing="ij"))
     layers = _layers(first_layer_mm, growth, _DEPTH * max(along_mm, across_mm))
@@ -51,10 +52,9 @@ def lattice_error(
 
 @lru_cache(maxsize=32)
 def line_lattice_error(along_mm: float, first_layer_mm: float, growth: float, poissons_ratio: float) -> Array:
-    """Elements' stress in a surface less a half-plane's, (2 w + 1, 6, 3), otherwise as `lattice_error`: for
-    quadrilaterals, from waves that do not change across.
+    """`lattice_error` for quadrilaterals in plane strain, (_PERIOD, 6, 3): their stress less a half-plane's.
 
-    Under these, bricks are quadrilaterals in plane strain, whatever their width.
+    It is computed by bricks under waves that do not change across, for which their width does not matter.
     """
     along = _waves()
     layers = _layers(first_layer_mm, growth, _DEPTH * along_mm)

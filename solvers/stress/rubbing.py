@@ -45,9 +45,11 @@ class Rubbed:
 
 @dataclass
 class Rubbing:
-    """Zones of the upper and the lower body, on equal grids, their curvatures (2, 2) in 1/mm and friction.
+    """The upper and the lower body while they are pressed and slid; pairs are in this order.
 
-    modulus_MPa: E* of the pair.
+    zones: metal that may yield, on equal grids. curvatures_per_mm: (2, 2) matrices of the unworn surfaces' curvatures.
+    modulus_MPa: contact modulus E* of the pair. friction: coefficient. states: plastic strain, stress and tractions of
+    each zone so far. work_mJ: plastic work of both so far.
     """
 
     zones: tuple[PlasticZone, PlasticZone]

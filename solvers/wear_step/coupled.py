@@ -45,7 +45,7 @@ class Coupled:
 
     @cached_property
     def places(self) -> list[IntArray]:
-        """Places (u + 1,) of each position's pressures and height among all unknowns."""
+        """For each position, the indices (u + 1,) of its u pressures and of its height among all unknowns."""
         start = np.cumsum([0, *(len(block) - 1 for block in self.blocks)])
         return [np.append(np.arange(*pair), start[-1] + k) for k, pair in enumerate(pairwise(start))]
 
@@ -109,8 +109,8 @@ def position_by_position(coupled: Coupled, precision: type) -> _Solver | None:
 
 
 class SimilarEquations:
-    """Solver of a sequence of similar equations, each between some of one set of unknowns. The factors of the latest
-    matrix that was factorised are kept, as a preconditioner of the next.
+    """Solves `Coupled` equations one after another whose matrices differ little, each for some of the same unknowns.
+    The factors of one matrix are kept, as a preconditioner for those that follow, until they save nothing.
     """
 
     def __init__(self) -> None:

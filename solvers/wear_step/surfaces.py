@@ -35,7 +35,9 @@ Depths = tuple[Array, Array]  #: Worn depths (mm) of the primary and the seconda
 
 
 class Facing(NamedTuple):
-    """Normals and loads at all positions on surfaces of some depth; N unknowns, K nodes, one position after another."""
+    """Normals of the worn surfaces, and forces by the tractions on them, at all positions, one after another. N: number
+    of unknown pressures; K: number of nodes.
+    """
 
     upward: Array  #: (N,) z component of the unknowns' unit normals.
     by_stuck: Array  #: (N,) normal displacement in mm by the fixed tractions of sticking nodes.
@@ -275,8 +277,8 @@ def _faced(
 
 @inlined
 def moved_along(store: Array, block: int, normal: Array, x: float, y: float, z: float) -> float:
-    """Displacement along a normal (3,) by a traction (x, y, z), with the 9 influences from index `block` of `store` on,
-    row by row (see `Influences`): mm for MPa.
+    """Displacement in mm of one node along a normal (3,), by a traction (x, y, z) in MPa at another. The 9 influences
+    (3, 3) in mm/MPa stand row by row in `store` from index `block` on (see `Influences`).
     """
     moved: float = normal[0] * (x * store[block] + y * store[block + 1] + z * store[block + 2])
     moved += normal[1] * (x * store[block + 3] + y * store[block + 4] + z * store[block + 5])

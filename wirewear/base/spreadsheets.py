@@ -81,12 +81,12 @@ def largest(sheets: list[Sheet]) -> Sheet:
 
 
 def sheet_text(sheets: list[Sheet]) -> bytes:
-    """Text of the sheet with the most numbers, in UTF-8."""
+    """The sheet with the most numbers as UTF-8 text: its rows as lines, with tabs between cells."""
     return "\n".join([*largest(sheets).lines, ""]).encode()
 
 
 def workbook_text(sheets: list[Sheet]) -> bytes:
-    """Text of all sheets one after another, each below its title, in UTF-8."""
+    """All sheets as UTF-8 text, one after another: a line of `SHEET` and the sheet's title, then its rows as lines."""
     return "\n".join([line for sheet in sheets for line in (SHEET + sheet.title, *sheet.lines)] + [""]).encode()
 
 

@@ -239,7 +239,10 @@ class RegressionLine:
 
 
 def line_through_origin(energy_J: ArrayLike, volume_mm3: ArrayLike) -> RegressionLine:
-    """The line V = α ΣE_d through tests (n,), n ≥ 1, with some energy above 0 (Fouvry et al., Wear 255 (2003) 287)."""
+    """The line V = α E through n ≥ 1 tests, with α in mm³/J by least squares (Fouvry et al., Wear 255 (2003) 287).
+
+    energy_J: (n,) friction energy E of each test, at least one above 0. volume_mm3: (n,) worn volume V.
+    """
     x, y = np.asarray(energy_J, dtype=np.float64), np.asarray(volume_mm3, dtype=np.float64)
     # Squares of energies that next to no friction leaves would vanish.
     largest = float(np.abs(x).max())

@@ -212,12 +212,13 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         return replace(described, layers=(*described.layers, ThirdBody(self.retained_fraction, self.modulus_MPa)))
 
     def predicted(self, chain: Chain) -> Chain:
-        """The chain with debris in the scars, whose bed shears by f V/(A² G) per N: it is f V/A thick on the worn area
-        A, with the worn volume V, the share f that stays and the shear modulus G.
+        """The chain with a bed of debris in the scars.
 
-        A² is πRV for wires once the scar is larger than Hertz's contact. A bed that fills up over time is multiplied by
-        a power of A². One that is full at the thickness h_f has h_f (1 − exp(−f V/(A h_f))); further debris is ejected.
-        A bed also spreads the pressure, like a rough layer that closes as much, h p/M, under the mean pressure p.
+        Of the worn volume V (µm³) the share f, `retained_fraction`, stays on the worn area A (µm²): the bed is h = f
+        V/A thick and shears by h/(A G) µm per N, with its shear modulus G. A² is πRV for wires of radius R once the
+        scar is larger than Hertz's contact. `growth`: the shear is multiplied by that power of A². `full_um`, h_f: the
+        bed tends to it, h = h_f (1 − exp(−f V/(A h_f))), and further debris is ejected. `spreading`: a bed also spreads
+        the pressure, like a rough layer that closes by as much, h p/M, under the mean pressure p; M is `modulus_MPa`.
         """
         return self.limited_to(self.full_um, chain)
 

@@ -168,7 +168,7 @@ class MicroSlip:
         return float(self.force(np.array([min(self.travel_um, self.length_um)]))[0])
 
     def force(self, travel_um: Array) -> Array:
-        """Fitted force at travels (n,), in N."""
+        """Fitted force (n,) in N at travels (n,) in µm since the reversal."""
         table_x, table_g = _remaining_force_table()
         # Steps may leave a micro-slip without any length.
         remaining = np.interp(travel_um / max(self.travel_um, 1e-12 * self.length_um), table_x[self.shape], table_g)

@@ -32,14 +32,12 @@ SAMPLES_OF_MEAN, BEHIND_NOISES, BEHIND_STEPS, BEHIND_SHARE = 5, 4.0, 1.5, 0.002
 
 @dataclass(frozen=True)
 class Plateau:
-    """The n sliding samples of one branch: slip position x = δ − Q/K, travel, |Q|, and |Q|/P (or |Q| in N if P is
-    unknown), (n,) each.
-    """
+    """The n samples of one branch at which the contact slides; all (n,)."""
 
-    slip_position_um: Array
-    travel_um: Array
-    force_N: Array
-    ratio: Array
+    slip_position_um: Array  #: Displacement less the elastic yielding of bodies and rig, see `slip_position`.
+    travel_um: Array  #: Displacement since the reversal, positive.
+    force_N: Array  #: Magnitude of the tangential force.
+    ratio: Array  #: Tangential over normal force, or the former in N if no normal force is known.
 
 
 def slip_position(branch: Branch, stiffness_N_per_um: float) -> Array:

@@ -172,11 +172,12 @@ def _transfer(frequency: Array, time_s: float, kind: LagKind) -> ComplexArray:
 
 
 def swinging(signals: LoopSignals, force_N: Array, swing_s2: float, power: int = -1) -> Array:
-    """Force (n,) of a spring that holds a mass on which the periodic `force_N` (n,) acts: m ü + c u̇ + u/C = Q; with a
-    power of 1 the other way round, the force on the mass from that of the spring.
+    """Force u/C (n,) in N of the spring behind a mass m on which the periodic force Q (n,), `force_N`, acts, by m ü + c
+    u̇ + u/C = Q (Den Hartog, Trans. ASME 53 (1931) APM-107).
 
-    swing_s2: m C, the inverse square of the mass's own angular frequency on its spring of compliance C. Source: Den
-    Hartog, Trans. ASME 53 (1931) APM-107. Raises SensorError as `lagged` does.
+    power: −1; with 1 the other way round, `force_N` is the spring's force and Q is returned. u is the mass's
+    displacement, C the spring's compliance. swing_s2: m C in s², the inverse square of the mass's own angular
+    frequency. The damping c is `DAMPING` of the critical one. Raises SensorError as `lagged` does.
     """
 
     def transfer(frequency: Array) -> ComplexArray:

@@ -293,7 +293,7 @@ class PointRecordTables(OfRecord, PointTest):
 
     @property
     def contact_stiffness_N_per_um(self) -> float:
-        """Tangential stiffness 2G*a of the unworn contact under the asked load, in N/µm (Mindlin)."""
+        """Tangential stiffness in N/µm of the unworn contact under the asked load, as `unworn_stiffness_N_per_um`."""
         return unworn_stiffness_N_per_um(self.conditions.normal_load_N, *self.bodies_of_test)
 
     def placed(self, surface: MeasuredScar) -> MeasuredScar:

@@ -255,8 +255,11 @@ def branch_force(
     *,
     forward: bool,
 ) -> Array:
-    """Force Q in N at displacements δ (any shape) on one branch of the closed loop: ∓Q* ± 2Q₁(|δ ± δa|/2), upper signs
-    on the forward branch (towards +x).
+    """Tangential force Q in N on one branch of the closed loop, of the shape of `displacement_mm`.
+
+    displacement_mm: δ, displacements of the drive, any shape. displacement_amplitude_mm: δa. forward: True for the
+    branch towards +x, with Q = −Q* + 2 Q₁((δ + δa)/2); False for the one back, with Q = Q* − 2 Q₁((δa − δ)/2). Q* is
+    the force at the reversals and Q₁(d) the force of first loading at a drive displacement d (`first_loading_force`).
     """
     amplitude = force_amplitude(contact, displacement_amplitude_mm, rig_stiffness_N_per_mm)
     sign = 1.0 if forward else -1.0

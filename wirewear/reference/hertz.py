@@ -188,11 +188,13 @@ def semi_axis_ratio(curvature_ratio: float) -> float:
 
 
 def hertz_elliptic(normal_load_N: float, smaller: float, larger: float, modulus_MPa: float) -> PointContact:
-    """Elliptic Hertz contact over a gap Ax² + By² with A = `smaller` and B = `larger`, in 1/mm; modulus_MPa is E*.
+    """Elliptic Hertz contact under the load P = `normal_load_N` of bodies with the gap Ax² + By² between them. A =
+    `smaller` and B = `larger`, in 1/mm; modulus_MPa is E*.
 
-    Semi-axis a³ = 3PD/(2πAE*), approach 3PK/(2πaE*), p0 = 3P/(2πab), with D = (K − E)/e² and the complete elliptic
-    integrals K and E of the contact's eccentricity e (Johnson 1985, section 4.2). Raises ValueError for an argument
-    that is not positive or curvatures in the wrong order.
+    Its semi-axes are a along x, by a³ = 3PD/(2πAE*), and b along y, its approach is 3PK/(2πaE*) and its largest
+    pressure 3P/(2πab). D = (K − E)/e², with the complete elliptic integrals K and E of the eccentricity e, e² = 1 −
+    b²/a² (Johnson 1985, section 4.2). Raises ValueError for an argument that is not positive or curvatures in the wrong
+    order.
     """
     from scipy.special import elliprd, elliprf
 

@@ -168,11 +168,14 @@ class LimitingShape:
         return friction * modulus_MPa / tangential_modulus_MPa * deeper
 
     def volume_after_slip_mm3(self, slip_mm: float, curvature_per_mm: float) -> float:
-        """Worn volume in mm³ where slip is no longer small beside the contact, to first order.
+        """Worn volume in mm³ for a slip that is not small beside the contact: `volume_mm3` and a term of first order
+        in u0.
 
-        slip_mm: u0, amplitude of the bodies' motion at a distance. curvature_per_mm: of the face between them along the
-        motion, half the difference of theirs. At an end of the stroke the annulus has slid by s = u0 (1 − 2/π arcsin
-        c/r) over a face that is inclined by x times the curvature: it touches ahead until that much more has worn.
+        slip_mm: u0, amplitude of the motion of points of the bodies far from the contact. curvature_per_mm: curvature
+        κ along the motion of the face at which the bodies touch, half the difference of the bodies' curvatures. At an
+        end of the stroke the worn annulus, at a distance r beyond the stick radius c from the middle, has slid by s(r)
+        = u0 (1 − 2/π arcsin c/r). At x along the motion the face is inclined by κ x, so the side ahead touches until
+        the depth s κ x more has worn off there.
         """
         from scipy.integrate import quad
 
@@ -283,10 +286,11 @@ def _stacked(profile: Profile, reach_mm: float, power: int) -> float:
 def even_line_contact(
     profile: Profile, normal_load_N_per_mm: float, modulus_MPa: float, widest_mm: float
 ) -> LineContact:
-    """The contact of an even profile on a flat under a load: its half-width and largest pressure; modulus_MPa is E*,
-    widest_mm the largest half-width that is tried.
+    """The contact of an even profile on a flat under a load: half-width a and largest pressure.
 
-    p(x) = 1/π ∫ P'(s)/√(s² − x²) ds from |x| to a. Raises ValueError where the widest contact bears less than the load.
+    modulus_MPa: E*. widest_mm: the largest half-width that is tried. With P(s) the load at which the half-width is s
+    (`even_line_load`), the pressure at x is 1/π ∫ P'(s)/√(s² − x²) ds from |x| to a. Raises ValueError where the widest
+    contact bears less than the load.
     """
     require_positive(normal_load_N_per_mm=normal_load_N_per_mm, modulus_MPa=modulus_MPa, widest_mm=widest_mm)
     half_width, s, gained = _grown(
@@ -296,11 +300,12 @@ def even_line_contact(
 
 
 def turned_contact(profile: Profile, normal_load_N: float, modulus_MPa: float, widest_mm: float) -> PointContact:
-    """The contact of a turned profile on a flat under a load: radius, approach and largest pressure; modulus_MPa is E*,
-    widest_mm the largest radius that is tried.
+    """The contact of a turned profile on a flat under a load: radius a, approach and largest pressure.
 
-    The approach is 1/2E* ∫ P'(s)/s ds from 0 to a, p(r) = 1/2π ∫ P'(s)/(s √(s² − r²)) ds from r to a. Raises ValueError
-    where the widest contact bears less than the load.
+    modulus_MPa: E*. widest_mm: the largest radius that is tried. With P(s) the load at which the contact's radius is s
+    (`turned_load`), the approach is 1/(2E*) ∫ P'(s)/s ds from 0 to a, and the pressure at a distance r from the middle
+    is 1/(2π) ∫ P'(s)/(s √(s² − r²)) ds from r to a. Raises ValueError where the widest contact bears less than the
+    load.
     """
     require_positive(normal_load_N=normal_load_N, modulus_MPa=modulus_MPa, widest_mm=widest_mm)
     radius, s, gained = _grown(lambda a: turned_load(profile, a, modulus_MPa), normal_load_N, widest_mm, "N")

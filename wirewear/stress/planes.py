@@ -149,7 +149,9 @@ def _swt_on_planes(stress: Array, normals: Array, modulus_MPa: float, nu: float)
 
 
 def normal_stresses(stress: Array, normals: Array) -> Array:
-    """Normal stresses (s, n, k), tension positive, of tensors (s, n, 3, 3) on planes (n, k, 3)."""
+    """Normal stresses (s, n, k), tension positive, of the tensors (s, n, 3, 3) of s states at n points, on k planes
+    through each point with the unit normals (n, k, 3).
+    """
     squares = (normals[..., None] * normals[..., None, :]).reshape(*normals.shape[:2], 9)
     columns = np.moveaxis(stress.reshape(*stress.shape[:2], 9), 0, 1)
     found: Array = np.moveaxis(columns @ np.swapaxes(squares, 1, 2), 1, 0)
@@ -157,7 +159,9 @@ def normal_stresses(stress: Array, normals: Array) -> Array:
 
 
 def stress_vectors(stress: Array, normals: Array) -> Array:
-    """Stress vectors (s, n, k, 3), tensor times normal, of tensors (s, n, 3, 3) on planes (n, k, 3)."""
+    """Stress vectors (s, n, k, 3), tensor times normal, of the tensors (s, n, 3, 3) of s states at n points, on k
+    planes through each point with the unit normals (n, k, 3).
+    """
     return np.asarray(np.einsum("snij,nkj->snki", stress, normals, optimize=True))
 
 

@@ -156,9 +156,10 @@ def observer_of(runs: int) -> Iterator[SweepObserver]:
 def converge(
     study_path: Path, fidelity: str, variant: str | None, output: Path | None, jobs: int | None, scheduler: str | None
 ) -> None:
-    """Run a study again with mesh, positions and cycle jumps refined, each by two factors, and print the limits.
+    """Run a study again with mesh, positions in a cycle and cycle jumps refined, each alone and by two factors.
 
-    Runs that are complete are not repeated; the table is written to convergence.csv too.
+    Prints a table of the results, as wear volume, with the value that each tends to under refinement, and writes it to
+    convergence.csv. Runs that are complete are not repeated.
     """
     from wirewear.app.cli.consoles import wide_console
     from wirewear.base.engine import engine_of

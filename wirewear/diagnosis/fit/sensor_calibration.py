@@ -98,8 +98,8 @@ def _surface_motion(body: PlacedBody, force: Array) -> float:
 
 @dataclass(frozen=True)
 class LoadPolynomial:
-    """The polynomial remote − near = linear · Q + quadratic · Q² in µm, with Q the tangential force in N; coefficients
-    with 95 % intervals.
+    """The displacement of the remote point less that of the near one, in µm, as linear · Q + quadratic · Q² with the
+    tangential force Q in N; coefficients with 95 % intervals.
     """
 
     linear_um_per_N: Measured

@@ -216,8 +216,8 @@ class Shrink:
         return self.before > CLEAR_GAP * self.floor
 
     def leaves_little(self, most: float) -> bool:
-        """True if held-out data show a gap and the explanation leaves at most the share `most` (0 to 1) of its square
-        above the floor.
+        """True if held-out data show a gap and the explanation leaves little of it: (G1² − Gf²)/(G0² − Gf²), the share
+        left of what the gap's square has above the floor's, is at most `most` (0 to 1).
         """
         return self.shows_gap and self.shrink >= 1.0 - most
 

@@ -285,10 +285,10 @@ def force_zero(problem: Problem, covariance: Covariance, one: Fit, repeats: int)
 
 
 def log_surprise(p_value: float) -> float:
-    """Log of the largest Bayes factor with which a p-value speaks for something else being at work; 0 if p ≥ 1/e.
+    """Natural logarithm of the largest Bayes factor against a hypothesis whose test has the p-value p; 0 if p ≥ 1/e.
 
-    −e p ln p is the least probability that it leaves of a hypothesis (Sellke, Bayarri and Berger, Am. Stat. 55 (2001)
-    62, eq. 2).
+    The Bayes factor for the hypothesis is at least −e p ln p (Sellke, Bayarri and Berger, Am. Stat. 55 (2001) 62, eq.
+    2).
     """
     # Below this a chance has no digits left.
     p = max(p_value, 1e-300)

@@ -339,9 +339,13 @@ class KneePeak(observable.OfLoops):
 
 
 def peak_N(past_um: Array, force_N: Array, amplitude_um: float, correlation: float = 0.0) -> tuple[float, float]:
-    """Mean force in N of a branch (m,) in the window `PEAK` less that in `BEYOND`, and the ratio of its error to the
-    noise of one sample; both NaN if a window holds too few samples. past_um: (m,) displacement from the knee.
-    correlation: of the noise of neighbouring samples.
+    """(peak, ratio): by how much a branch's force is larger just past the knee than farther on, in N, and the standard
+    deviation of that difference over the noise of one sample.
+
+    past_um, force_N: (m,) displacement from the knee in µm, and force, at the branch's m samples. amplitude_um: of the
+    loop's displacement. The peak is the mean force within the window `PEAK` less the mean within `BEYOND`, both given
+    in amplitudes past the knee. correlation: coefficient (0 to 1) between the noise of neighbouring samples. Both are
+    NaN if `PEAK` holds fewer than 2 or `BEYOND` fewer than 3 samples.
     """
     near, far = ((past_um >= low * amplitude_um) & (past_um <= high * amplitude_um) for low, high in (PEAK, BEYOND))
     counts = int(near.sum()), int(far.sum())

@@ -294,7 +294,7 @@ class Observable(ABC):
         return Smoothness.of_whole_loops(len(sites))
 
     def alike(self, reading: Reading, repeat: int, sites: Sites) -> Array:  # noqa: ARG002
-        """Correlation (n, n) of the noise in one repeat; by default there is none between different numbers."""
+        """Correlation (n, n) of the noise of numbers at n sites in one repeat; by default 0 between different ones."""
         return np.eye(len(sites))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:  # noqa: ARG002

@@ -41,8 +41,11 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Figures of n contacts at k sliding positions in µm under the test's load, (n, k) each: elastic displacement by
-    the scar's walls in µm, tangential force of the walls, friction and normal force in N.
+    """Figures of n contacts that slide under the test's load, at k positions each; all (n, k).
+
+    position_um: position of the sliding body along the motion. yielded_um: elastic displacement in µm by the force of
+    the scar's walls. wall_N: that tangential force, by which the inclined walls resist the motion. friction_N, load_N:
+    friction and normal force there.
     """
 
     position_um: Array
