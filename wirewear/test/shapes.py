@@ -2,7 +2,7 @@
 make.
 
 A body's axis lies in the plane of contact; along and across are relative to it. A new shape is a class here, listed in
-`SHAPES`, with its geometry beside `geometry/shapes.py`.
+`SHAPES`; a face that two curvatures do not give stands in `geometry/profiles.py`.
 """
 
 from __future__ import annotations
