@@ -150,10 +150,11 @@ def linear_laws(system: Linearisation, pressure: Array) -> LinearLaws:
 
 
 def holder_terms(system: Linearisation, series_mm_per_N: float, held_mm: float | None) -> HolderTerms:
-    """The holder's terms in the equations.
+    """Load, springs, lever and play of a system's holder, as numbers for the compiled equations; NaN for none.
 
-    held_mm: position in its free play at which it is held; None: it floats. series_mm_per_N: compliance of contact and
-    rig, which scales the equation of a holder that floats.
+    held_mm: where within its free play the holder rests against a stop, None for a holder that floats between the
+    stops. series_mm_per_N: compliance of contact and rig in series, by which the equation of a floating holder is
+    scaled.
     """
     holder, height = system.holder, system.prescribed_height
     rigid = holder.tangential_compliance_mm_per_N == 0.0 and holder.play_mm == 0.0

@@ -261,8 +261,9 @@ def bicubic(square: Array, u: float, v: float) -> float:
 
 @compiled
 def bicubic_coefficients(square: Array, i: int, j: int, result: Array) -> None:
-    """Write to `result` (4, 4) the coefficients of u^m v^n of the bicubic field of nodal values in the cell from node
-    (i, j) to the next; u and v go from 0 to 1 in it.
+    """Write to `result` (4, 4) the coefficients, at [m, n] of u^m v^n, of the bicubic polynomial that interpolates the
+    nodal values `square` by the weights `KEYS` in the cell between the nodes (i, j) and (i + 1, j + 1). u and v go from
+    0 to 1 within the cell.
     """
     for m in range(4):
         for n in range(4):

@@ -300,8 +300,8 @@ def alike(lines: Array) -> slice:
 
 
 def window_lines(lines: Array) -> Array:
-    """Lines of a grid about its middle between which elements are alike; all where elements shrink away from the
-    middle, towards the rim of a contact that sticks.
+    """Those of the mesh lines (n,) in mm, around the middle one, whose spacing is nearly even; all lines where spacings
+    away from the middle are smaller than there, as towards the rim of a contact that sticks.
     """
     spacing = np.diff(lines)
     shrinks = spacing.min() <= (1.0 - _ALIKE) * spacing[len(spacing) // 2]

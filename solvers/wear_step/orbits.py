@@ -189,8 +189,8 @@ def _relative_motion(
 
 
 class Opening(NamedTuple):
-    """Linear map from wear work at N unknowns to the gap along z that it opens at them, by way of the n nodes of both
-    patches.
+    """Linear map from wear work per area at the N unknowns (mJ/mm²) to the gap along z (mm) that its wear opens at
+    them. Both bodies wear at the n nodes of their patches: `worked` brings work there, `faced` the wear back.
     """
 
     #: (N, n) sparse, mean over the nodes that face each other at an unknown, times their wear coefficients, mm³/mJ.

@@ -35,7 +35,9 @@ class WearJumps(ABC):
 
 
 def wear_jumps(test: FrettingTest, cycler: Cycler, problem: ContactProblem) -> WearJumps:
-    """The jumps of a test under the present motion."""
+    """How a test's cycles are jumped over: without wear, by the stated size, or controlled. problem: under the present
+    motion.
+    """
     if problem.unchanging:
         return NoWear()
     if test.explicit_jump_cycles is not None:

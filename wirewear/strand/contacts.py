@@ -115,7 +115,7 @@ class WireContact:
 
     @property
     def motion_rad(self) -> float:
-        """Angle of the slip to the strand's axis, positive as that of a right lay."""
+        """Angle in rad from the strand's axis to the direction of the slip, −π to π; positive as a right lay's."""
         along, around = self.slip.free_mm
         return atan2(around, along)
 

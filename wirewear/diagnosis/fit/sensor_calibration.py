@@ -42,14 +42,14 @@ class LoadedMotion:
     near_um: Array
 
 
-def _stuck(study: Study, largest_load_N: float, fidelity: str, stage: Callable[[str], None]) -> ContactProblem:
+def _stuck(study: Study, largest_load_N: float, fidelity: str, announce: Callable[[str], None]) -> ContactProblem:
     """Contact problem of the study's fresh wires without slip, on a patch for the contact under the largest load."""
     # Travel for which the patch has room; stuck wires move by less against each other.
     conditions = {"normal_load_N": largest_load_N, "displacement_amplitude_um": 2.0, "approach_um": None}
     still = study.changed({"conditions": conditions, "wear": None})
     meshes = discretise(still, fidelity)
     require_affordable_wires(still, fidelity, meshes)
-    return replace(contact_problem(still, meshes, stage), friction=_STICKING)
+    return replace(contact_problem(still, meshes, announce), friction=_STICKING)
 
 
 def _loaded(

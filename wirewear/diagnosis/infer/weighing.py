@@ -96,13 +96,17 @@ class Weighed:
         return self._masses[self._classes(names)]
 
     def refuted(self, names: tuple[str, ...]) -> Weighed:
-        """A copy in which the probability of an explanation and all like it goes to a cause outside the library."""
+        """A copy in which the probability of an explanation, and of all of the same classes of effects, goes to a cause
+        outside the library.
+        """
         own = self._classes(names)
         kept = {one: 0.0 if self._classes(one) == own else p for one, p in self.probabilities.items()}
         return replace(self, probabilities=kept, outside=self.outside + self.mass(names))
 
     def with_remainder(self, names: tuple[str, ...]) -> Weighed:
-        """A copy in which an explanation, and all like it, also have their part of `beside`, taken from `outside`."""
+        """A copy for an explanation that may act together with an unknown cause: `names`, and all explanations of the
+        same classes, gain the probabilities that `beside` holds of them, which `outside` loses.
+        """
         own = self._classes(names)
         credited = {one: p for one, p in self.beside.items() if one and self._classes(one) == own}
         kept = {one: p + credited.get(one, 0.0) for one, p in self.probabilities.items()}

@@ -213,7 +213,11 @@ class WearStates:
         return replace(self, energy_J=energy[kept], worn_um3_per_mJ=1e-3 * np.gradient(volume[kept], energy[kept]))
 
     def profiles(self, setup: SurrogateInputs, last: Chain, slip_um: float, share: float) -> Profiles:  # noqa: ARG002
-        """Worn profiles (positions, depths) in µm by body at the chain's only moment; empty for contacts at a point."""
+        """Worn profiles by body, (positions, depths) in µm each; empty for contacts at a point.
+
+        last: the chain with its effects at one moment alone. slip_um: slip amplitude then. share: tangential force over
+        the friction (0 to 1) at the end of the stroke then, below which a part of the contact sticks.
+        """
         return {}
 
     @property
