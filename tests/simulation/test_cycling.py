@@ -20,8 +20,7 @@ from wirewear.effects import Age
 from wirewear.simulation import Observer
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.meshes import Meshes, MeshHistory
-from wirewear.simulation.motion import Motion
-from wirewear.simulation.plan import FrettingTest
+from wirewear.simulation.plan import FrettingTest, Motion
 from wirewear.simulation.statistics import Tally
 from wirewear.simulation.store import Checkpoint
 

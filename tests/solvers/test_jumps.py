@@ -13,7 +13,7 @@ from tests.bodies import crossed_wires
 from tests.solvers.wear_jumps import INCREMENTS, RATES, at_the_end
 from wirewear.effects import Age
 from wirewear.simulation.cycler import Cycler
-from wirewear.simulation.motion import Motion
+from wirewear.simulation.plan import Motion
 from wirewear.simulation.statistics import Tally
 from wirewear.simulation.wear_jumps import ControlledJumps
 

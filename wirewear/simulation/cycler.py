@@ -12,7 +12,7 @@ import solvers
 from wirewear.effects import Age
 from wirewear.simulation.control import AmplitudeSearch, amplitude_from
 from wirewear.simulation.measures import Probe
-from wirewear.simulation.motion import Motion
+from wirewear.simulation.plan import Motion
 from wirewear.simulation.statistics import Tally
 
 #: Called at every increment: the state after it, and the cycles done before the jump that it belongs to.

@@ -17,9 +17,8 @@ from wirewear.base.words import counted
 from wirewear.results import RunResult
 from wirewear.simulation.cycler import Cycler
 from wirewear.simulation.meshes import MeshHistory
-from wirewear.simulation.motion import Motion
 from wirewear.simulation.observers import Observer, moment_of
-from wirewear.simulation.plan import FrettingTest
+from wirewear.simulation.plan import FrettingTest, Motion
 from wirewear.simulation.recorded import Recorded
 from wirewear.simulation.store import Checkpoint, RunStore
 from wirewear.simulation.wear_jumps import WearJumps, wear_jumps

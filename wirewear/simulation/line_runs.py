@@ -17,8 +17,7 @@ from wirewear.base.memory import free_memory
 from wirewear.results import ContactForces, Loop, RunResult, Scar
 from wirewear.simulation.line_model import LinePlan, bodies, line_plan, line_problem
 from wirewear.simulation.meshes import LineMeshes, MeshHistory
-from wirewear.simulation.motion import LineMotion
-from wirewear.simulation.plan import FrettingTest, PlannedRun
+from wirewear.simulation.plan import FrettingTest, LineMotion, PlannedRun
 from wirewear.simulation.problem import Announce, too_much
 from wirewear.simulation.recorded import Recorded
 from wirewear.simulation.traced_bodies import forces_on, worn_bodies

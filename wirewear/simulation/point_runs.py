@@ -24,9 +24,8 @@ from wirewear.simulation.control import point_sticks
 from wirewear.simulation.discretisation import Discretisation, discretise, unknowns
 from wirewear.simulation.expected_contact import stands_out
 from wirewear.simulation.meshes import MeshHistory, PointMeshes, core_stages, mesh_stages, spare_stages, sticking_stage
-from wirewear.simulation.motion import PointMotion
 from wirewear.simulation.near_zone import near_zone_of
-from wirewear.simulation.plan import FrettingTest, PlannedRun
+from wirewear.simulation.plan import FrettingTest, PlannedRun, PointMotion
 from wirewear.simulation.problem import Announce, condense_bodies, too_much
 from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings
 from wirewear.simulation.statistics import bends
