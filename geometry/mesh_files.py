@@ -22,6 +22,7 @@ _ABAQUS = {"C3D20": 20, "C3D15": 15, "C3D10": 10, "C3D8": 8, "C3D6": 6, "C3D4": 
 _PYRAMIDS = "pyramids are not among hexahedra, tetrahedra and prisms"
 #: Faces that Abaqus numbers from 1, as those of `ElementKind.faces`.
 _ABAQUS_FACES = {8: (0, 1, 2, 3, 4, 5), 4: (0, 1, 2, 3), 6: (0, 1, 2, 3, 4)}
+_READ = ("NODE", "ELEMENT", "NSET", "ELSET", "SURFACE")  #: Keywords of Abaqus that are read.
 _MOST_BYTES = 500_000_000
 
 
@@ -37,7 +38,7 @@ def read_solid(path: str, digest: str, mm_per_unit: float) -> SolidMesh:
     if found != digest:
         raise GeometryError(f"the mesh {file.name} is not the file that it was: put the one back that was read before")
     try:
-        mesh = _of_gmsh(file, mm_per_unit) if file.suffix == ".msh" else _of_abaqus(file, mm_per_unit)
+        mesh = _of_gmsh(file, mm_per_unit) if file.suffix.lower() == ".msh" else _of_abaqus(file, mm_per_unit)
         mesh.require_sound()
     except GeometryError as problem:
         raise GeometryError(f"the mesh {file.name} cannot be taken: {problem}") from None
@@ -49,14 +50,14 @@ def digest_of(path: str) -> str:
     500 MB, or has no known ending.
     """
     file = Path(path)
-    if file.suffix not in (*FORMATS, *MATRICES):
+    if file.suffix.lower() not in (*FORMATS, *MATRICES):
         raise GeometryError(f"{file.name} must be gmsh's .msh or Abaqus' .inp, or of a stiffness .npz or .mtx")
     try:
         if file.stat().st_size > _MOST_BYTES:
             raise GeometryError(
                 f"{file.name} is larger than {_MOST_BYTES // 1_000_000} MB: mesh the body more coarsely"
             )
-        table = file.with_suffix(".csv").read_bytes() if file.suffix == ".mtx" else b""
+        table = file.with_suffix(".csv").read_bytes() if file.suffix.lower() == ".mtx" else b""
         return sha256(file.read_bytes() + table).hexdigest()
     except OSError as problem:
         reason = problem.strerror or type(problem).__name__
@@ -154,8 +155,8 @@ def _blocks(text: str) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
         pairs = [option.partition("=") for option in options if option]
         data = "\n".join(lines[start + 1 : end])
         data = re.sub(r",\s*\n", ",", data) if keyword.upper() == "ELEMENT" else data
-        values = [[value.strip() for value in line.split(",") if value.strip()] for line in data.splitlines()]
-        yield keyword.upper(), {key.strip().upper(): value.strip() for key, _, value in pairs}, values
+        values = [[value.strip(' \t"') for value in line.split(",") if value.strip()] for line in data.splitlines()]
+        yield keyword.upper(), {key.strip().upper(): value.strip(' "') for key, _, value in pairs}, values
 
 
 class _Abaqus:
@@ -172,12 +173,16 @@ class _Abaqus:
 
     def take(self, keyword: str, options: dict[str, str], lines: list[list[str]]) -> None:
         """Store nodes, elements, sets or surfaces of a keyword with its options and data; ignore other keywords."""
+        if keyword == "INCLUDE" or (keyword in _READ and "INPUT" in options):
+            raise GeometryError(f"it takes a part of itself from the file {options.get('INPUT')}: write all into one")
         if keyword == "NODE":
             for line in lines:
                 if len(line) < 4:
                     raise ValueError(f"node {line[0]} has {len(line) - 1} coordinates")
+                place = [float(value.upper().replace("D", "E")) for value in line[1:4]]
+                self._require_one("node", self.nodes.get(int(line[0])), line[0], place, self.places)
                 self.nodes[int(line[0])] = len(self.places)
-                self.places.append([float(value) for value in line[1:4]])
+                self.places.append(place)
             if "NSET" in options:
                 self.node_sets.setdefault(options["NSET"], set()).update(int(line[0]) for line in lines)
         elif keyword == "ELEMENT":
@@ -200,9 +205,18 @@ class _Abaqus:
             elif len(nodes) < count:
                 raise ValueError(f"element {number} of the type {kind} has {len(nodes)} nodes")
             else:
+                known = number if number in self.elements else None
+                self._require_one("element", known, str(number), (count, nodes[:count]), self.elements)
                 self.elements[number] = count, nodes[:count]
         if "ELSET" in options:
             self.cell_sets.setdefault(options["ELSET"], set()).update(int(line[0]) for line in lines)
+
+    @staticmethod
+    def _require_one(what: str, known: int | None, number: str, new: object, held: Any) -> None:
+        if known is not None and held[known] != new:
+            raise GeometryError(
+                f"it has two different {what}s {number}, as where a file holds several parts: write one of them alone"
+            )
 
     def _members(self, sets: dict[str, set[int]], lines: list[list[str]], *, generate: bool) -> Iterable[int]:
         for line in lines:
@@ -211,10 +225,12 @@ class _Abaqus:
                 yield from range(first, last + 1, step[0] if step else 1)
                 continue
             for value in line:
-                if value.lstrip("-").isdigit():
-                    yield int(value)
+                # In an assembly, what belongs to the body is named after it and a point.
+                own = value if value in sets else value.rpartition(".")[2]
+                if own.lstrip("-").isdigit():
+                    yield int(own)
                 else:
-                    yield from tuple(sets.get(value, ()))
+                    yield from tuple(sets.get(own, ()))
 
     def mesh(self, mm_per_unit: float) -> SolidMesh:
         """The stored contents as a mesh, with coordinates multiplied by mm_per_unit."""

@@ -108,7 +108,7 @@ def read_stiffness(source: MeshSource) -> FileStiffness:
     if digest_of(source.file) != source.digest:
         raise GeometryError(f"{name} is not the file that it was: put the one back that was read before")
     try:
-        read = _of_npz(source) if source.file.endswith(".npz") else _of_matrix_market(source)
+        read = _of_npz(source) if source.file.lower().endswith(".npz") else _of_matrix_market(source)
         matrix, nodes = read.matrix, read.nodes_mm
         if nodes.shape[1:] != (3,) or matrix.shape != (3 * len(nodes), 3 * len(nodes)):
             raise GeometryError(

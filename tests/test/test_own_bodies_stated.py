@@ -206,6 +206,41 @@ def test_a_bad_mesh_is_refused_in_one_sentence(tmp_path: Path, spoiled: Lines, s
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("replaced", "by"),
+    [
+        ("*NODE", "*Part, name=Ball\n*Node"),
+        ("*NSET, NSET=face\n", "*NSET, NSET=face, INSTANCE=Ball-1\nBall-1."),
+        ("NSET=face", 'NSET="face"'),
+        ("-2.0, -2.0, 0.0", "-2.0D0, -0.2d+01, 0.0"),
+    ],
+    ids=["part", "instance", "quoted", "Fortran"],
+)
+def test_dialects_of_abaqus_files_are_read(tmp_path: Path, replaced: str, by: str) -> None:
+    file = written(tmp_path, block(lambda x, y: 5.0 + ball(x, y)))
+    assert replaced in file.read_text()
+    other = file.with_name("other.INP")
+    other.write_text(file.read_text().replace(replaced, by))
+    _, upper = study(tmp_path, other).bodies
+    np.testing.assert_allclose(upper.curvatures_per_mm, 0.1, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("added", "said"),
+    [
+        ("*NODE\n1, 0., 0., 9.", "two different nodes 1, as where a file holds several parts"),
+        ("*ELEMENT, TYPE=C3D8\n1, 8, 7, 6, 5, 4, 3, 2, 1", "two different elements 1"),
+        ("*INCLUDE, INPUT=rest.inp", "from the file rest.inp"),
+        ("*NSET, NSET=more, INPUT=set.txt", "from the file set.txt"),
+    ],
+)
+def test_abaqus_files_of_several_parts_or_files_are_refused(tmp_path: Path, added: str, said: str) -> None:
+    file = written(tmp_path, block(ball))
+    file.write_text(f"{file.read_text()}\n{added}\n")
+    with pytest.raises(StudyError, match=said):
+        study(tmp_path, file)
+
+
 def test_a_file_that_is_no_mesh_is_refused(tmp_path: Path) -> None:
     (file := tmp_path / "own.stl").write_text("solid", encoding="utf-8")
     with pytest.raises(StudyError, match=r"must be gmsh's \.msh or Abaqus' \.inp"):

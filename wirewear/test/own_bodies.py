@@ -46,7 +46,7 @@ def _unstated(
     for key in needed:
         if getattr(stated, key) is None:
             return key, f'is missing, but a body of shape "{shape}" states it{_ALLOWED.get(key, "")}'
-    if not (stated.file or "").endswith(endings):
+    if not (stated.file or "").lower().endswith(endings):
         return "file", f'is {stated.file!r}, but of a body of shape "{shape}" it ends in {" or ".join(endings)}'
     return None
 
