@@ -4,7 +4,7 @@ import copy
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import pairwise
@@ -252,14 +252,17 @@ def require_unchanged(table_path: Path) -> tuple[str, ...]:
     return (f"{table_path.name} is not as it was written: it was changed by hand, or is damaged",)
 
 
-def read_tables(path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]:
-    """Checked tables of a TOML file, and one sentence for each unknown key that was ignored.
+def read_tables(
+    path: Path, model: type[Model], filled: Callable[[dict[str, Any]], dict[str, Any]] = dict
+) -> tuple[Model, tuple[str, ...]]:
+    """Checked tables of a TOML file, and one sentence for each unknown key that was ignored. filled: what the file's
+    plain values become before they are checked; by default they stay.
 
     Raises RecordError, in one sentence with line and column, if the file cannot be read or is not valid for this model,
     or an unknown key looks like a misspelt one.
     """
     text = read_text(path, RecordError, "TOML file")
-    data = parsed_toml(text, str(path), RecordError)
+    data = filled(parsed_toml(text, str(path), RecordError))
     if isinstance(bodies := data.get("bodies"), dict):
         data["bodies"] = found_from(path.parent, bodies)
     return _checked(model.known(data, str(path)), text, path, model)

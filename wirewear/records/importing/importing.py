@@ -17,6 +17,7 @@ from wirewear.loops.outline import outline
 from wirewear.loops.sensor import enclosed_area
 from wirewear.records.contact_tables import RECORDS
 from wirewear.records.importing import sources
+from wirewear.records.importing.campaign import CampaignTest
 from wirewear.records.importing.loggers import kind_of
 from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
 from wirewear.records.importing.profilometry import surfaces_of
@@ -40,12 +41,13 @@ TURNED = (
 _NO_CYCLE = -1.0  #: In place of the number of a cycle where a sample belongs to none.
 
 
-def import_record(mapping_path: str | Path) -> AnyRecord:
-    """The record that a mapping file describes; file names in it are relative to its folder. Raises RecordError, in one
-    sentence, if the mapping or a file cannot be read, or files do not hold what it says.
+def import_record(mapping_path: str | Path, test: CampaignTest | None = None) -> AnyRecord:
+    """The record that a mapping file describes; file names in it are relative to its folder. test: the one that is
+    meant if it describes a campaign. Raises RecordError, in one sentence, if the mapping or a file cannot be read, or
+    files do not hold what it says.
     """
     path = Path(mapping_path)
-    mapping, notes = _mapping_of(path)
+    mapping, notes = _mapping_of(path, test)
     home, length, model = path.parent, mapping.length_mm, RECORDS[mapping.contact_kind]
     conditions = mapping.conditions
     loops: tuple[MeasuredLoop, ...] = ()
@@ -74,19 +76,20 @@ def import_record(mapping_path: str | Path) -> AnyRecord:
     return ExperimentRecord(tables, loops, evolution, scars, (*notes, *unread, *filter(None, surface_notes), *turned))
 
 
-def _mapping_of(path: Path) -> tuple[Any, tuple[str, ...]]:
+def _mapping_of(path: Path, test: CampaignTest | None) -> tuple[Any, tuple[str, ...]]:
     require_mapping(path)
-    mapping, notes = read_tables(path, MAPPINGS[tables_of_file(path).contact_kind])
+    filled = dict if test is None else test.tables
+    mapping, notes = read_tables(path, MAPPINGS[tables_of_file(path).contact_kind], filled)
     mapping.require_whole(str(path))
     return mapping, notes
 
 
-def inputs_of(mapping_path: Path) -> list[Path]:
-    """Paths of a mapping and of all files that it names.
+def inputs_of(mapping_path: Path, test: CampaignTest | None = None) -> list[Path]:
+    """Paths of a mapping and of all files that it names. test: see `import_record`.
 
     Raises RecordError, in one sentence, if the mapping cannot be read, or a file does not exist.
     """
-    mapping, _ = _mapping_of(mapping_path)
+    mapping, _ = _mapping_of(mapping_path, test)
     return [mapping_path, *(file for _, file in _files_of(mapping, mapping_path.parent))]
 
 

@@ -1,0 +1,132 @@
+"""A folder of tests imported by one mapping: which tests there are, what each states, what is wrong with some."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from tests.records.strangers_files import FORCE, FRICTION, GERMAN, LOAD_N, TIME, AMPLITUDE_um, FREQUENCY_Hz, X, table
+from wirewear.app.cli import cli
+from wirewear.base.errors import RecordError
+from wirewear.records.importing.campaign import campaign_tests
+
+pytestmark = pytest.mark.seconds
+NAMES = [f"V{number}" for number in range(1, 7)]
+MAPPING = f"""format = 1
+name = "Versuche"
+[wires]
+diameter_mm = 0.45
+crossing_angle_deg = 90.0
+youngs_modulus_MPa = 210000.0
+poissons_ratio = 0.3
+[conditions]
+displacement_amplitude_um = {AMPLITUDE_um}
+frequency_Hz = {FREQUENCY_Hz}
+cycles = 4
+[loops]
+files = "{{test}}_Rohdaten.csv"
+delimiter = "semicolon"
+decimal = ","
+columns = {{ displacement_um = "Weg", tangential_force_N = "Reibkraft", time_s = "Zeit" }}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Six tests of loads of their own; the force of one is half as large again, the file of another is cut off."""
+    home = tmp_path / "campaign"
+    home.mkdir()
+    (home / "mapping.toml").write_text(MAPPING, encoding="utf-8")
+    stated = ["test;normal_load_N"]
+    for number, name in enumerate(NAMES, 1):
+        load = LOAD_N * (1 + number % 3)
+        force = load / LOAD_N * FORCE * (1.5 if name == "V5" else 1.0)
+        text = "Zeit;Weg;Reibkraft\n" + table((TIME, X, force), GERMAN)
+        (home / f"{name}_Rohdaten.csv").write_text(text[:40] if name == "V2" else text, encoding="utf-8")
+        stated.append(f"{name};{load:g},0")
+    (home / "tests.csv").write_text("\n".join(stated) + "\n", encoding="utf-8")
+    return home
+
+
+def invoked(*words: object) -> Result:
+    return CliRunner().invoke(cli, ["lab", *map(str, words)], catch_exceptions=False)
+
+
+def test_each_test_is_read_with_its_own_load_and_spoiled_ones_are_named(folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    answer = invoked(folder, "--output", out)
+    assert answer.exit_code == 0, answer.output
+    with (out / "lab.csv").open(encoding="utf-8") as file:
+        rows = {row["test"]: row for row in csv.DictReader(file)}
+    assert list(rows) == NAMES
+    assert [name for name, row in rows.items() if row["state"] == "not read"] == ["V2"]
+    assert "V2_Rohdaten.csv" in rows["V2"]["remarks"]
+    assert [name for name, row in rows.items() if row["state"] == "apart"] == ["V5"]
+    assert "friction" in rows["V5"]["remarks"]
+    for number, name in enumerate(NAMES, 1):
+        if name not in ("V2", "V5"):
+            assert float(rows[name]["normal_load_N"]) == pytest.approx(LOAD_N * (1 + number % 3))
+            assert float(rows[name]["friction"]) == pytest.approx(FRICTION, rel=0.02)
+    page = (out / "lab.html").read_text(encoding="utf-8")
+    assert "stands apart" in page
+    assert "5 tests: 5 in gross slip" in page
+
+
+def test_given_again_only_what_has_changed_is_read(folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    invoked(folder, "--output", out)
+    kept, changed = (out / "records" / name / "loops.csv" for name in ("V1", "V3"))
+    before = kept.stat().st_mtime_ns, changed.stat().st_mtime_ns
+    (folder / "V2_Rohdaten.csv").write_bytes((folder / "V6_Rohdaten.csv").read_bytes())
+    with (folder / "V3_Rohdaten.csv").open("a", encoding="utf-8") as file:
+        file.write("\n")
+    answer = json.loads(invoked(folder, "--output", out, "--json").stdout)
+    assert {row["test"]: row["state"] for row in answer} == dict.fromkeys(NAMES, "good") | {"V5": "apart"}
+    assert (kept.stat().st_mtime_ns, changed.stat().st_mtime_ns > before[1]) == (before[0], True)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "files"),
+    [
+        ("{test}.csv", ["a 1.csv", "b.csv", "c.txt"]),
+        ("{test}/loops_*.csv", ["a 1/loops_1.csv", "a 1/loops_2.csv", "b/loops_1.csv", "c/scar.csv"]),
+        ("{test}/{test}_raw.csv", ["a 1/a 1_raw.csv", "b/b_raw.csv", "c/b_raw.csv"]),
+        ("raw/*-{test}.csv", ["raw/2026-a 1.csv", "raw/2026-b.csv", "raw/c"]),
+    ],
+)
+def test_tests_are_found_by_the_names_of_their_files(tmp_path: Path, pattern: str, files: list[str]) -> None:
+    (tmp_path / "mapping.toml").write_text(f'[loops]\nfiles = "{pattern}"\n', encoding="utf-8")
+    for name in files:
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("", encoding="utf-8")
+    assert [test.name for test in campaign_tests(tmp_path)] == ["a 1", "b"]
+
+
+@pytest.mark.parametrize(
+    ("mapping", "stated", "said"),
+    [
+        (None, None, "has no mapping.toml"),
+        ('[loops]\nfiles = "a.csv"\n', None, "names no {test}"),
+        ('[loops]\nfiles = "{test}.dat"\n', None, "no file below"),
+        ('[loops]\nfiles = "{test}.csv"\n', "name,load\na,1\n", "a column named test"),
+        ('[loops]\nfiles = "{test}.csv"\n', "test,normal_load_N\na,1\na,2\n", "twice"),
+        ('[loops]\nfiles = "{test}.csv"\n', "test,normal_load_N\na,1,5\n", "more fields"),
+    ],
+)
+def test_a_folder_that_is_no_campaign_gets_one_sentence(
+    tmp_path: Path, mapping: str | None, stated: str | None, said: str
+) -> None:
+    (tmp_path / "a.csv").write_text("", encoding="utf-8")
+    for name, text in (("mapping.toml", mapping), ("tests.csv", stated)):
+        if text is not None:
+            (tmp_path / name).write_text(text, encoding="utf-8")
+    with pytest.raises(RecordError, match=said):
+        campaign_tests(tmp_path)
+
+
+def test_an_output_among_the_tests_is_refused(folder: Path) -> None:
+    answer = invoked(folder, "--output", folder / "out")
+    assert answer.exit_code == 2
+    assert "choose another --output" in answer.output
