@@ -42,7 +42,7 @@ def folder(tmp_path: Path) -> Path:
     stated = ["test;normal_load_N"]
     for number, name in enumerate(NAMES, 1):
         load = LOAD_N * (1 + number % 3)
-        force = load / LOAD_N * FORCE * (1.5 if name == "V5" else 1.0)
+        force = load / LOAD_N * FORCE * (1.5 if name == "V3" else 1.0)
         text = "Zeit;Weg;Reibkraft\n" + table((TIME, X, force), GERMAN)
         (home / f"{name}_Rohdaten.csv").write_text(text[:40] if name == "V2" else text, encoding="utf-8")
         stated.append(f"{name};{load:g},0")
@@ -63,10 +63,10 @@ def test_each_test_is_read_with_its_own_load_and_spoiled_ones_are_named(folder: 
     assert list(rows) == NAMES
     assert [name for name, row in rows.items() if row["state"] == "not read"] == ["V2"]
     assert "V2_Rohdaten.csv" in rows["V2"]["remarks"]
-    assert [name for name, row in rows.items() if row["state"] == "apart"] == ["V5"]
-    assert "friction" in rows["V5"]["remarks"]
+    assert [name for name, row in rows.items() if row["state"] == "apart"] == ["V3"]
+    assert "friction" in rows["V3"]["remarks"]
     for number, name in enumerate(NAMES, 1):
-        if name not in ("V2", "V5"):
+        if name not in ("V2", "V3"):
             assert float(rows[name]["normal_load_N"]) == pytest.approx(LOAD_N * (1 + number % 3))
             assert float(rows[name]["friction"]) == pytest.approx(FRICTION, rel=0.02)
     page = (out / "lab.html").read_text(encoding="utf-8")
@@ -77,13 +77,13 @@ def test_each_test_is_read_with_its_own_load_and_spoiled_ones_are_named(folder: 
 def test_given_again_only_what_has_changed_is_read(folder: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     invoked(folder, "--output", out)
-    kept, changed = (out / "records" / name / "loops.csv" for name in ("V1", "V3"))
+    kept, changed = (out / "records" / name / "loops.csv" for name in ("V1", "V6"))
     before = kept.stat().st_mtime_ns, changed.stat().st_mtime_ns
-    (folder / "V2_Rohdaten.csv").write_bytes((folder / "V6_Rohdaten.csv").read_bytes())
-    with (folder / "V3_Rohdaten.csv").open("a", encoding="utf-8") as file:
+    (folder / "V2_Rohdaten.csv").write_bytes((folder / "V5_Rohdaten.csv").read_bytes())
+    with (folder / "V6_Rohdaten.csv").open("a", encoding="utf-8") as file:
         file.write("\n")
     answer = json.loads(invoked(folder, "--output", out, "--json").stdout)
-    assert {row["test"]: row["state"] for row in answer} == dict.fromkeys(NAMES, "good") | {"V5": "apart"}
+    assert {row["test"]: row["state"] for row in answer} == dict.fromkeys(NAMES, "good") | {"V3": "apart"}
     assert (kept.stat().st_mtime_ns, changed.stat().st_mtime_ns > before[1]) == (before[0], True)
 
 
