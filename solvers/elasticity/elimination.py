@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.errors import SolverError
-from solvers.jit_cache import compiled
+from solvers.jit_cache import compiled, inlined
 
 _TREES: "dict[bytes, Substructure]" = {}  #: Cache of `divided`.
 
@@ -199,7 +199,7 @@ def eliminate(
     done: dict[tuple[object, ...], tuple[Array, Front | None]] = {}
     for way, key in enumerate(keys):
         if key not in done:
-            of_way = columns.copy(order="F")
+            of_way = columns if len(done) == len(set(keys)) - 1 else columns.copy(order="F")
             rest = np.zeros((len(columns) - len(unknowns),) * 2, order="F")
             for nodes, of_part in parts:
                 add_update(of_way, rest, unknowns_of(position[nodes], d), of_part[way])
@@ -224,10 +224,7 @@ def front_of(own: IntArray, left: list[IntArray], system: System) -> tuple[IntAr
     position[own] = np.arange(len(own))
     position[boundary] = len(own) + np.arange(len(boundary))
     front = np.zeros((d * (len(own) + len(boundary)), d * len(own)), order="F")
-    rows = matrix[unknowns_of(own, d)].tocoo()
-    inside = position[rows.col // d] >= 0
-    columns = rows.col[inside]
-    front[d * position[columns // d] + columns % d, rows.row[inside]] = rows.data[inside]
+    _write_rows(front, matrix.indptr, matrix.indices, matrix.data, unknowns_of(own, d), position, d)
     return boundary, position, front
 
 
@@ -260,20 +257,43 @@ def hold(matrix: Array, held: BoolArray) -> None:
 
 
 @compiled
+def _write_rows(
+    front: Array, starts: IntArray, columns: IntArray, data: Array, own: IntArray, position: IntArray, d: int
+) -> None:
+    """Write rows `own` (m,) of a symmetric sparse matrix to the columns of a front, see `front_of`."""
+    for k in range(len(own)):
+        for entry in range(starts[own[k]], starts[own[k] + 1]):
+            node, component = columns[entry] // d, columns[entry] % d
+            if position[node] >= 0:
+                front[d * position[node] + component, k] = data[entry]
+
+
+@compiled
 def add_update(columns: Array, rest: Array, where: IntArray, update: Array) -> None:
     """Add an update (k, k) to a front at increasing positions `where` (k,), in the lower triangle, in place.
 
     The front's first m columns are `columns` (m + b, m); the others, from row m on, are `rest` (b, b).
     """
-    m = columns.shape[1]
-    for j in range(len(where)):
-        column = where[j]
-        if column < m:
-            for i in range(j, len(where)):
-                columns[where[i], column] += update[i, j]
-        else:
-            for i in range(j, len(where)):
-                rest[where[i] - m, column - m] += update[i, j]
+    m, k = columns.shape[1], len(where)
+    # Positions mostly follow one another: numbers are added to a whole stretch of them at once.
+    end = np.empty(k, np.int64)
+    for i in range(k - 1, -1, -1):
+        end[i] = end[i + 1] if i + 1 < k and where[i + 1] == where[i] + 1 else i + 1
+    for j in range(k):
+        column, i = where[j], j
+        while i < k:
+            begin, stop = where[i], where[i] + end[i] - i
+            if column < m:
+                _add(columns[begin:stop, column], update[i : end[i], j])
+            else:
+                _add(rest[begin - m : stop - m, column - m], update[i : end[i], j])
+            i = end[i]
+
+
+@inlined
+def _add(target: Array, values: Array) -> None:
+    for i in range(len(values)):
+        target[i] += values[i]
 
 
 def unknowns_of(nodes: IntArray, d: int) -> IntArray:

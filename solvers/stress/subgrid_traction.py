@@ -324,7 +324,8 @@ def half_space_stress(places: Array, size: Array, square: Array, ratio: Array, r
             result[p, 0] -= k * np.cos(2.0 * angle) * z
             result[p, 1] += k * np.cos(2.0 * angle) * z
             result[p, 3] -= k * np.sin(2.0 * angle) * z
-        result[p] /= _DIRECTIONS
+        for a in range(6):
+            result[p, a] /= _DIRECTIONS
         result[p, 0] += (0.5 + nu) * own[2]
         result[p, 1] += (0.5 + nu) * own[2]
         result[p, 2], result[p, 4], result[p, 5] = own[2], own[1], own[0]
@@ -341,8 +342,7 @@ def _cells(square: Array, ratio: Array, rooted: bool) -> tuple[Array, BoolArray]
     rows, columns = square.shape
     cells = np.zeros(((rows + 1) * (columns + 1), 28))
     loaded = np.zeros((rows + 1, columns + 1), dtype=np.bool_)
-    cubic, wide = np.zeros((4, 4)), np.zeros((rows + 2, columns + 2, 3))
-    wide[1:-1, 1:-1] = ratio
+    wide = _bordered(ratio)
     for i in range(rows + 1):
         for j in range(columns + 1):
             cell = cells[i * (columns + 1) + j]
@@ -355,8 +355,8 @@ def _cells(square: Array, ratio: Array, rooted: bool) -> tuple[Array, BoolArray]
             if rooted:
                 loaded[i, j] = False
                 if 0 < i < rows and 0 < j < columns:
+                    cubic = cell[:16].reshape(4, 4)
                     bicubic_coefficients(square, i - 1, j - 1, cubic)
-                    cell[:16] = cubic.ravel()
                     largest, least = -np.inf, np.inf
                     for m in range(_SAMPLED + 1):
                         for n in range(_SAMPLED + 1):
@@ -365,6 +365,17 @@ def _cells(square: Array, ratio: Array, rooted: bool) -> tuple[Array, BoolArray]
                     # Between the samples it may rise by a little.
                     loaded[i, j] = largest + _ROOM * (largest - least) > 0.0
     return cells, loaded
+
+
+@inlined
+def _bordered(ratio: Array) -> Array:
+    """The ratio (n_a, n_t, 3) with one more node on each side, where it is zero."""
+    wide = np.zeros((ratio.shape[0] + 2, ratio.shape[1] + 2, 3))
+    for i in range(ratio.shape[0]):
+        for j in range(ratio.shape[1]):
+            for a in range(3):
+                wide[i + 1, j + 1, a] = ratio[i, j, a]
+    return wide
 
 
 @inlined

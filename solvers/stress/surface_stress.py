@@ -264,7 +264,8 @@ def _stencil(along: float, across: float, first_layer: float, growth: float, nu:
     """The `SurfaceStress.stencil` of elements of these proportions under layers that grow from the first."""
     result: Array = lattice_error(along, across, first_layer, growth, nu).copy()
     size, middle = result.shape[0], result.shape[0] // 2
-    places = np.argwhere(np.ones((size, size))).astype(float)
+    # In the order of memory in which all places come, or the kernels would be compiled twice.
+    places = np.argwhere(np.ones((size, size))).astype(float, order="C")
     proportions = _proportions(along, across)
     for component in range(3):
         unit = np.zeros((size, size, 3))

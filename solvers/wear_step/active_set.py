@@ -210,7 +210,8 @@ def _sides(terms: _Terms, facing: Facing) -> tuple[Array, Array]:
                 rubbed = moved_along(terms.store, block, along, friction[0], friction[1], friction[2])
                 terms.known[i] += constant * rubbed
             entry += 1
-    rhs[:size] = -terms.known[on]
+    for a in range(size):
+        rhs[a] = -terms.known[on[a]]
     return moved, rhs
 
 

@@ -127,6 +127,8 @@ def _critical(history: Array, on_planes: OnPlanes) -> tuple[Array, Array]:
 
 def swt_on_planes(stress: Array, normals: Array, material: Elastic) -> Array:
     """σ_n,max Δε_n / 2 (n, k) in MPa of tensors (s, n, 3, 3) on planes (n, k, 3); 0 where a plane is never pulled."""
+    # In one order of memory: else it would be compiled for each that comes.
+    stress, normals = np.ascontiguousarray(stress), np.ascontiguousarray(normals)
     return _swt_on_planes(stress, normals, material.youngs_modulus_MPa, material.poissons_ratio)
 
 
