@@ -120,7 +120,9 @@ def vertical_gap(
     body, patch = surface.body, secondary.patch
     local = (body.node_positions - offset_mm) @ secondary.world_to_patch.T
     return _vertical_gap(
-        *(local, patch.axial_mm, patch.transverse_mm, patch.profile.height(local), secondary_depth),
+        *(local, patch.axial_mm, patch.transverse_mm, patch.profile.height(local)),
+        # Depths come in either order of memory, for each of which it would be compiled.
+        np.ascontiguousarray(secondary_depth),
         *(secondary.facing, secondary.incline, offset_mm),
         *(body.node_positions, body.worn(primary_depth).heights, body.facing),
     )

@@ -214,7 +214,8 @@ class SurrogateInputs:
             "starved_factor": 1.0,
             "gain": 1.0,
         }
-        columns = {name: np.full_like(cycles, stated.get(name, 0.0)) for name in COLUMNS}
+        rows = np.repeat([[stated.get(name, 0.0)] for name in COLUMNS], cycles.size, axis=1)
+        columns = dict(zip(COLUMNS, rows, strict=True))
         columns.update(cycles=cycles, energy_J=energy_J, worn_um3=worn_um3)
         made: type[Chain] = LineChain if self.length_mm else Chain
         chain = made(radius_um, fresh_area_um2, **columns, length_um=1e3 * self.length_mm)
