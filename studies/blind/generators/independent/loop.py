@@ -6,6 +6,7 @@ displacement follow from it branch by branch in closed form, and no equation is 
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import acosh, ceil, cosh, sinh, sqrt
 from typing import Protocol, Self, TypeVar
 
@@ -86,6 +87,7 @@ class ForceTable:
     layer_compliance_mm_per_N: float
     cycle: float = 0.0
 
+    @cached_property
     def splines(self) -> tuple[CubicSpline, CubicSpline]:
         """Moments and load as functions of the position."""
         return CubicSpline(self.positions_mm, self.moments, axis=1), CubicSpline(self.positions_mm, self.load_N)
@@ -128,7 +130,7 @@ def closed_loop(world: World, table: ForceTable, amplitude_mm: float) -> TrueLoo
     Raises ArithmeticError if the contact does not reach gross slip or the reversals are not found.
     """
     world = replace(world, rig=world.rig.aged(table.cycle))
-    moments, load = table.splines()
+    moments, load = table.splines
     mu, contact = table.friction, float(load(0.0))
     give = _series(world, table)
     reach = amplitude_mm - give * mu * contact - 0.5 * world.rig.play_mm
