@@ -159,7 +159,10 @@ class SurrogateInputs:
     @property
     def in_time(self) -> bool:
         """True if a cycle has to be followed in time: its load varies, or an effect gives the holder a mass."""
-        return not self.load_cycle.steady or bool(self.chain(1.0, 1.0, *np.ones((3, 1))).mass_kg.any())
+        if not self.load_cycle.steady:
+            return True
+        at_holder = any(effect.seam in (Seam.HOLDER, None) for effect in self.effects)
+        return at_holder and bool(self.chain(1.0, 1.0, *np.ones((3, 1))).mass_kg.any())
 
     @property
     def stated(self) -> Stated:
