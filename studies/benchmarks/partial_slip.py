@@ -6,8 +6,8 @@ A ball of 12.7 mm on a flat, wires of 0.45 mm at 90° and of 1 mm at 30° and a 
 runs and loaded until they all but slide. Loops of every amplitude are the first loading twice as large (Masing), so in
 each of their four quarters friction works as much; they are compared with Mindlin and Deresiewicz at the same force.
 The second row of each has the core's radius less a(1 − Q/µP)^⅓ in elements, and the error of the stiffness K, without
-what the bodies' bulk gives way, in percent. --runs adds whole runs at half of the sliding force, on a rigid rig and on
-one as stiff as the contact.
+what the bodies' bulk gives way, in percent; a contact takes up to 15 GiB at fine. --runs adds whole runs at half of the
+sliding force, on a rigid rig and on one as stiff as the contact.
 """
 
 from dataclasses import dataclass

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
+from geometry.arrays import Array
 from tests.commands import wirewear
 from tests.synthetic_loops import Recipe, SyntheticLoop, bristle_loop, partial_slip_loop
 from wirewear.loops import LoopFigures, analyse_loop
@@ -58,6 +60,54 @@ def test_sliding_by_less_than_a_plateau_needs_is_gross_slip_with_its_friction(ex
     assert found.regime == "gross slip"
     assert found.friction_partial_slip is not None
     assert found.friction_partial_slip.value == pytest.approx(0.62, rel=0.01)
+
+
+def worn_loop(share: float, worn: float, noise: float, seed: int) -> tuple[Array, Array]:
+    """Displacement (µm) and force (N) of a sphere's loop at Q*/µP = share and µ = 0.6, whose profile beyond what sticks
+    (radius 1) has come nearer to the approach b² by the share `worn`, by the method of dimensionality reduction (Popov
+    2014), in lengths and moduli of one, and Jäger's law.
+    """
+
+    def at_radius(radius: Array, outer: float) -> tuple[Array, Array]:
+        approach = worn * outer**2 + (1.0 - worn) * radius**2
+        beside = (1.0 - worn) * (2.0 * radius**3 / 3.0 - radius**2 + 1.0 / 3.0)
+        return approach, approach - 1.0 / 3.0 + beside
+
+    def load_of(outer: float) -> float:
+        return float(at_radius(np.array([outer]), outer)[1][0])
+
+    outer = float(brentq(lambda b: load_of(b) - 2.0 / 3.0 / (1.0 - share), 1.0, 30.0))
+    approach, load = at_radius(np.linspace(outer, 1.0, 400), outer)
+    own = np.append(approach[0] - approach, approach[0] - 1.0)
+    force = 0.6 * LOAD_N * np.append(load[0] - load, load[0] - 2.0 / 3.0) / load[0]
+    random, angle = np.random.default_rng(seed), 2.0 * math.pi * np.arange(240) / 240 + 0.3
+    x = own[-1] * np.sin(angle)
+    up, down = (2.0 * np.interp(0.5 * (own[-1] + one), own, force) - force[-1] for one in (x, -x))
+    displacement = 0.5 * own[-1] * noise * random.standard_normal(x.size) + x
+    return displacement, np.where(np.cos(angle) > 0.0, up, -down) + noise * force[-1] * random.standard_normal(x.size)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.7, 0.9, 0.98])
+@pytest.mark.parametrize("worn", [0.1, 0.3, 0.6, 0.9])
+def test_friction_of_a_loop_whose_annulus_may_have_worn_is_bounded_by_what_holds_it(share: float, worn: float) -> None:
+    found = analyse_loop(*worn_loop(share, worn, 0.002, int(100 * share + worn)), LOAD_N, cycle=10_000)
+    friction, used = found.friction_partial_slip, found.used_share
+    assert "partial slip" in found.regimes
+    assert friction is not None
+    assert used is not None
+    assert math.isnan(friction.value)
+    assert friction.interval95[0] < 0.6 < friction.interval95[1]
+    assert used.interval95[0] < share < used.interval95[1]
+    assert found.friction_geometry_independent is found.friction_energy is None
+
+
+def test_an_unworn_annulus_has_a_value_and_its_lower_bound_is_nearer() -> None:
+    loop = worn_loop(0.9, 0.0, 0.002, 1)
+    fresh, unknown = (analyse_loop(*loop, LOAD_N, cycle=cycle).friction_partial_slip for cycle in (1, None))
+    assert fresh is not None
+    assert unknown is not None
+    assert fresh.value == pytest.approx(0.6, rel=0.03)
+    assert unknown.interval95[0] < 0.54 < fresh.interval95[0] < 0.6 < unknown.interval95[1] == fresh.interval95[1]
 
 
 def test_partial_and_gross_slip_make_a_mixed_test() -> None:

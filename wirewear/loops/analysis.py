@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wirewear.loops.branch_fits import BranchFits, branch_fits_of
-from wirewear.loops.branches import Branch, upright
+from wirewear.loops.branches import upright
 from wirewear.loops.cleaning import NORMAL_CLIPPED, OPENS, CleanLoop, clean_loop
 from wirewear.loops.energy import (
     MICROJOULE_IN_MILLIJOULE,
@@ -24,7 +24,7 @@ from wirewear.loops.figures import LoopFigures, Measured, MicroSlipBranch, Regim
 from wirewear.loops.friction import MIDDLE_SHARE, SlidingFigures, height_at, largest_ratio, peaks, sliding_figures
 from wirewear.loops.lag import branch_earlier, earlier, goes_with_velocity, is_certain, lag_of
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
-from wirewear.loops.sticking import notes_on, slip_of
+from wirewear.loops.sticking import looks_worn, may_be_worn, notes_on, slip_of, stiffens
 from wirewear.loops.stiffness import RESOLVED, bent, corner_of, mean_stiffness, micro_slip_branch, sliding_stiffness
 
 UNDETERMINED = "the loop's width at its mid force cannot be determined: slip_amplitude is any that its area allows"
@@ -40,7 +40,7 @@ BY_ENERGY = (
 )
 
 HIDDEN = (
-    "the loop shows no plateau, but its energy ratio of {:.2g} is more than that of any contact in partial slip: it "
+    "the loop shows no plateau, but its energy ratio of {:.2g} is more than any unworn contact's in partial slip: it "
     "may slide all along a scar whose walls hide the plateau, and the interval of slip_amplitude holds that, too"
 )
 
@@ -124,13 +124,16 @@ def analyse_loop(
     normal_force_N: ArrayLike | None = None,
     *,
     time_s: ArrayLike | None = None,
+    cycle: int | None = None,
 ) -> LoopFigures:
     """Analyse one cycle of a force–displacement loop.
 
     displacement_um: (n,), n ≥ 16, starting anywhere in the cycle and in either direction. tangential_force_N: (n,),
     positive when it resists motion towards +x (the sign is found out if not). normal_force_N: a number or (n,),
     positive when pressing; without it, and where it falls to zero within the cycle, friction figures are left out.
-    time_s: (n,) times of the samples; without them the samples count as evenly spread where that makes sense.
+    time_s: (n,) times of the samples; without them the samples count as evenly spread where that makes sense. cycle:
+    its number in the test; surfaces count as unworn in the first ten, beyond them, and without it, friction in partial
+    slip is only bounded.
 
     Definitions follow Infante-García et al., Sensors 20 (2020) 4152, sections 1 and 3: δ0 is half the loop's width at
     zero force (here at the mean force, which a sensor's offset does not shift), K_t,m the mean slope of both micro-slip
@@ -152,8 +155,8 @@ def analyse_loop(
     corner = corner_of(forward, backward) if slides and stiffness is not None else None
     tops = peaks(loop, forward, backward)
     largest = largest_ratio(loop, tops, slides=slides)
-    position_stiffness = sliding_stiffness(stiffness, corner)
-    sliding = sliding_figures(loop, fits.both, tops, position_stiffness) if slides else SlidingFigures()
+    positions = sliding_stiffness(stiffness, corner)
+    sliding = sliding_figures(loop, fits.both, tops, positions) if slides else SlidingFigures()
     zero = fits.force_zero
     as_read = loop.displacement_um - loop.lean_um_per_N * loop.force_N
     length_um = float(np.ptp(as_read)) if loop.lean_um_per_N else fits.length_um
@@ -165,7 +168,11 @@ def analyse_loop(
     if hidden is not None:
         read, loop = _all_along(read, fits, energy, amplitude), loop if OPENS in loop.notes else loop.noted(hidden)
     seen: Regime = "gross slip" if fits.slide else "contact opened" if OPENS in loop.notes else "partial slip"
-    regime, regimes, sticking = slip_of(loop, fits.both, seen, hides=hidden is not None, viscous=viscous)
+    steep = (worn := may_be_worn(cycle)) and slides and looks_worn(fits.both, sliding.slope, ratio)
+    if steep:
+        slides, sliding, corner, seen = False, SlidingFigures(), None, "partial slip"
+    doubts = {"hides": hidden is not None, "viscous": viscous, "worn": worn, "steep": steep}
+    regime, regimes, sticking = slip_of(loop, fits.both, seen, **doubts)
     slip = allowed_slip(read, amplitude, energy, largest_force)
     found = LoopFigures(
         displacement_amplitude_um=amplitude,
@@ -252,18 +259,7 @@ def _hidden(fits: BranchFits, ratio: Measured) -> str | None:
     """Note on why a loop without a plateau may yet slide all along; None if nothing suggests that."""
     if ratio.interval95[0] > MOST_IN_PARTIAL_SLIP:
         return HIDDEN.format(ratio.value)
-    return WALLED if all(_stiffens(branch) for branch, _ in fits.both) else None
-
-
-def _stiffens(branch: Branch) -> bool:
-    """True if the end of a branch is steeper than its middle; contacts in partial slip only soften (Masing)."""
-    place = branch.travel_um / branch.length_um
-    windows = (place > 0.4) & (place < 0.6), place > 0.8
-    if min(np.unique(place[window]).size for window in windows) < 3:
-        return False
-    middle, end = (float(np.polyfit(place[window], branch.force_N[window], 1)[0]) for window in windows)
-    # A branch stiffens if the last fifth of its travel is so much steeper than the middle one.
-    return end > 1.5 * max(middle, 0.0)
+    return WALLED if all(stiffens(branch) for branch, _ in fits.both) else None
 
 
 def _all_along(read: Measured, fits: BranchFits, energy: Measured, amplitude: Measured) -> Measured:

@@ -19,7 +19,8 @@ MICROJOULE_IN_MILLIJOULE = 1e-3
 ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION = 0.2, 0.77  #: Values at the transition from partial slip to gross slip.
 
 
-#: No contact in partial slip has a larger energy ratio: that of evenly spread limits at the transition (Iwan 1966).
+#: No unworn contact in partial slip has a larger energy ratio: that of evenly spread limits where it begins to slide
+#: (Iwan 1966).
 MOST_IN_PARTIAL_SLIP = 1.0 / 3.0
 
 

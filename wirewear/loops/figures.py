@@ -5,7 +5,7 @@ E_d dissipated energy. An interval is open above if it ends at infinity.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import prod
 from typing import Literal
 
@@ -100,11 +100,16 @@ class Sticking:
     rig_um_per_N: Array  #: Compliance of bodies and rig, in series.
     unseen: BoolArray  #: True if the loop does not show that the contact slips at all.
     load_N: Measured | None  #: Constant normal load; None if unknown.
+    #: True if the annulus that slips may have worn. Pressure then concentrates on what sticks, branches straighten, and
+    #: the unworn candidates bound friction above alone.
+    worn: bool = True
 
     def given(self, contact_um_per_N: float, doubt: float) -> "Sticking":
-        """Candidates that remain if the sticking contact's compliance is known, to a relative deviation `doubt`."""
+        """Candidates that remain if the contact is unworn, and its compliance where all of it sticks is known to a
+        relative deviation `doubt`.
+        """
         known = np.log(np.maximum(self.contact_um_per_N, 1e-300) / contact_um_per_N) / doubt
-        return self.kept(self.chi_squared + known**2)
+        return replace(self.kept(self.chi_squared + known**2), worn=False)
 
     def kept(self, chi_squared: Array) -> "Sticking":
         """Candidates whose new χ² (n,) lies within 25 of the best's, with these χ², counted from the best."""
@@ -112,13 +117,13 @@ class Sticking:
         near = other <= KEPT
         return Sticking(
             other[near], self.limit_N[near], self.deviation_N[near], self.share[near], self.contact_um_per_N[near],
-            self.rig_um_per_N[near], self.unseen[near], self.load_N,
+            self.rig_um_per_N[near], self.unseen[near], self.load_N, self.worn,
         )  # fmt: skip
 
     @property
     def friction(self) -> Measured | None:
-        """Coefficient of friction with the load's uncertainty; None without a load. Where the loop bounds friction from
-        below only: NaN, with an interval open above.
+        """Coefficient of friction with the load's uncertainty; None without a load. NaN where it is only bounded, with
+        an interval that is open above where nothing bounds it there.
         """
         if self.load_N is None:
             return None
@@ -128,28 +133,36 @@ class Sticking:
 
     @property
     def limit(self) -> Measured:
-        """Friction limit µP in N. Where the loop bounds it from below only: NaN, with an interval open above."""
+        """Friction limit µP in N; NaN where it is only bounded, as `friction`."""
         low, high = self._ends
         if self._unseen:
             force = float((self.limit_N * self.share)[self._left].min())
             return Measured(np.nan, (max(force, COARSE * low), np.inf))
-        return Measured(float(self.limit_N[self._best]), (low, high))
+        return Measured(np.nan if self.only_bounded else float(self.limit_N[self._best]), (low, high))
+
+    @property
+    def only_bounded(self) -> bool:
+        """True if the annulus may have worn, unless all candidates slide."""
+        return self.worn and bool(np.any(self.share[self._left] < 1.0))
 
     @property
     def used(self) -> Measured:
-        """Share Q*/µP of the friction limit that is reached. Where µP is bounded from below only: NaN, with the
-        interval 0 to 1.
-        """
+        """Share Q*/µP of the friction limit that is reached; NaN where it is only bounded (0 to 1: not at all)."""
         if self._unseen:
             return Measured(np.nan, (0.0, 1.0))
         share = self.share[self._left]
+        if self.only_bounded:
+            return Measured(np.nan, (float(share.min()), 1.0))
         return Measured(float(self.share[self._best]), (float(share.min()), float(share.max())))
 
     @property
     def rig(self) -> Measured:
-        """Compliance of bodies and rig in series with the contact, in µm/N."""
+        """Compliance of bodies and rig in series with the contact, in µm/N; of a contact that may have worn, an upper
+        bound.
+        """
         left = self.rig_um_per_N[self._left]
-        return Measured(float(self.rig_um_per_N[self._best]), (float(left.min()), float(left.max())))
+        least = 0.0 if self.only_bounded else float(left.min())
+        return Measured(float(self.rig_um_per_N[self._best]), (least, float(left.max())))
 
     @property
     def regimes(self) -> tuple[Regime, ...]:
@@ -171,7 +184,9 @@ class Sticking:
     def _ends(self) -> tuple[float, float]:
         left = self._left
         beside = self.deviation_N[left] * np.sqrt(WITHIN95 - self.chi_squared[left])
-        return float((self.limit_N[left] - beside).min()), float((self.limit_N[left] + beside).max())
+        # At its largest force a contact whose annulus has worn may be about to slide.
+        least = (self.limit_N[left] - beside) * (self.share[left] if self.only_bounded else 1.0)
+        return float(least.min()), float((self.limit_N[left] + beside).max())
 
     @property
     def _unseen(self) -> bool:
@@ -227,15 +242,15 @@ class LoopFigures:
     def friction_partial_slip(self) -> Measured | None:
         """Coefficient of friction of a loop without a plateau, from its energy, stiffness and shape.
 
-        None where the loop slides or no load is known; NaN, with an interval open above, where it is bounded from below
-        only.
+        None where the loop slides or no load is known; NaN where it is only bounded, with an interval that may be open
+        above.
         """
         return None if self.sticking is None else self.sticking.friction
 
     @property
     def used_share(self) -> Measured | None:
-        """Share Q*/µP of the friction limit in a loop without a plateau; NaN if friction is bounded from below only,
-        None where the loop slides.
+        """Share Q*/µP of the friction limit in a loop without a plateau; NaN if friction is only bounded, None where
+        the loop slides.
         """
         return None if self.sticking is None else self.sticking.used
 

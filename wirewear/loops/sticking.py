@@ -41,20 +41,35 @@ BY_MICRO_SLIP = (
 )
 
 ONLY_BOUNDED = (
-    "the loop is so thin that a contact which does not slip at all could have left it: its energy bounds friction from "
-    "below alone"
+    "the branches bend so little, or so unlike those of an unworn contact, that nothing bounds friction above; their "
+    "largest force bounds it below"
 )
+
+MAY_BE_WORN = (
+    "where the annulus that slips has worn, branches straighten and look like those of a higher friction: without "
+    "knowing that the surfaces are unworn, friction_partial_slip and used_share are bounds, from the largest force to "
+    "what an unworn contact shows"
+)
+
+#: Cycles after which surfaces still count as unworn: at 10⁻⁴ mm³/J they take 0.02 % of what the annulus of a steel ball
+#: or wire loses until it carries nothing.
+UNWORN_CYCLES = 10
 
 SHORT = (
     "the contact slides, but no farther than it gives way before: figures that need a plateau are left out, and "
     "friction_partial_slip is that of the loop's energy, stiffness and shape together"
 )
 
+#: Worn annuli of balls, by rings of boundary elements, leave straight ends of 0.2 to 0.39 of a branch's first slope
+#: where Q*/µP is 0.95 or more, and energy ratios of at most this.
+STEEP, MOST_OF_WORN = 0.15, 0.35
+
 _REMAINING = np.linspace(1.0, 0.0, 240) ** 1.5  # dense where a contact begins to slide
 
 
-def sticking_of(loop: CleanLoop, fitted: tuple[FittedBranch, FittedBranch]) -> Sticking | None:
+def sticking_of(loop: CleanLoop, fitted: tuple[FittedBranch, FittedBranch], *, worn: bool) -> Sticking | None:
     """Contacts in partial slip that would leave such a loop. fitted: forward and backward branch with their fits.
+    worn: the contact's annulus may have worn.
 
     None where the load varies by more than 5 % within the cycle, a branch has fewer than 6 samples or both fewer than
     24, or the force falls along them.
@@ -90,24 +105,62 @@ def sticking_of(loop: CleanLoop, fitted: tuple[FittedBranch, FittedBranch]) -> S
         # Where travels beyond this are not distinguished from others, nothing shows that the contact slips.
         unseen=travel > 50.0,
         load_N=None if load is None else Measured.from_deviation(float(np.mean(load)), loop.normal_noise_N),
+        worn=worn,
     )
     return found.kept(chi_squared)
 
 
 def slip_of(
-    loop: CleanLoop, fitted: tuple[FittedBranch, FittedBranch], seen: Regime, *, hides: bool, viscous: bool
+    loop: CleanLoop,
+    fitted: tuple[FittedBranch, FittedBranch],
+    seen: Regime,
+    *,
+    hides: bool,
+    viscous: bool,
+    worn: bool,
+    steep: bool,
 ) -> tuple[Regime, tuple[Regime, ...], Sticking | None]:
     """Regime of a loop, all regimes that its uncertainty allows, and the possible contacts in partial slip (None if
     that is not the regime, or they cannot be found).
 
     seen: regime that the branches show. hides: True if walls of a scar may hide a plateau. viscous: True if the force
-    follows the velocity.
+    follows the velocity. worn: the contact's annulus may have worn. steep: what seems a plateau may be the spring of
+    what sticks within.
     """
-    sticking = sticking_of(loop, fitted) if seen == "partial slip" and not (hides or viscous) else None
+    sticking = sticking_of(loop, fitted, worn=worn) if seen == "partial slip" and not (hides or viscous) else None
+    if steep:
+        return seen, ("partial slip", "gross slip"), sticking
     if sticking is None:
         return seen, ("partial slip", "gross slip") if hides and seen == "partial slip" else (seen,), None
     left = sticking.regimes
     return "gross slip" if left == ("gross slip",) else "partial slip", left, sticking
+
+
+def may_be_worn(cycle: int | None) -> bool:
+    """Whether the annulus that slips may have worn by a cycle of this number; None: not known."""
+    return cycle is None or not 0 < cycle <= UNWORN_CYCLES
+
+
+def stiffens(branch: Branch) -> bool:
+    """True if the end of a branch is steeper than its middle; contacts in partial slip only soften (Masing)."""
+    place = branch.travel_um / branch.length_um
+    windows = (place > 0.4) & (place < 0.6), place > 0.8
+    if min(np.unique(place[window]).size for window in windows) < 3:
+        return False
+    middle, end = (float(np.polyfit(place[window], branch.force_N[window], 1)[0]) for window in windows)
+    # A branch stiffens if the last fifth of its travel is so much steeper than the middle one.
+    return end > 1.5 * max(middle, 0.0)
+
+
+def looks_worn(fitted: tuple[FittedBranch, FittedBranch], slope: Measured | None, ratio: Measured | None) -> bool:
+    """True if what seems a plateau of such a slope may be the spring of what sticks within a worn annulus.
+
+    fitted: forward and backward branch with their fits. ratio: the loop's energy ratio A.
+    """
+    if slope is None or ratio is None or ratio.value > MOST_OF_WORN or all(stiffens(one) for one, _ in fitted):
+        return False
+    height, travel = (sum(getattr(slip, name) for _, slip in fitted) for name in ("height_N", "travel_um"))
+    return bool(slope.value * travel > STEEP * height)
 
 
 def notes_on(regime: Regime, sticking: Sticking | None) -> list[str]:
@@ -118,7 +171,9 @@ def notes_on(regime: Regime, sticking: Sticking | None) -> list[str]:
         return [] if sticking is None else [SHORT]
     if sticking is None:
         return [PARTIAL_SLIP]
-    return [PARTIAL_SLIP, BY_MICRO_SLIP if np.isfinite(sticking.limit.value) else ONLY_BOUNDED]
+    if np.isinf(sticking.limit.interval95[1]):
+        return [PARTIAL_SLIP, ONLY_BOUNDED]
+    return [PARTIAL_SLIP, BY_MICRO_SLIP, *([MAY_BE_WORN] if sticking.only_bounded else [])]
 
 
 @dataclass(frozen=True, eq=False)

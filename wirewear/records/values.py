@@ -164,7 +164,8 @@ class MeasuredLoop:
         if normal_load_N not in self._analysed:
             loop = self.complete
             normal = normal_load_N if loop.normal_force_N is None else loop.normal_force_N
-            figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, normal, time_s=loop.time_s)
+            signals = loop.displacement_um, loop.tangential_force_N, normal
+            figures = analyse_loop(*signals, time_s=loop.time_s, cycle=loop.cycle)
             self._analysed[normal_load_N] = figures
         return self._analysed[normal_load_N]
 

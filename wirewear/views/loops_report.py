@@ -84,7 +84,8 @@ def analyse_loops(loops: Iterable[SampledLoop]) -> tuple[AnalysedLoop, ...]:
 
 def _analysed(loop: SampledLoop) -> AnalysedLoop:
     try:
-        figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, loop.normal_load_N, time_s=loop.time_s)
+        signals = loop.displacement_um, loop.tangential_force_N, loop.normal_load_N
+        figures = analyse_loop(*signals, time_s=loop.time_s, cycle=loop.cycle if loop.numbered else None)
     except LoopError as refusal:
         return AnalysedLoop(loop, None, str(refusal))
     ratio = figures.friction_max

@@ -73,9 +73,8 @@ def friction_log(loops: Iterable[Loop]) -> list[tuple[int, LoopFigures]]:
     found = []
     for loop in loops:
         try:
-            figures = analyse_loop(
-                loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, time_s=loop.time_s
-            )
+            signals = loop.displacement_um, loop.tangential_force_N, loop.normal_force_N
+            figures = analyse_loop(*signals, time_s=loop.time_s, cycle=loop.cycle)
         except LoopError:
             continue
         found.append((loop.cycle, figures))

@@ -67,10 +67,9 @@ def fitted_sticking(record: AnyRecord, rigid_N_per_mm: float) -> StickingFit | N
     cycles = sorted({cycle for _, cycle in loops})
     own = None if record.within_longer_strokes else record.tables.contact_stiffness_N_per_um
     if own is not None:
-        fresh = {key: loop.given(1.0 / own, CONTACT) for key, loop in loops.items() if key[1] == cycles[0]}
-        loops |= fresh
+        loops |= {key: loop.given(1.0 / own, CONTACT) for key, loop in loops.items() if key[1] == cycles[0]}
     frictions = {key: one for key, loop in loops.items() if (one := loop.friction) is not None}
-    bounded = {key: one for key, one in frictions.items() if np.isfinite(one.value)}
+    bounded = {key: one for key, one in frictions.items() if np.isfinite(one.interval95[1])}
     if not bounded:
         least = max((one.interval95[0] for one in frictions.values()), default=None)
         raise RecordError(
@@ -99,7 +98,7 @@ def left_out(record: AnyRecord) -> list[str]:
         return []
     sticking = [figures for figures in known if figures.regime == "partial slip"]
     frictions = [one for figures in sticking if (one := figures.friction_partial_slip) is not None]
-    bounded = [one.interval95 for one in frictions if np.isfinite(one.value)]
+    bounded = [one.interval95 for one in frictions if np.isfinite(one.interval95[1])]
     said = f"a mixed test: {len(sticking)} of {len(known)} loops are in partial slip, and were not fitted"
     if bounded:
         low, high = min(bounded, key=lambda one: one[1] / max(one[0], 1e-300))
@@ -141,11 +140,13 @@ def _stiffness(rig_um_per_N: Measured, rigid_N_per_mm: float) -> Measured:
 
 
 def _of_tests(found: Sequence[Measured], unit: str) -> FittedParameter:
-    """Geometric mean of values and of their intervals' ends, with the scatter between tests added by Student's t.
+    """Geometric mean of values, or of the ends where these are only bounds, with the scatter between tests added by
+    Student's t.
 
     The width of the single intervals does not shrink with the number of tests, as it is a common error.
     """
     logs = np.log([(one.value, *one.interval95) for one in found])
+    logs[:, 0] = np.where(np.isnan(logs[:, 0]), logs[:, 1:].mean(axis=1), logs[:, 0])
     value, low, high = logs.mean(axis=0)
     count = len(found)
     scatter = float(stdtrit(count - 1, 0.975) * logs[:, 0].std(ddof=1) / np.sqrt(count)) if count > 1 else 0.0

@@ -54,7 +54,7 @@ class SampledLoop:
     """Samples (n,) of one cycle of a repeat.
 
     normal_load_N: (n,), one number or None if unknown. time_s: (n,), or None if unknown. notes: sentences on how the
-    cycle was found.
+    cycle was found. numbered: True if the source says which cycle of the test it is.
     """
 
     repeat: int
@@ -64,6 +64,7 @@ class SampledLoop:
     normal_load_N: Array | float | None
     time_s: Array | None
     notes: tuple[str, ...] = ()
+    numbered: bool = True
 
     @classmethod
     def of(cls, loop: MeasuredLoop, load_N: float | None) -> "SampledLoop":
@@ -206,7 +207,8 @@ def _loops(
             normal = channels["normal_force_N"][part] if "normal_force_N" in channels else constant
             time = channels["time_s"][part] if "time_s" in channels else None
             own = channels["displacement_um"][part], channels["tangential_force_N"][part]
-            yield SampledLoop(int(repeat), int(cycle) + number, *own, normal, time, (*remarks, *note))
+            notes = (*remarks, *note)
+            yield SampledLoop(int(repeat), int(cycle) + number, *own, normal, time, notes, "cycle" in channels)
 
 
 def _cycles(rows: NDArray[np.intp], channels: dict[str, Array]) -> list[NDArray[np.intp]]:
