@@ -100,6 +100,17 @@ def test_a_short_log_whose_clock_is_useless_is_read_without_it(tmp_path: Path) -
     assert any("too coarse to tell how fast" in remark for remark in found.remarks)
 
 
+def test_times_of_six_digits_have_their_rate_across_a_power_of_ten() -> None:
+    """At 1200 Hz, samples share times beyond 100 s."""
+    _, x, force, time = logged((0,), 4, 1e-6)
+    time = 99.7 + 0.5 * time
+    shown = np.array([float(f"{one:.6g}") for one in time])
+    assert np.count_nonzero(np.diff(shown) == 0.0) > 0.05 * shown.size
+    clock = read_clock(shown, x, force)
+    assert clock.time_s is not None
+    assert np.ptp(clock.time_s) == pytest.approx(np.ptp(time), rel=2e-3)
+
+
 def test_rows_that_were_written_twice_are_no_coarse_clock() -> None:
     shown, x, force, _ = logged([0], 1, 1.0 / RATE_Hz)
     twice = [np.repeat(own, 2) for own in (shown, x, force)]

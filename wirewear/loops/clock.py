@@ -112,7 +112,9 @@ def _between_ticks(time_s: Array, *channels: Array) -> Clock:
     hidden = max(longest) > most or bool(np.any(counts < 2.0 * usual - most))
     if not usual or hidden:
         return Clock(None, COARSE.format(tick), gaps=gaps.size > 0 or (usual > 0.0 and hidden))
-    step = tick * counts.size / float(counts.sum())
+    # Numbers of so many digits make larger steps after a power of ten than before.
+    elapsed = sum(float(time[own[-1]] - time[own[0]]) for own in changes if own.size)
+    step = elapsed / float(counts.sum())
     even = np.full(time_s.size, np.nan)
     for piece, own in zip(pieces, changes, strict=True):
         # A time is passed within the sample before the one that first shows it.
