@@ -31,6 +31,7 @@ _NODES = 60  #: Nodes nearest to the first contact through which a face is fitte
 _STRAIGHT = 1e-6  #: Curvature times the surface's size below which it counts as straight.
 _EXACT = 1e-7  #: Distance of nodes from a barrel over the surface's size below which it is the face.
 _ROUND = 0.05  #: Difference of curvatures, over the larger, from which one of them shows the axis.
+_LEVEL_deg = 2.0  #: Tilt by which a ball's highest point is 0.035 radii off a stated place.
 _STEPS = 30
 
 
@@ -179,7 +180,7 @@ def own_surface(source: MeshSource) -> OwnSurface:
     if source.at_mm is None:
         start = _outermost(points, corners, triangles, outward)
     else:
-        start = _stated_place(points, corners, triangles, np.array(source.at_mm), outward)
+        start = _stated_place(points, corners, triangles, np.array(source.at_mm))
     origin, form = _apex(points[nodes], start, axes, scale, moves=source.at_mm is None)
     axes = _principal(axes, form, source)
     local = (points - origin) @ axes.T
@@ -276,23 +277,13 @@ def _outermost(points: Array, nodes: IntArray, triangles: IntArray, outward: Arr
     return np.asarray(0.5 * (points[top].min(axis=0) + points[top].max(axis=0)))
 
 
-def _stated_place(points: Array, nodes: IntArray, triangles: IntArray, place: Array, outward: Array) -> Array:
-    """The place (3,), stated as that of first contact. Raises GeometryError if it lies off the contact surface, or the
-    surface is tilted there.
-    """
+def _stated_place(points: Array, nodes: IntArray, triangles: IntArray, place: Array) -> Array:
+    """The place (3,), stated as that of first contact. Raises GeometryError if it lies off the contact surface."""
     nearest = nodes[np.linalg.norm(points[nodes] - place, axis=1).argmin()]
     away = float(np.linalg.norm(points[nearest] - place))
     if away > float(np.linalg.norm(np.diff(points[triangles], axis=1), axis=2).max()):
         raise GeometryError(
             f"at_mm lies {away:.3g} mm from the nearest node of its contact surface: state a place on it"
-        )
-    normal = _normals(points, triangles[(triangles == nearest).any(axis=1)]).sum(axis=0)
-    normal = normal / np.linalg.norm(normal)
-    # Faces beside a node of a round surface do not tell its normal better.
-    if (tilt := degrees(np.arccos(np.clip(normal @ outward, -1.0, 1.0)))) > 10.0:
-        better = ", ".join(f"{value:.3g}" for value in normal)
-        raise GeometryError(
-            f"its surface is tilted by {tilt:.0f}° to its normal at at_mm: give outward = [{better}] with it"
         )
     return place
 
@@ -315,6 +306,7 @@ def _apex(nodes: Array, start: Array, axes: Array, scale: float, *, moves: bool)
         found, *_ = np.linalg.lstsq(columns * weight, z * weight[:, 0], rcond=None)
         form = -np.array([[found[3], found[4]], [found[4], found[5]]])
         if not moves:
+            _require_level(found[1:3], axes)
             break
         values, vectors = np.linalg.eigh(form)
         step = np.zeros(2)
@@ -327,6 +319,18 @@ def _apex(nodes: Array, start: Array, axes: Array, scale: float, *, moves: bool)
         if np.abs(step).max() < 1e-9 * scale:
             break
     return origin, form
+
+
+def _require_level(slope: Array, axes: Array) -> None:
+    """Raise GeometryError if a surface of this slope (2,) at a stated place is tilted to its normal, with a better
+    one.
+    """
+    if (tilt := degrees(np.arctan(np.hypot(*slope)))) > _LEVEL_deg:
+        normal = np.array([-slope[0], -slope[1], 1.0]) @ axes
+        better = ", ".join(f"{value:g}" for value in np.round(normal / np.linalg.norm(normal), 3) + 0.0)
+        raise GeometryError(
+            f"its surface is tilted by {tilt:.3g}° to its normal at at_mm: give outward = [{better}] with it"
+        )
 
 
 def _principal(axes: Array, form: Array, source: MeshSource) -> Array:

@@ -101,7 +101,8 @@ def test_a_face_that_is_no_barrel_passes_through_the_files_nodes(tmp_path: Path)
         ({"held": "face"}, "'face' is in the held set 'face', too"),
         ({"more": "outward = [1, 0, 0]"}, "no face of its set 'face' looks along outward"),
         ({"more": "at_mm = [0, 0, 9]"}, "at_mm lies 6 mm from the nearest node"),
-        ({"more": "outward = [0.3, 0, 1]\nat_mm = [0, 0, 3]"}, r"tilted by 17°.*outward = \["),
+        ({"more": "outward = [0.3, 0, 1]\nat_mm = [0, 0, 3]"}, r"tilted by 1[67].*° .*outward = \["),
+        ({"more": "at_mm = [0.5, 0.0, 2.9875]"}, r"tilted by 2.9.*° .*outward = \[0.051, 0, 0.999\]"),
     ],
     ids=[
         "no contact",
@@ -115,6 +116,7 @@ def test_a_face_that_is_no_barrel_passes_through_the_files_nodes(tmp_path: Path)
         "aside",
         "off",
         "tilted",
+        "beside the top",
     ],
 )
 def test_what_does_not_fit_the_file_is_said(tmp_path: Path, stated: dict[str, str], said: str) -> None:
