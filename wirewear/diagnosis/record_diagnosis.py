@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from wirewear.base.errors import StudyError
 from wirewear.diagnosis.answer import Diagnosis, causes_of, causes_of_fit, partial_of
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.left_open import joined, masses, measurement_after, plausible, unseen
 from wirewear.diagnosis.infer.resembling import Resemblance, resemblances
 from wirewear.diagnosis.infer.search import Search, search, updated
-from wirewear.diagnosis.infer.shrink import shrink_of
-from wirewear.diagnosis.infer.weighing import classes_of, force_zero, gains_of, leading_fit, relevant, weigh
-from wirewear.diagnosis.infer.where import changes, findings, physical_gap, places, relevance_of
+from wirewear.diagnosis.infer.shrink import Shrink, shrink_of
+from wirewear.diagnosis.infer.weighing import Weighed, classes_of, force_zero, gains_of, leading_fit, relevant, weigh
+from wirewear.diagnosis.infer.where import (
+    GapFinding,
+    Place,
+    Relevance,
+    changes,
+    findings,
+    physical_gap,
+    places,
+    relevance_of,
+)
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.preparation import PreparedRecord, prepared
 from wirewear.diagnosis.surrogate.candidates import effect_of
@@ -100,46 +110,122 @@ def judged(
     """Diagnosis of a record from the result of a search. study, states, observed: of the record. further: the records
     that updated the search.
     """
-    setup, fits = found.problem.setup, (*found.singles, *found.pairs)
-    tolerance = record.tables.tolerance.model_dump()
-    # What an explanation leaves is judged as a gap is: what does not matter hints at no other cause.
-    where = places(found.problem, found.covariance, setup)
-    left_over = places(found.problem, found.covariance, found.best.setup)
-    leaves = relevance_of(left_over, tolerance, detected=True).relevant
+    gap = _located(found, record)
+    weighing = _weighed(found, gap)
+    checked = _checked(found, gap, weighing, states, observed)
+    diagnosis = _stated(found, gap, weighing, checked, record, study, observed, further)
+    return Diagnosed(diagnosis, record, study, states, found.problem.setup, observed, found, checked.weighed)
 
+
+@dataclass(frozen=True, eq=False)
+class _Gap:
+    """Where record and nominal model differ, and where they do under the best explanation. leaves: True if what that
+    leaves matters. tolerance: relative differences that count as equal, by the names of `[tolerance]`.
+    """
+
+    places: list[Place]
+    left_over: list[Place]
+    leaves: bool
+    tolerance: Mapping[str, float]
+
+
+def _located(found: Search, record: AnyRecord) -> _Gap:
+    """In which cycles and zones record and predictions differ."""
+    tolerance = record.tables.tolerance.model_dump()
+    left_over = places(found.problem, found.covariance, found.best.setup)
+    # What an explanation leaves is judged as a gap is: what does not matter hints at no other cause.
+    leaves = relevance_of(left_over, tolerance, detected=True).relevant
+    return _Gap(places(found.problem, found.covariance, found.problem.setup), left_over, leaves, tolerance)
+
+
+@dataclass(frozen=True, eq=False)
+class _Weighing:
+    """The causes by their evidence. best: the leading explanation, or the one without effects for a gap that does not
+    matter; finding: the zones that it is known by; own: names of its effects and of those that resemble them.
+    """
+
+    considered: Weighed
+    finding: tuple[GapFinding, ...]
+    relevance: Relevance
+    best: Fit
+    own: set[str]
+
+    @property
+    def negligible(self) -> bool:
+        """True for a gap that is there and does not matter."""
+        return self.relevance.detected and not self.relevance.relevant
+
+
+def _weighed(found: Search, gap: _Gap) -> _Weighing:
+    """The causes weighed by all cycles."""
     near = [*relevant(found.singles), *found.pairs]
     classes = classes_of(near, found.apart(near))
-    surprise, gains = (found.remainder.log_surprise, gains_of(found.distortions)) if leaves else (0.0, {})
+    surprise, gains = (found.remainder.log_surprise, gains_of(found.distortions)) if gap.leaves else (0.0, {})
     misfit = max(found.remainder.misfit, LEAST_DISPERSION)
     considered = weigh(found.none, found.singles, found.pairs, classes, misfit, surprise, gains)
-    explained = leading_fit(considered, found.none, fits)
-    gap, named = considered.verdict != "no_gap", considered.verdict in ("explained", "ambiguous")
+    explained = leading_fit(considered, found.none, (*found.singles, *found.pairs))
 
     # What is detected by an explanation is as large as that makes it: specimens and noise may hide it place by place.
     made = changes(found.problem, found.covariance, explained.setup)
-    finding = tuple(findings(where) or findings(made))
-    relevance = relevance_of(made if named else where, tolerance, detected=gap)
-    negligible = relevance.detected and not relevance.relevant
+    named = considered.verdict in ("explained", "ambiguous")
+    detected = considered.verdict != "no_gap"
+    relevance = relevance_of(made if named else gap.places, gap.tolerance, detected=detected)
     best = explained if relevance.relevant else found.none
-    left = found.left(best)
     own = {member for name in best.names for member in considered.class_of(name)}
-    wrong = max((one for one in found.singles if one.names[0] not in own), key=lambda one: one.merit, default=None)
+    return _Weighing(considered, tuple(findings(gap.places) or findings(made)), relevance, best, own)
 
+
+@dataclass(frozen=True, eq=False)
+class _Checked:
+    """The causes after the test on cycles that were not fitted. wrong: the likeliest effect that the leading
+    explanation excludes, refitted for comparison, None without one. left: share of the gap that the best explanation
+    leaves; remains: True if that is a remainder of unknown cause.
+    """
+
+    weighed: Weighed
+    shrink: Shrink
+    physical: Mapping[str, tuple[float, float]]
+    wrong: Fit | None
+    left: float
+    remains: bool
+
+
+def _checked(found: Search, gap: _Gap, weighing: _Weighing, states: WearStates, observed: Observations) -> _Checked:
+    """The leading explanation tested on cycles that were not fitted; refuted if it does not hold there."""
+    best, considered = weighing.best, weighing.considered
+    others = (one for one in found.singles if one.names[0] not in weighing.own)
+    wrong = max(others, key=lambda one: one.merit, default=None)
     shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, 20200715)
-    physical = physical_gap(states, observed, setup, best.setup, shrink.held_out)
+    physical = physical_gap(states, observed, found.problem.setup, best.setup, shrink.held_out)
 
-    weighed, remains = considered.without_gap() if negligible else considered, False
+    left, remains = found.left(best), False
+    weighed = considered.without_gap() if weighing.negligible else considered
     if best.names and not shrink.supports:
         weighed = weighed.refuted(best.names)
     elif best.names and left <= MOST_LEFT and shrink.leaves_little(MOST_LEFT):
         weighed, alone = weighed.with_remainder(best.names), weighed
-        remains = weighed.outside < alone.outside and leaves and left > LEAST_LEFT
-    verdict = weighed.verdict
+        remains = weighed.outside < alone.outside and gap.leaves and left > LEAST_LEFT
+    return _Checked(weighed, shrink, physical, wrong, left, remains)
+
+
+def _stated(
+    found: Search,
+    gap: _Gap,
+    weighing: _Weighing,
+    checked: _Checked,
+    record: AnyRecord,
+    study: AnyStudy,
+    observed: Observations,
+    further: Sequence[AnyRecord],
+) -> Diagnosis:
+    """What is left open, and the answer in words."""
+    best, considered, weighed = weighing.best, weighing.considered, checked.weighed
+    fits, verdict = (*found.singles, *found.pairs), weighed.verdict
     zero = force_zero(found.problem, found.covariance, best, len(observed.repeats))
 
     dispersion = max(found.remainder.misfit, 1.0)
     behind, causes = (causes_of(fits, one, dispersion) for one in (considered, weighed))
-    partial = partial_of(found, weighed, dispersion, left_over) if verdict == "unexplained" else None
+    partial = partial_of(found, weighed, dispersion, gap.left_over) if verdict == "unexplained" else None
     resembles: tuple[Resemblance, ...] = ()
     if verdict == "unexplained":
         resembles = resemblances(found.problem, found.distortions, found.best.log_evidence)
@@ -147,26 +233,26 @@ def judged(
     groups = [tuple(dict.fromkeys(map(effect_of, members))) for members in considered.classes]
     equivalent = tuple(members for members in groups if len(members) > 1 and verdict != "no_gap")
     set90 = plausible(masses(((one.effect, one.probability) for one in causes), equivalent))
-    if negligible:
+    if weighing.negligible:
         # A difference that does not matter has a cause, too.
         set90 = joined(set90, plausible(masses(((one.effect, one.probability) for one in behind), groups)))
-    undetectable = unseen(found, own)
     asked = measurement_after((record, *further), weighed, equivalent)
 
-    remainder = remaining(left, findings(left_over)) if remains else None
-    diagnosis = Diagnosis(
+    finding, relevance, shrink = weighing.finding, weighing.relevance, checked.shrink
+    remainder = remaining(checked.left, findings(gap.left_over)) if checked.remains else None
+    return Diagnosis(
         record=record.name,
         model=study.name,
         verdict=verdict,
         sentence=sentence_of(verdict, causes, equivalent, shrink, finding, partial, resembles, relevance, behind, asked)
         + of_remainder(remainder),
         shrink=shrink,
-        physical=physical,
+        physical=checked.physical,
         confirmed=None,
         where=() if verdict == "no_gap" else finding,
         causes=causes,
         equivalent=equivalent,
-        undetectable=undetectable,
+        undetectable=unseen(found, weighing.own),
         next_measurement=asked,
         updated_by=tuple(other.name for other in further),
         notes=(
@@ -174,7 +260,7 @@ def judged(
             *of_zero(zero),
             *of_scatter(found.covariance.contradicted),
             *of_laws(causes_of_fit(best, 1.0, dispersion)),
-            *of_the_record(record, setup, observed, shrink, wrong),
+            *of_the_record(record, found.problem.setup, observed, shrink, checked.wrong),
         ),
         resembles=resembles,
         partial=partial,
@@ -182,4 +268,3 @@ def judged(
         plausible=set90,
         relevance=relevance,
     )
-    return Diagnosed(diagnosis, record, study, states, setup, observed, found, weighed)
