@@ -202,7 +202,7 @@ def finer_point(study: Study, fidelity: str) -> Mapping[Resolution, Callable[[fl
     a factor. The mesh always; with wear also the positions of a cycle and, unless the study states the size of jumps,
     their tolerance.
     """
-    plan, chosen = discretise(study, fidelity), study.fidelity(fidelity)
+    sizes, chosen = discretise(study, fidelity), study.fidelity(fidelity)
 
     def of(own: Changes) -> Changes:
         return {"fidelity": {fidelity: own}}
@@ -211,10 +211,10 @@ def finer_point(study: Study, fidelity: str) -> Mapping[Resolution, Callable[[fl
         MESH: lambda factor: of({"mesh_refinement": factor * chosen.mesh_refinement})
     }
     if study.wear is not None:
-        increments = plan.increments_per_wear_cycle
+        increments = sizes.increments_per_wear_cycle
         finer[POSITIONS] = lambda factor: of({"increments_per_wear_cycle": 4 * ceil(factor * increments / 4)})
         if study.wear.explicit_jump_cycles is None:
-            finer[JUMPS] = lambda factor: of({"jump_tolerance": finer_tolerance(plan.jump_tolerance, factor)})
+            finer[JUMPS] = lambda factor: of({"jump_tolerance": finer_tolerance(sizes.jump_tolerance, factor)})
     return finer
 
 
