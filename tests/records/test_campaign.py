@@ -25,6 +25,7 @@ poissons_ratio = 0.3
 displacement_amplitude_um = {AMPLITUDE_um}
 frequency_Hz = {FREQUENCY_Hz}
 cycles = 4
+rig_height_m = 2.0
 [loops]
 files = "{{test}}_Rohdaten.csv"
 delimiter = "semicolon"
@@ -69,6 +70,7 @@ def test_each_test_is_read_with_its_own_load_and_spoiled_ones_are_named(folder: 
         if name not in ("V2", "V3"):
             assert float(rows[name]["normal_load_N"]) == pytest.approx(LOAD_N * (1 + number % 3))
             assert float(rows[name]["friction"]) == pytest.approx(FRICTION, rel=0.02)
+    assert answer.stderr.count("unknown key") == 1
     page = (out / "lab.html").read_text(encoding="utf-8")
     assert "stands apart" in page
     assert "5 tests: 5 in gross slip" in page
@@ -101,7 +103,10 @@ def test_tests_are_found_by_the_names_of_their_files(tmp_path: Path, pattern: st
     for name in files:
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text("", encoding="utf-8")
-    assert [test.name for test in campaign_tests(tmp_path)] == ["a 1", "b"]
+    (tmp_path / "tests.csv").write_text("test,normal_load_N\nb,2\n", encoding="utf-8")
+    assert [(test.name, dict(test.stated)) for test in campaign_tests(tmp_path)] == [
+        ("a 1", {}), ("b", {"normal_load_N": 2.0})
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(

@@ -19,14 +19,15 @@ LEAST = 0.02  #: Of the median: deviations that matter to no one.
 class CampaignResult:
     """One test of a campaign. mapped: what its loops and scars show, None if `refused` says why they cannot be read.
 
-    problems: of the record, one sentence each. odd: figures in which it stands apart from the other tests. answer: the
-    sentence of its diagnosis, "" without one.
+    problems, notes: of the record and of its import, one sentence each. odd: figures in which it stands apart from the
+    other tests. answer: the sentence of its diagnosis, "" without one.
     """
 
     name: str
     mapped: MappedTest | None = None
     refused: str = ""
     problems: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     odd: tuple[str, ...] = ()
     answer: str = ""
 

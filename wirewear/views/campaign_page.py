@@ -18,15 +18,22 @@ from wirewear.views.maps_page import sentences as maps_sentences
 
 HERE = Path(__file__).parent
 PAGE, TABLE = "lab.html", "lab.csv"
+MOST_NAMED = 5  #: Tests that a sentence about them names.
 
 
 def said_of(tests: Sequence[CampaignResult]) -> list[tuple[str, str]]:
-    """(test, sentence) for what is wrong with tests, and for what sets them apart."""
-    found = []
+    """(names, sentence) for what is wrong with tests, sets them apart, or was done to their files; each sentence once,
+    with the tests that it is about.
+    """
+    found: dict[str, list[str]] = {}
     for test in tests:
-        said = (test.refused, *test.problems, *(f"stands apart: {one}" for one in test.odd))
-        found += [(test.name, text) for text in said if text]
-    return found
+        said = (test.refused, *test.problems, *(f"stands apart: {one}" for one in test.odd), *test.notes)
+        for text in filter(None, said):
+            found.setdefault(text, []).append(test.name)
+    return [
+        (", ".join(names) if len(names) <= MOST_NAMED else f"{counted(len(names))} tests", text)
+        for text, names in found.items()
+    ]
 
 
 def sentences(tests: Sequence[CampaignResult]) -> list[str]:

@@ -82,12 +82,15 @@ def _looked_at(
             known = {"files": digest}
             with busy(f"reading {test.name}"):
                 record_path.parent.mkdir(parents=True, exist_ok=True)
-                write_record(record_path, import_record(mapping, test), overwrite=True)
+                record = import_record(mapping, test)
+                known["notes"] = list(record.notes)
+                write_record(record_path, record, overwrite=True)
         problems = tuple(remark.text for remark in check_record(read_record(record_path)).problems)
         mapped = fretting_tests(record_path)[0]
         if diagnose and not problems and "answer" not in known:
             known["answer"] = _diagnosed(record_path, output / "diagnoses" / test.name)
-        return CampaignResult(test.name, mapped, problems=problems, answer=known.get("answer", ""))
+        notes = tuple(known.get("notes", ()))
+        return CampaignResult(test.name, mapped, problems=problems, notes=notes, answer=known.get("answer", ""))
     except WirewearError as refusal:
         return CampaignResult(test.name, refused=str(refusal))
     finally:

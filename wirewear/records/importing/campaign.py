@@ -91,7 +91,11 @@ def _names(folder: Path, pattern: str) -> Iterator[str]:
     expression = "".join(places.get(part, PLACE if part == PLACE else re.escape(part)) for part in parts)
     expression = expression.replace(PLACE, "(?P<test>[^/]+?)", 1).replace(PLACE, "(?P=test)")
     for path in folder.glob(pattern.replace(PLACE, "*")):
-        if path.is_file() and (found := re.fullmatch(expression, path.relative_to(folder).as_posix())):
+        if (
+            path.is_file()
+            and path.name not in (MAPPING, TABLE)
+            and (found := re.fullmatch(expression, path.relative_to(folder).as_posix()))
+        ):
             yield found["test"]
 
 

@@ -77,7 +77,8 @@ def import_record(mapping_path: str | Path, test: CampaignTest | None = None) ->
 
 
 def _mapping_of(path: Path, test: CampaignTest | None) -> tuple[Any, tuple[str, ...]]:
-    require_mapping(path)
+    if test is None:
+        require_mapping(path)
     filled = dict if test is None else test.tables
     mapping, notes = read_tables(path, MAPPINGS[tables_of_file(path).contact_kind], filled)
     mapping.require_whole(str(path))
