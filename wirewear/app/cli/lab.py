@@ -43,8 +43,8 @@ def lab(folder: Path, output: Path, diagnose: bool, as_json: bool) -> None:
         raise RunError(f"{output} lies in the folder of the campaign, among its files: choose another --output.")
     with occupied(output, f"lab {folder}"):
         journal, found = _read(output / JOURNAL), []
-        for test in tests:
-            found.append(_looked_at(folder, output, test, journal, diagnose=diagnose))
+        for one in tests:
+            found.append(_looked_at(folder, output, one, journal, diagnose=diagnose))
             write_text(output / JOURNAL, json_text(journal) + "\n")
         found = with_outliers(found)
         with busy("writing the page"):
@@ -55,6 +55,9 @@ def lab(folder: Path, output: Path, diagnose: bool, as_json: bool) -> None:
     wide_console(150).print(campaign_table(found))
     for sentence in sentences(found):
         click.echo(sentence)
+    for test in found:
+        if test.answer:
+            click.echo(f"{test.name}: {test.answer}")
     for name, text in said_of(found):
         click.echo(f"wirewear: {name}: {text}", err=True)
     for path in written:
