@@ -124,6 +124,11 @@ class HexMesh(ElementMesh):
         return smallest
 
     @cached_property
+    def images(self) -> tuple[IntArray | None, IntArray | None]:
+        """What `mirror_images` gives about x = 0 and about y = 0, kept for all states of wear of a fresh mesh."""
+        return mirror_images(self, 0), mirror_images(self, 1)
+
+    @cached_property
     def springs(self) -> csr_matrix:
         """Stiffness matrix (n, n), one unknown per node, of springs along the elements' edges: the graph Laplacian
         weighted by (mean length / length)².
@@ -304,8 +309,7 @@ def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
 def _orbits(mesh: HexMesh, drop: Array) -> IntArray:
     """For each node the first (n,) of those that the mirror planes of both mesh and drop (n,) take into each other."""
     first = np.arange(len(mesh.points))
-    for axis in (0, 1):
-        image = mirror_images(mesh, axis)
+    for image in mesh.images:
         if image is not None and np.array_equal(drop, drop[image]):
             first = np.minimum(first, first[image])
     return first
