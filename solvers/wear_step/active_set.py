@@ -221,7 +221,7 @@ def _alone(terms: _Terms, facing: Facing, moved: Array) -> tuple[Array, Array]:
     equation of its load is beside those of gaps: by what pressures of a unit load open where that is most.
     """
     on, start, faced, worked = terms.on, terms.start, terms.faced, terms.worked
-    alone, carried, entry = np.empty(len(on)), np.zeros(len(start) - 1), 0
+    alone, carried, entry, most = np.empty(len(on)), np.zeros(len(start) - 1), 0, 1e-300
     for a in range(len(on)):
         i, k = on[a], terms.position[a]
         alone[a] = moved[entry + i - start[k]] + terms.softness[i]
@@ -229,11 +229,14 @@ def _alone(terms: _Terms, facing: Facing, moved: Array) -> tuple[Array, Array]:
             for w in range(worked.first[i], worked.first[i + 1]):
                 if faced.columns[f] == worked.columns[w]:
                     alone[a] += terms.opened[i] * faced.weights[f] * worked.weights[w] * terms.worn[i]
+        most = max(most, alone[a])
         carried[k] = max(carried[k], abs(facing.lift[0, i] + terms.slope[i] * facing.lift[1, i]))
         entry += start[k + 1] - start[k]
     if np.isnan(terms.load_N[0]):
         return alone, np.ones(len(carried))
-    return alone, np.maximum(carried / max(alone.max() if len(on) else 0.0, 1e-300), terms.spring_N_per_mm)
+    for k in range(len(carried)):
+        carried[k] = max(carried[k] / most, terms.spring_N_per_mm)
+    return alone, carried
 
 
 @compiled
@@ -241,7 +244,12 @@ def _product(terms: _Terms, facing: Facing, moved: Array, solution: Array) -> Ar
     """The left-hand side under pressures in contact and heights.  moved: as `_sides` returns it."""
     on, start, size, held = terms.on, terms.start, len(terms.on), np.isnan(terms.load_N[0])
     work, left, entry = _work(terms, solution), np.empty(len(solution)), 0
-    first = np.searchsorted(terms.position, np.arange(len(start)))
+    # Number of the pressures at all positions before each.
+    first = np.zeros(len(start), np.int64)
+    for k in terms.position:
+        first[k + 1] += 1
+    for k in range(1, len(start)):
+        first[k] += first[k - 1]
     for k in range(len(start) - 1):
         height = solution[size + k]
         left[size + k] = height if held else -terms.spring_N_per_mm * height
