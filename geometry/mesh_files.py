@@ -138,6 +138,8 @@ def _of_abaqus(file: Path, mm_per_unit: float) -> SolidMesh:
         text = file.read_text(encoding="utf-8", errors="replace")
         for keyword, options, lines in _blocks(text):
             reader.take(keyword, options, lines)
+    except KeyError as problem:
+        raise GeometryError(f"one of its sets or surfaces has no name: give it after {problem.args[0]}=") from None
     except (ValueError, IndexError) as problem:
         raise GeometryError(f"it is not written as Abaqus' input files are ({problem})") from None
     return reader.mesh(mm_per_unit)

@@ -233,10 +233,13 @@ def test_dialects_of_abaqus_files_are_read(tmp_path: Path, replaced: str, by: st
         ("*NODE\n1, 0., 0., 9.", "two different nodes 1, as where a file holds several parts"),
         ("*ELEMENT, TYPE=C3D8\n1, 8, 7, 6, 5, 4, 3, 2, 1", "two different elements 1"),
         ("*INCLUDE, INPUT=rest.inp", "from the file rest.inp"),
+        ("*NSET\n1, 2, 3", "has no name: give it after NSET="),
         ("*NSET, NSET=more, INPUT=set.txt", "from the file set.txt"),
     ],
 )
-def test_abaqus_files_of_several_parts_or_files_are_refused(tmp_path: Path, added: str, said: str) -> None:
+def test_abaqus_files_of_several_parts_or_files_or_without_names_are_refused(
+    tmp_path: Path, added: str, said: str
+) -> None:
     file = written(tmp_path, block(ball))
     file.write_text(f"{file.read_text()}\n{added}\n")
     with pytest.raises(StudyError, match=said):
