@@ -57,6 +57,13 @@ def test_every_number_has_an_error_of_the_solvers_and_the_covariance_is_definite
     assert np.linalg.eigvalsh(covariance / np.outer(sizes, sizes)).min() > 1e-9
 
 
+def test_the_mean_of_one_repeat_is_that_repeat_however_much_its_numbers_share_of_their_noise() -> None:
+    observed = reduce(record(repeats=1))
+    noise = observed.noise * np.geomspace(1e-5, 1.0, len(observed.layout))
+    shared = replace(observed, noise=noise, alike=np.ones((1, noise.size, noise.size)))
+    assert covariance_of(shared).mean == pytest.approx(observed.values[0], rel=1e-12)
+
+
 @pytest.mark.seconds
 @settings(max_examples=4, deadline=None)
 @given(st.randoms(use_true_random=False))

@@ -307,19 +307,21 @@ def estimate(states: WearStates, setup: SurrogateInputs, observed: Observations)
     per_repeat = per_repeat * factors
     scattered = per_repeat @ per_repeat.T
     known = noise_factors(observed, scattered)
+    # About their plain mean: numbers themselves lose more digits in two inverses than they differ by.
+    centre = np.nanmean(observed.values, axis=0)
     precision, weighted = np.zeros((len(layout), len(layout))), np.zeros(len(layout))
     for repeat, values in enumerate(observed.values):
         seen = np.flatnonzero(np.isfinite(values))
         block = observed.noise_covariance(repeat, seen, known) + scattered[np.ix_(seen, seen)]
         inverse = np.linalg.inv(block)
         precision[np.ix_(seen, seen)] += inverse
-        weighted[seen] += inverse @ values[seen]
+        weighted[seen] += inverse @ (values - centre)[seen]
     sampling = np.linalg.inv(precision)
     total = sampling + numerical + within + common
     single = known * np.nanmedian(observed.noise**2, axis=0) + np.diag(scattered) + np.diag(numerical)
     names = zip(sizes.items(), factors, strict=True)
     return Covariance(
-        mean=sampling @ weighted,
+        mean=centre + sampling @ weighted,
         total=0.5 * (total + total.T),
         free=free,
         moved=derivatives(states, setup, layout, free),
