@@ -130,6 +130,17 @@ def test_a_core_that_sticks_beside_a_slider_keeps_its_bilinear_loop() -> None:
     assert course.energy_mJ == pytest.approx(12e-3, rel=1e-2)
 
 
+@pytest.mark.parametrize("order", [1.02, 1.1, 1.3])
+def test_the_work_of_micro_slip_is_known_as_well_of_contacts_that_are_almost_straight(order: float) -> None:
+    held = circumstances(1.0, held="tangential", held_share=0.5 * FRICTION_N)
+
+    def gained(states: WearStates) -> float:
+        less, more = (simulate(states, replace(held, micro_slip=own), CYCLES).energy_mJ[0] for own in (-0.03, 0.03))
+        return float(np.log(more / less))
+
+    assert gained(ball(order)) == pytest.approx(gained(ball()), rel=0.5)
+
+
 def test_a_wider_annulus_is_worn_as_far_when_as_much_of_all_that_wears_is_gone() -> None:
     """All that wears by Ciavarella and Hills under a held approach and stroke, the sphere's radius and approach 1."""
 

@@ -257,7 +257,10 @@ def _contact(
     ratio = np.tan(np.minimum(np.maximum(theta + angle, -1.2), 1.2))[:, None]
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
     yields = states.yielding_between(row, share)
-    order, bends = yields[:, 0] * np.exp(setup.micro_slip), yields[:, 1:]
+    order, bends = yields[:, 0], yields[:, 1:]
+    # Micro-slip works as n − 1, which is known as well where a body gives way as a whole, with an order near one.
+    less = np.minimum(3.0 * (1.0 - 1.0 / order), 1.0) if states.sticks else 1.0
+    order = order * np.exp(less * setup.micro_slip)
     bends[:, 0] = reached
     return sensing.SlidingContact(along, along * ratio, stiffness, springs, order, np.ones_like(stiffness), bends)
 
