@@ -1,4 +1,4 @@
-"""Meshes and unworn surfaces of the contacting bodies: hexahedra, contact patches, mesh quality, export.
+"""Meshes and unworn surfaces of the contacting bodies: gmsh hexahedra, contact patches, mesh quality, export.
 
 A module of this package is imported when one of its names is first used, so catching a GeometryError loads no gmsh.
 """

@@ -1,6 +1,6 @@
 """The mesh of a three-dimensional body, all of hexahedra and refined at its contact patch, and its elastic material.
 
-A graded cross-section of a quarter of the body (y >= 0, x >= 0) is swept along x; the points are moved where the
+gmsh sweeps a graded cross-section of a quarter of the body (y >= 0, x >= 0) along x; the points are moved where the
 body is curved along x, and the quarter is mirrored twice, so the mesh is symmetric to the last bit. The contact patch
 is the part of the surface that may touch the other body; the grip is the part that the holder holds.
 """
@@ -22,6 +22,9 @@ from geometry.mesh import HexMesh, lowered
 from geometry.patch import ContactPatch
 from geometry.profiles import Profile
 from geometry.solid import Host
+
+_HEXAHEDRON = 5
+
 
 LEAST_SCALED_JACOBIAN = 0.2  #: Elements with a smaller scaled Jacobian than this are refused.
 
@@ -76,12 +79,53 @@ def extruded_hexahedra(section: Array, quads: IntArray, lines_mm: Array) -> tupl
     order.
 
     section: (n, 2) points (y, z) in mm. quads: (m, 4) their indices, counter-clockwise. lines_mm: (k,) positions of the
-    mesh's cross-sections on x.
+    mesh's cross-sections on x, the first 0. Raises GeometryError when gmsh leaves other elements than hexahedra.
     """
-    k = len(lines_mm)
-    points = np.column_stack([np.tile(lines_mm, len(section)), np.repeat(section, k, axis=0)])
-    before = k * quads[:, None] + np.arange(k - 1)[:, None]
-    return points, np.concatenate([before, before + 1], axis=2).reshape(-1, 8)
+    with gmsh_session() as gmsh:
+        geo = gmsh.model.geo
+        vertices = [geo.addPoint(y, z, 0.0) for y, z in section]
+        lines: dict[tuple[int, int], int] = {}
+
+        def line(a: int, b: int) -> int:
+            if (b, a) in lines:
+                return -lines[b, a]
+            if (a, b) not in lines:
+                lines[a, b] = int(geo.addLine(vertices[a], vertices[b]))
+            return lines[a, b]
+
+        surfaces = []
+        for quad in quads.tolist():
+            loop = geo.addCurveLoop([line(quad[i], quad[(i + 1) % 4]) for i in range(4)])
+            surfaces.append((2, int(geo.addPlaneSurface([loop]))))
+        for tag in lines.values():
+            geo.mesh.setTransfiniteCurve(tag, 2)
+        for _, tag in surfaces:
+            geo.mesh.setTransfiniteSurface(tag)
+            geo.mesh.setRecombine(2, tag)
+        # Else gmsh looks for coincident entities after every single quadrilateral.
+        gmsh.option.setNumber("Geometry.AutoCoherence", 0)
+        length = float(lines_mm[-1])
+        layers = [1] * (len(lines_mm) - 1)
+        geo.extrude(surfaces, 0.0, 0.0, length, layers, list(lines_mm[1:] / length), recombine=True)
+        geo.removeAllDuplicates()
+        geo.synchronize()
+        gmsh.model.mesh.generate(3)
+        return _collect(gmsh)
+
+
+def _collect(gmsh: Any) -> tuple[Array, IntArray]:
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    types, _, _ = gmsh.model.mesh.getElements(3)
+    if list(types) != [_HEXAHEDRON]:
+        raise GeometryError("gmsh left other elements than hexahedra in the body; please report this study")
+    cells = gmsh.model.mesh.getElementsByType(_HEXAHEDRON)[1].astype(np.int64).reshape(-1, 8)
+    row = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
+    row[tags.astype(np.int64)] = np.arange(len(tags))
+    used = np.unique(row[cells])
+    new = np.full(len(tags), -1, dtype=np.int64)
+    new[used] = np.arange(len(used))
+    y, z, x = coordinates.reshape(-1, 3)[used].T
+    return np.column_stack([x, y, z]), new[row[cells]]
 
 
 class BodyGeometry(ABC):
@@ -218,7 +262,8 @@ def _without_round_off(depth_mm: Array) -> Array:
 def build_body(geometry: BodyGeometry) -> BodyMesh:
     """The mesh of a body, built by `geometry.built`.
 
-    Raises GeometryError when the scaled Jacobian of an element is below LEAST_SCALED_JACOBIAN.
+    Raises GeometryError when gmsh fails, leaves other elements than hexahedra, or the scaled Jacobian of an element is
+    below LEAST_SCALED_JACOBIAN.
     """
     return geometry.built()
 
