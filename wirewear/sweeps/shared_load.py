@@ -97,7 +97,7 @@ def shared_load(test: ManyContacts, simulate: Simulate) -> SharedLoad:
         )
         moved = np.abs(_of_sum(force) - share).max() if test.rig_yields else 0.0
         change = float(max(np.abs(better - load).max() / mean, moved))
-        # Runs and beam agree on the loads within so much of their mean, and on the rig within so much of its travel.
+        # Runs and wire agree on the loads within so much of their mean, and on the rig within so much of its travel.
         if change < 0.005:
             approach[~closed] = np.nan
             found = (1e3 * approach, 1e3 * depth, volume)

@@ -30,7 +30,7 @@ def sentence(shared: SharedLoad) -> str:
     carry = "share" if not shared.test.span.clamped_at_mm else "and clamps share"
     return (
         f"{len(shared.load_N)} contacts {carry} {written(shared.test.load_N)} N: at first {first} N{then}. Runs and "
-        f"beam agree within {100.0 * shared.change:.2g} % of the mean load after {shared.rounds} rounds."
+        f"wire agree within {100.0 * shared.change:.2g} % of the mean load after {shared.rounds} rounds."
     )
 
 
