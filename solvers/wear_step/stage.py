@@ -206,11 +206,13 @@ def solve_stage(
         friction = cycle.law_at(problem, worn, slip, pressure)
         if 1 < iteration <= _FOLLOWED:
             cycles = lasting(pressure)
-        base, opens = _staying(problem, cycle, before, cycles * (pressure > 0.0))
-        gaps, tangent = cycle.gaps(problem, base.opened(problem.retained)), recession.tangent
+        if iteration == 1 or cycle.to_edge is not None:
+            base, opens = _staying(problem, cycle, before, cycles * (pressure > 0.0))
+            base_gaps = cycle.gaps(problem, base.opened(problem.retained))
+        gaps, tangent = base_gaps, recession.tangent
         opening = cycle.orbits.opening_by((opens[0] * tangent[0], opens[1] * tangent[1]))
         if recession.beyond is not None:
-            gaps += cycle.orbits.opening(opens[0] * recession.beyond[0], opens[1] * recession.beyond[1])
+            gaps = gaps + cycle.orbits.opening(opens[0] * recession.beyond[0], opens[1] * recession.beyond[1])
         known_by = problem, cycle, facing, gaps, opening, slip, cycles, problem.bedded(worn), friction
         equations = CycleEquations(*known_by, yielding)
         found = equations.improved(pressure, active)

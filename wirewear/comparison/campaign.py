@@ -39,7 +39,7 @@ class CampaignResult:
         return "problems" if self.problems else "apart" if self.odd else "good"
 
 
-#: Figures by which tests are told from one another, in words; friction and wear rate do not follow load and stroke.
+#: Figures by which tests are compared, in words; friction and wear rate do not follow load and stroke.
 FIGURES: dict[str, Callable[[MappedTest], float]] = {
     "friction": lambda test: test.friction,
     "wear rate": lambda test: test.volume_mm3 / test.energy_J if test.energy_J > 0.0 else np.nan,

@@ -120,11 +120,13 @@ def fretting_tests(path: Path) -> list[MappedTest]:
     if path.name != TABLE_FILE_NAME and not (path / TABLE_FILE_NAME).is_file():
         require_no_other(path, RecordError, Held.RECORD, Held.RUN)
         return [_of_result(result, path) for result in read_results(path)]
-    record = read_record(path)
-    return [completed(*_of_record(record, path))]
+    return [fretting_test(read_record(path), path)]
 
 
-def _of_record(record: AnyRecord, path: Path) -> tuple[MappedTest, list[tuple[int, LoopFigures]]]:
+def fretting_test(record: AnyRecord, path: Path) -> MappedTest:
+    """The test of a record, which was read from a path; see `fretting_tests`. Raises RecordError if none of its loops
+    can be analysed.
+    """
     asked, extent = record.tables.conditions, record.tables.extent
     loops = _figures(record.loops, asked.normal_load_N)
     loads = [float(np.nanmedian(one.normal_force_N)) for one in record.loops if one.normal_force_N is not None]
@@ -143,7 +145,7 @@ def _of_record(record: AnyRecord, path: Path) -> tuple[MappedTest, list[tuple[in
         contact=None if contact is None else _behind_measured_rig(contact, record, loops),
         extent=extent,
     )
-    return test, loops
+    return completed(test, loops)
 
 
 def _of_result(result: RunResult, path: Path) -> MappedTest:

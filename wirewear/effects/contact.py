@@ -156,6 +156,16 @@ class RoughnessCompliance(Effect[ContactLaw]):
         return Course(self.layer_um, 0.0, self.cycles, self.steepness, self.order, self.lasting)
 
 
+def _retained(meaning: str) -> float:
+    quantity, ends = Quantity("1", 0.0, 0.95), (0.02, 0.7)
+    return parameter(meaning, quantity, neutral=0.0, easy=0.4, hard=0.1, interest=ends, logarithmic=True)
+
+
+def _modulus_of_bed(easy: float) -> float:
+    meaning, quantity, ends = "modulus of the laterally confined bed", Quantity("MPa", 1.0, 1e6), (100.0, 5e4)
+    return parameter(meaning, quantity, neutral=None, easy=easy, hard=2000.0, interest=ends, logarithmic=True)
+
+
 @dataclass(frozen=True)
 class ThirdBodyLayer(Effect[ContactLaw]):
     """Debris that stays in both scars as an elastic bed and carries the load.
@@ -181,24 +191,8 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     )
     model_error = 0.12
 
-    retained_fraction: float = parameter(
-        "share of the worn depth that debris fills",
-        Quantity("1", 0.0, 0.95),
-        neutral=0.0,
-        easy=0.4,
-        hard=0.1,
-        interest=(0.02, 0.7),
-        logarithmic=True,
-    )
-    modulus_MPa: float = parameter(
-        "modulus of the laterally confined bed",
-        Quantity("MPa", 1.0, 1e6),
-        neutral=None,
-        easy=500.0,
-        hard=2000.0,
-        interest=(100.0, 5e4),
-        logarithmic=True,
-    )
+    retained_fraction: float = _retained("share of the worn depth that debris fills")
+    modulus_MPa: float = _modulus_of_bed(500.0)
 
     # A line contact's bed is computed along its profile, and stays a share of the depth: it has neither of these. Even
     # beds and gathered ones shear by V^0.2 more as they wear (contacts smaller than the scar), ejected ones less.
@@ -276,24 +270,8 @@ class DebrisBalance(Effect[ContactLaw]):
     model_error = 0.3
     needs_whole_cycles = True
 
-    retained_fraction: float = parameter(
-        "share of the worn depth that becomes debris between the surfaces",
-        Quantity("1", 0.0, 0.95),
-        neutral=0.0,
-        easy=0.4,
-        hard=0.1,
-        interest=(0.02, 0.7),
-        logarithmic=True,
-    )
-    modulus_MPa: float = parameter(
-        "modulus of the laterally confined bed",
-        Quantity("MPa", 1.0, 1e6),
-        neutral=None,
-        easy=2000.0,
-        hard=2000.0,
-        interest=(100.0, 5e4),
-        logarithmic=True,
-    )
+    retained_fraction: float = _retained("share of the worn depth that becomes debris between the surfaces")
+    modulus_MPa: float = _modulus_of_bed(2000.0)
     leaving_share: float = parameter(
         "part of the slip by which debris moves towards the contact's edge",
         Quantity("1", 0.0, 1e6),
@@ -317,12 +295,10 @@ class DebrisBalance(Effect[ContactLaw]):
     def considered_for(cls, _contact: str, _held: str) -> bool:
         return False
 
-    def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
+    def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         if self.retained_fraction == 0.0:
             return described
-        flow = DebrisFlow(self.leaving_share, 1e-3 * self.protecting_um)
-        layers = (*described.layers, ThirdBody(self.retained_fraction, self.modulus_MPa))
-        return replace(described, layers=layers, debris=flow)
+        return replace(self._bed.changed(described, age), debris=self._flow)
 
     def predicted(self, chain: Chain) -> Chain:
         """The chain with a bed as `ThirdBodyLayer` predicts it, limited to the thickness at which source and ejection
@@ -335,8 +311,16 @@ class DebrisBalance(Effect[ContactLaw]):
         path_um = 1e6 * chain.energy_J / (chain.friction * chain.load_N)
         distance_um = np.sqrt(area_um2 / np.pi) / 3.0
         depth_um = np.divide(chain.worn_um3, area_um2)
-        full_um = self.retained_fraction * depth_um * distance_um / np.maximum(self.leaving_share * path_um, 1e-12)
-        bed = ThirdBodyLayer(self.retained_fraction, self.modulus_MPa)
-        bedded = bed.limited_to(np.maximum(full_um, 1e-9), chain)
+        passages = np.maximum(self._flow.passages(path_um, distance_um), 1e-12)
+        full_um = self.retained_fraction * depth_um / passages
+        bedded = self._bed.limited_to(np.maximum(full_um, 1e-9), chain)
         thickness_um = (bedded.retained_fraction - chain.retained_fraction) * depth_um
-        return replace(bedded, wear_um3_per_mJ=chain.wear_um3_per_mJ / (1.0 + thickness_um / self.protecting_um))
+        return replace(bedded, wear_um3_per_mJ=chain.wear_um3_per_mJ * self._flow.wearing(1e-3 * thickness_um))
+
+    @property
+    def _bed(self) -> ThirdBodyLayer:
+        return ThirdBodyLayer(self.retained_fraction, self.modulus_MPa)
+
+    @property
+    def _flow(self) -> DebrisFlow:
+        return DebrisFlow(self.leaving_share, 1e-3 * self.protecting_um)

@@ -13,7 +13,7 @@ from wirewear.base.words import counted
 from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.comparison.campaign import CampaignResult
 from wirewear.comparison.mapped_tests import MappedTest
-from wirewear.views.maps_page import columns_of, row_of, write_maps
+from wirewear.views.maps_page import columns_of, row_of, shown_in, write_maps
 from wirewear.views.maps_page import sentences as maps_sentences
 
 HERE = Path(__file__).parent
@@ -70,10 +70,7 @@ def campaign_table(tests: Sequence[CampaignResult]) -> Table:
     for _, heading, digits in columns:
         table.add_column(Text(heading), justify="right" if digits else "left")
     for test, row in _rows(tests):
-        cells = [
-            "–" if (value := row[name]) is None else frame.figure(value, digits) if digits else str(value)  # type: ignore[arg-type]
-            for name, _, digits in columns
-        ]
+        cells = (shown_in(row[name], digits) for name, _, digits in columns)
         table.add_row(Text(test.name), test.state, *cells)
     return table
 

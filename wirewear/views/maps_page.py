@@ -97,12 +97,13 @@ def tests_table(tests: Sequence[MappedTest]) -> Table:
         table.add_column(heading, justify="right" if digits else "left")
     for place, test in enumerate(tests, 1):
         row = row_of(test)
-        shown = (_shown(row[name], digits) for name, _, digits in columns)
+        shown = (shown_in(row[name], digits) for name, _, digits in columns)
         table.add_row(str(place), Text(test.name), test.source, *shown)
     return table
 
 
-def _shown(value: Any, digits: int) -> str:
+def shown_in(value: Any, digits: int) -> str:
+    """A value of `row_of` as a cell of a table, with the digits of its column, 0 for a word; "–" if it is unknown."""
     return figure(value, digits) if digits else str("–" if value is None else value)
 
 

@@ -15,6 +15,7 @@ from wirewear.base.writing import json_text, write_text
 
 if TYPE_CHECKING:
     from wirewear.comparison.campaign import CampaignResult
+    from wirewear.records import AnyRecord
     from wirewear.records.importing.campaign import CampaignTest
 
 JOURNAL = "lab.json"  #: What each test's files were when it was last looked at.
@@ -71,7 +72,7 @@ def _looked_at(
     computed again. `journal` is brought up to date.
     """
     from wirewear.comparison.campaign import CampaignResult
-    from wirewear.comparison.mapped_tests import fretting_tests
+    from wirewear.comparison.mapped_tests import fretting_test
     from wirewear.records import check_record, read_record, write_record
     from wirewear.records.importing import import_record
     from wirewear.records.importing.campaign import MAPPING
@@ -85,13 +86,14 @@ def _looked_at(
             known = {"files": digest}
             with busy(f"reading {test.name}"):
                 record_path.parent.mkdir(parents=True, exist_ok=True)
-                record = import_record(mapping, test)
-                known["notes"] = list(record.notes)
-                write_record(record_path, record, overwrite=True)
-        problems = tuple(remark.text for remark in check_record(read_record(record_path)).problems)
-        mapped = fretting_tests(record_path)[0]
+                imported = import_record(mapping, test)
+                known["notes"] = list(imported.notes)
+                write_record(record_path, imported, overwrite=True)
+        record = read_record(record_path)
+        problems = tuple(remark.text for remark in check_record(record).problems)
+        mapped = fretting_test(record, record_path)
         if diagnose and not problems and "answer" not in known:
-            known["answer"] = _diagnosed(record_path, output / "diagnoses" / test.name)
+            known["answer"] = _diagnosed(record, output / "diagnoses" / test.name)
         notes = tuple(known.get("notes", ()))
         return CampaignResult(test.name, mapped, problems=problems, notes=notes, answer=known.get("answer", ""))
     except WirewearError as refusal:
@@ -100,14 +102,13 @@ def _looked_at(
         journal[test.name] = known
 
 
-def _diagnosed(record_path: Path, folder: Path) -> str:
+def _diagnosed(record: AnyRecord, folder: Path) -> str:
     """The sentence of a record's diagnosis, whose report is written to a folder."""
     from wirewear.diagnosis import diagnose_prepared, prepared
-    from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
     from wirewear.views.diagnosis_page import write_diagnosis
 
-    records = prepared(read_record(record_path).of_block(None), None, [])
+    records = prepared(record.of_block(), None, [])
     diagnosed = diagnose_prepared(records, observer_of=ProgressBar, left_out=(), stage=stage)
     write_diagnosis(diagnosed, folder)
     return diagnosed.diagnosis.sentence
