@@ -301,8 +301,8 @@ def alike(lines: Array) -> slice:
 
 
 def window_lines(lines: Array) -> Array:
-    """Those of the mesh lines (n,) in mm, around the middle one, whose spacing is nearly even; all lines where spacings
-    away from the middle are smaller than there, as towards the rim of a contact that sticks.
+    """The mesh lines, of `lines` (n,) in mm, around the middle one whose spacing is nearly even; all lines where
+    spacings away from the middle are smaller than there, as towards the rim of a contact that sticks.
     """
     spacing = np.diff(lines)
     shrinks = spacing.min() <= (1.0 - _ALIKE) * spacing[len(spacing) // 2]

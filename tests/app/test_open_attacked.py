@@ -318,8 +318,8 @@ def test_a_step_ends_with_the_desk(tmp_path: Path, name: str) -> None:
 @pytest.mark.seconds
 def test_a_step_ends_with_the_desk_though_it_is_in_a_compiled_function() -> None:
     """Which lets no other thread of Python run, and no signal's handler."""
-    begun = "from wirewear.app.web.workspace import end_with_input; end_with_input(); print('on', flush=True)"
-    code = [sys.executable, "-c", f"{begun}; sum(range(10**12))"]
+    started = "from wirewear.app.web.workspace import end_with_input; end_with_input(); print('on', flush=True)"
+    code = [sys.executable, "-c", f"{started}; sum(range(10**12))"]
     with subprocess.Popen(code, stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True) as step:
         assert step.stdin is not None
         assert step.stdout is not None

@@ -290,7 +290,7 @@ def even_line_contact(
 
     modulus_MPa: E*. widest_mm: the largest half-width that is tried. With P(s) the load at which the half-width is s
     (`even_line_load`), the pressure at x is 1/π ∫ P'(s)/√(s² − x²) ds from |x| to a. Raises ValueError where the widest
-    contact bears less than the load.
+    contact carries less than the load.
     """
     require_positive(normal_load_N_per_mm=normal_load_N_per_mm, modulus_MPa=modulus_MPa, widest_mm=widest_mm)
     half_width, s, gained = _grown(
@@ -304,7 +304,7 @@ def turned_contact(profile: Profile, normal_load_N: float, modulus_MPa: float, w
 
     modulus_MPa: E*. widest_mm: the largest radius that is tried. With P(s) the load at which the contact's radius is s
     (`turned_load`), the approach is 1/(2E*) ∫ P'(s)/s ds from 0 to a, and the pressure at a distance r from the middle
-    is 1/(2π) ∫ P'(s)/(s √(s² − r²)) ds from r to a. Raises ValueError where the widest contact bears less than the
+    is 1/(2π) ∫ P'(s)/(s √(s² − r²)) ds from r to a. Raises ValueError where the widest contact carries less than the
     load.
     """
     require_positive(normal_load_N=normal_load_N, modulus_MPa=modulus_MPa, widest_mm=widest_mm)
