@@ -1,4 +1,4 @@
-"""The worked examples of docs/extending.md, installed from the page's own text."""
+"""The worked examples of docs/extending.md, installed from the page's own text or the file that it links to."""
 
 import re
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-TEXT = (Path(__file__).resolve().parent.parent / "docs" / "extending.md").read_text(encoding="utf-8")
+PAGE = Path(__file__).resolve().parent.parent / "docs" / "extending.md"
 
 
 @dataclass(frozen=True)
@@ -21,14 +21,17 @@ class WorkedExample:
 
 def install_example(title: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> WorkedExample:
     """Make the section's module and its entry point findable until the patches are undone."""
-    section = next(part for part in TEXT.split("\n## ") if part.startswith(f"{title}\n"))
-    ((file, code),) = re.findall(r"```python\n# (\S+)\n(.*?)```", section, re.DOTALL)
+    section = next(part for part in PAGE.read_text(encoding="utf-8").split("\n## ") if part.startswith(f"{title}\n"))
+    written = re.findall(r"```python\n# (\S+)\n(.*?)```", section, re.DOTALL)
+    linked = [PAGE.parent / path for path in re.findall(r"\]\((\S+/plugin_example/\w+\.py)\)", section)]
+    ((file, code),) = written or [(path.name, path.read_text(encoding="utf-8")) for path in linked]
     registration, *tables = re.findall(r"```toml\n(.*?)```", section, re.DOTALL)
     header, point = registration.strip().split("\n")
     group = re.fullmatch(r'\[project\.entry-points\."(.*)"\]', header)
     assert group is not None
+    assert not linked or registration in (linked[0].parent / "pyproject.toml").read_text(encoding="utf-8")
     module = folder / file
-    module.parent.mkdir()
+    module.parent.mkdir(exist_ok=True)
     module.write_text(code, encoding="utf-8")
     metadata = folder / "plugin-1.0.dist-info"
     metadata.mkdir()

@@ -1,7 +1,6 @@
 """Effects and readers of installed packages do as the library's own; the worked examples of the docs among them."""
 
 import json
-import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -29,8 +28,6 @@ from wirewear.records.importing.guessing import guessed_mapping
 from wirewear.records.importing.loggers import readers
 from wirewear.sweeps.signature import signature_study
 
-ROOT = Path(__file__).parents[2]
-EXAMPLE = ROOT / "studies" / "effects" / "plugin_example"
 LOGGED = (1, 10, 100, 300, 1000, 3000)
 UNSUPPORTED = '''
 from dataclasses import dataclass, replace
@@ -81,23 +78,19 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
 
 @pytest.fixture
 def clamp(installed: Any) -> str:
-    """The docs' effect, installed as they say; the table of a study that has it."""
-    section = next(
-        part for part in (ROOT / "docs" / "extending.md").read_text().split("\n## ") if part.startswith("An effect\n")
-    )
-    (code,) = re.findall(r"```python\n(.*?)```", section, re.DOTALL)
-    registration, table = re.findall(r"```toml\n(.*?)```", section, re.DOTALL)
-    header, point = registration.strip().split("\n")
-    assert header == '[project.entry-points."wirewear.effects"]'
-    installed(point.replace('"', ""), my_effects__loosening_clamp=code)
-    return str(table)
+    """Another package's effect, installed; the table of a study that has it."""
+    installed("loosening_clamp = tests.effects.loosening_clamp:LooseningClamp")
+    return '[[effects]]\nname = "loosening_clamp"\nfinal_stiffness_N_per_mm = 200.0\ncycles = 300.0\n'
 
 
 @pytest.fixture
-def by_energy(installed: Any) -> None:
-    """The package of studies/effects/plugin_example, installed."""
-    point = re.findall(r"^friction_by_energy = .*$", (EXAMPLE / "pyproject.toml").read_text(), re.MULTILINE)[0]
-    installed(point.replace('"', ""), friction_by_energy=(EXAMPLE / "friction_by_energy.py").read_text())
+def by_energy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """The effect of studies/plugin_example, installed; the docs' table of a study that has it."""
+    (tmp_path / "plugin").mkdir()
+    (table,) = install_example("An effect", tmp_path / "plugin", monkeypatch).tables
+    registry_module._all_effects.cache_clear()
+    yield table
+    registry_module._all_effects.cache_clear()
 
 
 def record_with(folder: Path, *effects: Effect[Any]) -> ExperimentRecord:
@@ -118,9 +111,8 @@ def diagnosed(record: ExperimentRecord) -> Diagnosis:
     return diagnose(record).diagnosis
 
 
-@pytest.mark.usefixtures("by_energy")
-def test_an_installed_package_adds_an_effect() -> None:
-    study = coarse(COARSE + '[[effects]]\nname = "friction_by_energy"\nfinal = 0.4\nenergy_J = 1.0\n')
+def test_an_installed_package_adds_an_effect(by_energy: str) -> None:
+    study = coarse(COARSE + by_energy)
     law = applied(study.effects, Seam.CONTACT, ContactLaw(0.6), Age(0.0, 1.0))
     assert law.friction == pytest.approx(0.6 - 0.2 * (1.0 - np.exp(-1.0)))
     neutral = effect_named("friction_by_energy").neutral(study.stated)
@@ -144,7 +136,7 @@ def test_a_broken_plugin_is_named_in_one_sentence(installed: Any, entry_point: s
 
 
 @pytest.mark.slow
-def test_the_docs_effect_is_named_on_a_record_of_a_full_simulation_with_it(clamp: str, tmp_path: Path) -> None:
+def test_an_effect_of_a_package_is_named_on_a_record_of_a_full_simulation_with_it(clamp: str, tmp_path: Path) -> None:
     found = diagnosed(record_with(tmp_path / "run", *coarse(COARSE + clamp).effects))
     assert found.verdict == "explained"
     assert found.causes[0].effect == "loosening_clamp"
