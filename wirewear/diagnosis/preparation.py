@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -25,6 +25,10 @@ _NOT_STATED = (
     "[stated] gives no {}: what the record shows stands in for it, or the wear of steel on steel, so that no gap is "
     "seen there; state what you expected before the test to have it judged."
 )
+
+
+#: Wear states of a nominal run, inputs of the fast model, and sentences on what limits both.
+Nominal: TypeAlias = tuple[WearStates, SurrogateInputs, tuple[str, ...]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +74,7 @@ class PreparedRecord:
         """A sentence on the quantities that are not stated; "" if all are."""
         return _NOT_STATED.format(" and ".join(self.unknown)) if self.unknown else ""
 
-    def nominal(self, observer_of: ObserverOf | None = None) -> tuple[WearStates, SurrogateInputs, tuple[str, ...]]:
+    def nominal(self, observer_of: ObserverOf | None = None) -> Nominal:
         """Wear states of the study's nominal run, its inputs of the fast model, and sentences on what limits both.
 
         observer_of: makes the observer of a run from its name. Raises StudyError or SolverError if the study cannot be
@@ -89,10 +93,13 @@ class PreparedRecord:
             limits = (self.assumed, *limits)
         return states, model.inputs(tables), limits
 
-    def reduced(self, observer_of: ObserverOf | None = None, stage: Stage = nullcontext) -> ReducedRecord:
+    def reduced(
+        self, observer_of: ObserverOf | None = None, stage: Stage = nullcontext, nominal: Nominal | None = None
+    ) -> ReducedRecord:
         """Observables of the record, and its nominal model under the drive's measured motion.
 
-        observer_of: makes the observer of a run from its name. stage: entered for each step of the work. Raises
+        observer_of: makes the observer of a run from its name. stage: entered for each step of the work. nominal: what
+        `nominal` returned before, of the same test. Raises
         RecordError if nothing can be concluded from the record, or no loop can be read; StudyError or SolverError if
         the study cannot be run.
         """
@@ -101,7 +108,7 @@ class PreparedRecord:
         with stage("reducing the loops"):
             record, notes = repaired(self.record)
             observed = reduce(record)
-        states, setup, limits = self.nominal(observer_of)
+        states, setup, limits = nominal or self.nominal(observer_of)
         observed = replace(observed, notes=(*limits, *notes, *observed.notes))
         return ReducedRecord(record, self.study, states, replace(setup, motion=observed.motion), observed, checked)
 

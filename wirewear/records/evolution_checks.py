@@ -5,6 +5,7 @@ Each check yields remarks on what it finds, none if all is well.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -258,9 +259,18 @@ def accumulated_energy_J(record: AnyRecord, repeat: int) -> float | None:
     cycles, energies = energy_per_cycle(record, repeat)
     if not cycles.size:
         return None
-    ends = record.working_cycles(np.append(cycles, max(record.tables.conditions.cycles, cycles[-1])))
-    steps = enclosed_energy(ends, np.append(energies, energies[-1]))
-    return 1e-3 * (float(energies[0] * ends[0]) + steps)
+    ends = np.append(cycles, max(record.tables.conditions.cycles, cycles[-1]))
+    return float(energy_so_far_J(record, ends, np.append(energies, energies[-1]))[-1])
+
+
+def energy_so_far_J(record: AnyRecord, cycles: Array, energies_mJ: Array) -> Array:
+    """Friction energy (n,) in J from the first cycle to each of increasing cycles (n,), by the energy of each of these;
+    between and before them as `accumulated_energy_J` says.
+    """
+    ends = [*zip(record.working_cycles(cycles), energies_mJ, strict=True)]
+    steps = (enclosed_energy(*zip(*pair, strict=True)) for pair in pairwise(ends))
+    first, energy = ends[0]
+    return 1e-3 * np.cumsum([first * energy, *steps])
 
 
 def energy_per_cycle(record: AnyRecord, repeat: int) -> tuple[Array, Array]:

@@ -60,7 +60,7 @@ def main() -> None:
             signal.signal(name, signal.default_int_handler)
     if not os.environ.get(_QUIET):
         command = next((word for word in sys.argv[1:] if not word.startswith("-")), "wirewear")
-        speak_up(command, only_once=command == "open")  # which waits for the browser
+        speak_up(command, only_once=command in ("open", "follow"))  # which wait for a browser and a logger
     # Without a home, matplotlib would speak of its own folders, and so would OpenGL.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")

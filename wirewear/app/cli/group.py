@@ -32,6 +32,7 @@ GOES_ON = {
     "sweep": "the same command goes on",
     "strand": "the same command goes on",
     "diagnose": "nothing was written",
+    "follow": "the same command goes on",
 }
 WHOLE = "no file is left half written"
 

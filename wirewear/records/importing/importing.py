@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain, pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from wirewear.loops.outline import outline
 from wirewear.loops.sensor import enclosed_area
 from wirewear.records.contact_tables import RECORDS
 from wirewear.records.importing import sources
-from wirewear.records.importing.campaign import CampaignTest
 from wirewear.records.importing.loggers import kind_of
 from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
 from wirewear.records.importing.profilometry import surfaces_of
@@ -41,9 +40,17 @@ TURNED = (
 _NO_CYCLE = -1.0  #: In place of the number of a cycle where a sample belongs to none.
 
 
-def import_record(mapping_path: str | Path, test: CampaignTest | None = None) -> AnyRecord:
-    """The record that a mapping file describes; file names in it are relative to its folder. test: the one that is
-    meant if it describes a campaign. Raises RecordError, in one sentence, if the mapping or a file cannot be read, or
+class Filling(Protocol):
+    """What makes a mapping's tables those of one test."""
+
+    def tables(self, data: dict[str, object]) -> dict[str, object]:
+        """The tables for the test, from those of the file."""
+        ...
+
+
+def import_record(mapping_path: str | Path, test: Filling | None = None) -> AnyRecord:
+    """The record that a mapping file describes; file names in it are relative to its folder. test: what fills in the
+    mapping, as a campaign's test does. Raises RecordError, in one sentence, if the mapping or a file cannot be read, or
     files do not hold what it says.
     """
     path = Path(mapping_path)
@@ -76,7 +83,7 @@ def import_record(mapping_path: str | Path, test: CampaignTest | None = None) ->
     return ExperimentRecord(tables, loops, evolution, scars, (*notes, *unread, *filter(None, surface_notes), *turned))
 
 
-def _mapping_of(path: Path, test: CampaignTest | None) -> tuple[Any, tuple[str, ...]]:
+def _mapping_of(path: Path, test: Filling | None) -> tuple[Any, tuple[str, ...]]:
     if test is None:
         require_mapping(path)
     filled = dict if test is None else test.tables
@@ -85,7 +92,7 @@ def _mapping_of(path: Path, test: CampaignTest | None) -> tuple[Any, tuple[str, 
     return mapping, notes
 
 
-def inputs_of(mapping_path: Path, test: CampaignTest | None = None) -> list[Path]:
+def inputs_of(mapping_path: Path, test: Filling | None = None) -> list[Path]:
     """Paths of a mapping and of all files that it names. test: see `import_record`.
 
     Raises RecordError, in one sentence, if the mapping cannot be read, or a file does not exist.
