@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, log, log1p
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.infer.weighing import PRIOR_NONE, Weighed
 from wirewear.diagnosis.preparation import Nominal, PreparedRecord, prepared
@@ -21,9 +22,12 @@ from wirewear.diagnosis.surrogate.nominal import ObserverOf
 from wirewear.records import AnyRecord
 from wirewear.records.values import MeasuredLoop
 
-ALARM_RATE = 0.01  #: Alarms in a test without a gap, at most.
+_KNOWN = constants("watch")
 
-SHARE, GROWTH = 0.02, 2.0  #: The next look is so much of the test later, or at so many times the cycle.
+ALARM_RATE = _KNOWN.number("alarm_rate")  #: Alarms in a test without a gap, at most.
+
+#: The next look is so much of the test later, or at so many times the cycle.
+SHARE, GROWTH = _KNOWN.each("share", "growth")
 
 
 @dataclass(frozen=True)
