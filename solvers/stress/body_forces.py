@@ -36,6 +36,13 @@ def forces_on_bodies(problem: ContactProblem, state: ContactState) -> tuple[Arra
 
 def _turned(vectors: Array, before: Array, after: Array) -> Array:
     """Vectors (k, 3) turned as the unit normals `before` (k, 3) turn into `after`, the shortest way."""
-    axis = np.cross(before, after)
-    once = np.cross(axis, vectors)
-    return np.asarray(vectors + once + np.cross(axis, once) / (1.0 + np.einsum("ki,ki->k", before, after))[:, None])
+
+    def along(one: Array, other: Array) -> Array:
+        return np.einsum("ki,ki->k", one, other)[:, None]
+
+    def crossed(some: Array) -> Array:
+        """(before × after) × some, by products alone."""
+        return after * along(before, some) - before * along(after, some)
+
+    once = crossed(vectors)
+    return np.asarray(vectors + once + crossed(once) / (1.0 + along(before, after)))

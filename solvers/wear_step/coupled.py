@@ -24,7 +24,9 @@ _RESIDUAL = 1e-12  # Of the right-hand side: what is left of equations that coun
 # New factors cost no more than so many products, and than one product for every so many unknowns.
 _MOST_PRODUCTS = 30
 _UNKNOWNS_A_PRODUCT = 40
-_FEW_NODES = 0.6  # Per unknown: with more of them, factors of the whole matrix take less time (steel wires).
+# Factors of the whole matrix take less time with more nodes than this per unknown, or fewer unknowns (steel wires).
+_FEW_NODES = 0.6
+MANY_UNKNOWNS = 700
 
 _Solver = Callable[[Array], Array]  # From right-hand sides to solutions of some equations, (n,).
 
@@ -57,8 +59,11 @@ def as_a_whole(coupled: Coupled, precision: type) -> _Solver | None:
     matrix = np.zeros((count, count), dtype=precision, order="F")
     opened, worked = coupled.opened, coupled.worked.tocsc()
     _join(matrix, (opened.indptr, opened.indices, opened.data), (worked.indptr, worked.indices, worked.data))
-    for own, block in zip(coupled.places, coupled.blocks, strict=True):
-        matrix[np.ix_(own, own)] += block
+    start = 0
+    for height, block in enumerate(coupled.blocks, opened.shape[0]):
+        own = slice(start, start := start + len(block) - 1)
+        matrix[own, own] += block[:-1, :-1]
+        matrix[own, height], matrix[height, own], matrix[height, height] = block[:-1, -1], block[-1, :-1], block[-1, -1]
     lu, pivots, singular = getrf(matrix, overwrite_a=True)
     return None if singular else lambda rhs: getrs(lu, pivots, rhs)[0]
 
@@ -136,7 +141,8 @@ class SimilarEquations:
         if found is not None:
             return found
         coupled = coupled_now()
-        few = len(np.unique(coupled.opened.indices)) < _FEW_NODES * coupled.opened.shape[0]
+        count = coupled.opened.shape[0]
+        few = count > MANY_UNKNOWNS and len(np.unique(coupled.opened.indices)) < _FEW_NODES * count
         for precision in (np.float32, np.float64):
             solver = (position_by_position if few else as_a_whole)(coupled, precision)
             if solver is None:

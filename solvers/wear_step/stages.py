@@ -252,10 +252,10 @@ def _cycle(
     symmetry: Symmetry,
     work_mJ: float,
 ) -> tuple[list[int], Cycle]:
-    """The positions of the traced cycle that slide, and the last one if the bodies touch there, by their numbers; the
-    first one at which they touch where there is neither.
+    """Numbers, among the stops of the traced cycle, of those at which the contact slides, with the last one if bodies
+    touch there (without any, the first one at which they touch); and the cycle that the wear step solves at these.
 
-    work_mJ: friction work of the whole cycle.
+    passed: stops of the traced cycle. nodes: nodes that may touch at each. work_mJ: friction work of the whole cycle.
     """
     every = positions_of(problem, passed, nodes, symmetry.half_cycle)
     touch = [k for k, own in enumerate(every) if len(own.nodes)]

@@ -67,7 +67,7 @@ class Symmetry:
 
     @property
     def strokes(self) -> int:
-        """2 if half a cycle is traced, as the other half is its mirror image; else 1."""
+        """How many traced parts make a whole cycle: 2 if the other half is the traced one's mirror image; else 1."""
         return 2 if self.half_cycle else 1
 
     def under(self, drive: Drive) -> "Symmetry":

@@ -79,6 +79,7 @@ def test_factors_of_positions_and_of_the_whole_matrix_solve_alike() -> None:
 def test_where_positions_share_few_nodes_no_factors_are_larger_than_one_of_them(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr(coupled_equations, "MANY_UNKNOWNS", 0)
     monkeypatch.setattr(coupled_equations, "as_a_whole", lambda *_: pytest.fail("factors of the whole matrix"))
     dense, coupled = whole(matrix(), np.arange(COUNT))
     numbers = np.arange(len(dense))
