@@ -147,8 +147,8 @@ class BodyGeometry(ABC):
 
     @property
     def meshed_profile(self) -> Profile:
-        """Height of the surface that the mesh has, by default `profile`. Where it lies above that, the gap between them
-        counts as a worn depth.
+        """Height of the surface that is meshed, by default `profile`. Elements that lie above `profile`, on the side of
+        the other body, count as already worn away there: contact sees `profile`, stiffness the elements.
         """
         return self.profile
 

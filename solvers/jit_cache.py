@@ -77,7 +77,7 @@ def _is_compiled_in(item: object) -> bool:
 
 
 class _CompilingClock(Listener):
-    """Sums the CPU time of compilations; one compilation may call for another."""
+    """Sums the CPU time of compilations in seconds; one within another is counted once."""
 
     def __init__(self) -> None:
         self.spent_s, self._since_s, self._within = 0.0, 0.0, 0

@@ -271,8 +271,11 @@ def _along_line(
 def _products(
     nodes: IntArray, count_t: int, along: _Line, across: _Line, strides: tuple[int, int]
 ) -> tuple[BoolArray, IntArray, IntArray, Array]:
-    """Outer products of the rows along both axes, and the strides of the other grid's nodes along each. Returns as
-    `transfer_along_axes`.
+    """Integrals of each node's hat function with those of the other grid: products of the integrals along both axes.
+
+    nodes: (k,) numbers of nodes of a grid with `count_t` lines across. along, across: arguments of `_along_line`.
+    strides: what a step of one line, along and across, adds to a node's number in the other grid. Returns (k,) True
+    where a node's support leaves the other grid, and sparse rows: first (k + 1,), columns, values.
     """
     outside_a, first_a, columns_a, values_a = _along_line(*along)
     outside_t, first_t, columns_t, values_t = _along_line(*across)

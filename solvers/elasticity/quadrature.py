@@ -256,7 +256,7 @@ def _sums(
 
 @inlined
 def _lines_across(lengths: Array) -> int:
-    """Number of grid lines of a patch with these cells across it; 1 for a planar body."""
+    """Number of grid lines across a patch with cells of these lengths; 1 for a planar body, of one cell of length 1."""
     return 1 if lengths.shape[0] == 1 and lengths.shape[1] == 1 else lengths.shape[0] + 1
 
 

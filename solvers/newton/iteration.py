@@ -168,7 +168,9 @@ class _Change(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Distance from the solution: 1 + the number of nodes that change or, once none does, the largest residual."""
+        """Distance from the solution: 1 + the number of nodes that change between open, stick and slip or, once none
+        does, the largest relative residual.
+        """
         if self.settled:
             return max(self.gap_error, self.nodes.turned, self.bend)
         return 1.0 + float(self.nodes.changing)

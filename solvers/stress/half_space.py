@@ -134,8 +134,11 @@ class HalfSpace:
 
 @compiled
 def _factorise(length: Array, layers: Array, lame: float, shear: float, nu: float, band: Array) -> None:
-    """Stiffness of U, T and W from the surface down, then its lower factor: band[..., i, d] stands in row i, column
-    i - d.
+    """Fill `band` (n_x, n_y, 3 (l + 1), 6), zeros, with the lower Cholesky factor of each wave's stiffness between the
+    displacements along the wave, U, across it, T, and downwards, W, of all l + 1 levels from the surface down:
+    band[..., i, d] stands in row i, column i − d.
+
+    length: (n_x, n_y) of wave vectors in 1/mm. layers: (l,) thicknesses in mm. lame, shear: Lamé's constants in MPa.
     """
     size = 3 * (len(layers) + 1)
     slope = np.zeros((5, 6))

@@ -145,7 +145,9 @@ class _Brick:
 
     @classmethod
     def of(cls, points: IntegrationPoints, material: Elastic, phase: ComplexArray) -> "_Brick":
-        """A brick under n waves. phase: (n, 8, 8) complex ratio of each wave at one corner to that at another."""
+        """Matrices of a brick, one hexahedron, under n waves. phase: (n, 8, 8) complex; [:, c, d] is what a wave is at
+        corner d over what it is at corner c.
+        """
         unit = np.eye(24).reshape(24, 8, 3)
         stress = np.array([points.stresses(material, one)[0] for one in unit])
         forces = np.array([points.internal_forces(one[None]) for one in stress]).reshape(8, 3, 8, 3)

@@ -324,9 +324,10 @@ class Plasticity(Effect[Specimens]):
 class HeldDisplacement(Effect[Control]):
     """A drive that holds its displacement where it is stated to hold the slip or the energy.
 
-    A contact that wears carries more force along its walls, Q = P tan(θ ± φ), and the rig takes Q/K of the stroke. A
-    drive that holds the slip increases its displacement by that; one that holds its displacement loses it from the
-    slip. Where blocks of cycles follow one another, all have this displacement. Source: Infante-García et al., Sensors
+    A contact that wears carries more tangential force Q along walls inclined by θ, Q = P tan(θ ± φ) with the load P
+    and tan φ = µ, and a rig of stiffness K takes Q/K of the stroke. A drive that holds the slip increases its
+    displacement by that; one that holds its displacement loses it from the slip. Where blocks of cycles follow one
+    another, this displacement is held in all. Source: Infante-García et al., Sensors
     20 (2020) 4152, finding 2.
     """
 

@@ -177,8 +177,9 @@ def exponent(deviation: float) -> Parameter:
 
 
 def added(meaning: str, low: float, high: float) -> Parameter:
-    """A form (see `form`) that is added to an exponent or order of a law; 0 for the law of the source, and from `low`
-    to `high` for 95 % of the laws that a test may follow. meaning: its description.
+    """How far an effect's law may be open (a form, see `form`): a number that is added to an exponent of the law. It is
+    0 for the law as its source states it, and between `low` and `high` for 95 % of the laws that a test may follow.
+    meaning: its description.
     """
     return Parameter(meaning, _ORDER, neutral=0.0, easy=0.0, hard=0.0, interest=(low, high))
 

@@ -372,7 +372,7 @@ def _stiffness_notes(loop: CleanLoop, fits: BranchFits, found: LoopFigures, *, n
 
 
 def _signal_notes(found: LoopFigures) -> list[str]:
-    """Notes on free play, stick-slip and a static peak, whose samples are all kept."""
+    """Notes on free play, stick-slip and a static peak in a loop; none of these has samples left out."""
     notes = []
     if found.free_play_um is not None and found.force_zero_N is not None:
         notes.append(

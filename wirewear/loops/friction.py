@@ -278,10 +278,10 @@ def _geometry_independent(
 
 
 def _friction_angle(angle: Array, x: Array, sign: Array, likely_shift: float) -> LinearFit:
-    """Fit φ0 + φ1 x ± θ(x ∓ ε) to friction angles (n,) of both directions; φ0 is the first coefficient.
+    """Fit φ0 + φ1 x ± θ(x ∓ ε) to the angles atan(Q/P) in rad (n,) of both directions; φ0 is the first coefficient.
 
-    x: positions (n,) from mid-slip over the half range.  sign: +1 or −1 by direction (n,).
-    likely_shift: standard deviation of the shift ε.
+    θ, the wall's angle, is a polynomial; ε shifts it against the positions. x: positions (n,) from mid-slip over the
+    half range, as ε. sign: +1 or −1 by direction (n,). likely_shift: standard deviation of ε.
     """
     powers = min(7, len(x) // 6) + 1
     even = np.vander(x, 2, increasing=True)

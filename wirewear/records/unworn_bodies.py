@@ -162,7 +162,9 @@ class FaceSurface:
         return f"where it is unworn, the {body} bows"
 
     def height(self, parameters: Array, at: Array) -> Array:
-        """Heights (m,) in µm at places (2, m) in µm; the second coordinate has no effect."""
+        """Heights (m,) in µm at places (2, m) in µm, of which the second coordinate has no effect. parameters: level in
+        µm, tilt, then shift or bending, as the class says.
+        """
         level, tilt, *more = parameters
         beside = at[0] - (self.half_um * 0.1 * more[0] if self.shifts else 0.0)
         shape = 1e3 * self.face.height(1e-3 * np.column_stack([beside, np.zeros_like(beside)]))

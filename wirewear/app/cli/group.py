@@ -148,7 +148,7 @@ class _Misused(_OneSentence):
         self._context = None if wrong_value else error.ctx
 
     def show(self, file: object = None) -> None:
-        """Print the command's usage, unless a value was wrong, and then the message, on standard error."""
+        """Print on standard error the message, after the command's usage unless only a value was wrong."""
         if self._context is not None:
             usage, path = self._context.get_usage(), self._context.command_path
             click.echo(f"{usage}\nTry '{path} --help' for help.\n", err=True)

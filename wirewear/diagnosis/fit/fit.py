@@ -296,7 +296,9 @@ def _of_fit(fitted: FastFit, repeats: int, record: AnyRecord, contact_N_per_um: 
 
 
 def _of_loops(record: AnyRecord, contact: ContactStiffness, tests: LoopsOfTests) -> dict[str, FittedParameter]:
-    """Friction and rig stiffness from the mean figures of each test's loops."""
+    """`friction` and, where loops have a stick branch, `tangential_stiffness_N_per_mm` of the rig, from the mean
+    figures of each test's loops. contact: its compliance is taken off the measured one.
+    """
 
     def of_tests(name: str) -> Array:
         own = tests.figures[:, :, list(FITTED).index(name)]

@@ -100,8 +100,8 @@ class Branches:
         return np.maximum(self.y_um - self.y_um[:, :, KNEE, None], 0.0) / self.amplitude_um
 
     def read_with(self, displacement_um: Array, force_N: Array) -> PredictedLoops:
-        """The loops with other readings of displacement and force (n, 2, m), displacements centred between both
-        tips.
+        """The n loops with other readings, (n, 2, m) for both branches at m places each; displacements are centred
+        between both tips.
         """
         tips = displacement_um.max(axis=(1, 2), keepdims=True) + displacement_um.min(axis=(1, 2), keepdims=True)
         return replace(self.loops, displacement_um=displacement_um - 0.5 * tips, tangential_force_N=force_N)

@@ -50,8 +50,8 @@ _FREE_SIZE = _KNOWN.number("free_size")
 
 @dataclass(frozen=True, eq=False)
 class HeldOutScores:
-    """Scores of predictions on held-out observables: squared residuals of r repeats in f features, in variances of one
-    test.
+    """Scores of predictions on held-out observables: squared residuals (r, f) of r repeats in f features (means over
+    groups of observables, see `Features`), in variances of one test.
     """
 
     observed: Observations

@@ -306,7 +306,9 @@ class PlateauForce(observable.ByLocalLines):
 
 
 class KneePeak(observable.OfLoops):
-    """Force just past the knee less the force farther on, one number for each branch, positive along +x."""
+    """Peak in N where sliding begins (the knee of a branch) over the force farther on, one number for each branch; a
+    peak against motion in +x is positive, one against the motion back is negative.
+    """
 
     name = "knee"
     words, unit = "force just past the knee over that beyond", "N"

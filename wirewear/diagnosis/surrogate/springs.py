@@ -72,8 +72,9 @@ def through(
     """Slip and force of n contacts along a closed path of k instants, behind springs and play, once they repeat.
 
     phase, drive, share: (k,) phase in rad, displacement over its amplitude from 1 to −1 and back, and load over the
-    test's. stroke_um: (n,) amplitudes. Returns the force of the springs and the normal force in N, sliding position in
-    µm and share of the friction from −1 to 1, (n, k) each, and the friction energy in mJ (n,).
+    test's. stroke_um: (n,) amplitudes of displacement. rows, curves: micro-slip and sliding of each contact. Returns
+    the force of the springs and the normal force in N, sliding position in µm and share of the friction from −1 to 1,
+    (n, k) each, and the friction energy of a cycle in mJ (n,).
     """
     order = np.maximum(rows.order, _LEAST_ORDER)
     edges = share.max() ** (1.0 / order)[:, None] * np.linspace(0.0, 1.0, _SPRINGS + 1)

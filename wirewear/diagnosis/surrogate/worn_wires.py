@@ -48,8 +48,8 @@ class WornWires:
 
     @classmethod
     def unworn(cls, count: int, extent: float, along: float = 1.0) -> WornWires:
-        """`count` pairs of unworn wires on a grid that reaches `extent` across from the middle. along: curvature of the
-        gap along the motion over that across.
+        """`count` pairs of unworn wires on a grid that reaches from the middle to `extent`, in δ, across the motion.
+        along: the gap's curvature along the motion over its curvature across it.
         """
         places = max(round(16 / extent * max(along, 1.0) ** 0.5), 4)
         step = 1.0 / places

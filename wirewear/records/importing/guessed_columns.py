@@ -203,7 +203,7 @@ def unread(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> l
 
 
 def _differ(file: GuessedFile, channel: str, *places: int) -> bool:
-    """True if two columns, by index, hold different values of a channel."""
+    """True if the columns of a file with these indices hold different values of a channel."""
     units = [units_of(channel).get(file.unit(place, channel), 1.0) for place in places]
     one, other = (unit * values_of(file, place) for unit, place in zip(units, places, strict=True))
     return one.shape != other.shape or float(np.nanmax(np.abs(one - other))) > ALIKE * float(np.nanmax(np.abs(one)))

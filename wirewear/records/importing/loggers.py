@@ -143,7 +143,9 @@ def _of_version_4(head: bytes) -> bool:
 
 
 def _contents(path: Path, wanted: Collection[str] | None = None) -> Any:
-    """Variables by name, with structures as objects or mappings; in version 7.3 unwanted variables are None."""
+    """Variables of a MATLAB file by name, with structures as objects or mappings. wanted: names to read of a file of
+    version 7.3, where others are None; None: all.
+    """
     from scipy.io import loadmat
     from scipy.io.matlab import MatReadError
 
