@@ -38,7 +38,7 @@ def _turned(vectors: Array, before: Array, after: Array) -> Array:
     """Vectors (k, 3) turned as the unit normals `before` (k, 3) turn into `after`, the shortest way."""
 
     def along(one: Array, other: Array) -> Array:
-        return np.einsum("ki,ki->k", one, other)[:, None]
+        return np.asarray(np.einsum("ki,ki->k", one, other)[:, None])
 
     def crossed(some: Array) -> Array:
         """(before × after) × some, by products alone."""
