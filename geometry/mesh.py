@@ -36,7 +36,7 @@ _EDGES = np.array(
 _TOLERANCE = 1e-9  #: Residual of the inner nodes' equilibrium; their places need not be exact.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ElementMesh(ABC):
     """A mesh of n nodes and m elements of c nodes, all of one shape, with named parts of its boundary."""
 
@@ -205,7 +205,7 @@ class HexMesh(ElementMesh):
         mesh.write(path, file_format=_FORMATS[path.suffix])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class QuadMesh(ElementMesh):
     """A mesh of four-node quadrilaterals in the plane (x, z), counter-clockwise, z upwards; facets are edges (k, 2).
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -83,8 +83,11 @@ def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
     return matrix
 
 
+@lru_cache(maxsize=1)
 def _basis(mesh: HexMesh | QuadMesh) -> tuple[Basis, tuple[int, ...]]:
-    """scikit-fem's shape functions with quadrature, and the world directions in which the mesh's fields vary."""
+    """scikit-fem's shape functions with quadrature, and the world directions in which the mesh's fields vary; those of
+    the last mesh are kept, as stiffness and projection ask one after the other.
+    """
     from skfem import Basis, ElementHex1, ElementQuad1, MeshHex, MeshQuad
 
     points = np.ascontiguousarray(mesh.points.T)
@@ -229,10 +232,10 @@ def solved_for_mass(mass: csr_matrix, load: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """Integrals over a mesh of n nodes by which stresses are projected to p of them.
+    """Integrals over a mesh of n nodes by which stresses are projected to them.
 
-    mass: (p, p) integrals of the products of two shape functions. slopes: one matrix (p, n) for each of x, y and z, of
-    the products of a shape function and the derivative of another along this axis. around: (p, n) of a ring, of the
+    mass: (n, n) integrals of the products of two shape functions. slopes: one matrix (n, n) for each of x, y and z, of
+    the products of a shape function and the derivative of another along this axis. around: (n, n) of a ring, of the
     products of two shape functions over the height above its axis.
     """
 
@@ -242,7 +245,6 @@ class Projection:
 
     @classmethod
     def of(cls, mesh: HexMesh | QuadMesh) -> Projection:
-        """The integrals over a mesh of n nodes, with p = n: stresses are projected to all of them."""
         from skfem import BilinearForm
 
         basis, axes = _basis(mesh)
@@ -255,15 +257,8 @@ class Projection:
         around = BilinearForm(lambda u, v, w: v * u / (w.x[1] - axis_mm)).assemble(basis)
         return cls(mass, tuple(slopes), around)
 
-    def at(self, nodes: IntArray) -> Projection:
-        """The integrals for some of the nodes (k,); values at the others are 0."""
-        if len(nodes) == self.mass.shape[0]:
-            return self
-        around = None if self.around is None else self.around[nodes]
-        return Projection(self.mass[nodes][:, nodes], tuple(one[nodes] for one in self.slopes), around)
-
     def loads(self, material: Elastic, displacements: Array) -> Array:
-        """Integrals (p, s, 6) of shape functions times the stresses in MPa of displacements (s, n, 3) in mm."""
+        """Integrals (n, s, 6) of shape functions times the stresses in MPa of displacements (s, n, 3) in mm."""
         moved = np.ascontiguousarray(np.swapaxes(displacements, 0, 1))
         change = [(each @ moved.reshape(len(moved), -1)).reshape(-1, *moved.shape[1:]) for each in self.slopes]
         result = np.empty((*change[0].shape[:2], 6))

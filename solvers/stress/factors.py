@@ -14,9 +14,9 @@ from geometry.arrays import Array, BoolArray, IntArray
 from solvers.elasticity import elimination
 
 #: Share of the energy's root by which displacements may err that are found with the factors of another body (a worn
-#: ball's and flat's stresses then err by 2e-6 of the largest), and the steps that this may take before the body's own
+#: ball's and flat's stresses then err by 2e-5 of the largest), and the steps that this may take before the body's own
 #: factors cost less: they take as long as about fifteen.
-_EXACT, _STEPS = 1e-6, 12
+_EXACT, _STEPS = 1e-5, 12
 
 
 @dataclass(frozen=True, eq=False)

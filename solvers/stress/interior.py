@@ -9,7 +9,7 @@ Appl. Mech. 20 (1953) 327). For a small step the contact is then a joint over th
 problem is linear.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -23,16 +23,13 @@ from geometry.arrays import Array, BoolArray, IntArray
 from solvers.elasticity import condensation, elimination
 from solvers.elasticity.embedding import Joined
 from solvers.elasticity.strain import TENSOR_PLACES, Projection, solved_for_mass, stiffness_matrix
-from solvers.stress.factors import Factors, factorised
+from solvers.stress.factors import Factor, Factors, factorised
 
 #: A contact is solved less exactly: forces of a symmetry below this share of the largest are none, and states whose
 #: forces differ by no more are one state.
 _ALIKE = 1e-9
 
-#: Loads farther away from a node than so many elements do not change its projected stress: each element weakens them
-#: to 2 - √3 (the inverse of the mass matrix of a line of equal elements), eight change stresses by 2e-7 of the largest.
-_FELT = 8
-_FEW = 3  #: For fewer states than this, conjugate gradients project faster than factors.
+_FEW = 3  #: For fewer states than this, conjugate gradients project faster than factors that are still to be made.
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,15 +139,14 @@ class Interior:
         """Stresses (s, k, 6) in MPa at nodes (k,), by displacements (s, n, 3) in mm of all nodes. They are projected to
         the nodes: least squares of what they differ by from those inside the elements.
         """
-        felt, every = self._felt(self._own[nodes]), list(product((False, True), repeat=len(self.planes)))
-        projection = self._projection.at(np.flatnonzero(felt))
+        every = self._ways
         result = np.zeros((len(displacements), len(nodes), 6))
         # Loads of all motions, by the planes on which their stresses are zero.
         gathered: dict[tuple[bool, ...], list[tuple[BoolArray, Array, Array]]] = {}
         for odd, part in self._parts(lambda of: displacements[:, of], self._nodes, self.planes).items():
             if np.abs(part).max() <= _ALIKE * np.abs(displacements).max():
                 continue
-            loads = projection.loads(self.material, part)
+            loads = self._projection.loads(self.material, part)
             # Of each component its sign in the mirror image about each plane, on which it is zero where that is -1.
             signs = [
                 np.array([(-1.0 if is_odd else 1.0) * side[i] * side[j] for i, j in TENSOR_PLACES])
@@ -165,10 +161,12 @@ class Interior:
                     like &= (sign < 0.0) == is_zero
                 gathered.setdefault(zero, []).append((like, images, loads[..., like].reshape(len(loads), -1)))
         each_loads = [np.hstack([one for _, _, one in each]) for each in gathered.values()]
-        on_planes = np.array([self._piece.points[felt, axis] == 0.0 for axis in self.planes]).reshape(-1, felt.sum())
-        held = np.array([on_planes[list(zero)].any(axis=0) for zero in gathered])
-        solved = _projected(projection.mass, held, each_loads, by_factors=len(displacements) >= _FEW)
-        own = np.cumsum(felt)[self._own[nodes]] - 1
+        if len(displacements) >= _FEW or "_mass_factors" in self.__dict__:
+            solved = [self._mass_factors[zero].solved(load) for zero, load in zip(gathered, each_loads, strict=True)]
+        else:
+            held = [self._zero_on[every.index(zero)] for zero in gathered]
+            solved = [_projected(self._projection.mass, *one) for one in zip(held, each_loads, strict=True)]
+        own = self._own[nodes]
         for each, found in zip(gathered.values(), solved, strict=True):
             parts = np.split(found[own], np.cumsum([one.shape[1] for _, _, one in each])[:-1], axis=1)
             for (like, images, _), part in zip(each, parts, strict=True):
@@ -181,13 +179,22 @@ class Interior:
         """The projection of stresses in the piece."""
         return Projection.of(self._piece)
 
-    def _felt(self, nodes: IntArray) -> BoolArray:
-        """(p,) True for nodes of the piece at which loads are felt at some of its nodes (k,)."""
-        felt, cells = np.zeros(len(self._nodes), dtype=bool), self._piece.cells
-        felt[nodes] = True
-        for _ in range(_FELT):
-            felt[cells[felt[cells].any(axis=1)]] = True
-        return felt
+    @property
+    def _ways(self) -> list[tuple[bool, ...]]:
+        """Ways of a field to be odd (True) or even about each plane."""
+        return list(product((False, True), repeat=len(self.planes)))
+
+    @cached_property
+    def _zero_on(self) -> BoolArray:
+        """(v, p) for each way the nodes of the piece on planes about which a field is odd, and so zero."""
+        on_planes = np.array([self._piece.points[:, axis] == 0.0 for axis in self.planes]).reshape(-1, len(self._nodes))
+        return np.array([on_planes[list(way)].any(axis=0) for way in self._ways])
+
+    @cached_property
+    def _mass_factors(self) -> dict[tuple[bool, ...], Factor]:
+        """For each way the factor by which stresses are projected in the piece."""
+        found = factorised(self._projection.mass, np.arange(len(self._nodes)), 1, self._zero_on)
+        return dict(zip(self._ways, found, strict=True))
 
     def _solved(
         self, name: tuple[object, ...], matrix: csr_matrix, forces: Array, factors: Callable[[], Factors]
@@ -209,22 +216,32 @@ class Interior:
         further: (s, f) numbers that must be equal in a state and its image: what else acts, symmetric about all planes.
         """
         count, everywhere = np.arange(len(forces)), np.arange(len(self.mesh.points))
-        size, found = np.abs(forces).max(initial=0.0), []
+        found = []
         for flipped in product((False, True), repeat=len(self.planes)):
             image, sides = everywhere, np.ones(3)
             for (axis, of_axis), is_flipped in zip(self._images.items(), flipped, strict=True):
                 image, sides = (of_axis[image], sides * _signs(axis)) if is_flipped else (image, sides)
-            loaded = np.union1d(nodes, image[nodes])
-            near = np.zeros((len(forces), len(loaded), 3))
-            near[:, np.searchsorted(loaded, nodes)] = forces
-            mirrored = near[:, np.searchsorted(loaded, image[loaded])] * sides
-            unlike = np.array([np.abs(mirrored - one).max(axis=(1, 2), initial=0.0) for one in near])
-            alike = (unlike <= _ALIKE * size) & (further[:, None] == further).all(axis=2)
-            source = count.copy()
-            for k in count:
-                source[k] = next((j for j in range(k) if source[j] == j and alike[k, j]), k)
+            is_image, source = _image_test(nodes, forces, further, image, sides), count.copy()
+            for k in range(len(count)):
+                source[k] = next((j for j in range(k) if source[j] == j and is_image(k, j)), k)
             found.append(CycleImage(sides, image, source))
         return min(found, key=lambda one: len(one.computed))
+
+    def cycle_planes(self, nodes: IntArray, forces: Array, further: Array) -> tuple[int, ...]:
+        """The axes of `planes` about which the mirror image of each state is a state of the cycle; as `cycle_image`."""
+        count = range(len(forces))
+        tests = {axis: _image_test(nodes, forces, further, of, _signs(axis)) for axis, of in self._images.items()}
+        return tuple(axis for axis, test in tests.items() if all(any(test(k, j) for j in count) for k in count))
+
+    def on_one_side(self, nodes: IntArray, planes: tuple[int, ...]) -> tuple[IntArray, Array]:
+        """For each of nodes (k,) the node that is its image, or itself, where no coordinate along an axis of `planes`
+        is negative; and the signs (k, 3) by which a vector there follows.
+        """
+        own, sides = nodes, np.ones((len(nodes), 3))
+        for axis in planes:
+            beyond = self.mesh.points[nodes, axis] < 0.0
+            own, sides[beyond, axis] = np.where(beyond, self._images[axis][own], own), -1.0
+        return own, sides
 
     def forget(self) -> None:
         """Halve the memory of the factors. What is left is less exact, so solving again takes a few steps."""
@@ -237,7 +254,7 @@ class Interior:
 
     def _stiff(self, wanted: Iterable[tuple[bool, ...]]) -> Factors:
         """Factors of the stiffness for these symmetries."""
-        wanted, every = list(wanted), list(product((False, True), repeat=len(self.planes)))
+        wanted, every = list(wanted), self._ways
         held, free = self._number[self.held], np.arange(len(self._nodes))
         held = held[held >= 0]
         of_ring = condensation.held_of_ring(self._piece, held)
@@ -318,17 +335,29 @@ class EmbeddedInterior(Interior):
         """None: the host need not be its own mirror image."""
 
 
-def _projected(mass: csr_matrix, held: BoolArray, loads: Sequence[Array], *, by_factors: bool) -> list[Array]:
-    """Nodal values (n, k) that loads (n, k) make with a mass matrix (n, n), for each row of `held` (v, n): 0 there."""
-    if by_factors:
-        factors = factorised(mass, np.arange(mass.shape[0]), 1, held)
-        return [factor.solved(load) for factor, load in zip(factors, loads, strict=True)]
-    found = [np.zeros_like(load) for load in loads]
-    for free, load, result in zip(~held, loads, found, strict=True):
-        own = mass[free][:, free]
-        for k, column in enumerate(load[free].T):
-            result[free, k] = solved_for_mass(own, column)
+def _projected(mass: csr_matrix, zero: BoolArray, loads: Array) -> Array:
+    """Nodal values (n, k) that loads (n, k) make with a mass matrix (n, n); 0 where `zero` (n,) is True."""
+    found = np.zeros_like(loads)
+    own = mass[~zero][:, ~zero]
+    for k, column in enumerate(loads[~zero].T):
+        found[~zero, k] = solved_for_mass(own, column)
     return found
+
+
+def _image_test(
+    nodes: IntArray, forces: Array, further: Array, image: IntArray, sides: Array
+) -> Callable[[int, int], bool]:
+    """Whether state k is the image of state j; as in `CycleImage` and `Interior.cycle_image`."""
+    loaded = np.union1d(nodes, image[nodes])
+    near = np.zeros((len(forces), len(loaded), 3))
+    near[:, np.searchsorted(loaded, nodes)] = forces
+    mirrored = near[:, np.searchsorted(loaded, image[loaded])] * sides
+    least = _ALIKE * np.abs(forces).max(initial=0.0)
+
+    def is_image(k: int, j: int) -> bool:
+        return np.array_equal(further[k], further[j]) and bool(np.abs(near[k] - mirrored[j]).max(initial=0.0) <= least)
+
+    return is_image
 
 
 def _signs(axis: int) -> Array:

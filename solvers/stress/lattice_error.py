@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from geometry import Elastic, HexMesh
 from geometry.arrays import Array
 from geometry.elements import BRICK
-from solvers.elasticity.strain import IntegrationPoints, integration_points
+from solvers.elasticity.strain import TENSOR_PLACES, IntegrationPoints, integration_points
 
 ComplexArray = NDArray[np.complexfloating]
 
@@ -43,10 +43,18 @@ def lattice_error(
     the middle, along and across; by component of stress and component of traction. Bricks measure `along_mm` by
     `across_mm` in the surface; the thickness of their layers grows from `first_layer_mm` by the factor `growth`.
     """
-    along, across = (each.ravel() for each in np.meshgrid(_waves(), _waves(), indexing="ij"))
+    forward = _waves()[: _PERIOD // 2 + 1]
+    along, across = (each.ravel() for each in np.meshgrid(forward, forward, indexing="ij"))
     layers = _layers(first_layer_mm, growth, _DEPTH * max(along_mm, across_mm))
     error = _error(along, across, (along_mm, across_mm), layers, poissons_ratio)
-    stencil = np.fft.ifft2(error.reshape(_PERIOD, _PERIOD, 6, 3), axes=(0, 1)).real
+    error = error.reshape(len(forward), len(forward), 6, 3)
+    for axis in (0, 1):
+        # Waves that run backwards are mirror images.
+        sides = np.where(np.arange(3) == axis, -1.0, 1.0)
+        of_stress = np.array([sides[i] * sides[j] for i, j in TENSOR_PLACES])
+        backward = np.flip(error, axis).take(range(_PERIOD // 2), axis) * of_stress[:, None] * sides
+        error = np.concatenate([error, backward], axis)
+    stencil = np.fft.ifft2(error, axes=(0, 1)).real
     return np.asarray(np.fft.fftshift(stencil, axes=(0, 1)))
 
 

@@ -37,10 +37,11 @@ class MaterialPoints:
     node: IntArray
 
 
-def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> MaterialPoints:
+def material_points(states: Sequence[InnerState[Any]], nodes: IntArray, planes: tuple[int, ...] = ()) -> MaterialPoints:
     """Stresses of a body over a cycle at nodes (k,) of its mesh and where the contact ends, corrected on the surface.
 
-    Added to the nodes are the points where the contact ends at any of the positions, each shown at the nearest node.
+    Added to the nodes are the points where the contact ends at any of the positions, each shown at the nearest node;
+    of a cycle that is its own image about `planes`, axes across which nodes are on one side, those on that side.
     """
     body, places = states[0].body, states[0].places_mm
     patch, on_patch, image = body.patch, states[0].patch_nodes, _image(states)
@@ -49,7 +50,12 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> Mater
     number[on_patch] = np.arange(patch.size)
     on_surface = np.flatnonzero(number[nodes] >= 0)
     grid = patch.grid()
-    edges, of_edges = image.with_images(np.vstack([one.edge() for one in loaded]))
+    edges = np.vstack([one.edge() for one in loaded])
+    if planes:
+        edges[:, planes] = np.abs(edges[:, planes])
+        # Images of one another to round-off in mm are one point.
+        edges = np.unique(edges.round(12), axis=0)
+    edges, of_edges = image.with_images(edges)
     at_nodes, at_edges = (
         image.completed(np.array([one.correction(at) for one in loaded]), of_each)
         for at, of_each in ((grid, number[image.node[on_patch]]), (edges, of_edges))
@@ -59,6 +65,8 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> Mater
     history, around = stresses[:, : len(nodes)], stresses[:, len(nodes) :]
     history[:, on_surface] += at_nodes[:, number[nodes[on_surface]]]
     at_edges += np.einsum("kc,skcv->skv", weights, around.reshape(*around.shape[:1], *corners.shape, 6))
+    shown = (edges[:, planes] >= 0.0).all(axis=1)
+    edges, at_edges = edges[shown], at_edges[:, shown]
     nearest = cKDTree(grid[number[nodes[on_surface]]]).query(edges)[1]
     return MaterialPoints(
         np.vstack([places[nodes], np.column_stack([edges, patch.height(edges)])]),
@@ -80,12 +88,23 @@ def stresses_of(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
 
 def _image(states: Sequence[InnerState[Any]]) -> CycleImage:
     """The mirror image by which most of the states of a cycle follow from the others."""
+    interior: Interior = states[0].body.interior
+    return interior.cycle_image(*_cycle(states))
+
+
+def _cycle(states: Sequence[InnerState[Any]]) -> tuple[IntArray, Array, Array]:
+    """Nodes, forces and what else acts, as `Interior.cycle_image` compares them."""
     forces, positions = states[0].forces, [state.position for state in states]
     bulk = np.zeros((len(states), 3)) if forces.bulk_stress_MPa is None else forces.bulk_stress_MPa[positions]
     # Torsion is its own image about no plane.
     even = np.arange(1.0 * len(states))[:, None] if bulk[:, 2].any() else bulk[:, :2]
+    return states[0].loaded_nodes, forces.force_N[positions], even
+
+
+def _own_images(states: Sequence[InnerState[Any]]) -> tuple[int, ...]:
+    """The axes about which a body and its cycle are their own image; residual stress is not looked at."""
     interior: Interior = states[0].body.interior
-    return interior.cycle_image(states[0].loaded_nodes, forces.force_N[positions], even)
+    return () if states[0].residual is not None else interior.cycle_planes(*_cycle(states))
 
 
 @dataclass(frozen=True)
@@ -159,9 +178,14 @@ def strength_of(
     """
     states = inside.states(result, body, assessable(result, body, cycle, asked, inside))
     first = states[0]
-    chosen, patch = _near(first), first.body.patch
-    averaged = asked.averaging_length_um > 0.0
-    material = _averaged(states, chosen, asked.averaging_length_um) if averaged else material_points(states, chosen)
+    near, patch, planes = _near(first), first.body.patch, _own_images(states)
+    # What is the image of another node has its strength.
+    images, sides = first.body.interior.on_one_side(near, planes)
+    chosen = np.unique(images)
+    if asked.averaging_length_um > 0.0:
+        material = _averaged(states, chosen, asked.averaging_length_um)
+    else:
+        material = material_points(states, chosen, planes)
     shown = Shown(
         cycle=first.forces.cycle,
         name=first.name,
@@ -171,8 +195,9 @@ def strength_of(
         grid=lambda position: inside.grid(states[position]),
         depth_mm=lambda point: float(patch.height(point[None, :2])[0] - point[2]),
         flowed=first.residual is not None,
+        images=(images, sides),
     )
-    return assessed(shown, material, chosen, asked)
+    return assessed(shown, material, near, asked)
 
 
 def assessable(
@@ -193,7 +218,8 @@ def assessable(
 class Shown:
     """A body to be assessed. to_world (3, 3): from its axes to the test's. surface: (t, 4) facets that may touch. grid:
     gives the grid of its state at a position. depth_mm: gives the depth of a point (3,) below its surface.
-    flowed: as in `Strength`.
+    flowed: as in `Strength`. images: for each node shown the node (k,) whose points it shows, and the signs (k, 3) of
+    its vectors; None: its own.
     """
 
     cycle: int
@@ -204,6 +230,7 @@ class Shown:
     grid: Callable[[int], pyvista.UnstructuredGrid]
     depth_mm: Callable[[Array], float]
     flowed: bool = False
+    images: tuple[IntArray, Array] | None = None
 
 
 def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: StrengthAsked) -> Strength:
@@ -217,7 +244,7 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Streng
     fields = {
         "largest_von_mises_MPa": (equivalent.max(axis=0), None),
         "smith_watson_topper_MPa": (planes.parameter, None),
-        "critical_plane_normal": (planes.normal @ body.to_world.T, planes.parameter),
+        "critical_plane_normal": (planes.normal, planes.parameter),
         "crossland_MPa": (np.maximum(combined, 0.0), None),
         "crossland_amplitude_MPa": (limits.amplitude_MPa, combined),
         "largest_hydrostatic_MPa": (limits.hydrostatic_MPa, combined),
@@ -226,6 +253,10 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Streng
         result = np.zeros((grid.n_points, *values.shape[1:]))
         order = np.argsort(values if by is None else by, kind="stable")
         result[points.node[order]] = values[order]
+        if body.images is not None:
+            result[nodes] = result[body.images[0]]
+        if values.ndim > 1:
+            result[nodes] = result[nodes] * (1.0 if body.images is None else body.images[1]) @ body.to_world.T
         grid.point_data[name] = result
 
     def where(values: Array, position: int = -1) -> Where:
