@@ -9,6 +9,7 @@ import pytest
 from geometry import Elastic
 from solvers.contact_state import Guide, Stroke
 from solvers.drive import Drive, LoadCycle, trapezoidal
+from solvers.errors import SolverError
 from solvers.wear_path import loop_path, traced_path, wear_path
 from tests.simulation.slider import SliderLoop, SlidingBall, slider_loop
 from tests.studies import line_study, steel_wires
@@ -156,6 +157,26 @@ def test_a_force_that_friction_bears_is_held_on_any_rig(stiffness: float | str, 
     held = study(None, stiffness, 1, displacement_amplitude_um=120.0, held_tangential_force_N=force_N)
     evolution = simulate(held.with_values(COARSE), fidelity="quick").evolution
     assert evolution["max_tangential_force_N"] == pytest.approx(force_N, rel=1e-3)
+
+
+LARGE_AT_ONE_END = {"amplitude_share": 0.63, "lag_deg": 177.4}
+
+
+@pytest.mark.seconds
+@pytest.mark.parametrize("share", [1.16, pytest.param(1.4, marks=pytest.mark.slow)])
+def test_a_force_is_held_that_only_the_load_at_one_end_of_the_stroke_bears(share: float) -> None:
+    """Less than a load of 0.63 more bears at that end, more than the test's load bears."""
+    conditions = {"displacement_amplitude_um": 40.0, "held_tangential_force_N": share * FRICTION * LOAD_N}
+    held = study(LARGE_AT_ONE_END, 561.6, 1000, **conditions).with_values(COARSE)
+    evolution = simulate(held, fidelity="quick").evolution
+    np.testing.assert_allclose(evolution["max_tangential_force_N"], share * FRICTION * LOAD_N, rtol=1e-3)
+
+
+@pytest.mark.seconds
+def test_a_force_that_no_load_of_the_cycle_bears_is_refused_in_a_sentence() -> None:
+    conditions = {"displacement_amplitude_um": 40.0, "held_tangential_force_N": 1.7 * FRICTION * LOAD_N}
+    with pytest.raises(SolverError, match=r"cannot hold held_tangential_force_N = 4\.25.* 4\.07\d* N"):
+        simulate(study(LARGE_AT_ONE_END, 561.6, 1, **conditions).with_values(COARSE), fidelity="quick")
 
 
 @pytest.mark.parametrize("offset", [0.1, 0.5, 0.9])

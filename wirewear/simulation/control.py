@@ -71,24 +71,15 @@ class HeldFigure:
 def amplitude_from(
     held: HeldFigure, shown_by: Callable[[ContactState], float], moved_to: Callable[[float], ContactState]
 ) -> float:
-    """Amplitude in mm at which a figure that a state shows first meets its target, at most the drive's largest.
-
-    shown_by: the figure of a state. moved_to: the state of the contact moved from mid-stroke to a displacement in mm. A
-    small step shows the stiffness of contact and rig together; friction only softens them, so the amplitude is at least
-    what this stiffness needs.
+    """Amplitude in mm at which a figure that a state shows first meets its target, at most the drive's largest; as in
+    `least_amplitude_from`.
     """
     from scipy.optimize import brentq
 
-    wanted = held.target * (1.0 - 0.1 * WITHIN)
-
     def lacking(place_mm: float) -> float:
-        return shown_by(moved_to(place_mm)) - wanted
+        return shown_by(moved_to(place_mm)) - _just(held)
 
-    low = _PROBED * held.largest_mm
-    # Of the largest amplitude: a figure that is there without any motion does not grow with it.
-    while (found := lacking(low) + wanted) >= 0.5 * wanted and low > 1e-12 * held.largest_mm:
-        low *= 0.25 * wanted / found
-    low = high = min(low * wanted / max(found, 1e-9 * wanted), held.largest_mm)
+    low = high = least_amplitude_from(held, shown_by, moved_to)
     while lacking(high) < 0.0:
         if high >= held.largest_mm:
             return held.largest_mm
@@ -96,6 +87,26 @@ def amplitude_from(
     if low == high:
         return high
     return float(brentq(lacking, low, high, xtol=1e-6 * high, rtol=0.1 * WITHIN))
+
+
+def least_amplitude_from(
+    held: HeldFigure, shown_by: Callable[[ContactState], float], moved_to: Callable[[float], ContactState]
+) -> float:
+    """Amplitude in mm that a figure needs at least to meet its target, at most the drive's largest.
+
+    shown_by: the figure of a state. moved_to: the state of the contact moved from mid-stroke to a displacement in mm. A
+    small step shows the stiffness of contact and rig together; friction only softens them.
+    """
+    wanted, low = _just(held), _PROBED * held.largest_mm
+    # Of the largest amplitude: a figure that is there without any motion does not grow with it.
+    while (found := shown_by(moved_to(low))) >= 0.5 * wanted and low > 1e-12 * held.largest_mm:
+        low *= 0.25 * wanted / found
+    return min(low * wanted / max(found, 1e-9 * wanted), held.largest_mm)
+
+
+def _just(held: HeldFigure) -> float:
+    """The target, as nearly as it is met."""
+    return held.target * (1.0 - 0.1 * WITHIN)
 
 
 @dataclass
