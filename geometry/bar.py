@@ -9,7 +9,6 @@ from geometry.elements import BRICK, ELEMENT_KINDS
 from geometry.solid import SolidMesh
 
 _SECTORS, _LAYERS = 8, 2  #: Elements around half of the circumference, and across a ring.
-_CORE = 0.4  #: Half the side of the square core over the wire's radius.
 
 
 def bar_mesh(radius_mm: float, bore_radius_mm: float, lines_mm: Array) -> SolidMesh:
@@ -43,7 +42,7 @@ def _half_section(radius: float, bore: float) -> Array:
     around[[0, -1], 0] = 0.0
     inner, core = bore * around, np.zeros((0, 4, 2))
     if not bore:
-        steps = _CORE * radius * np.linspace(-1.0, 1.0, 5)
+        steps = 0.4 * radius * np.linspace(-1.0, 1.0, 5)  # Of a square core.
         y, z = np.meshgrid(steps[2:], steps, indexing="ij")
         grid = np.stack([y, z], axis=-1)
         core = np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=2).reshape(-1, 4, 2)

@@ -31,7 +31,6 @@ _NODES = 60  #: Nodes nearest to the first contact through which a face is fitte
 _STRAIGHT = 1e-6  #: Curvature times the surface's size below which it counts as straight.
 _EXACT = 1e-7  #: Distance of nodes from a barrel over the surface's size below which it is the face.
 _ROUND = 0.05  #: Difference of curvatures, over the larger, from which one of them shows the axis.
-_LEVEL_deg = 2.0  #: Tilt by which a ball's highest point is 0.035 radii off a stated place.
 _STEPS = 30
 
 
@@ -325,7 +324,8 @@ def _require_level(slope: Array, axes: Array) -> None:
     """Raise GeometryError if a surface of this slope (2,) at a stated place is tilted to its normal, with a better
     one.
     """
-    if (tilt := degrees(np.arctan(np.hypot(*slope)))) > _LEVEL_deg:
+    # A ball's highest point is then 0.035 radii off.
+    if (tilt := degrees(np.arctan(np.hypot(*slope)))) > 2.0:
         normal = np.array([-slope[0], -slope[1], 1.0]) @ axes
         better = ", ".join(f"{value:g}" for value in np.round(normal / np.linalg.norm(normal), 3) + 0.0)
         raise GeometryError(

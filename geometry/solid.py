@@ -26,7 +26,6 @@ _TRIED, _NEWTON, _BESIDE = (
     3.0,
 )  #: Cells tried for a place; Newton steps to its reference coordinates; their limit.
 _CHUNK = 2_000_000  #: Numbers of places times cells that are looked at together.
-_CHUNK_OF_CELLS = 5_000  #: Cells in which nodes are looked for together.
 _ON_A_FACE = 1e-3  #: Distance of a node from a cell, over the cell's size, from which on it is not on its face.
 
 
@@ -217,7 +216,7 @@ class SolidMesh:
             low, high = self.points[cells].min(axis=1), self.points[cells].max(axis=1)
             margin = _ON_A_FACE * (high - low).max(axis=1, keepdims=True)
             low, high = low - margin, high + margin
-            for part in np.array_split(np.arange(len(cells)), 1 + len(cells) // _CHUNK_OF_CELLS):
+            for part in np.array_split(np.arange(len(cells)), 1 + len(cells) // 5_000):
                 near = tree.query_ball_point(0.5 * (low + high)[part], 0.5 * np.linalg.norm((high - low)[part], axis=1))
                 cell = np.repeat(part, [len(each) for each in near])
                 node = nodes[np.concatenate([np.array(each, dtype=np.int64) for each in near])]

@@ -21,9 +21,7 @@ from geometry.arrays import Array, IntArray
 from solvers.jit_cache import compiled
 
 _RESIDUAL = 1e-12  # Of the right-hand side: what is left of equations that count as solved.
-# New factors cost no more than so many products, and than one product for every so many unknowns.
-_MOST_PRODUCTS = 30
-_UNKNOWNS_A_PRODUCT = 40
+_MOST_PRODUCTS = 30  # New factors cost no more than so many.
 # Factors of the whole matrix take less time with more nodes than this per unknown, or fewer unknowns (steel wires).
 _FEW_NODES = 0.6
 MANY_UNKNOWNS = 700
@@ -137,7 +135,8 @@ class SimilarEquations:
         the pressures' equations. product: the matrix times a vector (m,). coupled_now: makes the matrix itself, for
         factors, only if kept ones do not do.
         """
-        found = self._by_known_factors(unknowns, rhs, row, product, len(unknowns) // _UNKNOWNS_A_PRODUCT)
+        # New factors cost no more than one product for every 40 unknowns.
+        found = self._by_known_factors(unknowns, rhs, row, product, len(unknowns) // 40)
         if found is not None:
             return found
         coupled = coupled_now()

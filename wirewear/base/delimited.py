@@ -42,8 +42,6 @@ _UTF8 = "utf-8"
 #: Of what numbers in words have, and numbers have not.
 _LABEL = re.compile(r"[^\W\d_]{2}|[^\W\d_]\W*[=\d]|\d\s?[kKM]$")
 
-_BEYOND_RANGE = 9.9e37  #: What instruments send beyond their range, or for no number (SCPI-1999, 7.2.1.4).
-
 
 @dataclass(frozen=True)
 class DelimitedLayout:
@@ -126,7 +124,8 @@ class DelimitedText:
         """
         found = self._fast(places) or self._slow(places, as_logged, clock)
         for values in found.columns.values() if as_logged else ():
-            values[np.abs(values) >= _BEYOND_RANGE] = math.nan
+            # What instruments send beyond their range, or for no number (SCPI-1999, 7.2.1.4).
+            values[np.abs(values) >= 9.9e37] = math.nan
         return found
 
     def _lines(self) -> Iterator[str]:

@@ -30,9 +30,6 @@ _FAR = 0.4  # Of an amplitude: as far the next one goes after a slow correction 
 #: The figure of a cycle, or of half of one whose other half is its mirror image; with a probe if increments are long.
 Measure = Callable[[CycleTrace, Probe | None], float]
 
-#: A core's growth until its annulus has worn off over that of the approach, both over their fresh contact's: rings that
-#: wear by Archard under Jäger's slip, 0.099 at Q/µP of 0.6 and 0.098 at 0.8.
-_CORE_GROWTH = 0.098
 _OF_MOTION = "motion", "reading"  #: Figures that hold the displacement, or nearly so.
 
 _AGES = 200  # Of a test at which effects are looked at for the least friction.
@@ -368,4 +365,6 @@ def core_once_worn(study: Study, core: float, compliance_mm_per_N: float) -> flo
     stiffness = reference.mindlin_stiffness(modulus, radius)
     springs = stiffness * compliance_mm_per_N - 1.5 * (1.0 - core**2) / (1.0 - core**3)
     deeper = (2.0 / core + core**2) / 3.0 - 1.0
-    return min(core + _CORE_GROWTH * deeper / (1.0 + 0.5 * max(springs, 0.0)), 1.0)
+    # The core's growth until its annulus has worn off over that of the approach, both over their fresh contact's: rings
+    # that wear by Archard under Jäger's slip, 0.099 at Q/µP of 0.6 and 0.098 at 0.8.
+    return min(core + 0.098 * deeper / (1.0 + 0.5 * max(springs, 0.0)), 1.0)

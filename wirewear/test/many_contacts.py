@@ -59,9 +59,6 @@ class _Several(keys.Table):
     span: SpanTable = Field(SpanTable(), description="the held wire between them")
 
 
-_NEAR = 4.0  #: Distance, over the diameter, up to which `are_near`.
-
-
 @dataclass(frozen=True)
 class LoadedBlock:
     """Cycles under one load of one contact. share: of the rig's stiffness that stands behind this contact."""
@@ -127,7 +124,7 @@ class ManyContacts:
         """True if two contacts are closer than four diameters of the held wire, so that elements take the beam's place:
         two diameters apart, a beam is 0.6 % off a solution of both contacts at once, elements 0.2 %.
         """
-        return bool(np.diff(np.sort(self.places_mm)).min() < _NEAR * _held_wire(self.study).diameter_mm)
+        return bool(np.diff(np.sort(self.places_mm)).min() < 4.0 * _held_wire(self.study).diameter_mm)
 
     @property
     def held_section(self) -> tuple[float, float, Elastic, float]:

@@ -18,7 +18,6 @@ from wirewear.views.maps_page import sentences as maps_sentences
 
 HERE = Path(__file__).parent
 PAGE, TABLE = "lab.html", "lab.csv"
-MOST_NAMED = 5  #: Tests that a sentence about them names.
 
 
 def said_of(tests: Sequence[CampaignResult]) -> list[tuple[str, str]]:
@@ -31,8 +30,7 @@ def said_of(tests: Sequence[CampaignResult]) -> list[tuple[str, str]]:
         for text in filter(None, said):
             found.setdefault(text, []).append(test.name)
     return [
-        (", ".join(names) if len(names) <= MOST_NAMED else f"{counted(len(names))} tests", text)
-        for text, names in found.items()
+        (", ".join(names) if len(names) <= 5 else f"{counted(len(names))} tests", text) for text, names in found.items()
     ]
 
 

@@ -132,7 +132,9 @@ class LineStates(WearStates):
             face=face,
             load_N_per_mm=load / length_mm,
             hertz_half_width_mm=hertz,
-            contact_modulus_MPa=contact_modulus(*(_elastic(study[body]) for body in BODIES)),
+            contact_modulus_MPa=contact_modulus(
+                *(Elastic(study[body]["youngs_modulus_MPa"], study[body]["poissons_ratio"]) for body in BODIES)
+            ),
             reach_mm=1e-3 * float(result.settings["patch_half_width_um"]),
             most_area_mm2=_BEYOND * 1e-6 * max(float(areas[-1]), 1e-3),
         )
@@ -337,10 +339,6 @@ def _worn(result: RunResult, body: str, contact: WornLineContact, slip_um: float
     deep = np.flatnonzero(shapes[-1] > 0.5 * 0.03 * shapes[-1].max())
     edge = half * float(np.abs(place[deep[[0, -1]]]).mean()) if deep.size else half
     return WornProfiles(np.array(areas), place, np.array(shapes), share, slip_um, (edge - half) / slip_um)
-
-
-def _elastic(body: Mapping[str, Any]) -> Elastic:
-    return Elastic(body["youngs_modulus_MPa"], body["poissons_ratio"])
 
 
 def _radius_mm(face: Face) -> float:
