@@ -1,7 +1,7 @@
 """Analysis of one force–displacement loop, measured or simulated: its figures, such as slip amplitude and friction."""
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -141,12 +141,10 @@ def analyse_loop(
     geometry-independent coefficient (Jahangiri et al. 2012). Raises LoopError, which says in one sentence what is wrong
     with the samples.
     """
-    loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
-    loop, fits = _followed(loop)
-    loop, fits, other, lag = _in_time(loop, fits)
+    loop, fits, other, lag, _ = read_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s)
     forward, backward = fits.both
     force = mean_force(loop)
-    loop, energy, slip = _energy_and_slip(loop, fits, force.value, other)
+    loop, energy, slip, of_slip = _energy_and_slip(loop, fits, force.value, other)
     micro = micro_slip_branch(loop, *forward), micro_slip_branch(loop, *backward)
     no_line = any(bent(loop, *fitted) for fitted in fits.both)
     stiffness = None if no_line or loop.lean_um_per_N else _stiffness(loop, fits, micro, lag)
@@ -200,6 +198,12 @@ def analyse_loop(
         regimes=regimes,
         outlier_samples=loop.outliers,
         notes=(),
+        used={
+            "energy": tuple(sorted(loop.index.tolist())),
+            "stiffness": () if stiffness is None else tuple(i for branch in micro for i in branch.samples),
+            "slip": () if reread or hidden is not None else of_slip,
+            "friction": sliding.samples,
+        },
         sticking=sticking,
     )
     loop = loop.noted(ELLIPSE) if viscous else loop
@@ -210,14 +214,43 @@ def analyse_loop(
     return within_bounds(replace(found, notes=tuple(notes)))
 
 
+class ReadLoop(NamedTuple):
+    """A loop as it is read: clean, upright and in time.
+
+    other_mJ: energy with another lag, which its interval has to cover. lag: in samples, that may be left in the force.
+    removed_lag: in samples, by which the force was read earlier.
+    """
+
+    loop: CleanLoop
+    fits: BranchFits
+    other_mJ: float
+    lag: float
+    removed_lag: float
+
+
+def read_loop(
+    displacement_um: ArrayLike,
+    tangential_force_N: ArrayLike,
+    normal_force_N: ArrayLike | None = None,
+    *,
+    time_s: ArrayLike | None = None,
+) -> ReadLoop:
+    """Read the samples of a loop, before any figure is taken from them. Arguments and errors are those of
+    `analyse_loop`.
+    """
+    loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
+    return _in_time(*_followed(loop))
+
+
 def _energy_and_slip(
     loop: CleanLoop, fits: BranchFits, mean_force_N: float, other_mJ: float
-) -> tuple[CleanLoop, Measured, Measured]:
-    """The loop, noted if drift matters, its energy and its slip; intervals reach to what another lag or no drift makes.
+) -> tuple[CleanLoop, Measured, Measured, tuple[int, ...]]:
+    """The loop, noted if drift matters, its energy, its slip, and the samples that gave the slip; intervals reach to
+    what another lag or no drift makes.
 
     other_mJ: the energy with the other lag.
     """
-    energy, slip = dissipated_energy(loop), slip_amplitude(loop, *fits.both, mean_force_N)
+    energy, (slip, used) = dissipated_energy(loop), slip_amplitude(loop, *fits.both, mean_force_N)
     still = dissipated_energy(loop.without_drift).value
     if not energy.interval95[0] <= still <= energy.interval95[1]:
         moved = abs(loop.may_drift_by) * float(np.ptp(loop.time))
@@ -226,7 +259,7 @@ def _energy_and_slip(
         if energy.value > 0.0:
             slip = slip.reaching(slip.value * value / energy.value)
         energy = energy.reaching(value)
-    return loop, energy, slip
+    return loop, energy, slip, used
 
 
 def _stiffness(
@@ -273,25 +306,24 @@ def _all_along(read: Measured, fits: BranchFits, energy: Measured, amplitude: Me
     return found.reaching(amplitude.value)
 
 
-def _in_time(loop: CleanLoop, fits: BranchFits) -> tuple[CleanLoop, BranchFits, float, float]:
-    """Loop and branches with a certain lag of the force removed, another energy (mJ) to be covered, and the lag in
-    samples.
+def _in_time(loop: CleanLoop, fits: BranchFits) -> ReadLoop:
+    """Loop and branches with a certain lag of the force removed.
 
     The other energy is the one as read where a lag was removed, and else the one without the lag that the reversals
-    allow. The returned lag is 0 where it was removed. A force that is certainly early is noted and not corrected.
+    allow. The lag is 0 where it was removed. A force that is certainly early is noted and not corrected.
     """
     lag, as_read = None if goes_with_velocity(loop) else lag_of(loop), dissipated_energy(loop).value
     if lag is None:
-        return loop, fits, as_read, 0.0
+        return ReadLoop(loop, fits, as_read, 0.0, 0.0)
     sooner = earlier(loop, lag.value)
     value = dissipated_energy(sooner).value
     if not is_certain(lag):
-        return loop, fits, value, lag.value
+        return ReadLoop(loop, fits, value, lag.value, 0.0)
     if lag.value < 0.0:
         most = dissipated_energy(earlier(loop, lag.interval95[0])).value
-        return loop.noted(EARLY.format(-lag.value, value)), fits, most, lag.value
+        return ReadLoop(loop.noted(EARLY.format(-lag.value, value)), fits, most, lag.value, 0.0)
     sooner = sooner.noted(LATE.format(lag.value, as_read))
-    return sooner, branch_fits_of(sooner), as_read, 0.0
+    return ReadLoop(sooner, branch_fits_of(sooner), as_read, 0.0, lag.value)
 
 
 def _followed(loop: CleanLoop) -> tuple[CleanLoop, BranchFits]:

@@ -5,6 +5,7 @@ wires, the transition from partial to gross slip lies at A = 0.2 and B = 0.77.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.loops.branches import Branch, MicroSlip
@@ -76,9 +77,11 @@ def _cross(a: Array, b: Array) -> Array:
     return product
 
 
-def crossing_travel(branch: Branch, slip: MicroSlip, level_N: float, force_noise_N: float) -> tuple[float, float]:
-    """Travel in µm at which a branch passes the tangential force `level_N` (in the loop's sign), and its standard
-    deviation in µm; (0, half of the first travel) if it never passes.
+def crossing_travel(
+    branch: Branch, slip: MicroSlip, level_N: float, force_noise_N: float
+) -> tuple[float, float, NDArray[np.intp]]:
+    """Travel in µm at which a branch passes the tangential force `level_N` (in the loop's sign), its standard deviation
+    in µm, and the input's samples that gave it; (0, half of the first travel, none) if it never passes.
 
     slip: the branch's fit. force_noise_N: standard deviation of a sample. A parabola is fitted to samples around the
     crossing if at least six lie there; else it is interpolated between the two samples on either side.
@@ -94,15 +97,16 @@ def crossing_travel(branch: Branch, slip: MicroSlip, level_N: float, force_noise
         fit = fit_linear(np.vander(y[near] / room, 3, increasing=True), z[near])
         travel, deviation = float(fit.coefficients[0]), float(np.sqrt(fit.covariance[0, 0]))
         if abs(travel - at) <= wavers + 3.0 * deviation:
-            return travel, deviation
+            return travel, deviation, branch.samples[near]
     passed = np.flatnonzero((y[:-1] < 0.0) & (y[1:] >= 0.0))
     passed = passed[(z[passed] - at <= wavers) & (at - z[passed + 1] <= wavers)]
     if not len(passed):
-        return 0.0, 0.5 * float(abs(z[0]))
+        return 0.0, 0.5 * float(abs(z[0])), branch.samples[:0]
     travels = [_passage(slip, level, z[i : i + 2], branch.force_N[i : i + 2]) for i in passed[[0, -1]]]
     first, last = passed[0], passed[-1] + 1
     slope = float((y[last] - y[first]) / max(z[last] - z[first], 1e-300))
-    return 0.5 * sum(travels), 0.5 * abs(travels[1] - travels[0]) + force_noise_N / slope
+    used = branch.samples[np.unique([*passed[[0, -1]], *(passed[[0, -1]] + 1)])]
+    return 0.5 * sum(travels), 0.5 * abs(travels[1] - travels[0]) + force_noise_N / slope, used
 
 
 def balance(travel: Array, force: Array) -> float:
@@ -129,14 +133,16 @@ def _passage(slip: MicroSlip, level: float, z: Array, force: Array) -> float:
 
 def slip_amplitude(
     loop: CleanLoop, forward: tuple[Branch, MicroSlip], backward: tuple[Branch, MicroSlip], level_N: float
-) -> Measured:
-    """δ0 in µm: half the distance between two branches at the force `level_N`. forward, backward: each with its fit."""
-    up, up_deviation = crossing_travel(*forward, level_N, loop.force_noise_N)
-    down, down_deviation = crossing_travel(*backward, level_N, loop.force_noise_N)
+) -> tuple[Measured, tuple[int, ...]]:
+    """δ0 in µm, half the distance between two branches at the force `level_N`, and the input's samples that gave it.
+    forward, backward: each with its fit.
+    """
+    up, up_deviation, rising = crossing_travel(*forward, level_N, loop.force_noise_N)
+    down, down_deviation, falling = crossing_travel(*backward, level_N, loop.force_noise_N)
     right = backward[0].origin_um - down
     left = forward[0].origin_um + up
     deviation = float(np.linalg.norm([0.5 * up_deviation, 0.5 * down_deviation, loop.amplitude_noise_um]))
-    return Measured.from_deviation(0.5 * (right - left), deviation)
+    return Measured.from_deviation(0.5 * (right - left), deviation), (*rising.tolist(), *falling.tolist())
 
 
 def by_energy(energy: Measured, height_N: Measured) -> Measured:

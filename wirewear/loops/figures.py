@@ -4,7 +4,7 @@ Symbols: Q tangential force, Q* its amplitude, P normal force, µ friction, δa 
 E_d dissipated energy. An interval is open above if it ends at infinity.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import prod
 from typing import Literal
@@ -235,6 +235,9 @@ class LoopFigures:
     regimes: tuple[Regime, ...]  #: Regimes that the loop allows, in the order of growing slip.
     outlier_samples: tuple[int, ...]  #: Indices of input samples left out as outliers.
     notes: tuple[str, ...]  #: Sentences about what was left out, assumed or corrected.
+    #: Indices of the input samples that gave "energy", "stiffness", "slip" and "friction"; empty where these are left
+    #: out or come from other figures.
+    used: Mapping[str, tuple[int, ...]] = field(default_factory=dict, compare=False, repr=False)
     #: Contacts that a loop in partial slip allows; None if it slides as a whole.
     sticking: Sticking | None = field(default=None, compare=False, repr=False)
 

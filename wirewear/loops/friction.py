@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from geometry.arrays import Array
+from geometry.arrays import Array, BoolArray
 from wirewear.loops.branches import Branch, MicroSlip, slides_visibly
 from wirewear.loops.cleaning import FEWEST_SAMPLES, CleanLoop
 from wirewear.loops.figures import Measured, mean_of
@@ -19,6 +20,8 @@ from wirewear.loops.robust import LinearFit, best_fit, fit_linear
 from wirewear.loops.stick_slip import FittedBranch
 
 MIDDLE_SHARE = 0.4
+
+INNER_SHARE = 0.75  #: Of the range of slip, that whose samples give friction.
 
 PLACES = 41  #: Places at which both directions are read: about as many as a loop of 200 samples has there.
 
@@ -38,6 +41,7 @@ class Plateau:
     travel_um: Array  #: Displacement since the reversal, positive.
     force_N: Array  #: Magnitude of the tangential force.
     ratio: Array  #: Tangential over normal force, or the former in N if no normal force is known.
+    samples: NDArray[np.intp]  #: Positions in the input.
 
 
 def slip_position(branch: Branch, stiffness_N_per_um: float) -> Array:
@@ -55,7 +59,9 @@ def sliding_part(branch: Branch, slip: MicroSlip, stiffness_N_per_um: float) -> 
     """
     slides = branch.travel_um > slip.travel_um
     position = slip_position(branch, stiffness_N_per_um)[slides]
-    return Plateau(position, branch.travel_um[slides], branch.force_N[slides], force_ratio(branch)[slides])
+    return Plateau(
+        position, branch.travel_um[slides], branch.force_N[slides], force_ratio(branch)[slides], branch.samples[slides]
+    )
 
 
 def advancing(branch: Branch) -> Branch:
@@ -162,7 +168,7 @@ def middle_slope(plateau: Plateau) -> Measured:
 @dataclass(frozen=True)
 class SlidingFigures:
     """Figures that only a sliding loop has, named as in `LoopFigures`; height_N: mean |Q| of both directions at
-    mid-slip. None where they are not known.
+    mid-slip. None where they are not known. samples: those of the input that gave friction.
     """
 
     height_N: Measured | None = None
@@ -172,6 +178,7 @@ class SlidingFigures:
     asymmetry: Measured | None = None
     forward: Measured | None = None
     backward: Measured | None = None
+    samples: tuple[int, ...] = ()
 
 
 def peaks(loop: CleanLoop, forward: FittedBranch, backward: FittedBranch) -> tuple[Measured, Measured]:
@@ -233,7 +240,8 @@ def sliding_figures(
     slopes = [middle_slope(part) for part in plateaus]
     hooks = [top.over(centre) for top, centre in zip(tops, centres, strict=True)]
     load = 1.0 if loop.normal_force_N is None else float(np.mean(loop.normal_force_N))
-    friction = _geometry_independent(loop, plateaus, middle, half_range, stiffness_N_per_um)
+    near = [np.abs(part.slip_position_um - middle) <= INNER_SHARE * half_range for part in plateaus]
+    friction = _geometry_independent(loop, plateaus, near, (middle, half_range), stiffness_N_per_um)
     doubt = load * mean_of(*centres).deviation
     height = height_at(branches, (stiffness_N_per_um, np.inf), middle, MIDDLE_SHARE * half_range)
     return SlidingFigures(
@@ -248,13 +256,22 @@ def sliding_figures(
         ),
         forward=None if loop.normal_force_N is None else centres[0],
         backward=None if loop.normal_force_N is None else centres[1],
+        samples=()
+        if friction is None
+        else tuple(np.concatenate([one.samples[own] for one, own in zip(plateaus, near, strict=True)]).tolist()),
     )
 
 
 def _geometry_independent(
-    loop: CleanLoop, plateaus: tuple[Plateau, Plateau], middle: float, half_range: float, stiffness_N_per_um: float
+    loop: CleanLoop,
+    plateaus: tuple[Plateau, Plateau],
+    near: list[BoolArray],
+    slip_range_um: tuple[float, float],
+    stiffness_N_per_um: float,
 ) -> Measured | None:
     """Return tan φ at mid-slip, from one fit to the friction angles of both directions over the inner slip range.
+
+    near: samples of either plateau that lie there. slip_range_um: middle and half of the range.
 
     Both share φ, straight in x; the scar's slope θ, of either sign, is a polynomial in x whose degree minimises
     Schwarz's criterion. Sharing keeps the walls of the scar out of φ and halves its scatter. The stiffness is known to
@@ -262,7 +279,7 @@ def _geometry_independent(
     """
     if loop.normal_force_N is None:
         return None
-    near = [np.abs(part.slip_position_um - middle) <= 0.75 * half_range for part in plateaus]
+    middle, half_range = slip_range_um
     if min(int(np.count_nonzero(inside)) for inside in near) < 5:
         return None
     ratio = np.concatenate([part.ratio[inside] for part, inside in zip(plateaus, near, strict=True)])

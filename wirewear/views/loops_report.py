@@ -1,28 +1,17 @@
-"""Figures of loops, the numbers that `analyse_loop` gives, as tables, as JSON, and as a picture with the fitted
-lines.
-"""
+"""Figures of loops, the numbers that `analyse_loop` gives, as tables and as JSON."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
-from pathlib import Path
 
-import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from geometry.arrays import Array
 from wirewear.base.words import counted
-from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError, LoopFigures, Measured, StickSlip, analyse_loop
 from wirewear.loops.figures import regime_of
-from wirewear.pictures.panels import draw_loop, name_axes
-from wirewear.pictures.smooth import chosen_cycles
-from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save
 from wirewear.records.importing.loop_sources import SampledLoop
 from wirewear.records.loop_checks import DRY, NO_FRICTION
 
@@ -54,8 +43,6 @@ SHOWN_BY_SOME = (
 
 #: What loops without a plateau leave.
 WITHOUT_PLATEAU = (("friction_partial_slip", "µ partial slip", 1.0), ("used_share", "Q*/µP", 1.0))
-
-LOOP, FIT, WIDTH = INK, VARIANT_COLOURS[1], VARIANT_COLOURS[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,14 +167,14 @@ def partial_slip_table(analysed: Sequence[AnalysedLoop]) -> Table | None:
         return None
 
     def cells(figures: LoopFigures) -> list[str]:
-        numbers = [_between(getattr(figures, name)) for name, _, _ in WITHOUT_PLATEAU]
+        numbers = [between(getattr(figures, name)) for name, _, _ in WITHOUT_PLATEAU]
         return [*numbers, " or ".join(one.removesuffix(" slip") for one in figures.regimes)]
 
     heads = [*(head for _, head, _ in WITHOUT_PLATEAU), "regime may be"]
     return _table(analysed, "Without a plateau (95 % interval)", heads, cells)
 
 
-def _between(measured: Measured | None) -> str:
+def between(measured: Measured | None) -> str:
     """Value with its interval as text, or the bounds if there is no value."""
     if measured is None:
         return "–"
@@ -266,132 +253,3 @@ def regimes_over_cycles(analysed: Sequence[AnalysedLoop]) -> str | None:
         where = f"cycle {counted(own[0])}" if len(own) == 1 else f"cycles {counted(own[0])} to {counted(own[-1])}"
         runs.append(f"{'some loops in either' if regime == 'mixed' else regime} in {where}")
     return f"a mixed test: {', '.join(runs)}"
-
-
-def draw_loops(analysed: Sequence[AnalysedLoop], path: Path) -> Path:
-    """Draw up to six loops of the first repeat to a picture file, creating its folder if missing, and return its
-    path.
-    """
-    shown = [item for item in analysed if item.figures is not None]
-    shown = [item for item in shown if item.loop.repeat == shown[0].loop.repeat]
-    cycles = chosen_cycles([item.loop.cycle for item in shown])
-    chosen = [item for item in shown if item.loop.cycle in cycles]
-    prepared_folder(path.parent)
-    return save(lambda: _figure(chosen), path)
-
-
-def _figure(chosen: Sequence[AnalysedLoop]) -> Figure:
-    columns = min(len(chosen), 2)
-    rows = -(-len(chosen) // columns)
-    figure = new_figure(3.4 * rows if columns > 1 else 4.6)
-    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    panels = list(grid.flat)
-    for unused in panels[len(chosen) :]:
-        unused.set_visible(False)
-    for axes, item in zip(panels, chosen, strict=False):
-        if item.figures is None:
-            continue
-        _panel(axes, item, item.figures)
-        name_axes(axes)
-        axes.set_title(f"cycle {cycle_name(item.loop.cycle)}, {item.figures.regime}")
-    _limit(panels[0], [_kept(item, item.figures) for item in chosen if item.figures is not None])
-    if len(chosen) > 1:
-        panel_letters(panels[: len(chosen)])
-    named = {label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
-    figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=4)
-    return figure
-
-
-def _kept(item: AnalysedLoop, figures: LoopFigures) -> tuple[Array, Array]:
-    keep = np.setdiff1d(np.arange(len(item.loop.displacement_um)), figures.outlier_samples)
-    return item.loop.displacement_um[keep], item.loop.tangential_force_N[keep]
-
-
-def _limit(axes: Axes, kept: Sequence[tuple[Array, Array]]) -> None:
-    """Set axis limits that hold all loops, and below them the arrow of the stroke."""
-    x, q = (np.concatenate(values) for values in zip(*kept, strict=True))
-    for values, below, limit in ((x, 0.06, axes.set_xlim), (q, 0.26, axes.set_ylim)):
-        extent = float(np.ptp(values))
-        limit(float(values.min()) - below * extent, float(values.max()) + 0.06 * extent)
-
-
-def _panel(axes: Axes, item: AnalysedLoop, figures: LoopFigures) -> None:
-    x, q = _kept(item, figures)
-    draw_loop(axes, x, q, color=LOOP, linewidth=1.0, label="samples")
-    if figures.outlier_samples:
-        bad = list(figures.outlier_samples)
-        outliers = item.loop.displacement_um[bad], item.loop.tangential_force_N[bad]
-        axes.plot(*outliers, "x", color=GREY, markersize=4, label="left out")
-    _micro_slip(axes, item, figures)
-    _widths(axes, x, q, figures)
-
-
-def _micro_slip(axes: Axes, item: AnalysedLoop, figures: LoopFigures) -> None:
-    if figures.measured_stiffness_N_per_um is None:
-        return
-    for place, branch in enumerate(figures.branches):
-        start = branch.displacement_um[0]
-        samples = list(branch.samples)
-        axes.plot(
-            item.loop.displacement_um[samples],
-            item.loop.tangential_force_N[samples],
-            "o",
-            color=FIT,
-            markersize=3,
-            alpha=0.6,
-            label="fitted half of the micro-slip region" if not place else None,
-        )
-        reach = np.linspace(start, start + branch.direction * branch.micro_slip_travel_um, 200)
-        line = branch.intercept_N + branch.stiffness_N_per_um.value * reach
-        # Behind free play the line runs on past the forces of the loop, where it says nothing.
-        reach = np.where(np.abs(line) <= np.max(np.abs(item.loop.tangential_force_N[samples])), reach, np.nan)
-        label = "its line, over the whole region" if not place else None
-        # Behind the shelf of free play the same line goes on.
-        play = 0.0 if figures.free_play_um is None else figures.free_play_um.value
-        for shift in {0.0, branch.direction * play}:
-            axes.plot(reach + shift, line, color=FIT, linestyle="--", linewidth=1.2, label=label)
-            label = None
-
-
-def _widths(axes: Axes, x: Array, q: Array, figures: LoopFigures) -> None:
-    middle, level = 0.5 * float(x.max() + x.min()), figures.mean_force_N.value
-    slip, stroke = figures.slip_amplitude_um.value, figures.displacement_amplitude_um.value
-    # below the loop: from mid-stroke to its end
-    bottom = float(q.min()) - 0.13 * float(np.ptp(q))
-    friction, elastic = _texts(figures)
-    below = f"2δ0 = 2 × {slip:.4g} µm", f"2δa = 2 × {stroke:.4g} µm"
-    inside = "\n".join([below[0], *elastic])
-    if figures.sticking is not None:
-        # A loop that thin leaves no room within.
-        words = "\n".join([*friction, inside])
-        axes.text(0.03, 0.96, words, color=WIDTH, fontsize=7, linespacing=1.25, va="top", transform=axes.transAxes)
-        friction, inside = [], ""
-    for half, height, text in ((slip, level, inside), (stroke, bottom, below[1])):
-        arrow = {"arrowstyle": "<|-|>", "color": WIDTH, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", (middle - half, height), (middle + half, height), arrowprops=arrow)
-        _text(axes, text, (middle, height), -3)
-    _text(axes, "\n".join(friction), (middle, level), 3)
-
-
-def _text(axes: Axes, text: str, place: tuple[float, float], points: int) -> None:
-    side = "bottom" if points > 0 else "top"
-    offset = {"xytext": (0, points), "textcoords": "offset points", "ha": "center", "va": side}
-    axes.annotate(text, place, color=WIDTH, fontsize=7, linespacing=1.25, **offset)  # type: ignore[arg-type]
-
-
-def _texts(figures: LoopFigures) -> tuple[list[str], list[str]]:
-    """Text lines for friction measures, and for stiffness and energy."""
-    friction = (
-        ("µ max", figures.friction_max),
-        ("µ energy", figures.friction_energy),
-        ("µ geometry-independent", figures.friction_geometry_independent),
-    )
-    elastic = [f"E_d = {' ± '.join(rounded(figures.dissipated_energy_mJ))} mJ"]
-    if figures.free_play_um is not None:
-        elastic.append(f"free play = {' ± '.join(rounded(figures.free_play_um))} µm")
-    if figures.measured_stiffness_N_per_um is not None:
-        elastic.insert(0, f"K_t,m = {' ± '.join(rounded(figures.measured_stiffness_N_per_um, 1e3))} N/mm")
-    words = [f"{name} = {' ± '.join(rounded(value))}" for name, value in friction if value is not None]
-    if figures.friction_partial_slip is not None:
-        words.append(f"µ partial slip: {_between(figures.friction_partial_slip)}")
-    return words, elastic

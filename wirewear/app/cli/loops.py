@@ -46,12 +46,15 @@ def _known_encoding(_context: click.Context, _parameter: click.Parameter, name: 
 @click.option("--lines-after-names", type=click.IntRange(0, 100), help="Such as one of units.  [default: guessed]")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON; a picture only with --output.")
 @click.option("--output", metavar="PNG", type=OutputFile(), help="Picture.")
+@click.option("--corrected", metavar="DIR", type=OutputFolder(),
+              help="Write the loops without drift, lag, play and compliance, too.")  # fmt: skip
 @paper
 def loops_command(
     path: Path,
     cycle: int | None,
     as_json: bool,
     output: Path | None,
+    corrected: Path | None,
     encoding: str | None,
     delimiter: str | None,
     decimal: str | None,
@@ -63,9 +66,10 @@ def loops_command(
     from wirewear.app.cli.consoles import wide_console
     from wirewear.pictures import require_picture_name
     from wirewear.records.importing.loop_sources import Spelling, read_loops
+    from wirewear.views.corrected_loops import write_corrected
+    from wirewear.views.loops_picture import draw_loops
     from wirewear.views.loops_report import (
         analyse_loops,
-        draw_loops,
         loops_json,
         loops_table,
         partial_slip_table,
@@ -81,6 +85,7 @@ def loops_command(
     with busy("analysing the loops"):
         analysed = analyse_loops(read_loops(path, cycle=cycle, spelling=spelling, **chosen))
         picture = None if output is None else draw_loops(analysed, output)
+        written = [] if corrected is None else write_corrected(analysed, corrected)
     if as_json:
         click.echo(json_text(loops_json(str(path), analysed)))
         return
@@ -91,7 +96,8 @@ def loops_command(
             console.print(table)
     for remark in remarks(analysed):
         click.echo(remark)
-    click.echo(picture)
+    for file in (picture, *written):
+        click.echo(file)
 
 
 @cli.command()
