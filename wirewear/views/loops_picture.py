@@ -34,10 +34,10 @@ def draw_loops(analysed: Sequence[AnalysedLoop], path: Path) -> Path:
     cycles = chosen_cycles([item.loop.cycle for item in shown])
     chosen = [item for item in shown if item.loop.cycle in cycles]
     prepared_folder(path.parent)
-    return save(lambda: _figure(chosen), path)
+    return save(lambda: figure_of(chosen), path)
 
 
-def _figure(chosen: Sequence[AnalysedLoop]) -> Figure:
+def figure_of(chosen: Sequence[AnalysedLoop]) -> Figure:
     columns = min(len(chosen), 2)
     rows = -(-len(chosen) // columns)
     figure = new_figure(3.4 * rows if columns > 1 else 4.6)

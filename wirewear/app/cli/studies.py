@@ -137,20 +137,6 @@ def show(result_path: Path, output: Path | None, ending: str, animation: bool) -
 
 
 @cli.command()
-@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
-@click.option("--output", metavar="DIR", type=OutputFolder(), help="Page folder.  [default: beside it]")
-def report(result_path: Path, output: Path | None) -> None:
-    """Write the page of a result, or of a study's variants: one file for any browser, which needs no network."""
-    from wirewear.results import read_results
-    from wirewear.views.run_page import write_page
-
-    folder = output or beside(result_path)
-    with busy("writing the page"):
-        written = write_page(read_results(result_path), usable_folder(folder))
-    click.echo(written)
-
-
-@cli.command()
 @click.argument("study_path", metavar="STUDY.toml", type=Given())
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--variant", metavar="NAME", help="Run this variant of the study only.")
