@@ -8,7 +8,7 @@ import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from math import isfinite, sqrt
+from math import inf, isfinite, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -359,7 +359,7 @@ def _deviations(
     record: AnyRecord, test: MappedTest, figures: Sequence[tuple[MeasuredLoop, LoopFigures]]
 ) -> Iterator[str]:
     """Where the test is another one than ASTM G204 describes."""
-    if record.tables.contact_kind != "ball-on-flat":
+    if not _sphere_on_flat(record.tables):
         yield f"The contact is {record.tables.contact_kind}; G204 asks for a hemispherical rider on a flat (1.2)."
     yield from _of_surroundings(record.tables.metadata)
     amplitude = test.displacement_amplitude_um
@@ -373,6 +373,12 @@ def _deviations(
     lacking = [called(body) for body, volumes in record.worn_volumes_mm3.items() if not volumes]
     if lacking:
         yield f"No volume loss of {' and '.join(lacking)} was measured; G204 asks for that of both surfaces (1.3)."
+
+
+def _sphere_on_flat(tables: Any) -> bool:
+    """True if one body has the same diameter both ways and the other has none."""
+    diameters = [body.diameters_mm for body in getattr(tables, "bodies_of_test", ())]
+    return sorted(map(min, diameters))[1:] == [inf] and all(along == across for along, across in diameters)
 
 
 def _of_surroundings(facts: Any) -> Iterator[str]:
