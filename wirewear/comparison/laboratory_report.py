@@ -215,7 +215,7 @@ def _noise(record: AnyRecord, surface: Any) -> float:
     if hasattr(surface, "y_um"):
         y = np.asarray(surface.y_um)
         return 1e-9 * deviation * sqrt(inside) * step * float(np.ptp(y)) / max(y.size - 1, 1)
-    return 1e-6 * deviation * sqrt(inside) * step * float(record.tables.length_mm or 1.0)
+    return 1e-6 * deviation * sqrt(inside) * step / float(record.tables.extent.share)
 
 
 def _level(_record: AnyRecord, surface: Any) -> float:
