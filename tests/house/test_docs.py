@@ -96,13 +96,6 @@ def test_the_limit_of_pairs_stands_wherever_an_answer_is_explained() -> None:
         assert re.search(r"[Tt]wo (effects|causes) at once.{0,200}\bballs\b", re.sub(r"\s+", " ", text)), page
 
 
-def test_every_wear_coefficient_of_the_literature_has_its_source() -> None:
-    rows = re.findall(r"^\| (.+) \|$", (ROOT / "docs" / "wear_values.md").read_text(encoding="utf-8"), re.MULTILINE)
-    values = [cells for row in rows if "10⁻" in (cells := row.split(" | "))[2 if row.count(" | ") > 2 else 0]]
-    assert len(values) >= 6
-    assert all(re.search(r"\((19|20)\d\d\)|the same", cells[-1]) for cells in values)
-
-
 @pytest.mark.parametrize("page", READ_BY_PEOPLE, ids=lambda page: str(page.relative_to(ROOT)))
 def test_what_a_page_links_to_exists(page: Path) -> None:
     links = re.findall(r"\]\(([^)#\s]+)", FENCE.sub("", page.read_text(encoding="utf-8")))

@@ -20,7 +20,7 @@ from wirewear.test import Study, parse_study, study_from_tables
 from wirewear.test.bodies import Wire
 from wirewear.test.consistency import default_loop_cycles
 from wirewear.test.keys import Table, quantity_of, table_of
-from wirewear.test.materials import material_named, materials
+from wirewear.test.materials import material_named, materials, rubbing_pairs
 from wirewear.test.tables import StudyTables
 
 scalars = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20) | st.dates()
@@ -212,6 +212,19 @@ def test_every_material_has_a_source_and_constants_of_a_solid() -> None:
         assert 0.2 < item.elastic.poissons_ratio <= 0.4
 
 
+def test_every_friction_and_wear_coefficient_of_the_literature_has_a_dated_source() -> None:
+    pairs = rubbing_pairs()
+    assert sum(bool(pair.energy_wear_coefficient_mm3_per_J) for pair in pairs) >= 6
+    for pair in pairs:
+        assert re.search(r"\((19|20)\d\d\)", pair.source)
+        assert pair.friction or pair.energy_wear_coefficient_mm3_per_J
+        assert all(0.05 < value < 1.5 for value in pair.friction)
+        assert all(1e-9 < value < 1e-2 for value in pair.energy_wear_coefficient_mm3_per_J)
+    listed = CliRunner().invoke(cli, ["materials"]).output
+    assert "4.4e-05" in listed
+    assert "alumina ball" in listed
+
+
 @pytest.mark.parametrize(
     "names",
     [
@@ -228,7 +241,8 @@ def test_what_laboratories_rub_is_found_by_every_name_that_it_goes_by(names: tup
 
 def test_a_material_has_any_of_its_names_and_unread_sources_are_listed() -> None:
     listed = CliRunner().invoke(cli, ["materials"]).output
-    assert listed.count("unverified:") == sum(not item.verified for item in materials()) > 0
+    verified = [*(item.verified for item in materials()), *(pair.verified for pair in rubbing_pairs())]
+    assert listed.count("unverified:") == verified.count(False) > 0
     study, titanium = parse_study(NAMED, "study.toml"), material_named("Ti-6Al-4V").elastic
     assert [body.material for body in study.bodies] == [titanium, titanium]
     assert study.wires.material == "Ti-6Al-4V"

@@ -44,6 +44,30 @@ class Material:
         return f"{'' if self.fatigue_verified else doubt}{self.fatigue_source}"
 
 
+@dataclass(frozen=True)
+class RubbingPair:
+    """Friction and energy wear coefficient of two bodies in published tests, each empty, one value, or several by the
+    conditions. how: how they follow, where they are not printed as such. verified: False if the tests' own publication
+    was not read.
+    """
+
+    bodies: str
+    conditions: str
+    source: str
+    friction: tuple[float, ...] = ()
+    energy_wear_coefficient_mm3_per_J: tuple[float, ...] = ()
+    how: str = ""
+    verified: bool = True
+
+
+@cache
+def rubbing_pairs() -> tuple[RubbingPair, ...]:
+    """All pairs of materials.toml, in the file's order."""
+    rows: list[dict[str, Any]] = tomllib.loads(_TABLE.read_text(encoding="utf-8"))["pair"]
+    lists = ("friction", "energy_wear_coefficient_mm3_per_J")
+    return tuple(RubbingPair(**row | {key: tuple(row.get(key, ())) for key in lists}) for row in rows)
+
+
 @cache
 def materials() -> tuple[Material, ...]:
     """All materials of materials.toml, in the file's order."""

@@ -27,12 +27,16 @@ _OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity
 
 @cli.command(name="materials")
 def materials_command() -> None:
-    """List the materials that a study may name, where they yield, their fatigue, and the sources, read or not."""
+    """List the materials that a study may name, where they yield, their fatigue, and friction and wear of pairs.
+
+    Each has its source, read or not.
+    """
     from rich import box
     from rich.table import Table
+    from rich.text import Text
 
     from wirewear.app.cli.consoles import wide_console
-    from wirewear.test.materials import materials
+    from wirewear.test.materials import materials, rubbing_pairs
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("material", no_wrap=True)
@@ -52,7 +56,16 @@ def materials_command() -> None:
             table.add_row(
                 "", "yields", "", "", f"{data}; {'' if item.yields_verified else 'unread: '}{item.yields_source}"
             )
-    wide_console(130).print(table)
+    pairs = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in ("pair", "conditions", "µ", "α [mm³/J]", "source"):
+        pairs.add_column(Text(heading), overflow="fold", no_wrap=heading in ("µ", "α [mm³/J]"))
+    for pair in rubbing_pairs():
+        values = pair.friction, pair.energy_wear_coefficient_mm3_per_J
+        source = f"{'' if pair.verified else 'unverified: '}{pair.source}{f'; {pair.how}' if pair.how else ''}"
+        shown = ("; ".join(f"{one:g}" for one in own) for own in values)
+        pairs.add_row(Text(pair.bodies), Text(pair.conditions), *shown, Text(source))
+    for each in (table, pairs):
+        wide_console(130).print(each)
 
 
 @cli.command(name="effects")
