@@ -4,9 +4,11 @@ import csv
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
+from tests.browser import page_faults
 from tests.records.strangers_files import FORCE, FRICTION, GERMAN, LOAD_N, TIME, AMPLITUDE_um, FREQUENCY_Hz, X, table
 from wirewear.app.cli import cli
 from wirewear.base.errors import RecordError
@@ -87,6 +89,41 @@ def test_given_again_only_what_has_changed_is_read(folder: Path, tmp_path: Path)
     answer = json.loads(invoked(folder, "--output", out, "--json").stdout)
     assert {row["test"]: row["state"] for row in answer} == dict.fromkeys(NAMES, "good") | {"V3": "apart"}
     assert (kept.stat().st_mtime_ns, changed.stat().st_mtime_ns > before[1]) == (before[0], True)
+
+
+def bowl(depth_um: float) -> tuple[str, float]:
+    """Points of an elliptic bowl as CSV, and its volume in mm³."""
+    x, y = np.meshgrid(np.linspace(-150.0, 150.0, 61), np.linspace(-100.0, 100.0, 41), indexing="ij")
+    depth = depth_um * np.maximum(1.0 - (x / 100.0) ** 2 - (y / 60.0) ** 2, 0.0)
+    rows = (f"{a:g},{b:g},{d:.5f}" for a, b, d in zip(x.ravel(), y.ravel(), depth.ravel(), strict=True))
+    return "\n".join(["x,y,depth", *rows]) + "\n", 1e-9 * 0.5 * np.pi * 100.0 * 60.0 * depth_um
+
+
+def test_scars_of_all_tests_stand_side_by_side_with_their_volumes(folder: Path, tmp_path: Path) -> None:
+    columns = '{ x_um = "x", y_um = "y", depth_um = "depth" }'
+    scars = "".join(
+        f'[scars.{body}]\nfiles = "{{test}}_{body}.csv"\nframe = "test"\ncolumns = {columns}\n'
+        for body in ("moving", "fixed")
+    )
+    (folder / "mapping.toml").write_text(MAPPING + scars, encoding="utf-8")
+    volumes = {}
+    for number, name in enumerate(NAMES, 1):
+        text, volumes[name] = bowl(2.0 + number)
+        for body in ("moving", "fixed"):
+            (folder / f"{name}_{body}.csv").write_text(text[:60] if name == "V5" else text, encoding="utf-8")
+    out = tmp_path / "out"
+    answer = invoked(folder, "--output", out)
+    assert answer.exit_code == 0, answer.output
+    with (out / "lab.csv").open(encoding="utf-8") as file:
+        rows = {row["test"]: row for row in csv.DictReader(file)}
+    assert [name for name, row in rows.items() if row["state"] == "not read"] == ["V2", "V5"]
+    for name in ("V1", "V4", "V6"):
+        assert float(rows[name]["volume_mm3"]) == pytest.approx(2.0 * volumes[name], rel=0.03)
+    page = (out / "lab.html").read_text(encoding="utf-8")
+    for body in ("moving", "fixed"):
+        assert f"Scars of the {body} wire" in page
+    assert all(f"{name}: " in page for name in ("V1", "V3", "V4", "V6"))
+    assert page_faults(out / "lab.html") == []
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -30,6 +31,8 @@ class CampaignResult:
     notes: tuple[str, ...] = ()
     odd: tuple[str, ...] = ()
     answer: str = ""
+    #: Worn surfaces, maps or profiles, of each body's first repeat.
+    surfaces: tuple[Any, ...] = ()
 
     @property
     def state(self) -> str:

@@ -13,6 +13,7 @@ from wirewear.base.words import counted
 from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.comparison.campaign import CampaignResult
 from wirewear.comparison.mapped_tests import MappedTest
+from wirewear.views.campaign_scars import scar_pictures
 from wirewear.views.maps_page import columns_of, row_of, shown_in, write_maps
 from wirewear.views.maps_page import sentences as maps_sentences
 
@@ -101,6 +102,10 @@ def write_campaign(tests: Sequence[CampaignResult], source: Path, folder: Path) 
             "all_good": all(test.state == "good" for test in tests),
             "maps": bool(maps),
             "said": said_of(tests),
+            "scars": [
+                (body, frame.inline_svg(image, f"scars{place}"))
+                for place, (body, image) in enumerate(scar_pictures(tests))
+            ],
             "answers": [(test.name, test.answer) for test in tests if test.answer],
             "table": TABLE,
         },

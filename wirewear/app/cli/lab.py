@@ -95,7 +95,10 @@ def _looked_at(
         if diagnose and not problems and "answer" not in known:
             known["answer"] = _diagnosed(record, output / "diagnoses" / test.name)
         notes = tuple(known.get("notes", ()))
-        return CampaignResult(test.name, mapped, problems=problems, notes=notes, answer=known.get("answer", ""))
+        surfaces = tuple(own[0] for body in record.tables.body_names if (own := record.scars_of(body)))
+        return CampaignResult(
+            test.name, mapped, problems=problems, notes=notes, answer=known.get("answer", ""), surfaces=surfaces
+        )
     except WirewearError as refusal:
         return CampaignResult(test.name, refused=str(refusal))
     finally:
