@@ -197,6 +197,10 @@ class LoadCycle:
     def largest(self) -> float:
         return max((share for _, share in self.points), default=1.0 + abs(self.amplitude))
 
+    @property
+    def least(self) -> float:
+        return max(min((share for _, share in self.points), default=1.0 - abs(self.amplitude)), 0.0)
+
 
 @dataclass(frozen=True)
 class Path:

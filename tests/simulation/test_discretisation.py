@@ -178,7 +178,9 @@ def test_partial_slip_under_a_changing_load_has_its_elements_and_more_increments
     )
     plan = discretise(parse_study(hardly, "study"), fidelity)
     assert not plan.expected.sticks
-    assert plan.moving.axial.fine_mm == pytest.approx(plan.hertz.contact_radius_mm / level.per_sticking_radius, rel=0.1)
+    # Of the radius to which its least load presses it, but no finer than 0.6 asks.
+    radius = 0.6 * plan.hertz.contact_radius_mm
+    assert plan.moving.axial.fine_mm == pytest.approx(radius / level.per_sticking_radius, rel=0.1)
 
 
 def test_no_line_touches_the_rim_of_an_oblique_contact_that_sticks_in_its_middle() -> None:

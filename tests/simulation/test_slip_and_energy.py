@@ -214,6 +214,9 @@ def test_a_run_says_what_its_energy_lacks_and_what_the_program_errs() -> None:
     assert ["jump_tolerance" in one for one in said] == [True, False, False]
     assert ["report it" in one for one in said] == [False, True, False]
     assert ["finer --fidelity" in one for one in said] == [False, False, True]
+    (increments,) = remedies({"energy_against_loops", "first_cycle_against_loop"})
+    assert "increments_per_wear_cycle" in increments
+    assert "jump_tolerance" not in increments
 
 
 def test_a_test_without_wear_has_the_energy_of_all_its_loops() -> None:

@@ -33,6 +33,7 @@ SCAR_MARGIN = 1.2
 
 # Extent of the patch over that of a contact that sticks in its middle, without wear and with it, which widens it.
 _STUCK_MARGIN, _WORN_MARGIN = 1.3, 1.6
+_LEAST_RADIUS = 0.6  #: Of the contact under the test's load: elements are fitted to no smaller one within a cycle.
 _EVENLY, _EVEN_MORE = 0.01, 1.25  #: Grading of lines that are spaced evenly, and how many more elements they need.
 
 
@@ -99,8 +100,10 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None, core:
     if expected.sticks and (expected.face is None or study.wear is not None):
         level = level.for_sticking(wears=study.wear is not None, steady=study.drive.load.steady)
     elif not study.drive.load.steady and point_sticks(study, under_largest_load=True):
-        # It slides as a whole at low loads alone, and dissipates most in partial slip.
-        level = replace(level, per_contact_radius=max(level.per_contact_radius, level.per_sticking_radius))
+        # It slides as a whole at low loads alone, under which it is smaller, and dissipates most in partial slip.
+        smaller = min(study.drive.load.least, 1.0) ** (1.0 / 3.0)
+        per_radius = max(level.per_contact_radius, level.per_sticking_radius) / max(smaller, _LEAST_RADIUS)
+        level = replace(level, per_contact_radius=per_radius)
     if not study.contact.friction_law.proportional:
         # Elements a radius over those under Coulomb's law, for laws of friction that bend with the pressure.
         level = replace(level, per_contact_radius=1.25 * level.per_contact_radius)

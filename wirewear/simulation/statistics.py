@@ -19,8 +19,8 @@ from wirewear.simulation.measures import slip_mismatch
 
 QUALITY = (
     "force_balance", "penetration", "complementarity", "slip_direction_error_rad", "elastic_slip",
-    "loop_area_against_friction_work", "volume_against_energy", "energy_against_loops", "mirror_error",
-    "slip_against_loops",
+    "loop_area_against_friction_work", "volume_against_energy", "first_cycle_against_loop", "energy_against_loops",
+    "mirror_error", "slip_against_loops",
     "depth_between_nodes", "slip_between_nodes",
 )  # fmt: skip
 
@@ -44,6 +44,7 @@ class Counters:
     elastic_slip: float = 0.0
     loop_area_against_friction_work: float = 0.0
     volume_against_energy: float = 0.0
+    first_cycle_against_loop: float = nan
     energy_against_loops: float = 0.0
     slip_against_loops: float = nan
     mirror_error: float = nan
@@ -110,6 +111,8 @@ def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, flo
     around_mJ = max(4e-3 * row["displacement_amplitude_um"] * row["max_tangential_force_N"] for row in rows)
     worn = accumulated_mJ > _ROUND_OFF * cycles[-1] * around_mJ
     counters.energy_against_loops = energy_mismatch(cycles, energies, accumulated_mJ) if worn else 0.0
+    if worn and cycles == [1.0]:
+        counters.first_cycle_against_loop = counters.energy_against_loops
 
 
 def friction_work_mJ(row: Mapping[str, float]) -> float:
