@@ -14,12 +14,13 @@ if TYPE_CHECKING:
     from solvers.conduction import Conductor, surface_rise
     from solvers.contact import ContactProblem, advance, press, unloaded_state
     from solvers.contact.linearising import stuck_share
-    from solvers.contact.problem import misaligned
+    from solvers.contact.problem import misaligned, recoated
     from solvers.contact_state import ContactState, DriveTiming, Guide, Holder, IncrementReport, WearState
     from solvers.drive import Drive, LoadCycle, Waveform, trapezoidal, triangular
     from solvers.elasticity.body import Compliance, ContactBody
+    from solvers.elasticity.coats import Coating
     from solvers.elasticity.condensation import CondensedBody, condense
-    from solvers.elasticity.placement import PlacedBody, facing, place
+    from solvers.elasticity.placement import PlacedBody, coated, facing, place
     from solvers.elasticity.stuck_bodies import StuckMotion, move_stuck
     from solvers.errors import NotConvergedError, PatchLeftError, SolverError
     from solvers.fretting import (
@@ -75,17 +76,17 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    "Archard", "BulkStress", "Compliance", "CondensedBody", "Conductor", "ContactBody", "ContactLayer",
+    "Archard", "BulkStress", "Coating", "Compliance", "CondensedBody", "Conductor", "ContactBody", "ContactLayer",
     "ContactProblem", "ContactState", "Coulomb", "CycleJump", "CycleTrace", "DebrisFlow", "Drive", "DriveTiming",
-    "EnergyLaw", "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder", "HolderElements",
-    "IncrementReport", "JumpController", "JumpStep", "LoadCycle", "LocalField", "LocalState", "LogarithmicRate",
-    "NotConvergedError", "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure",
-    "PowerReduced", "PressureLimit", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion",
-    "SurfaceLayer", "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance",
-    "bare_depth", "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense",
+    "EnergyLaw", "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder", "HolderElements", "IncrementReport",
+    "JumpController", "JumpStep", "LoadCycle", "LocalField", "LocalState", "LogarithmicRate", "NotConvergedError",
+    "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure", "PowerReduced",
+    "PressureLimit", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer",
+    "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "bare_depth",
+    "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "coated", "condense",
     "facing", "first_quarter", "flattened", "friction_laws", "jump_cycles", "kept_by", "measured_holder",
-    "mirror_error", "mirrored_prints", "misaligned", "move_stuck", "place", "press", "remeshed", "restarted",
-    "run_cycle", "settled", "sticks_throughout", "stuck_share", "surface_rise", "symmetry_of", "take_step",
+    "mirror_error", "mirrored_prints", "misaligned", "move_stuck", "place", "press", "recoated", "remeshed",
+    "restarted", "run_cycle", "settled", "sticks_throughout", "stuck_share", "surface_rise", "symmetry_of", "take_step",
     "traced_quarter", "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_laws",
 ]  # fmt: skip
 

@@ -33,6 +33,10 @@ DRAWN = {
         for name in ("fresh", "levels", "partial_slip")
     },
     "boundary_conditions.png": (f"{_MESH}  # boundary_conditions.png",),
+    "coats.png": (
+        "wirewear run studies/coat/study.toml --fidelity quick --output runs/pictures/coat",
+        "python -m studies.coat.draw runs/pictures/coat --output runs/drawn  # coats.png",
+    ),
     "compared.png": (
         f"wirewear fit {_RECORD} --output runs/pictures/fit",
         f"wirewear compare runs/pictures/fit/run {_RECORD} --output runs/pictures/compared  # loops.png",

@@ -17,7 +17,7 @@ from geometry.arrays import Array, IntArray
 from solvers.contact_conditions import ContactAlgorithm
 from solvers.contact_state import ContactState, DriveTiming, Holder, WearState
 from solvers.elasticity.pairing import Pairing, PrimarySurface, pair, primary_surface, vertical_gap
-from solvers.elasticity.placement import PlacedBody
+from solvers.elasticity.placement import PlacedBody, interpolated
 from solvers.errors import SolverError
 from solvers.laws.debris import DebrisFlow
 from solvers.laws.friction_law import Coulomb, Friction, FrictionLaw
@@ -170,6 +170,19 @@ def unloaded_state(problem: ContactProblem) -> ContactState:
         pressed_ahead=0.0,
         slip_share=np.zeros(primary.size),
     )
+
+
+def recoated(problem: ContactProblem, wear: WearState) -> ContactProblem:
+    """The problem with what wear has left of coatings in the compliance; itself if that has not changed."""
+    primary, secondary = problem.primary, problem.secondary
+    if primary.coats is None:
+        return problem
+    nodes, weights, _ = secondary.patch.locate(primary.node_positions @ secondary.world_to_patch.T)
+    facing_mm = interpolated(wear.secondary_depth.ravel(), nodes, weights)
+    now = primary.worn_through(wear.primary_depth, facing_mm)
+    if now is primary:
+        return problem
+    return replace(problem, upper=now) if problem.primary_is_upper else replace(problem, lower=now)
 
 
 def misaligned(problem: ContactProblem, angle_rad: float) -> ContactProblem:

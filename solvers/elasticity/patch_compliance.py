@@ -221,14 +221,16 @@ class PatchCompliance:
             mirror[axis] = -1.0
             near = 0.5 * (near + mirror[:, None] * np.flip(near, 1 + axis) * mirror)
         near = 0.5 * (near + near[:, ::-1, ::-1].swapaxes(-1, -2))
-        blocks = self.blocks.copy()
-        flips = np.zeros((len(blocks), 2), dtype=np.int64)
-        for k, axis in enumerate(reversed(self.planes)):
-            flips[:, axis] = (np.arange(len(blocks)) >> k) & 1
         turned = self.rotation @ near @ self.rotation.T @ self._reflections[:, None, None, None]
-        piece = np.array(_piece(self.shape, self.planes))
-        _add_near(blocks, piece, flips, np.ascontiguousarray(turned), kind, share)
+        blocks, piece = self.blocks.copy(), np.array(_piece(self.shape, self.planes))
+        _add_near(blocks, piece, self.sides, np.ascontiguousarray(turned), kind, share)
         return replace(self, blocks=blocks)
+
+    @property
+    def sides(self) -> IntArray:
+        """(2^p, 2) 1 where an image of the piece is reversed along an axis."""
+        bits = [2 ** self.planes[::-1].index(axis) if axis in self.planes else 0 for axis in (0, 1)]
+        return np.asarray((np.arange(len(self.blocks))[:, None] & bits) > 0, dtype=np.int64)
 
     def piece_nodes(self) -> IntArray:
         """Indices (q,) in the patch of the nodes on the non-negative sides of the planes, in the order of `blocks`."""

@@ -16,8 +16,10 @@ import numpy as np
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.elasticity.body import Compliance, ContactBody
+from solvers.elasticity.coats import CoatedPatch, Coating
 from solvers.elasticity.patch_compliance import Bricks, PatchCompliance, missing_displacement
 from solvers.elasticity.quadrature import gradient
+from solvers.errors import SolverError
 
 _ALIKE = 2.0  #: Elements whose sizes differ by less than this factor are corrected alike, in proportion to their size.
 # Meshes are mirrored to the last bit, their compliance to round-off of the factorisation.
@@ -58,10 +60,24 @@ class PlacedBody:
     incline: float = 0.0  #: Rise of the whole surface along x, mm per mm.
     bricks: Bricks | None = None  #: The elements under the patch, see `ContactBody.bricks`.
     yielding: ContactBody | None = None  #: The body in its own axes if forces can leave a print on it.
+    #: Coatings in the compliance, on this body and on the one that faces it, and what is left of them; None for none.
+    coats: tuple[CoatedPatch, Array] | None = None
 
     @property
     def compliance(self) -> Array:
         return self.folded.dense
+
+    def worn_through(self, own_mm: Array, facing_mm: Array) -> "PlacedBody":
+        """The body with what is left of the coatings where surfaces are worn by these depths (n,) at its nodes; itself
+        if nothing has changed by as much as counts.
+        """
+        if self.coats is None:
+            return self
+        coated, before = self.coats
+        left = coated.left_mm(own_mm, facing_mm)
+        if not coated.differs(before, left):
+            return self
+        return replace(self, folded=coated.compliance(left), coats=(coated, left))
 
     def printed(self, print_mm: Array | None, force_N: Array) -> Array | None:
         """Depth (n_a, n_t) in mm of the body's print after forces, where it was `print_mm` before; `print_mm` itself,
@@ -195,6 +211,19 @@ def facing(primary: PlacedBody, secondary: PlacedBody) -> PlacedBody:
     # Alike lattices answer with displacements that go with one over their size.
     share = (finest * _ALIKE**steps / sizes)[:, :2].prod(axis=1) ** 0.5
     return replace(primary, folded=folded.with_neighbours(near, kind.ravel(), share))
+
+
+def coated(primary: PlacedBody, own: Coating | None, other: Coating | None) -> PlacedBody:
+    """The primary, as `facing` gives it, with what unworn coatings on it and on the other body add to its compliance;
+    unchanged for None. Raises SolverError for a body whose compliance is no `PatchCompliance`.
+    """
+    if own is None and other is None:
+        return primary
+    if not isinstance(primary.folded, PatchCompliance):
+        raise SolverError("layers of other materials need bodies whose compliance is known as a matrix")
+    patch = CoatedPatch(primary.patch, primary.folded, (own, other))
+    left = patch.left_mm(*np.zeros((2, primary.patch.size)))
+    return replace(primary, folded=patch.compliance(left), coats=(patch, left))
 
 
 def _near_fields(kinds: IntArray, finest: tuple[float, ...], own: Bricks, other: Bricks, turn: Array) -> Array:

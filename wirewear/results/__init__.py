@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from wirewear.results.values import (
         BORNE,
         BORNE_IS,
+        ELASTIC_LAYERS,
         LAYERS_OF_BODIES,
         PLAY_TRAVEL,
         SPRING_TRAVEL,
@@ -38,8 +39,8 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    "BODIES", "BORNE", "BORNE_IS", "BULK_WORK", "COLUMN_MEANINGS", "EVOLUTION_COLUMNS", "LATER_COLUMNS",
-    "LAYERS_OF_BODIES", "OVER_YIELD", "PLASTIC_VOLUME", "PLASTIC_WORK", "PLAY_TRAVEL", "POSITIONS",
+    "BODIES", "BORNE", "BORNE_IS", "BULK_WORK", "COLUMN_MEANINGS", "ELASTIC_LAYERS", "EVOLUTION_COLUMNS",
+    "LATER_COLUMNS", "LAYERS_OF_BODIES", "OVER_YIELD", "PLASTIC_VOLUME", "PLASTIC_WORK", "PLAY_TRAVEL", "POSITIONS",
     "PRESSURE_LENGTH", "RESULT_FILE_NAME", "SPRING_TRAVEL",
     "ContactForces", "Evolution", "Loop", "RunResult", "Scar", "age_at", "largest_mean_pressure_MPa",
     "largest_means", "read_loops", "read_result", "read_results", "sensor_of", "write_result",

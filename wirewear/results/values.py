@@ -13,8 +13,9 @@ from typing import Any, NoReturn, Self, TypeVar
 
 import numpy as np
 
+from geometry import Elastic
 from geometry.arrays import Array
-from solvers import Holder
+from solvers import Coating, Holder
 from solvers.laws.layers import SurfaceLayer, bare_depth, work_through
 from wirewear.base import kinds
 from wirewear.base.errors import ResultError, StudyError
@@ -31,6 +32,8 @@ _IDEAL = Sensor()
 _NEW = Age.new()
 
 
+#: Setting with Young's modulus in MPa and Poisson's ratio of each coating, if not the body's.
+ELASTIC_LAYERS = "elastic_layers"
 LAYERS_OF_BODIES = "layers"  #: Setting of a result with the coatings of bodies: lists of thickness and wear factor.
 #: Settings of a result with the rig's travel to either side at the first loop, by springs (µP/K) and by play.
 SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
@@ -312,6 +315,14 @@ class RunResult:
                 predicted = np.exp(known[1, 0] + slope * (np.log(through) - known[0, 0]))
                 found.append(float(min(predicted, cycles[later])))
         return tuple(found)
+
+    def coating(self, body: str, below: Elastic) -> Coating | None:
+        """The unworn layers on a body of material `below`, as its compliance takes them; None for none of their own."""
+        own = self.settings.get(ELASTIC_LAYERS, {}).get(body)
+        if own is None:
+            return None
+        sheets = zip(self._layers(body), own, strict=True)
+        return Coating(tuple((layer.thickness_mm, Elastic(*constants)) for layer, constants in sheets), below)
 
     def _layers(self, body: str) -> list[SurfaceLayer]:
         stated = self.settings.get(LAYERS_OF_BODIES, {}).get(body, ())

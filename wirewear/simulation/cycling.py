@@ -232,6 +232,7 @@ class _Run:
                 problem, state = self._on_meshes(larger, problem, state, done)
                 continue
             state, wanted = step.state, step.next_jump
+            problem = self.meshes.coats_worn(problem, state)
             ahead = min(milestone for milestone in self.test.stops if milestone > done)
             # A jump that ends within this share of a milestone has met it.
             reached = abs(ahead - done - step.jump) < 1e-6 * ahead
@@ -275,7 +276,7 @@ class _Run:
         while (larger := self.meshes.outgrown(self.history, state, done)) is not None:
             problem, state = self._on_meshes(larger, problem, state, done)
         self.history, problem = self.meshes.moved_nodes(self.history, problem, state, done, self.observer.stage)
-        return problem, state
+        return self.meshes.coats_worn(problem, state), state
 
     def _at_milestone(
         self, problem: ContactProblem, state: ContactState, done: float, jump: float
@@ -320,6 +321,7 @@ class _Run:
     ) -> tuple[ContactProblem, ContactState]:
         self.history = history
         onto = self._problem()
+        onto = self.meshes.coats_worn(onto, state, problem)
         if history.stage < 0:
             return onto, self.cycler.pressed_again(problem, state, onto, done)
         return onto, self.cycler.remeshed(problem, state, onto, done)

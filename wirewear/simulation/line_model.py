@@ -22,7 +22,7 @@ from geometry import (
     TabledProfile,
     build_planar,
 )
-from solvers import ContactProblem, PlacedBody, PressureLimit, condense, place
+from solvers import ContactProblem, PlacedBody, PressureLimit, coated, condense, place
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.results import PRESSURE_LENGTH
@@ -339,7 +339,8 @@ def limit_of_lines(study: LineStudy, hertz: reference.LineContact) -> PressureLi
 
 def line_problem(study: LineStudy, pad: PlacedBody, specimen: PlacedBody) -> ContactProblem:
     """The contact problem of the pad on its rig above the specimen, without effects."""
-    return ContactProblem(upper=pad, lower=specimen, **laws_of(study))
+    of_specimen, of_pad = study.tables.coatings
+    return ContactProblem(upper=coated(pad, of_pad, of_specimen), lower=specimen, **laws_of(study))
 
 
 def _largest_tilt(rig: HolderTable, stroke_mm: float) -> float:

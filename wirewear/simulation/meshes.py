@@ -16,7 +16,7 @@ import numpy as np
 
 from geometry import BodyGeometry
 from geometry.arrays import Array
-from solvers import ContactProblem, ContactState, stuck_share
+from solvers import ContactProblem, ContactState, recoated, stuck_share, transferred_wear
 from solvers.contact_state import WearState
 from solvers.transfer import lies_within
 from wirewear.base.errors import StudyError
@@ -89,9 +89,27 @@ class Meshes(ABC):
         """(history, problem) with nodes moved into the worn surface, if due after `_cycle` cycles; else as given."""
         return history, problem
 
+    def coats_worn(
+        self, problem: ContactProblem, _state: ContactState, _of: ContactProblem | None = None, /
+    ) -> ContactProblem:
+        """The problem with what is left of layers of other materials in a state on its meshes, or on those of `_of`."""
+        return problem
+
+
+class _CoatedMeshes(Meshes):
+    """Meshes of bodies that may have layers of other materials."""
+
+    def coats_worn(
+        self, problem: ContactProblem, state: ContactState, of: ContactProblem | None = None, /
+    ) -> ContactProblem:
+        if problem.primary.coats is None:
+            return problem
+        patches = [(each.primary.patch, each.secondary.patch) for each in (of or problem, problem)]
+        return recoated(problem, state.wear if of is None else transferred_wear(state.wear, *patches))
+
 
 @dataclass(frozen=True)
-class LineMeshes(Meshes):
+class LineMeshes(_CoatedMeshes):
     """The one pair of meshes on which a line contact runs to its end; a contact that leaves them has failed.
     study: of 1 mm of length, with the driven body's stroke.
     """
@@ -188,7 +206,7 @@ def _core_stage(study: Study, fidelity: str, fresh_mm: float, core: float) -> Me
 
 
 @dataclass(frozen=True)
-class PointMeshes(Meshes):
+class PointMeshes(_CoatedMeshes):
     """The meshes that a run of a contact at a point goes through, and when it takes the next ones; see `Meshes`.
 
     stages: taken as the scar grows; spare: where the contact leaves these. sticking: stage -1, None for none;

@@ -233,9 +233,10 @@ def _placed(
     fixed = measured(fixed, held.surface, held.axis_angle_deg, upper=True)
     lower = solvers.place(moving, upper=False, axis_angle_rad=-motion)
     upper = solvers.place(fixed, upper=True, axis_angle_rad=crossing - motion)
+    of_driven, of_held = study.tables.coatings
     if held_is_primary(study):
-        return lower, solvers.facing(upper, lower)
-    return solvers.facing(lower, upper), upper
+        return lower, solvers.coated(solvers.facing(upper, lower), of_held, of_driven)
+    return solvers.coated(solvers.facing(lower, upper), of_driven, of_held), upper
 
 
 def measured(

@@ -5,7 +5,7 @@ body's nodes carry the contact tractions.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import isnan, nan
 from typing import Any
 
@@ -18,6 +18,7 @@ from wirewear.base.course import enclosed_energy
 from wirewear.results import (
     BORNE,
     BULK_WORK,
+    ELASTIC_LAYERS,
     LAYERS_OF_BODIES,
     OVER_YIELD,
     PLASTIC_VOLUME,
@@ -39,8 +40,8 @@ from wirewear.simulation.problem import worn_depths
 from wirewear.simulation.statistics import Tally, friction_work_mJ, judge, mirrored_mismatch
 from wirewear.simulation.traced_bodies import depth_spread, pressure_figures, volume_mismatch
 from wirewear.simulation.yielding import STRAIN, limit_settings
+from wirewear.test import AnyStudy
 from wirewear.test.conditions import held_keys
-from wirewear.test.surfaces import LayerTable
 
 _LAW_ERROR = "fresh_law_error"
 
@@ -129,10 +130,19 @@ def covered(problem: ContactProblem, state: ContactState) -> dict[str, float]:
     return {DEBRIS_VOLUME: volume, DEBRIS_LEFT: left, DEBRIS_THICKNESS: 1e3 * float(own.max() + other.max())}
 
 
-def layer_settings(layers: Mapping[str, Sequence[LayerTable]]) -> dict[str, object]:
-    """The setting of a result with coatings: [thickness in µm, wear factor] of each, by body; empty without any."""
+def layer_settings(study: AnyStudy) -> dict[str, object]:
+    """Settings of a result with coatings: [thickness in µm, wear factor] of each, by body, and [Young's modulus in MPa,
+    Poisson's ratio] where these are not the body's; empty without any.
+    """
+    layers = study.layers
     stated = {body: [[one.thickness_um, one.wear_factor] for one in own] for body, own in layers.items() if own}
-    return {LAYERS_OF_BODIES: stated} if stated else {}
+    elastic = {
+        body: [[material.youngs_modulus_MPa, material.poissons_ratio] for _, material in coating.layers]
+        for body, coating in zip(layers, study.tables.coatings, strict=True)
+        if coating is not None
+    }
+    found: dict[str, object] = {LAYERS_OF_BODIES: stated} if stated else {}
+    return found | {ELASTIC_LAYERS: elastic} if elastic else found
 
 
 def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
@@ -309,7 +319,7 @@ class Recorded(ABC):
         tally = self.tally
         cycling_s, evolution = tally.cycling_s, Evolution.from_rows(self._rows)
         borne = borne_settings(self._study)
-        settings = self.settings(history) | layer_settings(self._study.layers) | borne
+        settings = self.settings(history) | layer_settings(self._study) | borne
         # Under bodies that yield Hertz' pressure never is.
         fresh = tally.fresh["fresh_max_pressure_MPa"] if STRAIN in tally.fresh else settings["hertz_pressure_MPa"]
         largest = float(np.fmax.reduce([fresh, *evolution["max_mean_pressure_MPa"]]))

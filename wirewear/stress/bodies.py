@@ -228,9 +228,10 @@ def stressed_grid(state: InnerState[Any], kind: pyvista.CellType) -> pyvista.Uns
     """A body's elements in µm, in the test's axes, all cells of `kind`, with the point and cell data that bodies of any
     dimension have.
 
-    Point data: displacement_um, stress_MPa, von_mises_MPa, tresca_MPa, principal_MPa, hydrostatic_MPa, and
-    residual_stress_MPa of a body with any. Cell data: von_mises_MPa, scaled_jacobian. Field data: bulk_stress_MPa of a
-    body that carries any.
+    Point data: displacement_um, stress_MPa, von_mises_MPa, tresca_MPa, principal_MPa, hydrostatic_MPa;
+    residual_stress_MPa of a body with any; at the surface's nodes interface_layer_MPa and interface_body_MPa, of both
+    sides where layers of another material meet the body beneath. Cell data: von_mises_MPa, scaled_jacobian. Field data:
+    bulk_stress_MPa of a body that carries any.
     """
     import pyvista
 
@@ -243,6 +244,10 @@ def stressed_grid(state: InnerState[Any], kind: pyvista.CellType) -> pyvista.Uns
     points["stress_MPa"] = stress
     if state.residual is not None:
         points["residual_stress_MPa"] = turned(state.residual.at_nodes, turn)
+    if state.at_interface is not None:
+        for side, found in zip(("layer", "body"), state.at_interface, strict=True):
+            points[f"interface_{side}_MPa"] = np.zeros_like(stress)
+            points[f"interface_{side}_MPa"][state.patch_nodes] = turned(found, turn)
     points["von_mises_MPa"] = von_mises(stress)
     points["tresca_MPa"] = values[:, 0] - values[:, 2]
     points["principal_MPa"] = values

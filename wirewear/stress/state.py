@@ -19,12 +19,14 @@ from geometry import BodyMesh, ContactPatch, Elastic, PlanarMesh, QuadMesh
 from geometry.arrays import Array, IntArray
 from solvers.bulk_stress import section_stress
 from solvers.elasticity.placement import rotation_to_world
-from solvers.elasticity.strain import IntegrationPoints, integration_points, scattered
+from solvers.elasticity.strain import IntegrationPoints, integration_points, interpolation, scattered
+from solvers.stress.coats import SIDE, CoatStress, across_interface
 from solvers.stress.factors import Factors
 from solvers.stress.interior import Interior
 from solvers.stress.line_surface_stress import LineSurfaceStress
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
+from wirewear.stress.coats import coats_of
 from wirewear.stress.residual import Residual, residual_of
 
 if TYPE_CHECKING:
@@ -96,7 +98,7 @@ class InnerState(Generic[B]):
     """A body at one position of a cycle; all in the body's own axes, lengths in mm, stresses in MPa.
 
     position: its index in `forces`. displacement (n, 3): of the mesh's nodes. is_upper: True for the held body.
-    residual: stress that the first cycles have left in it, None for none.
+    residual: stress that the first cycles have left in it, None for none. coat: what layers change, None for none.
     """
 
     body: B
@@ -105,6 +107,7 @@ class InnerState(Generic[B]):
     displacement: Array
     is_upper: bool
     residual: Residual | None = None
+    coat: CoatStress | None = None
 
     @classmethod
     def of(
@@ -115,15 +118,17 @@ class InnerState(Generic[B]):
         *,
         is_upper: bool,
         residual: Residual | None = None,
+        coats: Sequence[CoatStress | None] = (),
     ) -> tuple[Self, ...]:
         """States of a body at chosen positions of a recorded cycle, given as indices into `forces`, in their order.
-        is_upper, residual: as in the class.
+        is_upper, residual: as in the class; coats: of each position, none for no layers.
         """
         positions = list(positions)
         nodes = body.patch.nodes.ravel()[forces.nodes]
         displacements = body.interior.displacements(nodes, forces.force_N[positions])
         return tuple(
-            cls(body, forces, k, moved, is_upper, residual) for k, moved in zip(positions, displacements, strict=True)
+            cls(body, forces, k, moved, is_upper, residual, coat)
+            for k, moved, coat in zip(positions, displacements, coats or [None] * len(positions), strict=True)
         )
 
     @cached_property
@@ -132,7 +137,31 @@ class InnerState(Generic[B]):
         points = self.body.points
         found = points.stresses(self.body.material, self.displacement)
         found += self.bulk(points.positions.reshape(-1, points.positions.shape[-1])).reshape(found.shape)
+        if self.coat is not None:
+            found += self.by_coat(points.positions.reshape(-1, points.positions.shape[-1])).reshape(found.shape)
         return found if self.residual is None else found + self.residual.at_points
+
+    def by_coat(self, places_mm: Array) -> Array:
+        """What layers change of the stresses (k, 6) at places (k, d) of the mesh; zero without layers."""
+        if self.coat is None:
+            return np.zeros((len(places_mm), 6))
+        plane = places_mm[:, :2] if places_mm.shape[1] == 3 else _beneath(places_mm)[:, :2]
+        return self.coat.at(plane, self.body.patch.height(plane) - places_mm[:, -1])
+
+    @cached_property
+    def at_interface(self) -> tuple[Array, Array] | None:
+        """Stresses (p, 6) where the lowest layer meets the body, in the layer and in the body, beneath the patch's
+        nodes; None without layers.
+        """
+        if self.coat is None:
+            return None
+        mesh, thickness = self.body.mesh, self.coat.coating.thickness_mm
+        plane = self.body.patch.grid()
+        places = np.column_stack([plane, self.body.patch.height(plane) - thickness])
+        taken = interpolation(mesh, places[:, [0, 2]] if isinstance(mesh, QuadMesh) else places)
+        depth = np.full(len(plane), (1.0 + SIDE) * thickness)
+        beneath = taken @ (self.stress - self.by_coat(mesh.points)) + self.coat.at(plane, depth)
+        return across_interface(beneath, self.body.material, self.coat.coating.layers[-1][1]), beneath
 
     def bulk(self, places_mm: Array) -> Array:
         """Bulk stresses (k, 6) at places (k, d) of the mesh, of a bar whose axis lies at the middle of the body's
@@ -154,6 +183,7 @@ class InnerState(Generic[B]):
         points = self.body.mesh.points
         (found,) = self.body.interior.stresses(self.displacement[None], np.arange(len(points)))
         found = found + self.bulk(points)
+        found = found if self.coat is None else found + self.by_coat(points)
         return np.asarray(found if self.residual is None else found + self.residual.at_nodes)
 
     @cached_property
@@ -240,7 +270,8 @@ class Inside(Generic[S]):
         of_body = self.body(result, forces, worn)
         solved = of_body.points, of_body.interior, of_body.material
         residual = residual_of(result, forces, of_body.patch, *solved)
-        found = self.state.of(of_body, forces, chosen, is_upper=result.is_upper(body), residual=residual)
+        coats = coats_of(result, forces, of_body.patch, of_body.material, chosen)
+        found = self.state.of(of_body, forces, chosen, is_upper=result.is_upper(body), residual=residual, coats=coats)
         if at is None:
             # Of a whole cycle nothing is left to be solved but other states of wear; factors are most of the memory.
             of_body.interior.forget()

@@ -41,7 +41,8 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray, planes: 
     """Stresses of a body over a cycle at nodes (k,) of its mesh and where the contact ends, corrected on the surface.
 
     Added to the nodes are the points where the contact ends at any of the positions, each shown at the nearest node;
-    of a cycle that is its own image about `planes`, axes across which nodes are on one side, those on that side.
+    of a cycle that is its own image about `planes`, axes across which nodes are on one side, those on that side. Under
+    layers of other materials both sides of their interface are added, shown at the node above.
     """
     body, places = states[0].body, states[0].places_mm
     patch, on_patch, image = body.patch, states[0].patch_nodes, _image(states)
@@ -68,11 +69,16 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray, planes: 
     shown = (edges[:, planes] >= 0.0).all(axis=1)
     edges, at_edges = edges[shown], at_edges[:, shown]
     nearest = cKDTree(grid[number[nodes[on_surface]]]).query(edges)[1]
-    return MaterialPoints(
-        np.vstack([places[nodes], np.column_stack([edges, patch.height(edges)])]),
-        np.concatenate([history, at_edges], axis=1),
-        np.concatenate([nodes, nodes[on_surface[nearest]]]),
-    )
+    points = [places[nodes], np.column_stack([edges, patch.height(edges)])]
+    above, stress = [nodes, nodes[on_surface[nearest]]], [history, at_edges]
+    if (coat := states[0].coat) is not None:
+        chosen, beneath = number[nodes[on_surface]], [0.0, 0.0, coat.coating.thickness_mm]
+        for side in range(2):
+            found = [both[side][chosen] for one in states if (both := one.at_interface) is not None]
+            points.append(places[nodes[on_surface]] - beneath)
+            stress.append(np.array(found))
+            above.append(nodes[on_surface])
+    return MaterialPoints(np.vstack(points), np.concatenate(stress, axis=1), np.concatenate(above))
 
 
 def stresses_of(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
@@ -82,6 +88,8 @@ def stresses_of(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
     found = body.interior.stresses(np.array([one.displacement for one in chosen]), both)
     found += [one.bulk(body.mesh.points[both]) for one in chosen]
     completed = image.completed(found, np.roll(np.arange(len(both)), len(nodes)))[:, : len(nodes)]
+    if states[0].coat is not None:
+        completed = completed + [one.by_coat(body.mesh.points[nodes]) for one in states]
     # Residual stress stays through the cycle, and need not be its own image.
     return completed if states[0].residual is None else completed + states[0].residual.at_nodes[nodes]
 

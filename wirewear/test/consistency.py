@@ -107,6 +107,8 @@ def _wear(tables: ContactTables) -> Inconsistency | None:
 def _layers(tables: CommonTables) -> Inconsistency | None:
     stated = [layer for layers in tables.layers.values() for layer in layers]
     problem = unfit_layers(stated, tables.contact.friction)
+    if any(tables.coatings) and any(tables.yields.values()):
+        problem = "have elastic constants of their own, which does not go with a yield_stress_MPa of a body"
     return None if problem is None else Inconsistency(("layers",), problem)
 
 

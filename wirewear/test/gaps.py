@@ -7,13 +7,17 @@ from typing import Self, TypeVar
 
 import numpy as np
 
+from geometry import Elastic
 from geometry.arrays import Array
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.test.bodies import Body
 from wirewear.test.faces import half_width_of
+from wirewear.test.surfaces import coating_of
 
 Found = TypeVar("Found")
+
+_ROUNDS = 6  #: In which the radius of a contact of coated bodies settles.
 
 
 @dataclass(frozen=True)
@@ -79,13 +83,28 @@ def touch_along_line(driven: Body, held: Body) -> bool:
 
 def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointContact:
     """Hertz's contact of two unworn bodies; its angle is from the driven body's axis to the contact's major axis.
+    Bodies under layers of other materials count as the half-spaces that yield as much under this contact.
     Raises StudyError if a pad is too small for the load.
     """
+    contact = _hertz_of(normal_load_N, driven, held, driven.material, held.material)
+    coatings = [coating_of(body.layers, body.material) for body in (driven, held)]
+    for _ in range(_ROUNDS if any(coatings) else 0):
+        felt = [
+            body.material if coating is None else coating.felt(contact.contact_radius_mm)
+            for body, coating in zip((driven, held), coatings, strict=True)
+        ]
+        contact = _hertz_of(normal_load_N, driven, held, *felt)
+    return contact
+
+
+def _hertz_of(
+    normal_load_N: float, driven: Body, held: Body, of_driven: Elastic, of_held: Elastic
+) -> reference.PointContact:
     if (face := driven.face or held.face) is not None:
-        modulus = reference.contact_modulus(driven.material, held.material)
+        modulus = reference.contact_modulus(of_driven, of_held)
         return on_pad(lambda: reference.turned_contact(face, normal_load_N, modulus, half_width_of(face)))
     pair = driven.curvatures_per_mm, held.curvatures_per_mm, radians(held.axis_angle_deg - driven.axis_angle_deg)
-    return reference.hertz_bodies(normal_load_N, *pair, first=driven.material, second=held.material)
+    return reference.hertz_bodies(normal_load_N, *pair, first=of_driven, second=of_held)
 
 
 def unworn_stiffness_N_per_um(normal_load_N: float, driven: Body, held: Body) -> float:

@@ -15,9 +15,9 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
-from geometry import LoweredSurface, Profile
+from geometry import Elastic, LoweredSurface, Profile
 from geometry.arrays import Array
-from solvers import SurfaceLayer
+from solvers import Coating, SurfaceLayer
 from wirewear.base.errors import RecordError
 from wirewear.base.units import FIELD_UNITS, Quantity
 from wirewear.base.words import shown
@@ -46,13 +46,26 @@ _MOST_STATED = 2_400
 
 
 class LayerTable(keys.Table):
-    """Keys of one layer, such as a coating, which is as elastic as the body below it."""
+    """Keys of one layer, such as a coating; without elastic constants of its own it is as elastic as the body."""
 
     thickness_um: Thickness = Field(description="thickness of the layer", examples=[3.0])
     wear_factor: WearFactor = Field(1.0, description="its wear coefficient over that of the body below all layers")
     friction: keys.Friction | None = Field(
         None, description="coefficient of friction where it lies on the surface; without it that of [contact]"
     )
+    youngs_modulus_MPa: keys.YoungsModulus | None = Field(
+        None, description="Young's modulus of its own; without it that of the body"
+    )
+    poissons_ratio: keys.PoissonsRatio | None = Field(
+        None, description="Poisson's ratio of its own; without it that of the body"
+    )
+
+    def elastic_on(self, body: Elastic) -> Elastic:
+        """Its elastic constants on a body."""
+        modulus, ratio = self.youngs_modulus_MPa, self.poissons_ratio
+        return Elastic(
+            body.youngs_modulus_MPa if modulus is None else modulus, body.poissons_ratio if ratio is None else ratio
+        )
 
 
 def layers_of(stated: Sequence[LayerTable], friction: float) -> tuple[SurfaceLayer, ...]:
@@ -63,6 +76,12 @@ def layers_of(stated: Sequence[LayerTable], friction: float) -> tuple[SurfaceLay
         )
         for one in stated
     )
+
+
+def coating_of(stated: Sequence[LayerTable], body: Elastic) -> Coating | None:
+    """Layers as a body's compliance takes them; None if all are as elastic as the body."""
+    layers = tuple((1e-3 * one.thickness_um, one.elastic_on(body)) for one in stated)
+    return None if all(material == body for _, material in layers) else Coating(layers, body)
 
 
 def unfit_layers(stated: Sequence[LayerTable], friction: float) -> str | None:

@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, PlainValidator, model_validator
 
 from geometry import Elastic
-from solvers import Drive, FrictionLaw, Holder, WearLaw, WearRates
+from solvers import Coating, Drive, FrictionLaw, Holder, WearLaw, WearRates
 from wirewear.base import kinds
 from wirewear.base.words import shown
 from wirewear.test import keys
@@ -33,7 +33,7 @@ from wirewear.test.conditions import (
 from wirewear.test.drive import bulk_of
 from wirewear.test.life import LifeTable
 from wirewear.test.programme import RiggedBlock
-from wirewear.test.surfaces import LayerTable, layers_of
+from wirewear.test.surfaces import LayerTable, coating_of, layers_of
 from wirewear.test.wires import BothWires, with_motion_of_wires
 
 
@@ -99,6 +99,11 @@ class CommonTables(StatesItsKind, ABC):
     @abstractmethod
     def materials(self) -> dict[str, Elastic]:
         """Elastic constants by the name of the body, the driven one first."""
+
+    @property
+    def coatings(self) -> tuple[Coating | None, ...]:
+        """Layers with elastic constants of their own on the driven and on the held body; None for none."""
+        return tuple(coating_of(layers, self.materials[name]) for name, layers in self.layers.items())
 
     @property
     def yields(self) -> dict[str, tuple[float, float] | None]:

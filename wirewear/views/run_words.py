@@ -10,7 +10,7 @@ from wirewear.base.frame import figure
 from wirewear.base.words import counted
 from wirewear.base.writing import json_text
 from wirewear.comparison.maps import energy_ratio, line_through_origin, slides
-from wirewear.results import BORNE, BORNE_IS, PLAY_TRAVEL, SPRING_TRAVEL, RunResult
+from wirewear.results import BORNE, BORNE_IS, ELASTIC_LAYERS, PLAY_TRAVEL, SPRING_TRAVEL, RunResult
 from wirewear.results.flat import named_for_users
 from wirewear.results.health import limit_of
 from wirewear.results.scar import figure_volume
@@ -56,6 +56,12 @@ def sentence(result: RunResult) -> str:
         through = [f"at cycle {counted(round(cycle))}" if cycle else "not yet" for cycle in result.worn_through(body)]
         if through:
             text += f" The {result.called(body)}'s layers, from the outermost, are worn through {', '.join(through)}."
+        if body in result.settings.get(ELASTIC_LAYERS, {}):
+            whole = float(result.layer_faces_um(body)[-1])
+            text += (
+                f" They are of another material, which changes pressures and contact: at the deepest place "
+                f"{max(whole - depths[body], 0.0):.3g} of {whole:.3g} µm are left."
+            )
     return text if result.status == "complete" else f"{text} The run is {result.status}: {result.message}."
 
 
