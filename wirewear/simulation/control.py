@@ -22,7 +22,7 @@ from wirewear.test.gaps import hertz_of
 
 WITHIN = 1e-3  #: A drive is corrected until what it holds is met within this share.
 _LEAST, _MOST = 0.3, 3.0  # Of an amplitude: those to be tried next.
-_SLOW = 0.5  # A correction is slow if it leaves more of what was lacking, or of that interval.
+_SLOW = 0.5  # A correction is slow if it leaves more of what was lacking, and of an interval that is known.
 _PROBED, _GROWS = 1e-3, 1.3  # Of the largest amplitude, by which a contact is moved at first; from try to try.
 _FAR = 0.4  # Of an amplitude: as far the next one goes after a slow correction to the same side, or farther.
 
@@ -69,14 +69,14 @@ def amplitude_from(
     held: HeldFigure, shown_by: Callable[[ContactState], float], moved_to: Callable[[float], ContactState]
 ) -> float:
     """Amplitude in mm at which a figure that a state shows first meets its target, at most the drive's largest; as in
-    `least_amplitude_from`.
+    `elastic_amplitude_from`.
     """
     from scipy.optimize import brentq
 
     def lacking(place_mm: float) -> float:
         return shown_by(moved_to(place_mm)) - _just(held)
 
-    low = high = least_amplitude_from(held, shown_by, moved_to)
+    low = high = elastic_amplitude_from(held, shown_by, moved_to)
     while lacking(high) < 0.0:
         if high >= held.largest_mm:
             return held.largest_mm
@@ -86,13 +86,14 @@ def amplitude_from(
     return float(brentq(lacking, low, high, xtol=1e-6 * high, rtol=0.1 * WITHIN))
 
 
-def least_amplitude_from(
+def elastic_amplitude_from(
     held: HeldFigure, shown_by: Callable[[ContactState], float], moved_to: Callable[[float], ContactState]
 ) -> float:
-    """Amplitude in mm that a figure needs at least to meet its target, at most the drive's largest.
+    """Amplitude in mm at which a figure would meet its target if nothing slipped, at most the drive's largest.
 
     shown_by: the figure of a state. moved_to: the state of the contact moved from mid-stroke to a displacement in mm. A
-    small step shows the stiffness of contact and rig together; friction only softens them.
+    small step shows the stiffness of contact and rig together. Friction only softens them, so under a load that stays
+    the amplitude is at least this one; slip where a load is low moves the mean force, so the other end may need less.
     """
     wanted, low = _just(held), _PROBED * held.largest_mm
     # Of the largest amplitude: a figure that is there without any motion does not grow with it.
@@ -150,6 +151,7 @@ class AmplitudeSearch:
                 "displacement_amplitude_um"
             )
         before, self._latest = self._latest, (amplitude_mm, found)
+        is_slow = before is None or abs(lacking) > _SLOW * abs(held.target - before[1])
         wanted = self._wanted(amplitude_mm, found, before, growth)
         high = min(self.large_mm, _MOST * amplitude_mm)
         low = max(self.small_mm, _LEAST * amplitude_mm)
@@ -159,9 +161,9 @@ class AmplitudeSearch:
             before_mm, self._interval_mm = self._interval_mm, self.large_mm - self.small_mm
             # Of the interval in which the amplitude lies: no guess comes nearer to its ends.
             margin = 0.1 * (high - low)
-            if self._interval_mm > _SLOW * before_mm:
+            if self._interval_mm > _SLOW * before_mm and is_slow:
                 return float((self.small_mm * self.large_mm) ** 0.5)
-        elif before is not None and abs(lacking) > _SLOW * abs(held.target - before[1]):
+        elif before is not None and is_slow:
             wanted = max(wanted, amplitude_mm / _FAR) if lacking > 0.0 else min(wanted, _FAR * amplitude_mm)
         return float(min(np.clip(wanted, low + margin, high - margin), held.largest_mm))
 

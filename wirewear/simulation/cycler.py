@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import solvers
 from wirewear.effects import Age
-from wirewear.simulation.control import AmplitudeSearch, amplitude_from, least_amplitude_from
+from wirewear.simulation.control import AmplitudeSearch, amplitude_from, elastic_amplitude_from
 from wirewear.simulation.measures import Probe
 from wirewear.simulation.plan import Motion
 from wirewear.simulation.statistics import Tally
@@ -146,13 +146,13 @@ class Cycler:
 
     def moved_out(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> solvers.ContactState:
         """The state moved from mid-stroke to the stroke's end at +x, without wear. If the drive holds a figure that a
-        state shows, the amplitude is where it meets its target; under a load that changes, what it is at least, from
-        which cycles find it.
+        state shows, the amplitude is where it meets its target; under a load that changes, where it would without
+        slip, from which cycles find it.
         """
         fresh, motion = self.aged(problem, state, 0.0), self.motion
         drive = self._drive(state)
         if motion.held is not None and motion.held.of_state is not None:
-            find = amplitude_from if drive.steady else least_amplitude_from
+            find = amplitude_from if drive.steady else elastic_amplitude_from
             amplitude = find(
                 motion.held, motion.held.of_state, lambda place: solvers.advance(fresh, state, place, 0.0)[0]
             )
