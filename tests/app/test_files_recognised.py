@@ -83,7 +83,6 @@ def test_what_a_path_holds_is_seen_by_its_contents(name: str, held: Held | None)
         ("fit run --output o", "run is a result of a run, and no record"),
         ("diagnose record --model german.csv --output o", "german.csv is a file of measured numbers, and no study"),
         ("compare record record --output o", "record is a record, and no result of a run"),
-        ("report record", "record is a record, and no result of a run: `wirewear check record` "),
         ("fields record --cycle 1", "record is a record, and no result of a run"),
         ("maps study.toml", "study.toml is a study, and no record or result of a run"),
         ("loops study.toml", "study.toml is a study, and no file of measured numbers or record or result of a run"),
