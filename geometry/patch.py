@@ -131,3 +131,20 @@ def _line_weights(lines: Array) -> Array:
 def _cell(lines: Array, values: Array) -> tuple[IntArray, Array]:
     cell = np.clip(np.searchsorted(lines, values, side="right") - 1, 0, len(lines) - 2)
     return cell, (values - lines[cell]) / (lines[cell + 1] - lines[cell])
+
+
+def sides_of(lines: Array, at: Array) -> list[tuple[IntArray, Array]]:
+    """The lines on either side of positions (n,) and their weights; of positions beside all, the outermost."""
+    if len(lines) == 1:
+        return [(np.zeros(len(at), dtype=np.int64), np.ones(len(at)))]
+    i = np.clip(np.searchsorted(lines, at, side="right") - 1, 0, len(lines) - 2)
+    part = np.clip((at - lines[i]) / (lines[i + 1] - lines[i]), 0.0, 1.0)
+    return [(i, 1.0 - part), (i + 1, part)]
+
+
+def linear_weights(lines: Array, at: Array) -> Array:
+    """Weights (n, l) of values on l increasing lines for linear interpolation at positions (n,), held beyond."""
+    weights = np.zeros((len(at), len(lines)))
+    for column, part in sides_of(lines, at):
+        weights[np.arange(len(at)), column] += part
+    return weights

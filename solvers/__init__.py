@@ -49,6 +49,7 @@ if TYPE_CHECKING:
         ShearLimited,
         friction_laws,
     )
+    from solvers.laws.heat import FrictionHeat
     from solvers.laws.layers import ContactLayer, RoughLayer, SurfaceLayer, ThirdBody, bare_depth
     from solvers.laws.local_state import LocalField, LocalState
     from solvers.laws.wear_law import (
@@ -78,12 +79,13 @@ if TYPE_CHECKING:
 __all__ = [
     "Archard", "BulkStress", "Coating", "Compliance", "CondensedBody", "Conductor", "ContactBody", "ContactLayer",
     "ContactProblem", "ContactState", "Coulomb", "CycleJump", "CycleTrace", "DebrisFlow", "Drive", "DriveTiming",
-    "EnergyLaw", "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder", "HolderElements", "IncrementReport",
-    "JumpController", "JumpStep", "LoadCycle", "LocalField", "LocalState", "LogarithmicRate", "NotConvergedError",
-    "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure", "PowerReduced",
-    "PressureLimit", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer",
-    "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "bare_depth",
-    "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "coated", "condense",
+    "EnergyLaw", "EnergyThreshold", "Friction", "FrictionHeat", "FrictionLaw", "Guide", "Holder", "HolderElements",
+    "IncrementReport", "JumpController", "JumpStep", "LoadCycle", "LocalField", "LocalState", "LogarithmicRate",
+    "NotConvergedError", "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure",
+    "PowerReduced", "PressureLimit", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion",
+    "SurfaceLayer", "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance",
+    "bare_depth", "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "coated",
+    "condense",
     "facing", "first_quarter", "flattened", "friction_laws", "jump_cycles", "kept_by", "measured_holder",
     "mirror_error", "mirrored_prints", "misaligned", "move_stuck", "place", "press", "recoated", "remeshed",
     "restarted", "run_cycle", "settled", "sticks_throughout", "stuck_share", "surface_rise", "symmetry_of", "take_step",

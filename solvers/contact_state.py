@@ -36,6 +36,11 @@ class WearState:
     #: is the share of the worn depth that layers retain.
     primary_debris: Array | None = None
     secondary_debris: Array | None = None  #: Thickness likewise of the secondary's debris.
+    debris_left_mm3: float = 0.0  #: Volume of the debris of both that has left, where it may.
+    #: Rise (n_a, n_t) in K of the primary's temperature by friction, see `solvers.wear_step.warming`; None: not known.
+    primary_rise: Array | None = None
+    secondary_rise: Array | None = None  #: Rise likewise of the secondary.
+    rise_K: float = 0.0  #: Mean rise where the cycle heats both.
 
     @property
     def depths(self) -> tuple[Array, Array]:
@@ -45,6 +50,13 @@ class WearState:
     def prints(self) -> tuple[Array | None, Array | None]:
         """Prints, permanent depths by yielding, of (primary, secondary); None for an elastic body."""
         return self.primary_print, self.secondary_print
+
+    @property
+    def rises(self) -> tuple[Array, Array] | None:
+        """Rises in K of the temperatures of (primary, secondary); None if they are not known."""
+        if self.primary_rise is None or self.secondary_rise is None:
+            return None
+        return self.primary_rise, self.secondary_rise
 
     def debris(self, retained: float) -> tuple[Array, Array]:
         """Thickness in mm of the debris of (primary, secondary), by the share of worn depths that layers retain."""

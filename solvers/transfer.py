@@ -20,6 +20,7 @@ from scipy.linalg import solveh_banded
 
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray
+from geometry.patch import linear_weights
 from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity.pairing import PrimarySurface, primary_surface, vertical_gap
@@ -46,7 +47,8 @@ def remeshed(
 def transferred_wear(
     wear: WearState, old: tuple[ContactPatch, ContactPatch], new: tuple[ContactPatch, ContactPatch]
 ) -> WearState:
-    """Worn depths, energies, prints and debris on new patches; `old` and `new` are the patches of (primary, secondary).
+    """Worn depths, energies, prints, debris and temperatures on new patches; `old` and `new` are the patches of
+    (primary, secondary).
 
     Raises SolverError when a worn node lies outside its new patch.
     """
@@ -61,6 +63,8 @@ def transferred_wear(
         secondary_print=_transferred_print(wear.secondary_print, old_secondary, new_secondary),
         primary_debris=_transferred_print(wear.primary_debris, old_primary, new_primary),
         secondary_debris=_transferred_print(wear.secondary_debris, old_secondary, new_secondary),
+        primary_rise=_interpolated(wear.primary_rise, old_primary, new_primary),
+        secondary_rise=_interpolated(wear.secondary_rise, old_secondary, new_secondary),
     )
 
 
@@ -69,6 +73,13 @@ def _transferred_print(depth: Array | None, old: ContactPatch, new: ContactPatch
         return None
     # Beside a print it may stand out a little.
     return transferred(np.maximum(depth, 0.0), old, new) - transferred(np.maximum(-depth, 0.0), old, new)
+
+
+def _interpolated(rise: Array | None, old: ContactPatch, new: ContactPatch) -> Array | None:
+    if rise is None:
+        return None
+    along = linear_weights(old.axial_mm, new.axial_mm)
+    return np.asarray(along @ rise @ linear_weights(old.transverse_mm, new.transverse_mm).T)
 
 
 def transferred(field: Array, old: ContactPatch, new: ContactPatch) -> Array:

@@ -21,6 +21,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.contact_state import WearState
 from solvers.errors import SolverError
+from solvers.laws.heat import FrictionHeat
 from solvers.laws.layers import SurfaceLayer, friction_factor, receded
 from solvers.laws.local_state import LocalState
 from solvers.laws.wear_law import EnergyLaw, WearLaw, WornCycle
@@ -93,6 +94,7 @@ class WearRates:
     oxygen: OxygenSupply | None = None
     upper_layers: tuple[SurfaceLayer, ...] = ()  #: Coatings of the upper body, the outermost first.
     lower_layers: tuple[SurfaceLayer, ...] = ()  #: Coatings of the lower body, the outermost first.
+    heat: FrictionHeat | None = None  #: What temperatures change, and how friction raises them, in cycle jumps only.
 
     def factor(self, cycle: WornCycle) -> float | Array:
         """Factor on the wear work of a traced cycle by the law and by oxygen: one for all, or (N,) for the N places of
@@ -101,7 +103,8 @@ class WearRates:
         factor = self.law.factor(cycle)
         if self.oxygen is None:
             return factor
-        return factor * self.oxygen.factors(cycle.edge_distance_mm, cycle.power_density_W_per_mm2)
+        warm = 1.0 if self.heat is None else float(self.heat.oxidising(np.asarray(cycle.rise_K)))
+        return factor * self.oxygen.factors(cycle.edge_distance_mm, warm * cycle.power_density_W_per_mm2)
 
     def scaled(self, factor: float) -> WearRates:
         """This wear law with both coefficients multiplied by `factor`."""
@@ -118,7 +121,10 @@ class WearRates:
         there. primary_is_upper: which of both is the upper body.
         """
         pair = (self.upper_mm3_per_mJ, self.lower_mm3_per_mJ)
-        both, layers = pair if primary_is_upper else pair[::-1], (self.upper_layers, self.lower_layers)
+        both: tuple[Rate, Rate] = pair if primary_is_upper else pair[::-1]
+        layers = self.upper_layers, self.lower_layers
+        if self.heat is not None and self.heat.wear_J_per_mol and (rises := wear.rises) is not None:
+            both = both[0] * self.heat.wearing(rises[0]), both[1] * self.heat.wearing(rises[1])
         if not (self.law.remembers or any(layers)):
             return Recession(both, both)
         energies = wear.primary_energy, wear.secondary_energy
@@ -136,8 +142,13 @@ class WearRates:
         return Recession((secants[0], secants[1]), (tangents[0], tangents[1]), (offsets[0], offsets[1]))
 
     def friction_factor(self, local: LocalState) -> float | Array:
-        """Factor on the coefficient of friction at k nodes by the coatings exposed there: one for all, or (k,)."""
-        return friction_factor(self.upper_layers, self.lower_layers, local)
+        """Factor on the coefficient of friction at k nodes by the coatings exposed there and the temperature: one for
+        all, or (k,).
+        """
+        factor = friction_factor(self.upper_layers, self.lower_layers, local)
+        if self.heat is None or not self.heat.friction_per_K:
+            return factor
+        return factor * self.heat.friction_factor(local.rise_K)
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,8 @@ _STEEL = (
 )
 
 #: Commands of the pictures outside the gallery, the last with the file that it leaves; of a page, its top is shown.
+_WARM = ("runs/pictures/heat/steel", "runs/pictures/heat/titanium")
+
 DRAWN = {
     **{
         f"accuracy_{name}.png": (f"python -m studies.benchmarks.accuracy --output {_ACCURACY}  # accuracy_{name}.png",)
@@ -56,6 +58,10 @@ DRAWN = {
     "heat.png": (
         _STEEL,
         "wirewear heat runs/pictures/steel --conductivity 46 --heat-capacity 3.6 --cycle 1000  # heat/heat.png",
+    ),
+    "heat_cycles.png": (
+        *(f"wirewear run studies/heat/{of.rpartition('/')[2]}.toml --fidelity quick --output {of}" for of in _WARM),
+        f"python -m studies.heat.draw {' '.join(_WARM)} --output runs/drawn  # heat_cycles.png",
     ),
     "inside.png": (_STEEL, "wirewear fields runs/pictures/steel --cycle 100  # fields/section_0000100_016.png"),
     "mechanism.png": ("python -m studies.rope_wires.mechanism --output runs/pictures/mechanism  # mechanism.png",),

@@ -113,8 +113,9 @@ class ContactProblem:
 
     @property
     def unchanging(self) -> bool:
-        """True if cycles change neither surfaces nor friction: no wear, and a law without memory."""
-        return self.wear.none and not self.friction_law.remembers
+        """True if cycles change neither surfaces nor friction: no wear, and a law without memory or temperature."""
+        warms = self.wear.heat is not None and self.wear.heat.friction_per_K != 0.0
+        return self.wear.none and not (self.friction_law.remembers or warms)
 
     @cached_property
     def yields(self) -> bool:

@@ -62,6 +62,13 @@ class LocalState:
         primary, secondary = (energy.ravel() for energy in (self.wear.primary_energy, self.wear.secondary_energy))
         return 0.5 * (self.of_primary(primary) + self.of_secondary(secondary))
 
+    @property
+    def rise_K(self) -> Array:
+        """Rise (k,) of the temperature by friction, mean of both surfaces; 0 before the first cycle jump."""
+        if (rises := self.wear.rises) is None:
+            return np.zeros_like(self.pressing())
+        return 0.5 * (self.of_primary(rises[0].ravel()) + self.of_secondary(rises[1].ravel()))
+
     def __getitem__(self, name: str) -> Array:
         """A field (k,) of the contact problem by its name. Raises SolverError if the problem has no such field."""
         if name not in self.fields:

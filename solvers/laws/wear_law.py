@@ -49,6 +49,10 @@ class WornCycle(Protocol):
     @property
     def frequency_Hz(self) -> float: ...
 
+    @property
+    def rise_K(self) -> float:
+        """Mean rise of the temperature where friction heats the surfaces; 0 if that is not computed."""
+
 
 @dataclass(frozen=True)
 class WearLaw(ABC):

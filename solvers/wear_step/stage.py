@@ -241,16 +241,23 @@ def worn_by(
     energy = cycle.spread(cycles * works[0])
     work = energy if works[1] is works[0] else cycle.spread(cycles * works[1])
     totals = float(problem.surface.areas @ energy[0].ravel()), float(problem.surface.areas @ work[0].ravel())
+    before = cycle.warmed(before, works[0])
     recession = problem.wear.recession(before, work, problem.primary_is_upper)
     bodies = problem.primary, problem.secondary
     after = after_work(before, recession.secant, energy, work, totals, bodies)
     if cycle.to_edge is not None:
         left, opened = _staying(problem, cycle, before, cycles * (works[0] > 0.0))
-        primary, secondary = (
-            debris + (1.0 - share) * (now - then)
-            for debris, share, now, then in zip(left.debris(0.0), opened, after.depths, before.depths, strict=True)
+        bare = 1.0 - problem.retained
+        pairs = zip(
+            *(bodies, before.debris(problem.retained), left.debris(0.0), opened),
+            *(after.depths, before.depths),
+            strict=True,
         )
-        after = replace(after, primary_debris=primary, secondary_debris=secondary)
+        kept, gone = [], before.debris_left_mm3
+        for body, old, stays, share, now, then in pairs:
+            kept.append(stays + (1.0 - share) * (now - then))
+            gone += float(body.node_areas @ (old - stays + (share - bare) * (now - then)).ravel())
+        after = replace(after, primary_debris=kept[0], secondary_debris=kept[1], debris_left_mm3=gone)
     return after, recession
 
 

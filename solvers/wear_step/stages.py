@@ -29,6 +29,7 @@ from solvers.wear_step.stage import StageSolution, solve_stage, worn_by
 from solvers.wear_step.strokes import mean_slip
 from solvers.wear_step.surfaces import Cycle
 from solvers.wear_step.symmetry import Mirror, Symmetry, with_images
+from solvers.wear_step.warming import warming_of
 
 # Of Alexander's method: where the first stage lies in the step, and the weight of both stages' own rates.
 _STAGE = 1.0 - 0.5**0.5
@@ -228,7 +229,7 @@ def jump_cycles(
         nodes = [np.unique(np.concatenate(nodes))] * len(nodes)
     work = symmetry.strokes * trace.friction_work
     for _ in range(6):
-        kept, cycle = _cycle(problem, start.wear, passed, nodes, symmetry, work)
+        kept, cycle = _cycle(problem, start.wear, passed, nodes, symmetry, work, trace.time)
         stages = two_stages(problem_at, cycle, start, trace, done, cycles)
         wear = printed_by(stages.problem, cycle, symmetry, stages.wear, stages.last.pressure)
         stages = replace(stages, wear=wear)
@@ -251,11 +252,13 @@ def _cycle(
     nodes: list[IntArray],
     symmetry: Symmetry,
     work_mJ: float,
+    times: Array,
 ) -> tuple[list[int], Cycle]:
     """Numbers, among the stops of the traced cycle, of those at which the contact slides, with the last one if bodies
     touch there (without any, the first one at which they touch); and the cycle that the wear step solves at these.
 
     passed: stops of the traced cycle. nodes: nodes that may touch at each. work_mJ: friction work of the whole cycle.
+    times: shares of the cycle passed at the ends of all its increments.
     """
     every = positions_of(problem, passed, nodes, symmetry.half_cycle)
     touch = [k for k, own in enumerate(every) if len(own.nodes)]
@@ -266,13 +269,32 @@ def _cycle(
         (problem.primary, problem.secondary), [position.pairing for position in positions], orbits.rows, symmetry.across
     )
     within = within_elements(problem, [position.state for position in positions], orbits.position)
-    traced = _TracedCycle(problem, positions, orbits, work_mJ, symmetry.strokes, within)
+    cycle = Cycle(positions, orbits, influences, wear, symmetry.half_cycle, 1.0, problem.layers, within)
+    if (heat := problem.wear.heat) is not None:
+        warming = warming_of(
+            problem, heat, positions, orbits, symmetry.half_cycle, _times(passed, times, kept, 1.0 / symmetry.strokes)
+        )
+        slip, pressure = cycle.slip_lengths(), cycle.traced_pressures
+        work = cycle.law_at(problem, wear, slip, pressure).limit(pressure) * slip
+        wear = replace(cycle, warming=warming).warmed(wear, work)
+        cycle = replace(cycle, warming=warming, wear=wear)
+    traced = _TracedCycle(problem, positions, orbits, work_mJ, symmetry.strokes, within, wear.rise_K)
     wearing = traced.at_unknowns(problem.wear.factor(traced))
-    cycle = Cycle(positions, orbits, influences, wear, symmetry.half_cycle, wearing, problem.layers, within)
+    cycle = replace(cycle, wearing=wearing)
     if problem.debris is None:
         return kept, cycle
     protected = problem.debris.wearing(orbits.opening(*wear.debris(problem.retained)))
     return kept, replace(cycle, wearing=wearing * protected, to_edge=cycle.distances_to_edge(problem))
+
+
+def _times(passed: Sequence[WearStop], times: Array, kept: list[int], whole: float) -> tuple[Array, Array]:
+    """Shares of the cycle passed at the stops that are kept, and (stops, 2) those from the stop before and to the next.
+
+    times: of all increments' ends. whole: share of the cycle that they cover.
+    """
+    at = times[[stop.increment for stop in passed]]
+    gaps = np.diff(at, prepend=at[-1] - whole)
+    return at[kept], np.column_stack([gaps, np.roll(gaps, -1)])[kept]
 
 
 @dataclass(frozen=True)
@@ -285,6 +307,7 @@ class _TracedCycle:
     work_mJ: float  #: Friction work of the whole cycle.
     strokes: int  #: How often the positions come by in it.
     within: WithinElements  #: Of the positions, for the unknowns.
+    rise_K: float  #: Mean rise of the temperature where it heats the surfaces.
 
     @property
     def frequency_Hz(self) -> float:

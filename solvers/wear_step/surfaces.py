@@ -30,6 +30,7 @@ from solvers.wear_step.influence import Influences
 from solvers.wear_step.orbits import Orbits, Position
 from solvers.wear_step.strokes import slip_is_left_over, strain_counts
 from solvers.wear_step.symmetry import Mirror
+from solvers.wear_step.warming import Warming
 
 Depths = tuple[Array, Array]  #: Worn depths (mm) of the primary and the secondary body, each of the shape of its patch.
 
@@ -95,6 +96,7 @@ class Cycle:
     within: WithinElements | None = None  #: How pressure is spread within elements, for the unknowns.
     #: Distances in mm that debris on (primary, secondary) passes to leave, see `distances_to_edge`; None: it stays.
     to_edge: Depths | None = None
+    warming: Warming | None = None  #: How its work warms both surfaces; None where that is not asked for.
     #: Solver of the pressures' equations, which keeps factors of earlier ones.
     similar: SimilarEquations = field(default_factory=SimilarEquations)
 
@@ -202,6 +204,15 @@ class Cycle:
             problem.fields,
         )
         return replace(problem.law_at(local), within=self.within)
+
+    def warmed(self, wear: WearState, work: Array) -> WearState:
+        """The wear state with temperatures as friction work (N,) of one cycle per area in mJ/mm² at the unknowns raises
+        them.
+        """
+        if self.warming is None:
+            return wear
+        primary, secondary, mean = self.warming.by(work)
+        return replace(wear, primary_rise=primary, secondary_rise=secondary, rise_K=mean)
 
     def at(self, index: int) -> slice:
         """Slice of the K nodes that belong to the position of this index."""

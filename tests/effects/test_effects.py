@@ -26,7 +26,12 @@ FIXED = {
     "plasticity": ["flattening_um"], "crossing_angle_error": ["angle_deg"], "misalignment": ["angle_deg"],
     "normal_load_drift": ["fraction_per_100k_cycles"], "wear_rate_offset": ["factor"],
     "wear_rate_evolution": ["initial_factor", "final_factor", "cycles"],
-    "contact_oxygenation": ["supply_W", "starved_factor"], "displacement_gain": ["gain"],
+    "contact_oxygenation": ["supply_W", "starved_factor"],
+    "friction_heat": [
+        "conductivity_W_per_m_K", "heat_capacity_J_per_cm3_K", "held_over_driven", "resistance_K_per_W",
+        "line_length_mm", "wear_kJ_per_mol", "oxidation_kJ_per_mol", "friction_per_K",
+    ],
+    "displacement_gain": ["gain"],
     "displacement_load_coupling": ["linear_um_per_N", "quadratic_um_per_N2"], "force_crosstalk": ["coefficient"],
     "sensor_lag": ["time_s"], "held_displacement": ["displacement_amplitude_um"],
 }  # fmt: skip

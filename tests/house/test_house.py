@@ -269,11 +269,11 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): its weight when a version is made, with 3 % of slack for the next one.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 87_700,
-    "lines of wirewear": 68_400,
-    "lines of studies": 17_500,
+    "lines of geometry, solvers and wirewear": 88_170,
+    "lines of wirewear": 68_430,
+    "lines of studies": 17_530,
     "lines of tests": 36_900,
-    "files of geometry, solvers and wirewear": 434,
+    "files of geometry, solvers and wirewear": 435,
     "rooms of wirewear": 20,
     "arrows between rooms": 106,
     "questions for the kind of contact": 0,

@@ -267,6 +267,24 @@ def test_a_run_of_any_length_that_was_killed_and_resumed_ends_as_one_of_a_millim
         run_study(line_study(), fidelity="quick", output=tmp_path, resume=True)
 
 
+@pytest.mark.seconds
+def test_what_wears_is_there_or_has_left_also_after_an_interruption(tmp_path: Path) -> None:
+    debris = {"name": "debris_balance", "modulus_MPa": 5e3, "leaving_share": 1e-3, "protecting_um": 1e6}
+    study = line_study(
+        conditions={"cycles": 400}, log={"loop_cycles": [1, 40, 400]},
+        effects=[{**debris, "retained_fraction": 0.4}],
+    )  # fmt: skip
+    with pytest.raises(KeyboardInterrupt):
+        run_study(study, fidelity="quick", output=tmp_path, observer_of=lambda _: nullcontext(Killer(1)))
+    (result,) = run_study(study, fidelity="quick", output=tmp_path, resume=True)
+    evolution = result.evolution
+    worn, there, left = (evolution[name] for name in ("worn_volume_pad_mm3", "debris_volume_mm3", "debris_left_mm3"))
+    worn = worn + evolution["worn_volume_specimen_mm3"]
+    assert there + left == pytest.approx(0.4 * worn, rel=1e-12)
+    assert (np.diff(left) > 0.0).all()
+    assert (there > 0.0).all()
+
+
 def sticking(share: float, stress_MPa: float = 0.0) -> LineStudy:
     """A steel cylinder of 25 mm under 150 N/mm, by a drive that holds a share of the sliding force."""
     own, held = {"youngs_modulus_MPa": 210_000.0, "height_mm": 10.0}, share * 0.6 * 150.0

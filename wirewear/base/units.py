@@ -30,6 +30,11 @@ _UNITS = {
     "J": (" J", "joules"),
     "mJ": (" mJ", "millijoules"),
     "W": (" W", "watts"),
+    "W_per_m_K": (" W/(m·K)", "watts per metre and kelvin"),
+    "J_per_cm3_K": (" J/(cm³·K)", "joules per cubic centimetre and kelvin"),
+    "K_per_W": (" K/W", "kelvins per watt"),
+    "kJ_per_mol": (" kJ/mol", "kilojoules per mole"),
+    "per_K": ("/K", "per kelvin"),
     "cycles": (" cycles", "cycles"),
     "per_100k_cycles": (" per 100\u2009000 cycles", "per 100\u2009000 cycles"),
     "1": ("", ""),
@@ -38,7 +43,7 @@ UNIT_SYMBOLS = {unit: symbol for unit, (symbol, _) in _UNITS.items()}
 UNIT_NAMES = {unit: name for unit, (_, name) in _UNITS.items()}
 
 #: Units in which results are given beside those of studies; the units of a whole line or area come before their parts.
-RESULT_UNITS = {"mJ_per_mm2": "mJ/mm²", "mm3": "mm³", "um2": "µm²", "N_per_mm": "N/mm", "kHz": "kHz"}
+RESULT_UNITS = {"mJ_per_mm2": "mJ/mm²", "mm3": "mm³", "um2": "µm²", "N_per_mm": "N/mm", "kHz": "kHz", "K": "K"}
 
 #: Names of columns without a unit at their end, and their unit.
 _OF_ITSELF = {"cycle": "cycles", "jump_cycles": "cycles", "mirror_error": "1"}

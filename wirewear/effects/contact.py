@@ -7,6 +7,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers import DebrisFlow, RoughLayer, ThirdBody
+from solvers.laws.debris import staying
 from wirewear.base import kinds
 from wirewear.base.course import Course
 from wirewear.base.units import Quantity
@@ -225,10 +226,7 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         depth_um = per_area2 * np.sqrt(scar2_um4)
         # Thickness (n,) of the bed without its limit, over the limit.
         thickness = self.retained_fraction * depth_um / full_um
-        # A bed that is filled by less than this share of what it holds knows no limit.
-        retained = self.retained_fraction * np.divide(
-            -np.expm1(-thickness), thickness, out=np.ones_like(thickness), where=thickness > 1e-9
-        )
+        retained = self.retained_fraction * staying(thickness)[1]
         scars = scar2_um4 / chain.fresh_area_um2**2
         largest = _SPREADING * retained * per_area2 / shear_N_per_um2
         # Square of the scar's area over that of the fresh contact at which beds of another growth shear alike.

@@ -71,6 +71,7 @@ class Chain:
     force_lag_s: Array
     force_zero_N: Array
     length_um: float = 0.0  #: Length of a line contact; zero for contacts at a point.
+    frequency_Hz: float = 1.0
 
     @property
     def worn_area2_um4(self) -> Array:
@@ -118,7 +119,7 @@ class LineChain(Chain):
 
 
 #: Names of a chain's arrays.
-COLUMNS = tuple(field.name for field in fields(Chain) if field.name not in ("radius_um", "fresh_area_um2", "length_um"))
+COLUMNS = tuple(field.name for field in fields(Chain) if field.type not in (float, "float"))
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,7 @@ class Parameter:
     #: Another parameter, and the power p if only its ratio to this parameter to the power p shows in a record of wires;
     #: a diagnosis then leaves this parameter in the middle of its range.
     held_by: tuple[str, float] | None = None
+    default: float | None = None  #: Value where a study does not state it; None: it must.
 
     def beside(self, stated: Stated) -> "Parameter":
         """The parameter with its sizes and neutral value in its own unit, in a study that states the numbers `stated`
@@ -135,10 +136,12 @@ def parameter(
     logarithmic: bool = False,
     share_of: str = "",
     held_by: tuple[str, float] | None = None,
+    default: float | None = None,
 ) -> float:
     """A dataclass field of an effect that is a parameter; its arguments, also None, are the fields of `Parameter`."""
-    described = Parameter(meaning, quantity, neutral, easy, hard, interest, logarithmic, share_of, held_by)
-    made: float = field(metadata={"parameter": described})
+    described = Parameter(meaning, quantity, neutral, easy, hard, interest, logarithmic, share_of, held_by, default)
+    metadata = {"parameter": described}
+    made: float = field(metadata=metadata) if default is None else field(default=default, metadata=metadata)
     return made
 
 

@@ -28,7 +28,8 @@ LIBRARY: tuple[EffectType, ...] = (
     contact.FrictionEvolution, contact.RoughnessCompliance, contact.ThirdBodyLayer, contact.DebrisBalance,
     holder.Plasticity,
     holder.CrossingAngleError, holder.Misalignment, holder.NormalLoadDrift, wear.WearRateOffset, wear.WearRateEvolution,
-    wear.ContactOxygenation, sensors.DisplacementGain, sensors.DisplacementLoadCoupling, sensors.ForceCrosstalk,
+    wear.ContactOxygenation, wear.FrictionHeating,
+    sensors.DisplacementGain, sensors.DisplacementLoadCoupling, sensors.ForceCrosstalk,
     sensors.SensorLag, holder.HeldDisplacement,
 )  # fmt: skip
 
@@ -72,7 +73,7 @@ def _effect(table: object) -> AnyEffect:
             hint = f"did you mean {close[0]!r}?" if close else f"its parameters are {', '.join(names)}"
             raise StudyError(f"{kind.name} has no parameter {shown(key)}: {hint}")
     for key, described in known.items():
-        if key not in values:
+        if key not in values and described.default is None:
             example = "" if described.share_of else f", for example {key} = {described.easy:g}"
             raise StudyError(f"{kind.name} needs {key}, the {described.meaning}{example}")
     return kind(**values)

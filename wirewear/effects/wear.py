@@ -4,7 +4,9 @@ oxygen.
 
 from dataclasses import dataclass, replace
 
-from solvers import OxygenSupply, WearRates
+import numpy as np
+
+from solvers import Conductor, FrictionHeat, OxygenSupply, WearRates
 from wirewear.base import kinds
 from wirewear.base.course import Course
 from wirewear.base.units import Quantity
@@ -138,3 +140,107 @@ class ContactOxygenation(Effect[WearRates]):
 
     def predicted(self, chain: Chain) -> Chain:
         return chain if self.starved_factor == 1.0 else chain.with_oxygen(self.supply_W, self.starved_factor)
+
+
+def _of_conduction(
+    meaning: str, quantity: Quantity, typical: float, ends: tuple[float, float], default: float | None = None
+) -> float:
+    return parameter(
+        meaning,
+        quantity,
+        neutral=None,
+        easy=typical,
+        hard=typical,
+        interest=ends,
+        logarithmic=default != 0.0,
+        default=default,
+    )
+
+
+def _by_temperature(meaning: str, unit: str, easy: float) -> float:
+    quantity, ends = Quantity(unit, -1e3, 1e3), (-2.0 * easy, 2.0 * easy)
+    return parameter(meaning, quantity, neutral=0.0, easy=easy, hard=0.2 * easy, interest=ends, default=0.0)
+
+
+@dataclass(frozen=True)
+class FrictionHeating(Effect[WearRates]):
+    """Wear, friction and oxidation that change as friction warms the surfaces.
+
+    The friction power of a cycle warms both surfaces, each a half-space, at each place by its mean and flash
+    temperature (Carslaw and Jaeger, Conduction of Heat in Solids, 1959, ch. X; Blok, 1937). The wear coefficient and
+    the consumption of oxygen follow Arrhenius' law from 20 °C on, friction a straight line.
+    """
+
+    name = "friction_heat"
+    seam = Seam.WEAR
+    ages = Ageing.BY_WEAR
+    signature = "wear or friction that changes with the frequency, and with the contact's size as it wears"
+    remedy = "measure a temperature beside the contact, or test at a lower frequency"
+    confused_with = ("wear_rate_offset", "friction_offset", "contact_oxygenation")
+    answers = (
+        LOWER_FREQUENCY.shows("wear and friction of cold surfaces"),
+        SCAR_MAPS.shows("other volumes at the modelled lengths"),
+    )
+    model_error = 0.3
+    needs_whole_cycles = True
+
+    conductivity_W_per_m_K: float = _of_conduction(
+        "thermal conductivity of the driven body", Quantity("W_per_m_K", 1e-3, 1e4), 46.0, (1.0, 400.0)
+    )
+    heat_capacity_J_per_cm3_K: float = _of_conduction(
+        "heat capacity of both bodies", Quantity("J_per_cm3_K", 1e-3, 1e3), 3.6, (1.5, 4.0)
+    )
+    held_over_driven: float = _of_conduction(
+        "conductivity of the held body over that of the driven one", Quantity("1", 1e-4, 1e4), 1.0, (0.1, 10.0), 1.0
+    )
+    resistance_K_per_W: float = _of_conduction(
+        "resistance of either body to its surroundings", Quantity("K_per_W", 0.0, 1e9), 20.0, (0.0, 100.0), 0.0
+    )
+    line_length_mm: float = _of_conduction(
+        "length of a line contact", Quantity("mm", 1e-3, 1e5), 10.0, (1.0, 100.0), 1.0
+    )
+    wear_kJ_per_mol: float = _by_temperature("activation energy of the wear coefficient", "kJ_per_mol", 20.0)
+    oxidation_kJ_per_mol: float = _by_temperature("activation energy of the consumption of oxygen", "kJ_per_mol", 20.0)
+    friction_per_K: float = _by_temperature("change of the coefficient of friction, over it, per kelvin", "per_K", 1e-3)
+
+    @classmethod
+    def considered_for(cls, _contact: str, _held: str) -> bool:
+        return False
+
+    def changed(self, described: WearRates, _age: Age) -> WearRates:
+        if not (self.wear_kJ_per_mol or self.oxidation_kJ_per_mol or self.friction_per_K):
+            return described
+        return replace(described, heat=self._heat)
+
+    def predicted(self, chain: Chain) -> Chain:
+        """The chain with wear, friction and supply of oxygen at the mean temperature of an evenly heated disc of the
+        contact's area A: 8 P / (3 π^(3/2) k √A) by the power P and the conductivity k (Carslaw & Jaeger § 10.5).
+        """
+        if not (self.wear_kJ_per_mol or self.oxidation_kJ_per_mol or self.friction_per_K):
+            return chain
+        heat, area_um2 = self._heat, np.sqrt(chain.worn_area2_um4) + chain.fresh_area_um2
+        power_W = (
+            np.abs(np.gradient(chain.energy_J, chain.cycles)) * chain.frequency_Hz if chain.cycles.size > 1 else 0.0
+        )
+        per_W = 8.0 / (3.0 * np.pi**1.5 * 1e-6 * np.sqrt(area_um2))
+        ways = (per_W / one.conductivity_W_per_m_K + one.resistance_K_per_W for one in (heat.upper, heat.lower))
+        rise = power_W / sum(1.0 / way for way in ways)
+        return replace(
+            chain,
+            wear_um3_per_mJ=chain.wear_um3_per_mJ * heat.wearing(rise),
+            friction=chain.friction * heat.friction_factor(rise),
+            oxygen_W=chain.oxygen_W / heat.oxidising(rise),
+        )
+
+    @property
+    def _heat(self) -> FrictionHeat:
+        driven = Conductor(self.conductivity_W_per_m_K, self.heat_capacity_J_per_cm3_K, self.resistance_K_per_W)
+        held = replace(driven, conductivity_W_per_m_K=self.held_over_driven * self.conductivity_W_per_m_K)
+        return FrictionHeat(
+            upper=held,
+            lower=driven,
+            wear_J_per_mol=1e3 * self.wear_kJ_per_mol,
+            oxidation_J_per_mol=1e3 * self.oxidation_kJ_per_mol,
+            friction_per_K=self.friction_per_K,
+            length_mm=self.line_length_mm,
+        )

@@ -31,6 +31,9 @@ PLASTIC_VOLUME, PLASTIC_WORK, OVER_YIELD = "print_volume_mm3", "plastic_work_mJ"
 #: Columns of debris that may leave.
 DEBRIS_VOLUME, DEBRIS_LEFT, DEBRIS_THICKNESS = "debris_volume_mm3", "debris_left_mm3", "debris_thickness_um"
 
+#: Columns of surfaces that friction warms.
+MEAN_RISE, LARGEST_RISE = "mean_rise_K", "largest_rise_K"
+
 #: Columns that results of earlier versions lack, which are then NaN: unknown.
 LATER_COLUMNS = ("mid_stroke_pressure_MPa", "mirror_error", "max_mean_pressure_MPa", "mid_stroke_mean_pressure_MPa")
 
@@ -47,6 +50,8 @@ COLUMN_MEANINGS = {
     DEBRIS_VOLUME: "volume of the debris between the surfaces",
     DEBRIS_LEFT: "volume of the debris that has left the contact",
     DEBRIS_THICKNESS: "largest thicknesses of both bodies' debris together",
+    MEAN_RISE: "rise of the temperature by friction, mean over where and when it heats",
+    LARGEST_RISE: "such a rise at the warmest place of either body, mean over the cycle likewise",
     BULK_WORK: "work of the bulk stresses on the contact, which a loop's area holds beside the friction work",
 }
 

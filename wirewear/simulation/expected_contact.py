@@ -316,6 +316,7 @@ class _SlidingCycle:
     power_density_W_per_mm2: float
     slip_amplitude_mm: float
     frequency_Hz: float
+    rise_K: float = 0.0
 
 
 def law_error(problem: ContactProblem, pressed: ContactState) -> float:

@@ -31,7 +31,7 @@ from wirewear.results import (
     RunResult,
     Scar,
 )
-from wirewear.results.evolution import DEBRIS_LEFT, DEBRIS_THICKNESS, DEBRIS_VOLUME
+from wirewear.results.evolution import DEBRIS_LEFT, DEBRIS_THICKNESS, DEBRIS_VOLUME, LARGEST_RISE, MEAN_RISE
 from wirewear.simulation.control import HeldFigure
 from wirewear.simulation.expected_contact import borne_settings, law_error
 from wirewear.simulation.measures import dissipated_energy_mJ, slip_amplitude_mm, unresolved_slip
@@ -94,6 +94,7 @@ def evolution_row(
         **pressures,
         **yielded(problem, state, trace, scars),
         **covered(problem, state),
+        **warmed(problem, state),
         "mirror_error": mirrored_mismatch(problem, trace),
         "jump_cycles": jump,
     }
@@ -126,8 +127,19 @@ def covered(problem: ContactProblem, state: ContactState) -> dict[str, float]:
         return {}
     (own, other), worn = state.wear.debris(problem.retained), state.wear
     volume = float(problem.primary.node_areas @ own.ravel() + problem.secondary.node_areas @ other.ravel())
-    left = problem.retained * (worn.primary_volume_mm3 + worn.secondary_volume_mm3) - volume
-    return {DEBRIS_VOLUME: volume, DEBRIS_LEFT: left, DEBRIS_THICKNESS: 1e3 * float(own.max() + other.max())}
+    return {
+        DEBRIS_VOLUME: volume,
+        DEBRIS_LEFT: worn.debris_left_mm3,
+        DEBRIS_THICKNESS: 1e3 * float(own.max() + other.max()),
+    }
+
+
+def warmed(problem: ContactProblem, state: ContactState) -> dict[str, float]:
+    """Columns of the evolution's row for surfaces that friction warms (see `COLUMN_MEANINGS`); empty if none are."""
+    if problem.wear.heat is None:
+        return {}
+    largest = max(float(rise.max()) for rise in state.wear.rises or (np.zeros(1),))
+    return {MEAN_RISE: state.wear.rise_K, LARGEST_RISE: largest}
 
 
 def layer_settings(study: AnyStudy) -> dict[str, object]:

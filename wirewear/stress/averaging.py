@@ -4,13 +4,14 @@ A kernel is a function of a point's depth in mm that gives the places (k, 3) ove
 their weights (k,), which sum to 1; places are in mm along and across from the point, and in depth below the surface.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from math import ceil
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from geometry.arrays import Array, IntArray
+from geometry.arrays import Array
+from geometry.patch import sides_of
 from wirewear.test.life import LifeTable
 
 #: Radii of the area and of the volume over the critical distance (Bellett et al., Int. J. Fatigue 27 (2005) 1103).
@@ -87,28 +88,11 @@ def averaging(
     for level, depth in enumerate(depths):
         row = columns_before * len(depths) + level
         for (x, y, z), weight in zip(*kernel(float(depth)), strict=True):
-            for i, u in _sides(of[0], axial + x):
-                for j, v in _sides(of[1], transverse + y):
-                    for k, w in _sides(of[2], np.array([z])):
+            for i, u in sides_of(of[0], axial + x):
+                for j, v in sides_of(of[1], transverse + y):
+                    for k, w in sides_of(of[2], np.array([z])):
                         column = (i[:, None] * count[1] + j) * count[2] + k[0]
                         share = weight * w[0] * u[:, None] * v
                         found.append((share.ravel(), row.ravel(), column.ravel()))
     shares, rows, columns = (np.concatenate(parts) for parts in zip(*found, strict=True))
     return csr_matrix((shares, (rows, columns)), shape=(columns_before.size * len(depths), int(np.prod(count))))
-
-
-def _sides(lines: Array, at: Array) -> Iterable[tuple[IntArray, Array]]:
-    """The lines on either side of positions (n,) and their weights; of positions beside all, the outermost."""
-    if len(lines) == 1:
-        return [(np.zeros(len(at), dtype=np.int64), np.ones(len(at)))]
-    i = np.clip(np.searchsorted(lines, at, side="right") - 1, 0, len(lines) - 2)
-    part = np.clip((at - lines[i]) / (lines[i + 1] - lines[i]), 0.0, 1.0)
-    return [(i, 1.0 - part), (i + 1, part)]
-
-
-def linear_weights(lines: Array, at: Array) -> Array:
-    """Weights (n, l) of values on l increasing lines for linear interpolation at positions (n,), held beyond."""
-    weights = np.zeros((len(at), len(lines)))
-    for column, part in _sides(lines, at):
-        weights[np.arange(len(at)), column] += part
-    return weights

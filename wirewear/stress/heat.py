@@ -19,13 +19,13 @@ from rich.table import Table
 from scipy.interpolate import PchipInterpolator, make_interp_spline
 
 from geometry.arrays import Array, BoolArray
+from geometry.patch import linear_weights
 from solvers.conduction import Conductor, surface_rise
 from wirewear.base.errors import ResultError
 from wirewear.base.words import counted
 from wirewear.base.writing import write_csv, writing
 from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.results import ContactForces, RunResult, Scar
-from wirewear.stress.averaging import linear_weights
 from wirewear.test.lengths import extent_of
 
 _MOMENTS = 96  # Of a cycle: a sliding contact passes less than a fifteenth of its stroke between two of them.

@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array, IntArray
+from geometry.patch import linear_weights
 from solvers.elasticity.strain import interpolation
 from wirewear.base.errors import ResultError, renamed
 from wirewear.results import RunResult
 from wirewear.results.scar import called
-from wirewear.stress.averaging import averaging, averaging_radius_mm, kernel_of, linear_weights, widened
+from wirewear.stress.averaging import averaging, averaging_radius_mm, kernel_of, widened
 from wirewear.stress.criteria import LifeCriterion, criterion_of
 from wirewear.stress.damage import FLOOR, Ahead, Damage, Initiation, Rates, Span
 from wirewear.stress.state import InnerState, one_thread

@@ -221,7 +221,9 @@ class SurrogateInputs:
         columns = dict(zip(COLUMNS, rows, strict=True))
         columns.update(cycles=cycles, energy_J=energy_J, worn_um3=worn_um3)
         made: type[Chain] = LineChain if self.length_mm else Chain
-        chain = made(radius_um, fresh_area_um2, **columns, length_um=1e3 * self.length_mm)
+        chain = made(
+            radius_um, fresh_area_um2, **columns, length_um=1e3 * self.length_mm, frequency_Hz=self.frequency_Hz
+        )
         for effect in self.effects:
             chain = effect.predicted(chain)
         return replace(
