@@ -175,7 +175,7 @@ def test_every_picture_is_shown_and_drawn_by_commands_of_its_own() -> None:
 
 def test_every_study_of_the_gallery_has_its_file_and_its_commands() -> None:
     _, *studies = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8").split("\n## ")
-    assert len(studies) == 14
+    assert len(studies) == 17
     for text in studies:
         if (rope := re.search(r"\[Rope\]\(\.\./([^)]+)\)", text)) is not None:
             load_rope(ROOT / rope[1])
