@@ -1,14 +1,13 @@
 """Analysis of one force–displacement loop, measured or simulated: its figures, such as slip amplitude and friction."""
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirewear.loops.branch_fits import BranchFits, branch_fits_of
-from wirewear.loops.branches import upright
-from wirewear.loops.cleaning import NORMAL_CLIPPED, OPENS, CleanLoop, clean_loop
+from wirewear.loops.branch_fits import BranchFits
+from wirewear.loops.cleaning import NORMAL_CLIPPED, OPENS, CleanLoop
 from wirewear.loops.energy import (
     MICROJOULE_IN_MILLIJOULE,
     MOST_IN_PARTIAL_SLIP,
@@ -22,7 +21,8 @@ from wirewear.loops.energy import (
 )
 from wirewear.loops.figures import LoopFigures, Measured, MicroSlipBranch, Regime
 from wirewear.loops.friction import MIDDLE_SHARE, SlidingFigures, height_at, largest_ratio, peaks, sliding_figures
-from wirewear.loops.lag import branch_earlier, earlier, goes_with_velocity, is_certain, lag_of
+from wirewear.loops.lag import branch_earlier, goes_with_velocity
+from wirewear.loops.reading import read_loop
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
 from wirewear.loops.sticking import looks_worn, may_be_worn, notes_on, slip_of, stiffens
 from wirewear.loops.stiffness import RESOLVED, bent, corner_of, mean_stiffness, micro_slip_branch, sliding_stiffness
@@ -50,17 +50,6 @@ WALLED = (
 )
 
 STUCK = 1e-3  #: A loop narrower than this share of its stroke is a line.
-
-LATE = (
-    "the force comes {:.1f} samples late: it begins to fall only behind the reversals. It was read as much earlier; "
-    "dissipated_energy is {:.4g} mJ as read, which its interval holds"
-)
-
-EARLY = (
-    "the force begins to fall {:.1f} samples before the reversals, as a displacement that comes late makes it, or a "
-    "friction that falls with the speed; dissipated_energy is {:.4g} mJ where the displacement is late, which its "
-    "interval holds"
-)
 
 MAY_DRIFT = (
     "the displacement ends {:.3g} µm from where it began, {:.1%} of its stroke: it drifts, or the cycle is another one "
@@ -214,34 +203,6 @@ def analyse_loop(
     return within_bounds(replace(found, notes=tuple(notes)))
 
 
-class ReadLoop(NamedTuple):
-    """A loop as it is read: clean, upright and in time.
-
-    other_mJ: energy with another lag, which its interval has to cover. lag: in samples, that may be left in the force.
-    removed_lag: in samples, by which the force was read earlier.
-    """
-
-    loop: CleanLoop
-    fits: BranchFits
-    other_mJ: float
-    lag: float
-    removed_lag: float
-
-
-def read_loop(
-    displacement_um: ArrayLike,
-    tangential_force_N: ArrayLike,
-    normal_force_N: ArrayLike | None = None,
-    *,
-    time_s: ArrayLike | None = None,
-) -> ReadLoop:
-    """Read the samples of a loop, before any figure is taken from them. Arguments and errors are those of
-    `analyse_loop`.
-    """
-    loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
-    return _in_time(*_followed(loop))
-
-
 def _energy_and_slip(
     loop: CleanLoop, fits: BranchFits, mean_force_N: float, other_mJ: float
 ) -> tuple[CleanLoop, Measured, Measured, tuple[int, ...]]:
@@ -304,38 +265,6 @@ def _all_along(read: Measured, fits: BranchFits, energy: Measured, amplitude: Me
     height = height_at((forward, backward), (np.inf,), centre, half)
     found = by_energy(energy, height).reaching(read.value) if height.interval95[0] > 0.0 else read
     return found.reaching(amplitude.value)
-
-
-def _in_time(loop: CleanLoop, fits: BranchFits) -> ReadLoop:
-    """Loop and branches with a certain lag of the force removed.
-
-    The other energy is the one as read where a lag was removed, and else the one without the lag that the reversals
-    allow. The lag is 0 where it was removed. A force that is certainly early is noted and not corrected.
-    """
-    lag, as_read = None if goes_with_velocity(loop) else lag_of(loop), dissipated_energy(loop).value
-    if lag is None:
-        return ReadLoop(loop, fits, as_read, 0.0, 0.0)
-    sooner = earlier(loop, lag.value)
-    value = dissipated_energy(sooner).value
-    if not is_certain(lag):
-        return ReadLoop(loop, fits, value, lag.value, 0.0)
-    if lag.value < 0.0:
-        most = dissipated_energy(earlier(loop, lag.interval95[0])).value
-        return ReadLoop(loop.noted(EARLY.format(-lag.value, value)), fits, most, lag.value, 0.0)
-    sooner = sooner.noted(LATE.format(lag.value, as_read))
-    return ReadLoop(sooner, branch_fits_of(sooner), as_read, 0.0, lag.value)
-
-
-def _followed(loop: CleanLoop) -> tuple[CleanLoop, BranchFits]:
-    """Loop and its branch fits; uses the unsmoothed drive if times are unknown and that fits clearly better."""
-    fits = branch_fits_of(loop)
-    if not loop.smoothed or loop.times_known:
-        return loop, fits
-    raw = loop.without_smooth_drive()
-    raw_fits = branch_fits_of(raw)
-    if raw_fits.misfit < 0.8 * fits.misfit:
-        return raw, raw_fits
-    return loop, fits
 
 
 def _from_zero(loop: CleanLoop, friction: Measured | None, zero: Measured | None, sign: float) -> Measured | None:

@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geometry.arrays import Array, BoolArray
-from wirewear.loops.analysis import analyse_loop, read_loop
+from wirewear.loops.analysis import analyse_loop
 from wirewear.loops.branches import Branch, split_branches
 from wirewear.loops.figures import LoopFigures
 from wirewear.loops.free_play import Shelf, play_of
+from wirewear.loops.reading import read_loop
 
 
 @dataclass(frozen=True, eq=False)

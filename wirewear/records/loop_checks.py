@@ -9,8 +9,9 @@ from typing import Literal
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
-from wirewear.loops.analysis import EARLY, ELLIPSE, HIDDEN, LATE, MAY_DRIFT, RUNS_ON
+from wirewear.loops.analysis import ELLIPSE, HIDDEN, MAY_DRIFT, RUNS_ON
 from wirewear.loops.cleaning import BACKWARDS, DRIFTS
+from wirewear.loops.reading import EARLY, LATE
 from wirewear.records.normal_force import impossible_loads
 from wirewear.records.remarks import COURSE, FEWEST_SAMPLES, CheckedRecord, Remark, coarse_step_of, plural, where
 from wirewear.test.conditions import held_keys
