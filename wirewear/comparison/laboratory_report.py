@@ -294,7 +294,8 @@ def _items(record: AnyRecord, test: MappedTest, budgets: Sequence[Budget]) -> It
     yield Item("cycles", "E2789 4.2", counted(asked.cycles))
     yield Item("number of tests", "E2789 4.2", str(max(len({loop.repeat for loop in record.loops}), 1)))
     stiffness = getattr(tables.stated, "tangential_stiffness_N_per_mm", None)
-    yield Item("compliance of the test system", "E2789 4.2", said(stiffness, " N/mm of the rig"))
+    unit = "" if stiffness == "rigid" else " N/mm of the rig"
+    yield Item("compliance of the test system", "E2789 4.2", said(stiffness, unit))
     yield Item("environment", f"{g204}, {e2789}", _environment(facts))
     yield Item("lubricant", g204, said(facts.lubricant))
     yield Item("volume loss of each body", "G204 1.3", measured(*(n for n in found if n.startswith("worn volume"))))
