@@ -69,8 +69,9 @@ def test_recorded_forces_carry_the_load_and_the_friction(folder: Path) -> None:
     assert (pad.body, specimen.body) == ("pad", "specimen")
     for forces in (pad, specimen):
         np.testing.assert_allclose(forces.force_N[..., 2].sum(axis=1), -30.0, rtol=1e-3)
-    # The pad's axes are the test's, turned over: friction on it along x is what the specimen gives.
-    np.testing.assert_allclose(pad.force_N[..., 0].sum(axis=1), -specimen.force_N[..., 0].sum(axis=1), rtol=1e-9)
+    # The pad's axes are the test's, turned over: friction on it along x is what the specimen gives. Tractions are
+    # turned back with each body's own surface, which sums see to second order in its slopes.
+    np.testing.assert_allclose(pad.force_N[..., 0].sum(axis=1), -specimen.force_N[..., 0].sum(axis=1), rtol=1e-3)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.6])
