@@ -22,7 +22,7 @@ from geometry.arrays import Array, IntArray
 from solvers.elasticity.patch_compliance import PatchCompliance
 from solvers.jit_cache import compiled
 
-_DEEP = 14.0  #: k z beyond which nothing is felt of what lies below.
+DEEP = 14.0  #: k z beyond which nothing is felt of what lies below.
 _RATIO = 1.8  #: Of the widths of neighbouring Gaussians.
 _CHANGED = 0.02  #: Of a coating's thickness: less that has worn does not count.
 _OF_CONTACT = 2.4  #: Number of the wave that stands for a contact's pressure, over its radius.
@@ -41,10 +41,10 @@ class Coating:
         return sum(thickness for thickness, _ in self.layers)
 
     def worn(self, depth_mm: float) -> "Coating":
-        """What is left of it under a surface worn by this depth."""
+        """What is left of it under a surface worn by this depth (>= 0)."""
         left = []
         for thickness, material in self.layers:
-            rest = min(thickness, max(thickness - depth_mm, 0.0))
+            rest = max(thickness - depth_mm, 0.0)
             depth_mm = max(depth_mm - thickness, 0.0)
             left += [(rest, material)] if rest > 0.0 else []
         return Coating(tuple(left), self.below)
@@ -95,16 +95,26 @@ def half_space(material: Elastic) -> tuple[Array, float]:
 
 def _through(plane: Array, across: Array, depth: Array, material: Elastic) -> tuple[Array, Array]:
     """The compliances (n, 2, 2) and (n,) on top of a layer of thicknesses k z = depth (n,) from those at its bottom."""
-    depth, soft = np.minimum(depth, _DEEP), 1.0 / material.shear_modulus_MPa
+    depth = np.minimum(depth, DEEP)
     steps = int(np.ceil(depth.max()))
-    over = carried(depth / steps, material)
     for _ in range(steps):
-        plane = (over[:, :2, :2] @ plane + over[:, :2, 2:]) @ np.linalg.inv(over[:, 2:, :2] @ plane + over[:, 2:, 2:])
+        plane, across, _, _ = lifted(plane, across, depth / steps, material)
+    return plane, across
+
+
+def lifted(plane: Array, across: Array, depth: Array, material: Elastic) -> tuple[Array, Array, Array, Array]:
+    """The compliances (n, 2, 2) and (n,) on top of a part of a layer from those at its bottom, and what tractions there
+    are of those on top: (n, 2, 2) of P and S, (n,) of R. depth: (n,) thicknesses k z, of at most `DEEP`.
+    """
+    over, soft = _carried(depth, material), 1.0 / material.shear_modulus_MPa
+    down = np.asarray(np.linalg.inv(over[:, 2:, :2] @ plane + over[:, 2:, 2:]), dtype=np.float64)
     turn, part = np.tanh(depth), across / soft
-    return plane, soft * (part + turn) / (1.0 + part * turn)
+    whole = 1.0 + part * turn
+    above = (over[:, :2, :2] @ plane + over[:, :2, 2:]) @ down
+    return above, soft * (part + turn) / whole, down, 1.0 / (np.cosh(depth) * whole)
 
 
-def carried(depth: Array, material: Elastic) -> Array:
+def _carried(depth: Array, material: Elastic) -> Array:
     """Matrices (n, 4, 4) that carry U, W, P and S up through thicknesses k z = depth (n,)."""
     one = _rates(material)
     # Its eigenvalues are 1 and -1, twice each: its exponential is a cubic of itself.

@@ -14,13 +14,12 @@ from scipy.ndimage import map_coordinates
 
 from geometry import ContactPatch, Elastic
 from geometry.arrays import Array
-from solvers.elasticity.coats import Coating, carried, half_space, plane_modulus
+from solvers.elasticity.coats import DEEP, Coating, half_space, lifted, plane_modulus
 
 SIDE = 1e-9  #: Share of a depth by which both sides of an interface lie beside it.
 _IN_LAYER, _BELOW = 5, 14  #: Depths at which the stress is computed, in each layer and below all.
 _WIDER = 3.0  #: The periodic grid over the extent of what is loaded.
 _MOST = 243  #: Points of the grid, each way.
-_FELT = 14.0  #: k z below which a wave is not felt.
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,23 +147,18 @@ def _waves(coating: Coating, k: Array, depths_mm: Array) -> Array:
     now, aside = np.broadcast_to(plane, (len(k), 2, 2)), np.full(len(k), across)
     down = []
     for low, high, material in reversed(spans):
-        depth = np.minimum(k * (high - low), _FELT)
-        over, soft = carried(depth, material), 1.0 / material.shear_modulus_MPa
-        through = np.linalg.inv(over[:, 2:, :2] @ now + over[:, 2:, 2:])
-        turn, share = np.tanh(depth), aside / soft
-        ratio = 1.0 / (np.cosh(depth) * (1.0 + share * turn))
-        felt = k * (high - low) < _FELT
-        down.append((now, aside, through * felt[:, None, None], ratio * felt, material))
-        now = (over[:, :2, :2] @ now + over[:, :2, 2:]) @ through
-        aside = soft * (share + turn) / (1.0 + share * turn)
+        depth = k * (high - low)
+        above, beside, through, ratio = lifted(now, aside, np.minimum(depth, DEEP), material)
+        felt = depth < DEEP
+        down.append((now, aside, through * felt[:, None, None], ratio * felt))
+        now, aside = above, beside
     down.reverse()
     traction, sideways = np.broadcast_to(np.eye(2), (len(k), 2, 2)), np.ones(len(k))
     at_cuts = [_stress(now, aside, traction, sideways, spans[0][2])]
     both = [at_cuts[0]]
-    for k_span, (below, beside, through, ratio, _) in enumerate(down):
+    for (_, _, material), (below, beside, through, ratio) in zip(spans, down, strict=True):
         traction, sideways = through @ traction, ratio * sideways
         # A depth belongs to the material above it, but for the first.
-        material = spans[k_span][2]
         both.append(_stress(below, beside, traction, sideways, material))
     return np.array([both[int(np.searchsorted(cuts, depth))] for depth in depths_mm])
 

@@ -21,8 +21,8 @@ def coats_of(
     order = slice(None, None, -1 if result.is_upper(forces.body) else 1)
     depth = np.maximum(1e-3 * result.scar(forces.cycle, forces.body).depth_um, 0.0)
     depth = (depth[:, order] if depth.ndim == 2 else depth).ravel()[forces.nodes]
-    borne = np.abs(forces.force_N[..., 2]).sum(axis=0)
-    worn = float(borne @ np.minimum(depth, coating.thickness_mm) / borne.sum()) if borne.any() else 0.0
+    load = np.abs(forces.force_N[..., 2]).sum(axis=0)
+    worn = float(load @ np.minimum(depth, coating.thickness_mm) / load.sum()) if load.any() else 0.0
     left = coating.worn(worn)
     if not left.layers:
         return [None] * len(positions)
