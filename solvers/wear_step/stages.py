@@ -29,7 +29,7 @@ from solvers.wear_step.stage import StageSolution, solve_stage, worn_by
 from solvers.wear_step.strokes import mean_slip
 from solvers.wear_step.surfaces import Cycle
 from solvers.wear_step.symmetry import Mirror, Symmetry, with_images
-from solvers.wear_step.warming import warming_of
+from solvers.wear_step.warming import times_of, warming_of
 
 # Of Alexander's method: where the first stage lies in the step, and the weight of both stages' own rates.
 _STAGE = 1.0 - 0.5**0.5
@@ -272,7 +272,7 @@ def _cycle(
     cycle = Cycle(positions, orbits, influences, wear, symmetry.half_cycle, 1.0, problem.layers, within)
     if (heat := problem.wear.heat) is not None:
         warming = warming_of(
-            problem, heat, positions, orbits, symmetry.half_cycle, _times(passed, times, kept, 1.0 / symmetry.strokes)
+            problem, heat, positions, orbits, symmetry.half_cycle, times_of(passed, times, kept, 1.0 / symmetry.strokes)
         )
         slip, pressure = cycle.slip_lengths(), cycle.traced_pressures
         work = cycle.law_at(problem, wear, slip, pressure).limit(pressure) * slip
@@ -285,16 +285,6 @@ def _cycle(
         return kept, cycle
     protected = problem.debris.wearing(orbits.opening(*wear.debris(problem.retained)))
     return kept, replace(cycle, wearing=wearing * protected, to_edge=cycle.distances_to_edge(problem))
-
-
-def _times(passed: Sequence[WearStop], times: Array, kept: list[int], whole: float) -> tuple[Array, Array]:
-    """Shares of the cycle passed at the stops that are kept, and (stops, 2) those from the stop before and to the next.
-
-    times: of all increments' ends. whole: share of the cycle that they cover.
-    """
-    at = times[[stop.increment for stop in passed]]
-    gaps = np.diff(at, prepend=at[-1] - whole)
-    return at[kept], np.column_stack([gaps, np.roll(gaps, -1)])[kept]
 
 
 @dataclass(frozen=True)

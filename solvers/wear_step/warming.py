@@ -21,6 +21,7 @@ from solvers.contact import ContactProblem
 from solvers.elasticity.placement import PlacedBody
 from solvers.laws.heat import FrictionHeat
 from solvers.wear_step.orbits import Orbits, Position
+from solvers.wear_step.places import WearStop
 from solvers.wear_step.symmetry import Mirror
 
 _CELLS = 32  # Along the longer side of what is rubbed.
@@ -142,6 +143,16 @@ def warming_of(
         for body, own, conductor in zip(bodies, rubbed, conductors, strict=True)
     ]
     return Warming(positions, orbits, half_cycle, bodies, (surfaces[0], surfaces[1]), turns)
+
+
+def times_of(passed: Sequence[WearStop], times: Array, kept: list[int], whole: float) -> tuple[Array, Array]:
+    """Shares of the cycle passed at the stops that are kept, and (stops, 2) those from the stop before and to the next.
+
+    times: of all increments' ends. whole: share of the cycle that they cover.
+    """
+    at = times[[stop.increment for stop in passed]]
+    gaps = np.diff(at, prepend=at[-1] - whole)
+    return at[kept], np.column_stack([gaps, np.roll(gaps, -1)])[kept]
 
 
 def _turns(positions: Sequence[Position], orders: IntArray, at: Array, gaps: Array, whole: float) -> ComplexArray:
