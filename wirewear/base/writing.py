@@ -21,7 +21,7 @@ from glob import escape
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from wirewear.base.errors import RunError, WirewearError
 from wirewear.base.files import is_special, link_followed, open_number
@@ -39,6 +39,14 @@ _AT_WORKING_FOLDER, _SWAP = -100, 2  #: Of renameat2, in Linux's fcntl.h and fs.
 def json_text(value: object, indent: int | None = 2) -> str:
     """Value as JSON text, null in place of numbers that are not finite; indent: spaces by level, None: one line."""
     return json.dumps(finite(value), indent=indent, ensure_ascii=False, allow_nan=False)
+
+
+def kept_table(path: Path) -> dict[str, Any]:
+    """The table of a JSON file that a command keeps for itself; empty where there is none, or a damaged one."""
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError):
+        return {}
 
 
 def write_csv(path: Path, table: pl.DataFrame | Sequence[Mapping[str, object]]) -> Path:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import time
 from dataclasses import asdict, replace
 from datetime import datetime
@@ -15,7 +14,7 @@ import click
 
 from wirewear.app.cli.group import Finite, OutputFolder, busy, cli, most_memory, stage
 from wirewear.base.errors import RecordError, WirewearError
-from wirewear.base.writing import json_text, write_text
+from wirewear.base.writing import json_text, kept_table, write_text
 
 if TYPE_CHECKING:
     from wirewear.comparison.followed import FollowedLoop
@@ -106,7 +105,7 @@ class _Seen:
         self.output, self.alarm_rate = output, alarm_rate
         text = mapping_path.read_bytes() if mapping_path.is_file() else b""
         asked = hashlib.sha256(text + repr(alarm_rate).encode()).hexdigest()
-        journal = _read(output / JOURNAL)
+        journal = kept_table(output / JOURNAL)
         fresh: dict[str, Any] = {"asked": asked, "loops": {}, "looks": {}, "wear_mm3_per_J": None}
         self.journal: dict[str, Any] = journal if journal.get("asked") == asked else fresh
         self.reached_the_end, self.reading_s = False, 0.0
@@ -192,10 +191,3 @@ def _digest(loop: MeasuredLoop) -> str:
     for channel in (loop.displacement_um, loop.tangential_force_N, loop.normal_force_N):
         found.update(b"" if channel is None else channel.tobytes())
     return found.hexdigest()
-
-
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        return dict(json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError):
-        return {}

@@ -11,7 +11,7 @@ import click
 
 from wirewear.app.cli.group import Given, OutputFolder, busy, cli, most_memory, stage
 from wirewear.base.errors import RunError, WirewearError
-from wirewear.base.writing import json_text, write_text
+from wirewear.base.writing import json_text, kept_table, write_text
 
 if TYPE_CHECKING:
     from wirewear.comparison.campaign import CampaignResult
@@ -43,7 +43,7 @@ def lab(folder: Path, output: Path, diagnose: bool, as_json: bool) -> None:
     if output.resolve().is_relative_to(folder.resolve()):
         raise RunError(f"{output} lies in the folder of the campaign, among its files: choose another --output.")
     with occupied(output, f"lab {folder}"):
-        journal, found = _read(output / JOURNAL), []
+        journal, found = kept_table(output / JOURNAL), []
         for one in tests:
             found.append(_looked_at(folder, output, one, journal, diagnose=diagnose))
             write_text(output / JOURNAL, json_text(journal) + "\n")
@@ -122,10 +122,3 @@ def _digest(files: list[Path], test: CampaignTest) -> str:
     for path in files:
         found.update(path.read_bytes())
     return found.hexdigest()
-
-
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        return dict(json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError):
-        return {}
