@@ -44,7 +44,7 @@ class NormalBowl(OfLoops):
         return float(np.mean(bowls)), loop.normal_error_N * float(np.sqrt(np.mean(shares)))
 
     def predict(self, predicted: PredictedLoops, sites: Sites) -> NDArray[np.float64]:
-        """The same difference (n,) of computed loops, N."""
+        """Normal force (n,) in N of computed loops: mean at the ends of the stroke less mean in its middle."""
         place = np.abs(predicted.displacement_um) / np.abs(predicted.displacement_um).max(axis=(1, 2), keepdims=True)
         force = predicted.normal_force_N
         ends, middle = (np.nanmean(np.where(there, force, np.nan), axis=(1, 2)) for there in (place > 0.6, place < 0.3))
@@ -52,5 +52,5 @@ class NormalBowl(OfLoops):
         return difference
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """A 500th of the load."""
+        """Standard deviation (n,) in N by which two solvers may differ: 0.2 % of the load."""
         return SolverSize(np.full(len(sites), 0.002 * loops.setup.load_N))

@@ -75,7 +75,7 @@ class RunningTest:
         )
 
     def line(self, place: int) -> str:
-        """One line on a loop."""
+        """The line printed for the loop with this index: cycle, time, regime, friction, energies, wear so far."""
         loop = self.loops[place]
         begin = f"cycle {counted(loop.cycle):>9}  {hours(loop.time_s)}"
         if loop.refused:
