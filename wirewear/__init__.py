@@ -1,16 +1,16 @@
 """Crossed-wire fretting tests in 3D finite elements: contact, friction, wear and the compliance of the rig.
 
-This package is the only one to import: ``geometry`` and ``solvers`` beneath it are its parts. What it offers is loaded
-when it is first asked for.
+This package is the only one to import: ``geometry`` and ``solvers`` beneath it are its parts, which lie beside it in a
+checkout and within it once installed. What it offers is loaded when it is first asked for.
 """
 
 import sys
-from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from solvers import FrictionLaw, LocalState, WearLaw
     from wirewear import effects, reference
     from wirewear.app.api.run import Run, lives, read_result, read_results
     from wirewear.app.api.studies import Record, load, read_record, run, run_variants
@@ -26,11 +26,12 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
-    "Evolution", "ExperimentRecord", "Loop", "LoopSignals", "Record", "RecordError", "ResultError", "Run", "RunError",
-    "RunResult", "Scar", "Sensor", "SensorError", "SensorNoise", "Study", "StudyError", "WirewearError", "__version__",
-    "check_record", "effects", "largest_mean_pressure_MPa", "lives", "load", "load_study", "parse_study", "read_record",
-    "read_result", "read_results", "record_of_result", "reference", "run", "run_study", "run_variants",
-    "sensor_held_stroke", "strand_contacts", "write_record", "write_result",
+    "Evolution", "ExperimentRecord", "FrictionLaw", "LocalState", "Loop", "LoopSignals", "Record", "RecordError",
+    "ResultError", "Run", "RunError", "RunResult", "Scar", "Sensor", "SensorError", "SensorNoise", "Study",
+    "StudyError", "WearLaw", "WirewearError", "__version__", "check_record", "effects", "largest_mean_pressure_MPa",
+    "lives", "load", "load_study", "parse_study", "read_record", "read_result", "read_results", "record_of_result",
+    "reference", "run", "run_study", "run_variants", "sensor_held_stroke", "strand_contacts", "write_record",
+    "write_result",
 ]  # fmt: skip
 
 _SIBLINGS = ("geometry", "solvers")
@@ -43,6 +44,8 @@ def _require_own_siblings() -> None:
     AttributeError far away.
     """
     home = Path(__file__).resolve().parents[1]
+    if (home / "wirewear" / "geometry").exists():
+        return  # It is installed, and nobody else's module can stand for one within it.
     for name in _SIBLINGS:
         own = home / name
         found = _location(name)
@@ -73,7 +76,9 @@ def _location(name: str) -> Path | None:
 
 
 _require_own_siblings()
-_loaded = import_module("geometry.lazy").loaded_late(__name__)  # Only now is it known whose `geometry` that is.
+from geometry.lazy import loaded_late  # noqa: E402 - only now is it known whose `geometry` that is
+
+_loaded = loaded_late(__name__)
 
 
 def __getattr__(name: str) -> Any:

@@ -51,7 +51,7 @@ def by_name(
     group: str,
     base: type[Any],
     noun: str,
-    home: str = "solvers",
+    home: str = "wirewear",
     needed: tuple[str, ...] = ("name",),
     problem: Callable[[str], Exception] = SolverError,
     *,

@@ -1,11 +1,14 @@
 """What is installed: examples by their names, in a checkout and in a wheel, system libraries, and one version."""
 
+import ast
+import os
 import re
 import subprocess
 import sys
 import tomllib
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from shutil import copytree, ignore_patterns
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,6 +17,7 @@ import pytest
 from geometry import GeometryError
 from geometry.body import SYSTEM_PACKAGES, gmsh_session
 from tests.commands import wirewear
+from tests.house.project import imported_modules
 from wirewear import load_study, read_record
 from wirewear.base.recognising import RECORDS, STUDIES, example
 from wirewear.kinds import load_any_study
@@ -39,11 +43,18 @@ def test_a_command_takes_an_example_where_no_file_has_its_name(tmp_path: Path, m
     assert "experiment.toml" in wirewear("check", "no_gap", code=2).output
 
 
-def test_the_built_package_holds_what_the_program_looks_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The examples are copied as `setup.py` does when a wheel is built, and found beside the installed modules."""
+@pytest.mark.seconds
+def test_the_built_package_is_the_only_one_to_import_and_holds_what_the_program_looks_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     asked: dict[str, Any] = {}
     monkeypatch.setattr("setuptools.setup", lambda **given: asked.update(given["cmdclass"]))
-    monkeypatch.setattr("setuptools.command.build_py.build_py.run", lambda _: None)
+
+    def modules_copied(command: Any) -> None:
+        for package in ("geometry", "solvers", "wirewear"):
+            copytree(ROOT / package, Path(command.build_lib) / package, ignore=ignore_patterns("__pycache__"))
+
+    monkeypatch.setattr("setuptools.command.build_py.build_py.run", modules_copied)
     monkeypatch.chdir(ROOT)
     spec = spec_from_file_location("build_of_wirewear", ROOT / "setup.py")
     assert spec is not None
@@ -52,10 +63,32 @@ def test_the_built_package_holds_what_the_program_looks_for(tmp_path: Path, monk
     command = asked["build_py"].__new__(asked["build_py"])
     command.__dict__.update(build_lib=str(tmp_path), editable_mode=False)
     command.run()
+    assert [place.name for place in tmp_path.iterdir()] == ["wirewear"]
     monkeypatch.setattr("wirewear.base.recognising._FOLDERS", (tmp_path / "wirewear" / "examples",))
     assert all(example(name) for name in (*STUDIES, *RECORDS))
-    assert not list(tmp_path.rglob("*.py"))
     assert load_study(tmp_path / "wirewear/examples/steel_wires/study.toml").variant("compliant").name
+    trees = [ast.parse(file.read_text(encoding="utf-8")) for file in tmp_path.rglob("*.py")]
+    imported = {name.partition(".")[0] for tree in trees for _, name in imported_modules(ast.walk(tree))}
+    assert not {"geometry", "solvers"} & imported
+    (tmp_path / "geometry.py").write_text("raise ImportError('of somebody else')", encoding="utf-8")
+    code = (
+        "import sys, wirewear\n"
+        "from wirewear.base.cache import ALL_CODE, CONDENSATION_CODE, RUN_CODE, code_hash\n"
+        "assert wirewear.run_study and wirewear.FrictionLaw\n"
+        "assert not {'geometry', 'solvers'} & set(sys.modules)\n"
+        "assert wirewear.__file__.startswith(sys.path[0])\n"
+        "assert len({code_hash(code) for code in (CONDENSATION_CODE, RUN_CODE, ALL_CODE)}) == 3\n"
+    )
+    place = {"PYTHONPATH": str(tmp_path)}
+    run = subprocess.run(
+        [sys.executable, "-P", "-c", code],
+        cwd=tmp_path,
+        env=os.environ | place,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (run.returncode, run.stderr) == (0, "")
 
 
 def test_the_sentence_on_a_missing_library_names_packages_that_make_installs(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -172,3 +172,42 @@ def test_an_output_among_the_tests_is_refused(folder: Path) -> None:
     answer = invoked(folder, "--output", folder / "out")
     assert answer.exit_code == 2
     assert "choose another --output" in answer.output
+
+
+def logged(stroke_um: float) -> str:
+    header = "Zeit (s);Weg (um);Reibkraft (N);Normalkraft (N)\n"
+    return header + table((TIME, X * stroke_um / AMPLITUDE_um, FORCE, np.full_like(X, LOAD_N)), GERMAN)
+
+
+@pytest.mark.parametrize("form", ["{}_raw.csv", "{}/raw.csv"])
+def test_a_folder_of_tests_gives_one_mapping_and_what_differs_between_them(tmp_path: Path, form: str) -> None:
+    strokes = {"T1": 20.0, "T2": 30.0, "T10": 20.0}
+    for name, stroke in strokes.items():
+        place = tmp_path / "campaign" / form.format(name)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(logged(stroke), encoding="utf-8")
+        place.with_name(place.name.replace("raw", "fixed")).write_text(
+            bowl(3.0)[0].replace("x,y,depth", "x_um,y_um,depth_um"), encoding="utf-8"
+        )
+    home = tmp_path / "campaign"
+    (home / "T3_raw.csv" if "_" in form else home / "T3" / "raw.csv").parent.mkdir(exist_ok=True)
+    home.joinpath(form.format("T3")).write_text("torn", encoding="utf-8")
+    answer = CliRunner().invoke(cli, ["new", "--mapping", str(home), "--diameter", "0.45"], catch_exceptions=False)
+    assert answer.exit_code == 0, answer.output
+    assert "3 tests: T1, T2, T10" in answer.output
+    assert "T3 cannot be read" in answer.output
+    with (home / "tests.csv").open(encoding="utf-8") as file:
+        rows = {row["test"]: row for row in csv.DictReader(file)}
+    assert {name: float(row["displacement_amplitude_um"]) for name, row in rows.items()} == pytest.approx(
+        strokes, rel=0.01
+    )
+    assert set(rows["T1"]) == {"test", "displacement_amplitude_um"}
+    assert [one.name for one in campaign_tests(home)] == ["T1", "T2", "T3", "T10"]
+    out = tmp_path / "out"
+    assert invoked(home, "--output", out).exit_code == 0
+    with (out / "lab.csv").open(encoding="utf-8") as file:
+        rows = {row["test"]: row for row in csv.DictReader(file)}
+    assert [name for name, row in rows.items() if row["state"] == "not read"] == ["T3"]
+    refused = CliRunner().invoke(cli, ["new", "--mapping", str(home), "--diameter", "0.45"])
+    assert (refused.exit_code, refused.stdout) == (2, "")
+    assert "exists already" in refused.stderr

@@ -177,10 +177,11 @@ def code_hash(code: tuple[str, ...] = ALL_CODE) -> str:
     """
     hashed = hashlib.sha256()
     for name in sorted(code):
-        found = [_ROOT / name] if (_ROOT / name).is_file() else sorted((_ROOT / name).rglob("*"))
-        files = [path for path in found if path.suffix in _ENDINGS]
+        within = _ROOT / "wirewear" / name  # where an installed package holds its parts
+        place = within if within.exists() else _ROOT / name
+        files = [path for path in ([place] if place.is_file() else sorted(place.rglob("*"))) if path.suffix in _ENDINGS]
         if not files:
-            raise WirewearError(f"the program is incomplete: {_ROOT / name} holds none of its files.")
+            raise WirewearError(f"the program is incomplete: {place} holds none of its files.")
         for path in files:
             hashed.update(path.relative_to(_ROOT).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return hashed.hexdigest()

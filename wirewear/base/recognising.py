@@ -52,7 +52,8 @@ _TAKEN = {
     Held.MAPPING: "`wirewear import PATH --output DIR` makes a record by it",
     Held.NUMBERS: "`wirewear new --mapping PATH` begins a mapping that says how to read it, and `wirewear loops PATH` "
     "analyses friction loops",
-    Held.FILES: "`wirewear new --mapping PATH/*` begins a mapping that says how to read them",
+    Held.FILES: "`wirewear new --mapping PATH/*` begins a mapping that says how to read them, without /* if each is of "
+    "another test",
 }
 
 

@@ -13,7 +13,7 @@ from wirewear.base.errors import RecordError, StudyError
 from wirewear.base.files import is_special, parsed_toml
 from wirewear.base.recognising import Held, recognised, require_no_other
 from wirewear.base.words import as_sentence
-from wirewear.base.writing import prepared_folder, usable_file, write_text
+from wirewear.base.writing import prepared_folder, usable_file, write_csv, write_text
 from wirewear.kinds import any_study
 
 if TYPE_CHECKING:
@@ -38,11 +38,15 @@ _KEYS = {
 
 
 @cli.command()
-@click.argument("names", metavar="NAME | FILES...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("names", metavar="NAME | FILES... | FOLDER", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--kind", type=click.Choice([name for names in kinds.NAMES.values() for name in names]),
               default=kinds.CROSSED_WIRES, show_default=True, help="What is simulated.")  # fmt: skip
 @click.option("--from", "record_path", metavar="RECORD", type=Given(), help="Take over its test.")
-@click.option("--mapping", is_flag=True, help="Guess a mapping for `wirewear import` from a logger's FILES.")
+@click.option(
+    "--mapping",
+    is_flag=True,
+    help="Guess a mapping for `wirewear import` from a logger's FILES, or for `wirewear lab` from a FOLDER of tests.",
+)
 @click.option("--output", metavar="FILE.toml", type=OutputFile(),
               help="[default: NAME.toml, or mapping.toml beside the files]")  # fmt: skip
 @click.option("--diameter", metavar="MM", type=float, help="Of the wires, or the ball, for a mapping.")
@@ -67,7 +71,7 @@ def new(
     pad_material: str | None,
     **stated: float | None,
 ) -> None:
-    """Begin a study NAME, or with --mapping an import of a logger's FILES."""
+    """Begin a study NAME, or with --mapping an import of a logger's FILES, or of a FOLDER of tests."""
     from wirewear.test.kinds import KINDS
 
     kind = next(name for name, names_of in kinds.NAMES.items() if kind in names_of)
@@ -154,6 +158,7 @@ def _new_mapping(
     known: dict[str, Any],
     kind: "Kind",
 ) -> None:
+    from wirewear.records.importing.campaign import MAPPING, TABLE, guessed_campaign
     from wirewear.records.importing.guessed_scars import Touching
     from wirewear.records.importing.guessing import guessed_mapping, mapping_text, with_files_from
     from wirewear.records.importing.text_reader import lines_to_fill_in
@@ -161,17 +166,28 @@ def _new_mapping(
 
     # A pattern that names a whole folder also finds the mapping of an earlier try; two patterns may find the same file.
     files = tuple(dict.fromkeys(file for file in files if file.suffix != ".toml")) or files
+    campaign = len(files) == 1 and files[0].is_dir()
     for file in files:
-        require_no_other(file, RecordError, Held.NUMBERS)
-    path = output or usable_file(files[0].parent / "mapping.toml")
-    _require_new(path)
+        require_no_other(file, RecordError, Held.FILES if campaign else Held.NUMBERS)
+    path = output or usable_file((files[0] if campaign else files[0].parent) / MAPPING)
+    if campaign and path.resolve().parent != files[0].resolve():
+        raise RecordError(
+            f"the mapping of a campaign stands in its folder: leave --output out, or give {files[0] / MAPPING}."
+        )
+    for place in (path, *([path.with_name(TABLE)] if campaign else [])):
+        _require_new(place)
     own, pads = (
         _constants(option, name or "steel")
         for option, name in zip(("--material", "--pad-material"), materials, strict=True)
     )
+    rows: list[dict[str, object]] = []
     with busy("reading the files"):
-        guess = guessed_mapping(files, known, Touching.of(kind.name, known, own, pads))
-    if output is not None:
+        touching = Touching.of(kind.name, known, own, pads)
+        if campaign:
+            guess, rows = guessed_campaign(files[0], known, touching)
+        else:
+            guess = guessed_mapping(files, known, touching)
+    if output is not None and not campaign:
         guess = with_files_from(guess, files[0].parent, path.parent)
     if materials[0] is None and kind.body_names:
         modulus, ratio = own["youngs_modulus_MPa"], own["poissons_ratio"]
@@ -180,12 +196,15 @@ def _new_mapping(
     prepared_folder(path.parent)
     text = mapping_text(guess)
     write_text(path, text)
+    if rows:
+        write_csv(path.with_name(TABLE), rows)
     for remark in guess.remarks:
         click.echo(as_sentence(remark))
     if left := lines_to_fill_in(text):
         click.echo(f'{path}\nfill in what stands as "{OPEN}" in {left}, then: wirewear import {path} --output RECORD')
         return
-    click.echo(f"{path}\nlook through it, then: wirewear import {path} --output RECORD")
+    then = f"lab {files[0]} --output CAMPAIGN" if campaign else f"import {path} --output RECORD"
+    click.echo(f"{path}\nlook through it, then: wirewear {then}")
 
 
 def _constants(option: str, name: str) -> dict[str, float]:

@@ -6,14 +6,17 @@ the mapping such as `normal_load_N` (of [conditions]) or `contact.friction`.
 
 import csv
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from wirewear.base.errors import RecordError
 from wirewear.base.files import read_text, read_toml
 from wirewear.base.words import shown
+from wirewear.records.importing.guessed_scars import Touching
+from wirewear.records.importing.guessing import GuessedMapping, guessed_mapping, with_files_from
 
 PLACE = "{test}"  #: What stands for a test's name in a campaign's mapping.
 MAPPING, TABLE = "mapping.toml", "tests.csv"
@@ -59,8 +62,8 @@ def campaign_tests(folder: Path) -> list[CampaignTest]:
     path = folder / MAPPING
     if not path.is_file():
         raise RecordError(
-            f"{folder} has no {MAPPING}: prepare one from a file of any test (wirewear new --mapping FILE), and write "
-            f"{PLACE} in its file names in place of the test's."
+            f"{folder} has no {MAPPING}: `wirewear new --mapping {folder}` guesses one, in whose file names {PLACE} "
+            "stands for the test."
         )
     patterns = [one for one in _files_in(read_toml(path, RecordError)) if PLACE in one]
     if not patterns:
@@ -73,6 +76,86 @@ def campaign_tests(folder: Path) -> list[CampaignTest]:
     if not names:
         raise RecordError(f"no file below {folder} has a name like {shown(patterns[0])}, as {path} says.")
     return [CampaignTest(name, stated.get(name, {})) for name in sorted(names, key=_natural)]
+
+
+def guessed_campaign(
+    folder: Path, known: Mapping[str, object], touching: Touching
+) -> tuple[GuessedMapping, list[dict[str, object]]]:
+    """Guess the mapping of a campaign's folder, and the rows of its tests.csv, which are conditions that differ.
+
+    A test is a folder, or what begins the names of files that end alike, as A in A_raw.csv and A_scar.csv beside
+    B_raw.csv. known, touching: as in `guessed_mapping`. Raises RecordError if no test can be read.
+    """
+    found: dict[str, GuessedMapping] = {}
+    unread = []
+    for name, files in _tests_of(folder).items():
+        try:
+            guess = with_files_from(
+                guessed_mapping(files, {"name": PLACE} | dict(known), touching), files[0].parent, folder
+            )
+        except RecordError as problem:
+            unread.append(f"{name} cannot be read: {str(problem).removesuffix('.')}")
+        else:
+            found[name] = replace(guess, tables=_with_place(guess.tables, name))
+    if not found:
+        raise RecordError(f"{folder} holds no test that can be read: {'; '.join(unread) or 'it is empty'}.")
+    chosen = max(found.values(), key=lambda one: len(one.tables))
+    conditions = {name: one.tables.get("conditions", {}) for name, one in found.items()}
+    differing = [
+        key for key in chosen.tables.get("conditions", {}) if len({own.get(key) for own in conditions.values()}) > 1
+    ]
+    asked = {key: own for key, own in chosen.tables.get("conditions", {}).items() if key not in differing}
+    unlike = [name for name, one in found.items() if _sources(one.tables) != _sources(chosen.tables)]
+    remarks = [
+        f"{len(found)} tests: {', '.join(found)}",
+        *([f"what differs between tests stands in {TABLE}: {', '.join(differing)}"] if differing else []),
+        *([f"{', '.join(unlike)}: other columns or another form"] if unlike else []),
+        *unread,
+    ]
+    rows = [{"test": name} | {key: own[key] for key in differing if key in own} for name, own in conditions.items()]
+    mapping = GuessedMapping(chosen.tables | {"conditions": asked}, (*remarks, *chosen.remarks))
+    return mapping, rows if differing else []
+
+
+def _tests_of(folder: Path) -> dict[str, list[Path]]:
+    """Files of each test below a folder, by its name, in natural order."""
+    visible = [path for path in folder.glob("*") if not path.name.startswith(".") and path.name not in (MAPPING, TABLE)]
+    within = {path.name: sorted(file for file in path.iterdir() if file.is_file()) for path in visible if path.is_dir()}
+    found = {name: files for name, files in within.items() if files} or _beside(
+        sorted(path for path in visible if path.is_file())
+    )
+    return {name: found[name] for name in sorted(found, key=_natural)}
+
+
+def _beside(files: Sequence[Path]) -> dict[str, list[Path]]:
+    """Files of each test where all lie in one folder: those that share the words before endings which most tests have
+    (A_raw.csv, A_scar.csv), or else each file by itself.
+    """
+    words = {path: re.findall(r"[_\W]*[^_\W]+", path.name) for path in files}
+    for number in range(1, max(map(len, words.values()), default=0)):
+        found = defaultdict[str, list[Path]](list)
+        for path, own in words.items():
+            found["".join(own[: min(number, len(own) - 1)])].append(path)
+        ends = Counter(tuple(path.name.removeprefix(name) for path in own) for name, own in found.items())
+        common, tests = max(ends.items(), key=lambda one: len(one[0]) * one[1], default=((), 0))
+        if len(common) > 1 and tests > 1 and 2 * len(common) * tests > len(files):
+            return found
+    return {path.stem: [path] for path in files}
+
+
+def _with_place(data: Any, name: str) -> Any:
+    """Copy of a mapping's tables with {test} for the test's name in those of its files."""
+    if not isinstance(data, dict):
+        return data
+    return {
+        key: [PLACE + one.removeprefix(name) for one in own] if key == "files" and isinstance(own, list)
+        else PLACE + own.removeprefix(name) if key == "files" else _with_place(own, name)
+        for key, own in data.items()
+    }  # fmt: skip
+
+
+def _sources(tables: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: own for key, own in tables.items() if key not in ("name", "conditions")}
 
 
 def _files_in(data: Any) -> Iterator[str]:
