@@ -142,8 +142,56 @@ def test_files_that_are_dropped_become_a_record_in_the_browser(server: Workspace
     assert (workspace.folder / "record" / "experiment.toml").is_file()
 
 
-def choose_kind(page: Page, kind: str) -> None:
-    chosen = "document.querySelector('#step-guess [data-flag=\"--kind\"]')"
+@pytest.mark.seconds
+@needs_browser
+def test_values_come_in_units_of_menus_and_a_columns_unit_is_written_into_the_mapping(
+    server: WorkspaceServer, page: Page
+) -> None:
+    workspace = server.workspace
+    workspace.add("test.csv", HEADER.encode())
+    workspace.write_mapping('[loops.columns]\ndisplacement_um = { column = "Weg", unit = "mm" }\n')
+    page.open(server.url)
+    choose_kind(page, "ball-on-flat")
+    for flag, value, unit in (("diameter", "500", "µm"), ("normal-load", "1,5", "kgf"), ("amplitude", "30", "µm")):
+        page.value(
+            f"(field => {{ field.value = '{value}'; [...field.parentElement.querySelectorAll('.unit option')]"
+            f".find(one => one.textContent === '{unit}').selected = true; }})"
+            f"(document.querySelector('#step-guess [data-flag=\"--{flag}\"]'))"
+        )
+    chosen = json.loads(page.value("chosen(find('step-guess'))"))
+    asked_for = {flag: chosen[f"--{flag}"] for flag in ("diameter", "normal-load", "amplitude")}
+    assert asked_for == {"diameter": "0.5", "normal-load": "14.709975", "amplitude": "30"}
+    menu = "document.querySelector('#step-look .options select')"
+    wait_for(page, f"{menu} !== null")
+    page.value(f"{menu}.value = 'nm'; {menu}.dispatchEvent(new Event('change', {{bubbles: true}}))")
+    page.value("save(shown.get('look'))")
+    assert 'unit = "nm"' in str(workspace.state()["mapping"])
+
+
+@pytest.mark.slow
+@needs_browser
+def test_a_folder_is_a_campaign_and_what_a_step_leaves_may_be_saved(server: WorkspaceServer, page: Page) -> None:
+    workspace = server.workspace
+    page.open(server.url)
+    assert not page.value("find('step-lab')")
+    names = ["A/raw.csv", "B/raw.csv", ".DS_Store"]
+    page.value(f"putFolder({json.dumps(names)}.map(name => [name, new File([{json.dumps(logged())}], 'raw.csv')]))")
+    files = workspace.folder / "campaign"
+    assert sorted(path.relative_to(files).as_posix() for path in files.rglob("*.csv")) == names[:2]
+    choose_kind(page, "crossed-wires", "guess_all")
+    for flag, value in (("diameter", "0.45"), ("normal-load", "2")):
+        page.value(f"document.querySelector('#step-guess_all [data-flag=\"--{flag}\"]').value = '{value}'")
+    for name in ("guess_all", "lab"):
+        start(page, workspace, name)
+    wait_for(page, "document.querySelector('#step-lab a[download=\"lab_lab.csv\"]') !== null")
+    assert page.value("find('steps').firstChild.id") == "step-guess_all"
+    assert "2 tests: 2 good." in page.value("document.querySelector('#step-lab pre').textContent")
+    for name in ("campaign/..%2Fescaped.csv", "campaign/%2Fescaped.csv", "campaign/.hidden%2Fa.csv"):
+        assert asked(server.url + name, "PUT", b"1")[0] == 409
+
+
+def choose_kind(page: Page, kind: str, step: str = "guess") -> None:
+    chosen = f"document.querySelector('#step-{step} [data-flag=\"--kind\"]')"
     page.value(f"{chosen}.value = '{kind}'; {chosen}.dispatchEvent(new Event('change', {{bubbles: true}}))")
 
 
@@ -160,13 +208,15 @@ def test_the_page_presets_no_kind_names_units_and_mentions_no_command_options(
     choose_kind(page, "ball-on-flat")
     wait_for(page, f"!{go}.disabled")
     shown = page.value(visible)
-    assert any("diameter [mm]" in one for one in shown)
-    assert not any(one.endswith("length") or "length [mm]" in one for one in shown)
-    choose_kind(page, "cylinder-on-flat")
-    wait_for(page, f"{visible}.some(one => one.includes('length [mm]'))")
-    assert not any("diameter [mm]" in one for one in page.value(visible))
+    assert any("mm" in one and "diameter" in one for one in shown)
+    assert not any("length" in one for one in shown)
+    page.value("document.querySelectorAll('#step-guess .kind')[2].click()")
+    wait_for(page, f"{visible}.some(one => one.includes('length'))")
+    assert page.value(f"{go}.parentElement.querySelector('[aria-pressed=true]').textContent") == "cylinder on flat"
+    assert not any("diameter" in one for one in page.value(visible))
     assert "--" not in page.value("document.body.innerText")
     assert page.value("forPage('say --pad-material NAME')") == "say “pad material” NAME"
+    assert page.value("forPage('then: wirewear fit record --output DIR')") == "then: “Fit friction, rig and wear”"
 
 
 @pytest.mark.seconds

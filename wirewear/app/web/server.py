@@ -18,12 +18,14 @@ from html import escape
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from shutil import copyfileobj
 from threading import BoundedSemaphore, Timer
 from urllib.parse import unquote, urlsplit
 
 from wirewear.app.web.workspace import CHUNK, Workspace
 from wirewear.base.errors import RunError, WirewearError
 from wirewear.base.frame import embedded, rendered, script
+from wirewear.base.units import FIELD_UNITS
 from wirewear.base.writing import writing
 
 LOOPBACK = "127.0.0.1"
@@ -34,6 +36,11 @@ _HEAD_s, _WHOLE_s, _STEP_s, _REST_s = 10.0, 600.0, 30.0, 1.0
 Request = socket.socket | tuple[bytes, socket.socket]  #: As the standard library hands them over.
 _DOOR = "open_in_browser.html"
 _HERE = Path(__file__).parent
+#: What a column may be in, by the unit that ends its name in a record: one spelling of each.
+_MENUS = {
+    unit: [*{factor: name for name, factor in reversed(known.items())}.values()][::-1]
+    for unit, known in FIELD_UNITS.items()
+}
 
 
 class WorkspaceServer(ThreadingHTTPServer):
@@ -165,20 +172,21 @@ class _Handler(BaseHTTPRequestHandler):
     def _get(self, asked: list[str]) -> None:
         match asked:
             case [""]:
-                values = {"script": script(_HERE / "open.js"), "data": embedded(self.server.workspace.state())}
+                data = self.server.workspace.state() | {"units": _MENUS}
+                values = {"script": script(_HERE / "open.js"), "data": embedded(data)}
                 self._send(rendered(_HERE / "open.html", values).encode("utf-8", "replace"), "text/html; charset=utf-8")
             case ["state"]:
                 self._send_state()
             case ["out", *places] if (found := self.server.workspace.served("/".join(places))) is not None:
-                self._send(found.read_bytes(), mimetypes.guess_type(found.name)[0] or "application/octet-stream")
+                self._send_file(found)
             case _:
                 self.send_error(HTTPStatus.NOT_FOUND)
 
     def _put(self, asked: list[str]) -> None:
         workspace = self.server.workspace
         match asked:
-            case ["files", name]:
-                workspace.add(name, self._body(_MOST_BYTES))
+            case ["files" | "campaign" as where, name]:
+                workspace.add(name, self._body(_MOST_BYTES), of_campaign=where == "campaign")
             case ["mapping"]:
                 workspace.write_mapping(b"".join(self._body(_MOST_TEXT)).decode("utf-8"))
             case ["steps", name]:
@@ -245,12 +253,22 @@ class _Handler(BaseHTTPRequestHandler):
         with suppress(OSError):
             self._send(text.encode("utf-8", "replace"), "text/plain; charset=utf-8", status)
 
+    def _send_file(self, path: Path) -> None:
+        with path.open("rb") as file:
+            self._begin(
+                os.fstat(file.fileno()).st_size, mimetypes.guess_type(path.name)[0] or "application/octet-stream"
+            )
+            copyfileobj(file, self.wfile, CHUNK)
+
     def _send(self, content: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK) -> None:
+        self._begin(len(content), kind, status)
+        self.wfile.write(content)
+
+    def _begin(self, size: int, kind: str, status: HTTPStatus = HTTPStatus.OK) -> None:
         self.send_response(status)
         for name, value in (
-            ("Content-Type", kind), ("Content-Length", str(len(content))), ("Cache-Control", "no-store"),
+            ("Content-Type", kind), ("Content-Length", str(size)), ("Cache-Control", "no-store"),
             ("Referrer-Policy", "no-referrer"), ("X-Content-Type-Options", "nosniff"),
         ):  # fmt: skip
             self.send_header(name, value)
         self.end_headers()
-        self.wfile.write(content)

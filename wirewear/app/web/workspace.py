@@ -28,16 +28,15 @@ from wirewear.base.words import as_sentence, shown
 from wirewear.base.writing import prepared_folder
 
 FILES, MAPPING, RECORD, RESULT = "files", "mapping.toml", "record", "result"
+CAMPAIGN, CAMPAIGN_MAPPING, CAMPAIGN_TABLE = "campaign", f"campaign/{MAPPING}", "campaign/tests.csv"
 FITTED = "fit/study.toml"
 _OPENED_RECORD = "{record}"
 #: Options that the steps give themselves, or that a page has no use for.
 _NOT_ASKED = ("output", "as_json", "mapping", "dry_run", "record_path", "scheduler", "jobs", "overwrite")
-_MOST_BYTES_OF_NAME, _MOST_SIGNS = (
-    200,
-    1_000,
-)  #: Of a file's name, which gets a number when it is put aside; of a value.
+_MOST_BYTES_OF_NAME, _MOST_SIGNS = 200, 1_000  #: Of a file's name, which gets a number once put aside; of a value.
 _MOST_LINES = 400  #: Lines of what a step prints that are kept.
-_SHOWN = (".html", ".png")
+_SHOWN = (".html", ".png", ".csv", ".h5", ".json", ".svg", ".toml", ".txt", ".vtu")  #: Pages and pictures come first.
+_MOST_SHOWN = 100  #: Files that a step left.
 _COMING = ".coming."  #: Begins the name of a file until all of it is there.
 CHUNK = 1 << 20
 
@@ -58,8 +57,8 @@ class Step:
     """One step.
 
     name, title: short, and for the page. command, arguments: of the command line; an argument in braces is a place that
-    may have been opened elsewhere. needs, leaves: places in the folder that must exist before, and that it makes (""
-    for none).
+    may have been opened elsewhere. needs, leaves: places in the folder that must exist before, and that it makes.
+    goes_on: it takes up what it left, which is put aside otherwise.
     """
 
     name: str
@@ -67,7 +66,8 @@ class Step:
     command: str
     arguments: tuple[str, ...]
     needs: tuple[str, ...]
-    leaves: str
+    leaves: tuple[str, ...] = ()
+    goes_on: bool = False
 
     @property
     def options(self) -> list[dict[str, object]]:
@@ -76,18 +76,22 @@ class Step:
 
 
 STEPS = (
-    Step("guess", "Guess how the files are read", "new", ("--mapping", "--output", MAPPING), (FILES,), MAPPING),
+    Step("guess_all", "Guess how the folder's tests are read", "new", ("--mapping", CAMPAIGN), (CAMPAIGN,),
+         (CAMPAIGN_MAPPING, CAMPAIGN_TABLE)),
+    Step("lab", "Import the folder's tests, side by side", "lab", (CAMPAIGN, "--output", "lab"), (CAMPAIGN_MAPPING,),
+         ("lab",), goes_on=True),
+    Step("guess", "Guess how the files are read", "new", ("--mapping", "--output", MAPPING), (FILES,), (MAPPING,)),
     Step("look", "Look at the first loop and scars", "import", (MAPPING, "--output", RECORD, "--dry-run"), (MAPPING,),
-         "first_look"),
-    Step("import", "Import them as a record", "import", (MAPPING, "--output", RECORD), (MAPPING,), RECORD),
-    Step("check", "Check the record", "check", (_OPENED_RECORD,), (RECORD,), ""),
-    Step("loops", "Analyse its loops", "loops", (_OPENED_RECORD, "--output", "loops.png"), (RECORD,), "loops.png"),
-    Step("fit", "Fit friction, rig and wear", "fit", (_OPENED_RECORD, "--output", "fit"), (RECORD,), "fit"),
+         ("first_look",)),
+    Step("import", "Import them as a record", "import", (MAPPING, "--output", RECORD), (MAPPING,), (RECORD,)),
+    Step("check", "Check the record", "check", (_OPENED_RECORD,), (RECORD,)),
+    Step("loops", "Analyse its loops", "loops", (_OPENED_RECORD, "--output", "loops.png"), (RECORD,), ("loops.png",)),
+    Step("fit", "Fit friction, rig and wear", "fit", (_OPENED_RECORD, "--output", "fit"), (RECORD,), ("fit",)),
     Step("compare", "Compare the fitted run with it", "compare", ("fit/run", _OPENED_RECORD, "--output", "compared"),
-         ("fit/run", RECORD), "compared"),
+         ("fit/run", RECORD), ("compared",)),
     Step("diagnose", "Diagnose what the model lacks", "diagnose", (_OPENED_RECORD, "--output", "diagnosis"), (RECORD,),
-         "diagnosis"),
-    Step("report", "Make the page of a result", "report", ("{result}", "--output", "report"), (RESULT,), "report"),
+         ("diagnosis",)),
+    Step("report", "Make the page of a result", "report", ("{result}", "--output", "report"), (RESULT,), ("report",)),
 )  # fmt: skip
 
 
@@ -138,18 +142,20 @@ class Workspace:
                 require_no_other(path, RunError)
                 raise RunError(f"{path} is no record, result or file of measured numbers.")
 
-    def add(self, name: str, content: bytes | Iterable[bytes]) -> None:
+    def add(self, name: str, content: bytes | Iterable[bytes], *, of_campaign: bool = False) -> None:
         """Keep a file under its own name, without any folder; an earlier file of that name is put aside.
 
-        Nothing is changed unless all of the content arrives. Raises RunError if it is not a name of a file; ValueError
-        if it is too long.
+        of_campaign: it is one of a folder of tests, and keeps the names of folders before its own. Nothing is changed
+        unless all of the content arrives. Raises RunError if it is not a name of a file; ValueError if it is too long.
         """
-        own = Path(name.replace("\\", "/")).name
-        if not own or own.startswith(".") or not own.isprintable():
-            raise RunError(f"{shown(name)} is no name of a file.")
-        if len(os.fsencode(own)) > _MOST_BYTES_OF_NAME:
-            raise ValueError(f"the name {shown(name)} is too long: {_MOST_BYTES_OF_NAME} bytes at most.")
-        self._keep(self.folder / FILES / own, [content] if isinstance(content, bytes) else content)
+        parts = Path(name.replace("\\", "/")).parts if of_campaign else (Path(name.replace("\\", "/")).name,)
+        for own in parts or ("",):
+            if not own or own.startswith((".", "/")) or not own.isprintable():
+                raise RunError(f"{shown(name)} is no name of a file.")
+            if len(os.fsencode(own)) > _MOST_BYTES_OF_NAME:
+                raise ValueError(f"the name {shown(name)} is too long: {_MOST_BYTES_OF_NAME} bytes at most.")
+        home = self.folder / (CAMPAIGN if of_campaign else FILES)
+        self._keep(home.joinpath(*parts), [content] if isinstance(content, bytes) else content)
 
     def write_mapping(self, text: str) -> None:
         """Keep an edited mapping; the earlier one is put aside."""
@@ -179,8 +185,8 @@ class Workspace:
 
                 # A record that states too little for a model of its own has the fitted one.
                 places += ["--model", FITTED] if read_record(self.folder / opened[RECORD]).tables.missing else []
-            if step.leaves:
-                self._put_aside(self.folder / step.leaves)
+            for place in () if step.goes_on else step.leaves:
+                self._put_aside(self.folder / place)
             if name == "import":
                 self.places.pop(RECORD, None)
             command = [sys.executable, "-c", AS_STEP, step.command, *files, *places, *options]
@@ -211,7 +217,7 @@ class Workspace:
             "files": [path.name for path in self._files()],
             "opened": {what: str(path) for what, path in self.places.items()},
             "mapping": mapping.read_text(encoding="utf-8", errors="replace") if mapping.is_file() else None,
-            "steps": [self._described(step) for step in STEPS if RESULT not in step.needs or RESULT in self.places],
+            "steps": [self._described(step) for step in STEPS if self._concerns(step)],
         }
 
     def served(self, name: str) -> Path | None:
@@ -234,22 +240,22 @@ class Workspace:
         try:
             # Pictures of a first look lie beside the record that is yet to be.
             for picture in self.folder.glob(f"{RECORD}*.png") if step.name == "look" else ():
-                picture.replace(prepared_folder(self.folder / step.leaves) / picture.name)
+                picture.replace(prepared_folder(self.folder / step.leaves[0]) / picture.name)
         except (OSError, WirewearError) as problem:
             job.lines.append(as_sentence(f"its pictures stay in {self.folder}: {problem}"))
         job.ended = time.monotonic()
 
     def _described(self, step: Step) -> dict[str, object]:
         job = self._jobs.get(step.name)
-        left = [] if not step.leaves else [str(path.relative_to(self.folder)) for path in self._left(step)]
         return {
             "name": step.name,
             "title": step.title,
+            "command": step.command,
             "ready": self._ready(step),
             "state": self._state(step),
             "lines": [] if job is None else list(job.lines),
             "seconds": None if job is None else round((job.ended or time.monotonic()) - job.began),
-            "left": left,
+            "left": [str(path.relative_to(self.folder)) for path in self._left(step)][:_MOST_SHOWN],
             "options": step.options,
         }
 
@@ -257,7 +263,13 @@ class Workspace:
         job = self._jobs.get(step.name)
         if job is not None:
             return job.state
-        return "done" if step.leaves and (self.folder / step.leaves).exists() else "idle"
+        return "done" if any((self.folder / place).exists() for place in step.leaves) else "idle"
+
+    def _concerns(self, step: Step) -> bool:
+        """True unless a step is on a result or a folder of tests, and there is none."""
+        return {RESULT: RESULT in self.places, CAMPAIGN: (self.folder / CAMPAIGN).exists()}.get(
+            step.needs[0].partition("/")[0], True
+        )
 
     def _ready(self, step: Step) -> bool:
         return all((self.places.get(one) or self.folder / one).exists() for one in step.needs)
@@ -267,9 +279,10 @@ class Workspace:
         return sorted(path for path in (self.folder / FILES).glob("*") if not path.name.startswith("."))
 
     def _left(self, step: Step) -> Iterator[Path]:
-        place = self.folder / step.leaves
-        found = [place] if place.is_file() else sorted(place.rglob("*"), key=lambda path: (path.suffix, path))
-        return (path for path in found if path.suffix in _SHOWN)
+        places = [self.folder / place for place in step.leaves]
+        found = [path for place in places for path in ([place] if place.is_file() else place.rglob("*"))]
+        shown_ones = (path for path in found if path.suffix in _SHOWN and path.is_file())
+        yield from sorted(shown_ones, key=lambda path: (_SHOWN.index(path.suffix), path))
 
     def _keep(self, place: Path, content: Iterable[bytes]) -> None:
         """Write a file, once all of its content is there; another in its place is put aside."""
