@@ -81,13 +81,22 @@ def worn_body(result: RunResult, forces: ContactForces, worn: bool = True) -> Wo
     """The body that `forces` act on, with its nodes in the surface as worn then, or as fresh if not worn; the last two
     asked for are kept. Raises GeometryError if wear distorts the mesh too much.
     """
-    depth = None
-    if worn:
-        # A scar's transverse axis is that of the test, an upper body's own runs backwards.
-        order = slice(None, None, -1 if result.is_upper(forces.body) else 1)
-        scar = result.scar(forces.cycle, forces.body)
-        depth = np.ascontiguousarray(np.maximum(1e-3 * scar.depth_um[:, order], 0.0))
-    return _meshed(*forces.meshed, None if depth is None else depth.tobytes())
+    return _meshed(*forces.meshed, _depth(result, forces) if worn else None)
+
+
+def meshed_body(result: RunResult, forces: ContactForces) -> BodyMesh:
+    """The mesh of the run of the body that `forces` act on, its nodes in the surface as worn then. Raises GeometryError
+    if wear distorts it too much.
+    """
+    return _built(forces.meshed[0], _depth(result, forces))
+
+
+def _depth(result: RunResult, forces: ContactForces) -> bytes:
+    """Worn depth in mm at the nodes of a body's patch, as the bytes of its array, by which meshes are kept."""
+    # A scar's transverse axis is that of the test, an upper body's own runs backwards.
+    order = slice(None, None, -1 if result.is_upper(forces.body) else 1)
+    scar = result.scar(forces.cycle, forces.body)
+    return np.ascontiguousarray(np.maximum(1e-3 * scar.depth_um[:, order], 0.0)).tobytes()
 
 
 @lru_cache(maxsize=2)

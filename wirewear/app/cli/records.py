@@ -12,6 +12,7 @@ import click
 from wirewear.app.cli.group import (
     Finite,
     Given,
+    OutputFile,
     OutputFolder,
     a_list,
     busy,
@@ -24,7 +25,7 @@ from wirewear.app.cli.group import (
 )
 from wirewear.base.errors import RecordError
 from wirewear.base.recognising import Held, recognised
-from wirewear.base.writing import json_text
+from wirewear.base.writing import json_text, require_absent
 
 if TYPE_CHECKING:
     from wirewear.results import RunResult
@@ -115,6 +116,11 @@ def check(context: click.Context, record_path: Path, block: int | None, as_json:
     "--format", "form", type=click.Choice(["csv", "parquet", "netcdf"]), default="csv", show_default=True,
     help="Of tables; netcdf is one file with units.",
 )  # fmt: skip
+@click.option("--as-deck", "deck", metavar="FILE.inp", type=OutputFile(),
+              help="The worn contact at a recorded cycle, moved once to and fro, for another program.")  # fmt: skip
+@click.option("--for", "dialect", type=click.Choice(["abaqus", "calculix"]), default="abaqus", show_default=True,
+              help="Program that reads the deck.")  # fmt: skip
+@click.option("--cycle", type=click.IntRange(1), help="Of a deck.  [default: the last recorded one]")
 @click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
 @click.option("--length", "length_mm", type=Finite(0.05, 500.0), help="Of a line contact, mm.")
 @click.option("--repeats", type=click.IntRange(1, 1000), default=1, show_default=True, help="Repeats of the test.")
@@ -131,6 +137,9 @@ def export(
     heights: Path | None,
     tables: Path | None,
     form: str,
+    deck: Path | None,
+    dialect: str,
+    cycle: int | None,
     variant: str | None,
     repeats: int,
     seed: int,
@@ -146,11 +155,19 @@ def export(
     from wirewear.records import check_record, record_of_result, require_place, write_record
     from wirewear.records.exporting import write_as_heights
 
-    chosen = [one for one in (folder, heights, tables) if one is not None]
+    chosen = [one for one in (folder, heights, tables, deck) if one is not None]
     if len(chosen) > 1:
-        raise RecordError("--as-record, --as-heights and --as-tables exclude one another: export again.")
+        raise RecordError("--as-record, --as-heights, --as-tables and --as-deck exclude one another: export again.")
     if not chosen:
-        raise RecordError("say where to: --as-record DIR, --as-heights DIR, or --as-tables DIR.")
+        raise RecordError("say where to: --as-record DIR, --as-heights DIR, --as-tables DIR, or --as-deck FILE.inp.")
+    if deck is not None:
+        from wirewear.stress.deck import write_deck
+
+        require_absent((deck,) if not overwrite else (), RecordError)
+        result = _run_at(result_path, variant)
+        with busy("meshing both bodies"):
+            _echo([write_deck(result, deck, result.loops[-1].cycle if cycle is None else cycle, dialect)])
+        return
     if tables is not None:
         _export_tables(_run_at(result_path, variant), tables, form, overwrite=overwrite)
         return
