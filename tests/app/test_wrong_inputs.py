@@ -70,7 +70,7 @@ def invoked(line: str) -> Result:
         ("show result.h5 --output text/pictures", "a part of this path is a file, not a folder"),
         (
             "export result.h5 --as-record a --as-tables b",
-            "--as-record, --as-heights and --as-tables exclude one another",
+            "--as-record, --as-heights, --as-tables and --as-deck exclude one another",
         ),
         (
             "export result.h5 --as-record a --variant b",

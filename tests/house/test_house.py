@@ -269,11 +269,11 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): its weight when a version is made, with 3 % of slack for the next one.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 88_170,
-    "lines of wirewear": 68_430,
+    "lines of geometry, solvers and wirewear": 88_900,
+    "lines of wirewear": 69_100,
     "lines of studies": 17_530,
-    "lines of tests": 36_900,
-    "files of geometry, solvers and wirewear": 436,
+    "lines of tests": 37_500,
+    "files of geometry, solvers and wirewear": 440,
     "rooms of wirewear": 20,
     "arrows between rooms": 106,
     "questions for the kind of contact": 0,

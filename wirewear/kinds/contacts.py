@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wirewear.base.errors import StudyError
+from wirewear.base.errors import ResultError, StudyError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,6 +53,10 @@ class Contacts(ABC):
         """Write the stresses inside both bodies to a folder and return the files. asked: keyword arguments of
         `stress.writing.write_fields`.
         """
+
+    def write_deck(self, _result: RunResult, _path: Path, _cycle: float, _dialect: str, /) -> Path:
+        """Write a run as another program's input to a file, which is returned; see `stress.deck.write_deck`."""
+        raise ResultError("decks are of contacts at a point: wirewear mesh writes the meshes of line contacts.")
 
     @abstractmethod
     def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
@@ -101,6 +105,11 @@ class AtAPoint(Contacts):
         from wirewear.stress.writing import write_fields
 
         return write_fields(result, folder, **asked)
+
+    def write_deck(self, result: RunResult, path: Path, cycle: float, dialect: str, /) -> Path:
+        from wirewear.stress.deck import write_deck
+
+        return write_deck(result, path, cycle, dialect)
 
     def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
         from wirewear.records.exporting import scar_surfaces

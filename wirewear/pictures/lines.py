@@ -93,6 +93,7 @@ def line_variants(results: Sequence[RunResult]) -> Figure:
         axes.set_title(title)
     for axes in (*panels[0], panels[1][0]):
         axes.set(xlim=(-reach, reach), xlabel="x [µm]")
+        axes.locator_params(axis="x", nbins=6)
     for axes in panels[0]:
         axes.set(ylim=(deepest, 0.0), ylabel="depth [µm]")
     panels[1][0].set_ylim(bottom=0.0)
@@ -124,6 +125,8 @@ def line_profiles(result: RunResult) -> Figure:
         panels[1][0].plot(scar.axial_um, scar.pressure_MPa[:, 0], color=colour, label=style.cycle_name(cycle))
     panels[1][0].set(title="pressure at mid-stroke", xlabel="x [µm]", ylabel="pressure [MPa]", xlim=(-reach, reach))
     panels[1][0].set_ylim(bottom=0.0)
+    for axes in (*panels[0], panels[1][0]):
+        axes.locator_params(axis="x", nbins=6)
     _growth(panels[1][1], result)
     handles, labels = panels[1][0].get_legend_handles_labels()
     figure.legend(handles, labels, title="cycles", loc="outside right upper")

@@ -33,7 +33,7 @@ def write_deck(result: RunResult, path: Path, cycle: float, dialect: str) -> Pat
     Raises ResultError if the run has recorded no contact forces, whose meshes these are, if a body is from a file, if
     the rig's holder turns, or the load changes within the cycle.
     """
-    study = study_from_tables(result.study, result.label)
+    study: Study = study_from_tables(result.study, result.label)
     _require_simple(study, result)
     lower, upper = (_Placed(result, cycle, name) for name in result.bodies)
     upper.rest_on(lower)
@@ -71,16 +71,18 @@ def write_deck(result: RunResult, path: Path, cycle: float, dialect: str) -> Pat
         ]
     lines += ["*BOUNDARY", "DRIVE, 1, 3", held]
     amplitude_mm = 1e-3 * study.conditions.displacement_amplitude_um
-    lines += _step("pressed together", ["*CLOAD", f"HOLDER, 3, {_real(-upper.load_N)}"])
+    # A load alone would find nothing to rest on.
+    lines += _step("pressed together as far as in the run", ["*BOUNDARY", f"HOLDER, 3, 3, {_real(-upper.approach_mm)}"])
+    lines += _step(
+        "held by the load", ["*BOUNDARY, OP=NEW", "DRIVE, 1, 3", held, "*CLOAD", f"HOLDER, 3, {_real(-upper.load_N)}"]
+    )
     for what, at in (("first quarter", amplitude_mm), ("back", -amplitude_mm), ("forth", amplitude_mm)):
         receding = [f"** {line}" for one in bodies for line in one.receding()] if dialect == "abaqus" else []
         lines += _step(what, ["*BOUNDARY", f"DRIVE, 1, 1, {_real(at)}", *receding])
     return write_text(path, "\n".join(lines) + "\n")
 
 
-def _require_simple(study: object, result: RunResult) -> None:
-    if not isinstance(study, Study):
-        raise ResultError("decks are of contacts at a point: export line contacts as meshes (wirewear mesh).")
+def _require_simple(study: Study, result: RunResult) -> None:
     turning, conditions = study.holder.rotational_stiffness_N_mm_per_rad, study.conditions
     lacking = [
         *(["a holder that turns"] if turning != "rigid" else []),
@@ -96,7 +98,7 @@ class _Placed:
     of its first node and element.
     """
 
-    node, cell = 1, 1
+    node, cell, approach_mm = 1, 1, 0.0
 
     def __init__(self, result: RunResult, cycle: float, name: str) -> None:
         forces = result.forces(cycle, name)
@@ -107,16 +109,18 @@ class _Placed:
         self.mesh: HexMesh = body.mesh
         # A loading spring gives way as the bodies wear.
         self.load_N = abs(float(forces.force_N[:, :, 2].sum(axis=1).mean()))
+        self.height_mm = 1e-3 * float(forces.holder_z_um.mean())
         self.least_extent_mm = forces.meshed[0].least_extent_mm
         self.material: Elastic = forces.meshed[1]
         turn = rotation_to_world(upper=result.is_upper(name), axis_angle_rad=float(np.radians(forces.axis_angle_deg)))
         self.points: Array = self.mesh.points @ turn.T
 
     def rest_on(self, lower: "_Placed") -> None:
-        """Move this upper body until it just touches the lower one."""
+        """Move this upper body until it just touches the lower one; it stands `approach_mm` lower in the run."""
         below, own = (one.points[one.mesh.surface_nodes("contact")] for one in (lower, self))
         height = LinearNDInterpolator(below[:, :2], below[:, 2])(own[:, :2])
-        self.points = self.points - [0.0, 0.0, float(np.nanmin(own[:, 2] - height))]
+        touching_mm = -float(np.nanmin(own[:, 2] - height))
+        self.points, self.approach_mm = self.points + [0.0, 0.0, touching_mm], touching_mm - self.height_mm
 
     def lines(self, leader: int) -> Iterator[str]:
         """Elements, material, surfaces, and equations by which the grip follows the node `leader`."""

@@ -161,12 +161,11 @@ def export(
     if not chosen:
         raise RecordError("say where to: --as-record DIR, --as-heights DIR, --as-tables DIR, or --as-deck FILE.inp.")
     if deck is not None:
-        from wirewear.stress.deck import write_deck
-
         require_absent((deck,) if not overwrite else (), RecordError)
         result = _run_at(result_path, variant)
         with busy("meshing both bodies"):
-            _echo([write_deck(result, deck, result.loops[-1].cycle if cycle is None else cycle, dialect)])
+            last = result.loops[-1].cycle
+            _echo([contacts_of(result).write_deck(result, deck, last if cycle is None else cycle, dialect)])
         return
     if tables is not None:
         _export_tables(_run_at(result_path, variant), tables, form, overwrite=overwrite)
