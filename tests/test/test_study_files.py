@@ -368,6 +368,13 @@ def test_what_belongs_to_heights_is_refused_beside_a_file_of_depths(tmp_path: Pa
         load_any_study(path)
 
 
+def test_a_key_of_another_table_is_written_with_its_table_in_a_block() -> None:
+    block = "[[programme]]\ncycles = 5\ndisplacement_amplitude_um = 20\n"
+    with pytest.raises(StudyError, match=r"number 1 of s: write conditions\.displacement_amplitude_um\.$"):
+        parse_study(MINIMAL + block, "s")
+    parse_study(MINIMAL + block.replace("displacement", "conditions.displacement"), "s")
+
+
 @pytest.mark.parametrize("refinement", [0.5, 2.0])
 def test_a_refinement_makes_stated_elements_finer_as_well(refinement: float) -> None:
     text = MINIMAL + "[fidelity.quick]\ncontact_mesh_um = 8\nouter_mesh_um = 12\n"
