@@ -20,7 +20,7 @@ from wirewear.base.words import counted
 from wirewear.comparison.budget import Budget, Contribution, of_gain, of_repeats
 from wirewear.comparison.mapped_tests import MappedTest, fretting_test
 from wirewear.diagnosis.infer.covariance import SCATTER
-from wirewear.loops import LoopError, LoopFigures, Measured
+from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import AnyRecord
 from wirewear.records.evolution_checks import accumulated_energy_J, energy_per_cycle
 from wirewear.records.spikes import noise_um
@@ -33,7 +33,6 @@ CHANNELS = ("displacement", "tangential_force", "normal_force", "depth", "latera
 
 AMPLITUDES_um = (10.0, 300.0)  #: The usual range of fretting motions, by the introduction of ASTM G204.
 ROOM_C = (15.0, 30.0)  #: Temperatures that count as those of a room.
-UNSTEADY = 0.1  #: Range of a load within a cycle, over its mean, that a mass alone does not make.
 NOT_STATED = "not stated"
 
 UNREAD = (
@@ -145,11 +144,6 @@ def _scatter(record: AnyRecord, name: str) -> tuple[float, str]:
     return (SCATTER[name], _BY_EXPERIENCE) if stated is None else (stated, _STATED)
 
 
-def _by_repeat(found: Sequence[tuple[MeasuredLoop, Measured]]) -> list[float]:
-    repeats = sorted({loop.repeat for loop, _ in found})
-    return [float(np.mean([one.value for loop, one in found if loop.repeat == repeat])) for repeat in repeats]
-
-
 def _of_loops(
     record: AnyRecord, figures: Sequence[tuple[MeasuredLoop, LoopFigures]], known: Mapping[str, float]
 ) -> Iterator[Budget]:
@@ -164,7 +158,8 @@ def _of_loops(
         found = [(loop, one) for loop, own in figures if (one := getattr(own, key)) is not None]
         if not found:
             continue
-        values = _by_repeat(found)
+        repeats = sorted({loop.repeat for loop, _ in found})
+        values = [float(np.mean([one.value for loop, one in found if loop.repeat == repeat])) for repeat in repeats]
         value = float(np.mean(values))
         reading = float(np.mean([one.deviation for _, one in found]))
         parts = [
@@ -289,7 +284,8 @@ def _items(record: AnyRecord, test: MappedTest, budgets: Sequence[Budget]) -> It
     yield Item("normal load", f"{g204}, {e2789}", said(float(asked.normal_load_N), " N"))
     held = ", ".join(held_keys(asked)) or f"displacement amplitude, {asked.drive}"
     yield Item("displacement amplitude", e2789, f"{said(asked.displacement_amplitude_um, ' µm')} asked; held: {held}")
-    yield Item("tangential force", e2789, _largest_force(record))
+    forces = [float(np.nanmax(np.abs(loop.tangential_force_N))) for loop in record.loops]
+    yield Item("tangential force", e2789, f"±{max(forces):.3g} N at most" if forces else NOT_STATED)
     yield Item("frequency", "E2789 4.2", said(float(asked.frequency_Hz), " Hz"))
     yield Item("cycles", "E2789 4.2", counted(asked.cycles))
     yield Item("number of tests", "E2789 4.2", str(max(len({loop.repeat for loop in record.loops}), 1)))
@@ -337,11 +333,6 @@ def _materials(tables: Any) -> Iterator[str]:
         yield f"{called(name)}: {', '.join(filter(None, [body.get('material'), *stated]))}"
 
 
-def _largest_force(record: AnyRecord) -> str:
-    forces = [float(np.nanmax(np.abs(loop.tangential_force_N))) for loop in record.loops]
-    return f"±{max(forces):.3g} N at most" if forces else NOT_STATED
-
-
 def _environment(facts: Any) -> str:
     known = {
         "atmosphere": facts.atmosphere,
@@ -369,7 +360,7 @@ def _deviations(
     if test.regime != "gross slip":
         yield f"The test is in {test.regime}; without gross slip damage may fail to appear (introduction)."
     loads = [loop.normal_force_N for loop, _ in figures if loop.normal_force_N is not None]
-    if any(np.ptp(np.percentile(load, (5.0, 95.0))) > UNSTEADY * np.mean(load) for load in loads):
+    if any(np.ptp(np.percentile(load, (5.0, 95.0))) > 0.1 * np.mean(load) for load in loads):
         yield "The normal load varies by more than a tenth within a cycle; G204 loads by a mass (1.2)."
     lacking = [called(body) for body, volumes in record.worn_volumes_mm3.items() if not volumes]
     if lacking:

@@ -17,8 +17,6 @@ from wirewear.test.surfaces import coating_of
 
 Found = TypeVar("Found")
 
-_ROUNDS = 6  #: In which the radius of a contact of coated bodies settles.
-
 
 @dataclass(frozen=True)
 class Gap:
@@ -88,7 +86,7 @@ def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointC
     """
     contact = _hertz_of(normal_load_N, driven, held, driven.material, held.material)
     coatings = [coating_of(body.layers, body.material) for body in (driven, held)]
-    for _ in range(_ROUNDS if any(coatings) else 0):
+    for _ in range(6 if any(coatings) else 0):  # rounds in which the radius of coated bodies settles
         felt = [
             body.material if coating is None else coating.felt(contact.contact_radius_mm)
             for body, coating in zip((driven, held), coatings, strict=True)

@@ -105,7 +105,9 @@ def _unknown_key(table: Keys, key: str, where: str, spelled: Spelling, model: ty
         return f"{start}: did you mean {close[0]!r}?"
     homes = [name for name in model.model_fields if key in known_fields([name], model)]
     if homes:
-        return f"{start}: {f'write {homes[0]}.{key}' if table and homes[0] in known else f'it belongs in [{homes[0]}]'}."
+        return (
+            f"{start}: {f'write {homes[0]}.{key}' if table and homes[0] in known else f'it belongs in [{homes[0]}]'}."
+        )
     # A key may be called by what another one is said to be part of: an amplitude is half the stroke.
     # Keys that must be given are meant first.
     words = words_of(key).split()

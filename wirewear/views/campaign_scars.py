@@ -16,7 +16,6 @@ from wirewear.records.profiles import MeasuredProfile
 from wirewear.results.scar import called
 
 COLUMNS = 4  #: Maps in a row.
-MOST_NAMED = 12  #: Profiles that a legend names.
 
 
 def scar_pictures(tests: Sequence[CampaignResult]) -> Iterator[tuple[str, bytes]]:
@@ -56,7 +55,7 @@ def _profiles(shown: Sequence[tuple[str, Any]]) -> Figure:
         axes.plot(profile.x_um, profile.depth_um, label=name, **variant_style(place))
     axes.invert_yaxis()
     axes.set(xlabel="x, along the motion [µm]", ylabel="worn depth [µm]")
-    if len(shown) <= MOST_NAMED:
+    if len(shown) <= 12:  # a legend of more would cover the profiles
         axes.legend(fontsize="small")
     return figure
 

@@ -23,8 +23,6 @@ from wirewear.records import AnyRecord
 
 HERE = Path(__file__).parent
 PAGE, TABLE = "follow.html", "follow.csv"
-SHOWN = 12  #: Loops of the page's table, the last ones.
-REFRESH_s = 10  #: After which a browser reads the page again.
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,9 +124,9 @@ def write_follow(course: RunningTest, folder: Path, *, ended: bool) -> list[Path
             "share": min(last.cycle / first.cycles, 1.0),
             "hours": hours,
             "warned": [course.warned(look) for look in warnings],
-            "shown": [*enumerate(course.loops)][-SHOWN:],
+            "shown": [*enumerate(course.loops)][-12:],
             "picture": frame.inline_svg(svg(lambda: _figure(course)), "course"),
-            "refresh_s": REFRESH_s,
+            "refresh_s": 10,  # a browser then reads the page again
             "table": TABLE,
         },
     )

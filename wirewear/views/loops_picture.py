@@ -51,7 +51,12 @@ def figure_of(chosen: Sequence[AnalysedLoop]) -> Figure:
         _panel(axes, item, item.figures)
         name_axes(axes)
         axes.set_title(f"cycle {cycle_name(item.loop.cycle)}, {item.figures.regime}")
-    _limit(panels[0], [_kept(item, item.figures) for item in chosen if item.figures is not None])
+    kept = [_kept(item, item.figures) for item in chosen if item.figures is not None]
+    x, q = (np.concatenate(values) for values in zip(*kept, strict=True))
+    # The limits hold all loops, and below them the arrow of the stroke.
+    for values, below, limit in ((x, 0.06, panels[0].set_xlim), (q, 0.26, panels[0].set_ylim)):
+        extent = float(np.ptp(values))
+        limit(float(values.min()) - below * extent, float(values.max()) + 0.06 * extent)
     if len(chosen) > 1:
         panel_letters(panels[: len(chosen)])
     named = {label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
@@ -62,14 +67,6 @@ def figure_of(chosen: Sequence[AnalysedLoop]) -> Figure:
 def _kept(item: AnalysedLoop, figures: LoopFigures) -> tuple[Array, Array]:
     keep = np.setdiff1d(np.arange(len(item.loop.displacement_um)), figures.outlier_samples)
     return item.loop.displacement_um[keep], item.loop.tangential_force_N[keep]
-
-
-def _limit(axes: Axes, kept: Sequence[tuple[Array, Array]]) -> None:
-    """Set axis limits that hold all loops, and below them the arrow of the stroke."""
-    x, q = (np.concatenate(values) for values in zip(*kept, strict=True))
-    for values, below, limit in ((x, 0.06, axes.set_xlim), (q, 0.26, axes.set_ylim)):
-        extent = float(np.ptp(values))
-        limit(float(values.min()) - below * extent, float(values.max()) + 0.06 * extent)
 
 
 def _panel(axes: Axes, item: AnalysedLoop, figures: LoopFigures) -> None:

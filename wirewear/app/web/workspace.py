@@ -36,7 +36,6 @@ _NOT_ASKED = ("output", "as_json", "mapping", "dry_run", "record_path", "schedul
 _MOST_BYTES_OF_NAME, _MOST_SIGNS = 200, 1_000  #: Of a file's name, which gets a number once put aside; of a value.
 _MOST_LINES = 400  #: Lines of what a step prints that are kept.
 _SHOWN = (".html", ".png", ".csv", ".h5", ".json", ".svg", ".toml", ".txt", ".vtu")  #: Pages and pictures come first.
-_MOST_SHOWN = 100  #: Files that a step left.
 _COMING = ".coming."  #: Begins the name of a file until all of it is there.
 CHUNK = 1 << 20
 
@@ -255,7 +254,7 @@ class Workspace:
             "state": self._state(step),
             "lines": [] if job is None else list(job.lines),
             "seconds": None if job is None else round((job.ended or time.monotonic()) - job.began),
-            "left": [str(path.relative_to(self.folder)) for path in self._left(step)][:_MOST_SHOWN],
+            "left": [str(path.relative_to(self.folder)) for path in self._left(step)][:100],
             "options": step.options,
         }
 

@@ -113,7 +113,9 @@ def search(states: WearStates, setup: SurrogateInputs, observed: Observations, l
     if best.candidates:
         alone = problem, covariance, none, singles
         tried = _pair_fits(problem, none, singles)
-        pairs = _enough(singles, tried)
+        alone_at_best = max(one.log_evidence for one in singles)
+        pairs = [one for one in tried if one.log_evidence > alone_at_best + PAIR_GAIN]
+        pairs = [one for one in pairs if pairs[0].log_evidence - one.log_evidence < _PAIRS_WITHIN]
         if pairs:
             problem, covariance = problem_around(states, setup, pairs[0].setup, observed, pairs[0].candidates, problem)
             none, *singles = _refitted(problem, singles, best)
@@ -165,13 +167,6 @@ def _refitted(problem: Problem, singles: Sequence[Fit], best: Fit) -> list[Fit]:
         starts = [one.places] if hopeless else [one.places, *one.candidates[0].starts()]
         asked.append(sought(problem, one.candidates, starts, _SCREENING if hopeless else ITERATIONS))
     return together(problem, asked)
-
-
-def _enough(singles: Sequence[Fit], pairs: Sequence[Fit]) -> list[Fit]:
-    """Pairs (best first) whose log evidence beats their better single effect by PAIR_GAIN."""
-    alone = max(one.log_evidence for one in singles)
-    enough = [one for one in pairs if one.log_evidence > alone + PAIR_GAIN]
-    return [one for one in enough if enough[0].log_evidence - one.log_evidence < _PAIRS_WITHIN]
 
 
 def _pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]:

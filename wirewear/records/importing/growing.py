@@ -65,16 +65,12 @@ def record_so_far(mapping_path: Path, growth: Growth, *, ended: bool = False) ->
             copy.parent.mkdir(parents=True, exist_ok=True)
             if path != mapping_path and kind_of(path) == TextReader.kind:
                 with path.open("rb") as file:
-                    copy.write_bytes(_whole_lines(file.read(size)))
+                    text = file.read(size)
+                end = max(text.rfind(b"\n"), text.rfind(b"\r")) + 1  # of its last whole line
+                copy.write_bytes(text[: end + end % 2 if text[:2] in _TWO_BYTES else end])
             else:
                 shutil.copyfile(path, copy)
         try:
             return import_record(folder / mapping_path.name, GrowingTest(home.resolve()))
         except RecordError as problem:
             raise RecordError(str(problem).replace(str(folder), str(home))) from None
-
-
-def _whole_lines(text: bytes) -> bytes:
-    """A text up to the end of its last whole line."""
-    end = max(text.rfind(b"\n"), text.rfind(b"\r")) + 1
-    return text[: end + end % 2 if text[:2] in _TWO_BYTES else end]
