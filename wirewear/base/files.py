@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from wirewear.base.errors import WirewearError
 from wirewear.base.words import shown
@@ -34,6 +35,14 @@ _NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefi
 _TOML = ("study file", "sweep file", "TOML file")  #: What is called so is a TOML file.
 
 _MOST_LINKS = 40  #: As many as Linux follows.
+
+
+def kept_table(path: Path) -> dict[str, Any]:
+    """The table of a JSON file that a command keeps for itself; empty where there is none, or a damaged one."""
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError):
+        return {}
 
 
 def read_toml(path: Path, kind: type[WirewearError], what: str = "TOML file") -> dict[str, object]:

@@ -16,12 +16,12 @@ import secrets
 import shutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from glob import escape
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, overload
 
 from wirewear.base.errors import RunError, WirewearError
 from wirewear.base.files import is_special, link_followed, open_number
@@ -39,14 +39,6 @@ _AT_WORKING_FOLDER, _SWAP = -100, 2  #: Of renameat2, in Linux's fcntl.h and fs.
 def json_text(value: object, indent: int | None = 2) -> str:
     """Value as JSON text, null in place of numbers that are not finite; indent: spaces by level, None: one line."""
     return json.dumps(finite(value), indent=indent, ensure_ascii=False, allow_nan=False)
-
-
-def kept_table(path: Path) -> dict[str, Any]:
-    """The table of a JSON file that a command keeps for itself; empty where there is none, or a damaged one."""
-    try:
-        return dict(json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError):
-        return {}
 
 
 def write_csv(path: Path, table: pl.DataFrame | Sequence[Mapping[str, object]]) -> Path:
@@ -216,6 +208,13 @@ def in_one_step(path: Path) -> Iterator[Path]:
         os.close(holder)
         with suppress(OSError):
             partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def all_or_none(paths: Iterable[Path]) -> Iterator[list[Path]]:
+    """Yield temporary paths beside these that replace them together, as in `in_one_step`, if the work succeeds."""
+    with ExitStack() as stack:
+        yield [stack.enter_context(in_one_step(path)) for path in paths]
 
 
 @contextmanager
@@ -394,8 +393,10 @@ def _locked(descriptor: int) -> bool:
 
 
 def _synchronise(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+    # One may write to a folder without reading it.
+    with suppress(PermissionError):
+        descriptor = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)

@@ -15,7 +15,7 @@ from wirewear.base.errors import RecordError
 from wirewear.base.files import TABLE_FILE_NAME
 from wirewear.base.memory import free_memory, size_text
 from wirewear.base.words import counted
-from wirewear.base.writing import prepared_folder, require_absent, write_csv, writing
+from wirewear.base.writing import all_or_none, prepared_folder, require_absent, write_csv, writing
 from wirewear.loops import LoopError, LoopFigures, Sensor, analyse_loop
 from wirewear.records.contact_tables import RECORDS, AnyTables
 from wirewear.records.scars import SCAR_STEP_um
@@ -51,8 +51,10 @@ def write_as_heights(
     files = {folder / f"{name}.csv": frame for name, frame in frames.items()}
     require_absent(() if overwrite else files, RecordError)
     prepared_folder(folder)
-    with writing(RecordError, f"cannot write to {folder}"):
-        return [write_csv(path, frame) for path, frame in files.items()]
+    with writing(RecordError, f"cannot write to {folder}"), all_or_none(files) as partials:
+        for partial, frame in zip(partials, files.values(), strict=True):
+            write_csv(partial, frame)
+    return list(files)
 
 
 def scar_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str, Surface]:

@@ -18,7 +18,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.errors import ResultError
 from wirewear.base.units import unit_of, words_of
-from wirewear.base.writing import in_one_step, require_absent, write_bytes, write_csv, writing
+from wirewear.base.writing import all_or_none, in_one_step, require_absent, write_bytes, write_csv, writing
 from wirewear.results.scar import FIELD_COLUMNS, Scar, noun_of
 from wirewear.results.values import LOOP_COLUMNS, Loop, RunResult, extensive, scaled
 
@@ -294,15 +294,15 @@ def write_flat_tables(result: RunResult, folder: Path, ending: str, *, overwrite
     require_absent(() if overwrite else tables, ResultError)
     with writing(ResultError, f"cannot write tables to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        return [_written(path, table(result)) for path, table in tables.items()]
-
-
-def _written(path: Path, table: pl.DataFrame) -> Path:
-    if path.suffix == ".csv":
-        return write_csv(path, table)
-    with in_one_step(path) as partial, partial.open("wb") as file:
-        table.write_parquet(file)
-    return path
+        with all_or_none(tables) as partials:
+            for partial, table in zip(partials, tables.values(), strict=True):
+                if ending == "csv":
+                    write_csv(partial, table(result))
+                else:
+                    # Polars takes no name that is not in UTF-8, but takes any open file.
+                    with partial.open("wb") as file:
+                        table(result).write_parquet(file)
+    return list(tables)
 
 
 def _joined(arrays: list[np.ndarray], dtype: type = np.float64) -> np.ndarray:

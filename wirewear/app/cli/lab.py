@@ -11,7 +11,8 @@ import click
 
 from wirewear.app.cli.group import Given, OutputFolder, busy, cli, most_memory, stage
 from wirewear.base.errors import RunError, WirewearError
-from wirewear.base.writing import json_text, kept_table, write_text
+from wirewear.base.files import kept_table
+from wirewear.base.writing import json_text, write_text
 
 if TYPE_CHECKING:
     from wirewear.comparison.campaign import CampaignResult
