@@ -230,11 +230,15 @@ def friction_factor(upper: Layers, lower: Layers, local: LocalState) -> float | 
         faces, known = work_through(layers)[0], [layer.friction_factor for layer in layers]
         starts = faces[1:] - _FADING * np.diff(faces)
         places = np.ravel(np.column_stack([starts, faces[1:]]))
-        factors = [1.0 if factor is None else factor for factor in (*known, None)]
-        own = [0.0 if factor is None else 1.0 for factor in (*known, None)]
-        for values, add in ((np.array(factors) - 1.0, True), (np.array(own), False)):
-            # From the start of its fading on, a layer gives way to the next one.
-            course = np.ravel(np.column_stack([values[:-1], values[1:]]))
-            field = at(np.interp(depth, places, course))
-            more, there = (more + field, there) if add else (more, there + field)
+        more = more + at(_of_surface([0.0 if own is None else own - 1.0 for own in (*known, None)], places, depth))
+        if len(layered) > 1:
+            there = there + at(_of_surface([0.0 if own is None else 1.0 for own in (*known, None)], places, depth))
     return np.asarray(1.0 + more / np.maximum(there, 1.0))
+
+
+def _of_surface(values: Sequence[float], places: Array, depth: Array) -> Array:
+    """The value (n,) of the layer at the surface at depths (n,); values: of m layers and of the body. places: (2 m,)
+    depths at which each layer begins to give way to the next one, and ends.
+    """
+    course = np.ravel(np.column_stack([values[:-1], values[1:]]))
+    return np.asarray(np.interp(depth, places, course))

@@ -16,6 +16,7 @@ from geometry import ContactPatch, Flat
 from geometry.arrays import Array
 from solvers import (
     ContactProblem,
+    ContactState,
     CycleTrace,
     Drive,
     closed_cycle,
@@ -26,12 +27,14 @@ from solvers import (
     unloaded_state,
 )
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
+from tests.studies import coarse
 from tests.synthetic_results import result
 from wirewear import ExperimentRecord, read_record
 from wirewear.diagnosis.observe.observed_record import of_own_definitions
 from wirewear.records import check_record
-from wirewear.simulation import simulate
+from wirewear.simulation import recorded, simulate
 from wirewear.simulation.measures import unresolved_slip
+from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.statistics import Counters, bends, energy_mismatch, judge
 from wirewear.simulation.traced_bodies import (
     at_mid_stroke,
@@ -175,6 +178,22 @@ def test_energy_bends_when_less_or_more_has_worn_than_a_power_predicts(
     now = (ratio, ratio**power, before + worn)
     assert not bends((1.0, 1.0, before), now)
     assert bends((1.0, 1.0, before), (ratio, 1.1 * now[1] + 0.1 * (before / worn + 1.0) * now[1], now[2]))
+
+
+def test_no_loop_is_added_because_one_cycle_differs_where_friction_differs_from_node_to_node(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(recorded, "worn_depths", lambda *_: (np.zeros(1), np.zeros(1)))
+    worn = cast("ContactState", SimpleNamespace(wear=SimpleNamespace(energy_mJ=100.0)))
+    problem = cast("ContactProblem", SimpleNamespace(unchanging=False))
+    row = {"cycle": 1.0, "dissipated_energy_mJ": 1.0, "accumulated_energy_J": 1e-3}
+    row |= {"max_depth_moving_um": 0.0, "max_depth_fixed_um": 0.0}
+    layer = {"thickness_um": 1.0, "wear_factor": 1.0}
+    for further, follows in (({}, False), ({"friction": 0.1}, True)):
+        study = coarse().with_values({"wires.fixed.layers": [layer | further]})
+        record = PointRun.of(study, "quick").recorder()
+        record._rows = [row]
+        assert record.follows(problem, worn, 100.0, 1.5) is follows
 
 
 @pytest.mark.seconds

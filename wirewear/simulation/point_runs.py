@@ -195,6 +195,10 @@ class PointRunRecord(Recorded):
             return False
         if self.schedule.at(last["cycle"]) is not self.schedule.at(done):
             return True  # a loop of another block says nothing of this one's
+        if any(layer.friction is not None for layers in self.plan.study.layers.values() for layer in layers):
+            # Where friction changes from node to node, cycles differ from their neighbours: loops chosen where they do
+            # would be chosen for being high.
+            return True
         since = (last["cycle"], last["dissipated_energy_mJ"], 1e3 * last["accumulated_energy_J"])
         return not bends(since, (done, work_mJ, state.wear.energy_mJ))
 
