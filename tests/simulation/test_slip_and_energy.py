@@ -167,7 +167,7 @@ LARGE_AT_ONE_END = {"amplitude_share": 0.63, "lag_deg": 177.4}
 def test_a_force_is_held_that_only_the_load_at_one_end_of_the_stroke_bears(share: float) -> None:
     """Less than a load of 0.63 more bears at that end, more than the test's load bears."""
     conditions = {"displacement_amplitude_um": 40.0, "held_tangential_force_N": share * FRICTION * LOAD_N}
-    held = study(LARGE_AT_ONE_END, 561.6, 1000, **conditions).with_values(COARSE)
+    held = study(LARGE_AT_ONE_END, 561.6, 10, **conditions).with_values(COARSE)
     evolution = simulate(held, fidelity="quick").evolution
     np.testing.assert_allclose(evolution["max_tangential_force_N"], share * FRICTION * LOAD_N, rtol=1e-3)
 
