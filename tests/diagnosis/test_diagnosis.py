@@ -110,7 +110,7 @@ def test_the_stiffness_of_a_compliance_lies_in_its_interval() -> None:
     assert estimate.interval95[0] < COMPLIANCE_N_per_mm < estimate.interval95[1]
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_a_compliance_asks_for_a_measurement_that_splits_its_class() -> None:
     following = with_compliance().diagnosis.next_measurement
     assert following is not None

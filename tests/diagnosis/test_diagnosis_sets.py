@@ -182,7 +182,7 @@ def one_loop(effect: str, drive: str, seed: int, cycle: int) -> ExperimentRecord
     return record(EFFECTS[effect], repeats=1, seed=seed, drive=drive, evolution=False, normal=False, cycles=(cycle,))
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_a_stroke_held_by_an_encoder_separates_a_sensor_from_a_spring() -> None:
     (group,) = diagnosis_of(one_loop("sensor", "sensor", 1, 100)).equivalent
     assert {"tangential_compliance", "displacement_load_coupling"} <= set(group)

@@ -133,6 +133,7 @@ def test_off_a_terminal_each_stage_of_a_fit_is_a_line(tmp_path: Path) -> None:
         assert f"wirewear: {stage}\n" in ended.stderr
 
 
+@pytest.mark.slow
 def test_running_in_and_compliance_are_found_as_surely_as_their_covariance_says() -> None:
     """Of the model's own figures that scatter by 1 %: misfit and squared distances are χ² over their freedoms."""
     true, cycles = np.array([math.log(0.5), math.log(0.7), math.log(2000.0), 8.0]), np.geomspace(1.0, 1e5, 4)

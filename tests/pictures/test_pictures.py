@@ -137,7 +137,7 @@ def test_texts_of_an_svg_are_texts(tmp_path: Path) -> None:
     assert "tangential force Q [N]</text>" in written
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_pictures_for_a_journal_are_as_wide_as_one_or_both_of_its_columns(tmp_path: Path) -> None:
     one = tmp_path / "one.h5"
     write_result(one, result())
