@@ -2,7 +2,7 @@
 then moved once to and fro behind the rig's spring.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,7 @@ from wirewear.stress.bodies import meshed_body
 from wirewear.test import Study, study_from_tables
 
 DIALECTS = ("abaqus", "calculix")
-_STIFFNESS = 10.0  #: Of the penalty for penetration, over modulus by element size; a hundredth of the approach remains.
+_STIFFNESS = 30.0  #: Of the penalty for penetration, over modulus by element size: it is some 1 % of the approach.
 _STICKING = 0.1  #: Of the stiffness against elastic slip, over that one.
 _INCREMENTS = 20  #: Of each half stroke, at first.
 
@@ -40,8 +40,7 @@ def write_deck(result: RunResult, path: Path, cycle: float, dialect: str) -> Pat
     upper.node, upper.cell = 1 + len(lower.points), 1 + len(lower.mesh.cells)
     drive, spring_element = upper.node + len(upper.points), upper.cell + len(upper.mesh.cells)
     bodies, holder = (lower, upper), drive + 1
-    extent = min(one.least_extent_mm for one in bodies)
-    stiff = _STIFFNESS * max(one.material.youngs_modulus_MPa for one in bodies) / extent
+    stiff = _STIFFNESS * max(one.material.youngs_modulus_MPa / one.element_mm for one in bodies)
     friction = _real(study.contact.friction)
     hard = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE="
     lines = [
@@ -71,14 +70,22 @@ def write_deck(result: RunResult, path: Path, cycle: float, dialect: str) -> Pat
         ]
     lines += ["*BOUNDARY", "DRIVE, 1, 3", held]
     amplitude_mm = 1e-3 * study.conditions.displacement_amplitude_um
-    # A load alone would find nothing to rest on.
-    lines += _step("pressed together as far as in the run", ["*BOUNDARY", f"HOLDER, 3, 3, {_real(-upper.approach_mm)}"])
-    lines += _step(
-        "held by the load", ["*BOUNDARY, OP=NEW", "DRIVE, 1, 3", held, "*CLOAD", f"HOLDER, 3, {_real(-upper.load_N)}"]
-    )
-    for what, at in (("first quarter", amplitude_mm), ("back", -amplitude_mm), ("forth", amplitude_mm)):
-        receding = [f"** {line}" for one in bodies for line in one.receding()] if dialect == "abaqus" else []
-        lines += _step(what, ["*BOUNDARY", f"DRIVE, 1, 1, {_real(at)}", *receding])
+    stroke = [("first quarter", amplitude_mm), ("back", -amplitude_mm), ("forth", amplitude_mm)]
+    receding = [f"** {line}" for one in bodies for line in one.receding()] if dialect == "abaqus" else []
+    steps = [
+        # A load alone would find nothing to rest on.
+        ("pressed together as far as in the run", ["*BOUNDARY", f"HOLDER, 3, 3, {_real(-upper.approach_mm)}"]),
+        ("held by the load",
+         ["*BOUNDARY, OP=NEW", "DRIVE, 1, 3", held, "*CLOAD", f"HOLDER, 3, {_real(-upper.load_N)}"]),
+        *((what, ["*BOUNDARY", f"DRIVE, 1, 1, {_real(at)}", *receding]) for what, at in stroke),
+    ]  # fmt: skip
+    total = "ONLY" if dialect == "calculix" else "YES"
+    for what, conditions in steps:
+        lines += [
+            f"** {what}", "*STEP, NLGEOM, INC=1000", "*STATIC", f"{1 / _INCREMENTS:g}, 1., 1e-6, {1 / _INCREMENTS:g}",
+            *conditions, "*NODE PRINT, NSET=DRIVE", "U", "*NODE PRINT, NSET=HOLDER", "U",
+            f"*NODE PRINT, NSET=GRIP_{lower.name}, TOTALS={total}", "RF", "*END STEP",
+        ]  # fmt: skip
     return write_text(path, "\n".join(lines) + "\n")
 
 
@@ -110,7 +117,7 @@ class _Placed:
         # A loading spring gives way as the bodies wear.
         self.load_N = abs(float(forces.force_N[:, :, 2].sum(axis=1).mean()))
         self.height_mm = 1e-3 * float(forces.holder_z_um.mean())
-        self.least_extent_mm = forces.meshed[0].least_extent_mm
+        self.element_mm = float(min(np.diff(lines).min() for lines in (body.patch.axial_mm, body.patch.transverse_mm)))
         self.material: Elastic = forces.meshed[1]
         turn = rotation_to_world(upper=result.is_upper(name), axis_angle_rad=float(np.radians(forces.axis_angle_deg)))
         self.points: Array = self.mesh.points @ turn.T
@@ -135,7 +142,9 @@ class _Placed:
             yield f"{self.cell + own}, S{side + 1}"
         yield f"*NSET, NSET=WORN_{name}"
         yield from (f"{one}," for one in self.mesh.surface_nodes("contact") + self.node)
-        for one in self.mesh.surface_nodes("grip") + self.node:
+        gripped = self.mesh.surface_nodes("grip") + self.node
+        yield from (f"*NSET, NSET=GRIP_{name}", *(f"{one}," for one in gripped))
+        for one in gripped:
             for axis in (1, 2, 3):
                 yield from ("*EQUATION", "2", f"{one}, {axis}, 1., {leader}, {axis}, -1.")
 
@@ -159,12 +168,3 @@ def _sides(mesh: HexMesh, facets: IntArray) -> Iterator[tuple[int, int]]:
     corners = np.sort(mesh.cells[:, mesh.SIDES], axis=2)
     places = {tuple(own): divmod(place, len(mesh.SIDES)) for place, own in enumerate(corners.reshape(-1, 4).tolist())}
     return (places[tuple(own)] for own in np.sort(facets, axis=1).tolist())
-
-
-def _step(what: str, conditions: Sequence[str]) -> list[str]:
-    return [
-        f"** {what}", "*STEP, NLGEOM, INC=1000", "*STATIC", f"{1 / _INCREMENTS:g}, 1., 1e-6, {1 / _INCREMENTS:g}",
-        *conditions,
-        "*NODE PRINT, NSET=DRIVE", "U, RF", "*NODE PRINT, NSET=HOLDER", "U, RF",
-        "*END STEP",
-    ]  # fmt: skip
