@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.arrays import Array, IntArray
+from solvers.contact.extent import extent
 from solvers.contact.linearising import law_at, layers_between, normal_of
 from solvers.contact.problem import ContactProblem, facing_offset, levers
 from solvers.contact_conditions import ContactOutcome, Linearisation
@@ -258,10 +259,10 @@ def _report(
     pressed = outcome.traction[:, 2] > 0.0
     normals = pairing.frames[:, 0, :]
     pressure = np.einsum("ij,ij->i", outcome.traction, normals) * normals[:, 2]
-    position = problem.primary.node_positions[pairing.nodes[pressed]]
     everywhere = np.zeros(problem.primary.patch.size)
-    everywhere[pairing.nodes] = pressure
-    half = 0.5 * (position.max(axis=0) - position.min(axis=0)) if len(position) else np.zeros(2)
+    everywhere[pairing.nodes] = np.where(pressed, pressure, 0.0)
+    area, edge = extent(problem.primary.patch, np.maximum(everywhere, 0.0))
+    half = 0.5 * np.ptp(edge @ problem.primary.world_to_patch, axis=0) if len(edge) else np.zeros(2)
     return IncrementReport(
         drive=drive,
         tangential_force=float(force[0]),
@@ -270,7 +271,7 @@ def _report(
         iterations=iterations,
         active=int(pressed.sum()),
         sticking=outcome.sticking,
-        contact_area=float(pairing.areas[pressed].sum()),
+        contact_area=area,
         max_pressure=float(pressure.max()),
         inner_pressure=largest_within(everywhere.reshape(problem.primary.patch.shape)),
         half_width_x=float(half[0]),

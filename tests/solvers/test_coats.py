@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from scipy.special import jv
 
 from geometry import ContactPatch, Elastic, Flat, GradedAxis, Layering
 from geometry.arrays import Array
@@ -14,6 +15,8 @@ from solvers.elasticity.coats import CoatedPatch
 from solvers.elasticity.patch_compliance import PatchCompliance
 from solvers.stress.coats import SIDE, CoatStress, _waves, across_interface
 from tests.simulation.point_contacts import LOAD_N, TEST, RADIUS_mm
+from tests.studies import line_study
+from wirewear.simulation.line_model import bodies, line_plan, line_problem
 from wirewear.simulation.problem import condensed_body, laws_of
 from wirewear.test import Study, study_from_tables
 
@@ -148,9 +151,9 @@ def indented(radius_mm: float, thickness_mm: float, layer: Elastic) -> tuple[flo
 @cache
 def ball_on_flat() -> Study:
     own = {"youngs_modulus_MPa": STEEL.youngs_modulus_MPa, "poissons_ratio": STEEL.poissons_ratio}
-    bodies = {"ball": {"diameter_mm": 2.0 * RADIUS_mm, **own}, "flat": own}
+    both = {"ball": {"diameter_mm": 2.0 * RADIUS_mm, **own}, "flat": own}
     found: Study = study_from_tables(
-        {**TEST, "kind": "ball-on-flat", "bodies": bodies, "contact": {"friction": 0.0}, "wear": None}, "s.toml"
+        {**TEST, "kind": "ball-on-flat", "bodies": both, "contact": {"friction": 0.0}, "wear": None}, "s.toml"
     )
     return found
 
@@ -189,7 +192,53 @@ def test_a_ball_on_a_coat_presses_as_without_elements(stiffness: float, thick: f
     assert pressure == pytest.approx(exact[2], rel=0.03)
     assert approach - bare == pytest.approx(exact[1] - hertz, abs=0.01 * exact[1])
     # The contact's edge falls between nodes that are a quarter of its radius apart.
-    assert radius == pytest.approx(exact[0], rel=0.06)
+    assert radius == pytest.approx(exact[0], rel=0.03)
+
+
+LINE_N_per_mm, CYLINDER_mm = 30.0, 6.0
+LINE_mm = (4.0 * LINE_N_per_mm * CYLINDER_mm * 2.0 * 0.91 / 210000.0 / np.pi) ** 0.5
+
+
+def laid(thickness_mm: float, layer: Elastic) -> tuple[float, float]:
+    """(half-width in mm, largest pressure in MPa) of a steel cylinder on coated steel: pressures √(1 − s²) U₂ⱼ(s) on
+    the layer's own half-plane (Johnson, 1985, section 2.7), and by Burmister's waves what lies below changes of slopes.
+    """
+    of_ball, of_layer = 0.91 / 210000.0, (1.0 - layer.poissons_ratio**2) / layer.youngs_modulus_MPa
+    x, w = np.polynomial.legendre.leggauss(400)
+    k, wk = 10.0 / thickness_mm * (x + 1.0), 10.0 / thickness_mm * w
+    below = burmister(k, thickness_mm, layer, STEEL) - 2.0 * of_layer / k
+    count = 24
+    j, angle = np.arange(count), (np.arange(1, count + 1) - 0.5) * np.pi / (2 * count)
+    order, sign = 2 * j + 1, (-1.0) ** j
+
+    def found(a: float) -> tuple[float, float]:
+        waves = np.pi * sign * order * jv(order, a * k[:, None]) / k[:, None]
+        slopes = 2.0 * (of_ball + of_layer) * np.cos(order * angle[:, None])
+        slopes += np.sin(np.outer(a * np.cos(angle), k)) * (wk * k * below) / np.pi @ waves
+        size = np.linalg.solve(slopes, a * np.cos(angle) / CYLINDER_mm)
+        return 0.5 * np.pi * a * float(size[0]), float(size @ sign)
+
+    a = float(brentq(lambda one: found(one)[0] - LINE_N_per_mm, 0.3 * LINE_mm, 3.0 * LINE_mm))
+    return a, found(a)[1]
+
+
+@pytest.mark.first_case
+@pytest.mark.parametrize(("stiffness", "thick"), [(0.25, 0.3), (0.5, 0.1), (2.0, 1.0), (4.0, 0.3), (4.0, 2.0)])
+def test_a_cylinder_on_a_coat_presses_as_on_a_layered_half_plane(stiffness: float, thick: float) -> None:
+    modulus, thickness = stiffness * STEEL.youngs_modulus_MPa, thick * LINE_mm
+    own = {"youngs_modulus_MPa": STEEL.youngs_modulus_MPa, "poissons_ratio": STEEL.poissons_ratio}
+    study = line_study(
+        pad={**own, "radius_mm": CYLINDER_mm},
+        specimen={**own, "layers": [{"thickness_um": 1e3 * thickness, "youngs_modulus_MPa": modulus}]},
+        conditions={"normal_load_N_per_mm": LINE_N_per_mm},
+        wear=None, contact={"friction": 0.0}, mesh={"contact_mesh_um": 125.0 * LINE_mm},
+    )  # fmt: skip
+    problem = line_problem(study, *bodies(study, line_plan(study, "quick")))
+    _, report = press(problem, unloaded_state(problem))
+    half, pressure = laid(thickness, Elastic(modulus, STEEL.poissons_ratio))
+    assert report.max_pressure == pytest.approx(pressure, rel=0.01)
+    assert report.half_width_x == pytest.approx(half, rel=0.04)
+    assert report.contact_area == pytest.approx(2.0 * report.half_width_x)
 
 
 def test_a_coat_that_is_worn_away_is_none() -> None:

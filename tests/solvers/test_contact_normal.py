@@ -147,9 +147,10 @@ def test_bodies_are_pressed_from_wherever_the_holder_last_was() -> None:
 @pytest.mark.seconds
 def test_the_contact_of_equal_crossed_wires_is_as_long_as_it_is_wide(hertz: PointContact) -> None:
     _, report = bodies.pressed(bodies.crossed_wires(FINE_mm))
-    assert report.half_width_x == pytest.approx(report.half_width_y, rel=1e-9)
-    assert report.half_width_x == pytest.approx(hertz.major_semi_axis_mm, abs=FINE_mm)
-    assert report.contact_area == pytest.approx(np.pi * hertz.major_semi_axis_mm**2, rel=0.1)
+    assert report.half_width_x == pytest.approx(report.half_width_y, rel=1e-4)
+    # Between nodes, to a small share of an element.
+    assert report.half_width_x == pytest.approx(hertz.major_semi_axis_mm, abs=0.3 * FINE_mm)
+    assert report.contact_area == pytest.approx(np.pi * hertz.major_semi_axis_mm**2, rel=0.05)
 
 
 def test_frictionless_sliding_needs_no_force_and_does_no_work() -> None:
@@ -195,8 +196,8 @@ def test_a_mesh_of_4_um_meets_hertz_within_2_percent(hertz: PointContact) -> Non
     state, report = press(problem, unloaded_state(problem))
     assert report.max_pressure == pytest.approx(hertz.peak_pressure_MPa, rel=0.02)
     assert -state.holder_z == pytest.approx(hertz.approach_mm, rel=0.02)
-    assert np.sqrt(report.contact_area / np.pi) == pytest.approx(hertz.major_semi_axis_mm, abs=0.5 * fine)
-    assert report.half_width_x == pytest.approx(hertz.major_semi_axis_mm, abs=fine)
+    assert np.sqrt(report.contact_area / np.pi) == pytest.approx(hertz.major_semi_axis_mm, rel=0.02)
+    assert report.half_width_x == pytest.approx(hertz.major_semi_axis_mm, abs=0.3 * fine)
 
 
 class LeastSquares:
@@ -264,4 +265,4 @@ def test_bodies_are_pressed_on_a_patch_that_is_fine_and_holds_little_beside_the_
     upper, lower = on_springs(Barrel(1.0 / radius_mm, 1.0 / radius_mm), upper=True), on_springs(Flat(), upper=False)
     problem = ContactProblem(upper, lower, Holder(load), friction=0.5, wear=WearRates(0.0, 0.0))
     _, report = bodies.pressed(problem)
-    assert report.contact_area == pytest.approx(np.pi * contact_mm**2, rel=0.05)
+    assert report.contact_area == pytest.approx(np.pi * contact_mm**2, rel=0.02)

@@ -33,6 +33,7 @@ from wirewear.simulation.yielding import pressure_limit, spread_by_yield
 from wirewear.test.conditions import HolderTable
 from wirewear.test.faces import Face, WIDEST_mm, half_width_of
 from wirewear.test.fidelity import LINE_LEVELS, level_of
+from wirewear.test.gaps import under_coats
 from wirewear.test.study import LineStudy
 from wirewear.test.surfaces import StatedSurface
 
@@ -45,6 +46,10 @@ _MARGIN, _UNWORN_MARGIN, _STUCK_MARGIN = 1.3, 1.15, 1.6
 
 # Pressures of worn surfaces have a kink where neighbouring elements differ in size: 4 % of their mean at 1.2.
 _GROWTH = 1.05
+
+#: Radius of a contact at a point that feels a coating as a line contact does, over its half-width: it is then as wide
+#: within 4 %, of coatings as in `Coating.felt`.
+_AS_WIDE = 1.5
 
 
 @dataclass(frozen=True)
@@ -68,17 +73,18 @@ def _face_of(study: LineStudy) -> Face:
 
 def fresh_contact(
     face: Face, load_N_per_mm: float, modulus_MPa: float, pad_half_width_mm: float
-) -> reference.LineContact:
-    """The contact before any wear, between half-planes or of a pin in a bore. Raises ValueError if the pad is too
-    narrow to carry the load.
+) -> tuple[float, reference.LineContact]:
+    """The contact modulus, and the contact before any wear, between half-planes or of a pin in a bore. Raises
+    ValueError if the pad is too narrow to carry the load.
     modulus_MPa: contact modulus E*; pad_half_width_mm: half of the pad's width.
     """
     if isinstance(face, PinFace):
         pin = reference.pin_in_bore(load_N_per_mm, face.radius_mm, face.bore_radius_mm, modulus_MPa)
-        return reference.LineContact(load_N_per_mm, face.radius_mm * pin.half_angle_rad, float(pin.pressure(0.0)))
+        half_mm, peak_MPa = face.radius_mm * pin.half_angle_rad, float(pin.pressure(0.0))
+        return modulus_MPa, reference.LineContact(load_N_per_mm, half_mm, peak_MPa)
     if isinstance(face, Cylinder):
-        return reference.hertz_line(load_N_per_mm, face.radius_mm, modulus_MPa)
-    return reference.even_line_contact(face, load_N_per_mm, modulus_MPa, pad_half_width_mm)
+        return modulus_MPa, reference.hertz_line(load_N_per_mm, face.radius_mm, modulus_MPa)
+    return modulus_MPa, reference.even_line_contact(face, load_N_per_mm, modulus_MPa, pad_half_width_mm)
 
 
 def edge_reach(face: Face, load_N_per_mm: float, modulus_MPa: float, contact: reference.LineContact) -> float:
@@ -174,10 +180,14 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
     face = _face_of(study)
     load = conditions.drive.load.largest * conditions.normal_load_N
     stroke = 1e-3 * conditions.displacement_amplitude_um
-    modulus = reference.contact_modulus(study.pad.elastic, study.specimen.elastic)
     pad_half = study.pad.half_width_mm or half_width_of(face)
     try:
-        fresh = fresh_contact(face, load, modulus, pad_half)
+        modulus, fresh = under_coats(
+            lambda *own: fresh_contact(face, load, reference.contact_modulus(*own), pad_half),
+            (study.specimen.elastic, study.pad.elastic),
+            study.tables.coatings,
+            lambda found: _AS_WIDE * found[1].half_width_mm,
+        )
         reach = edge_reach(face, load, modulus, fresh)
         predicted = _predicted(study, face, fresh.half_width_mm, pad_half)
     except ValueError as problem:

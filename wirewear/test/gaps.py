@@ -1,6 +1,6 @@
 """The gap between two unworn bodies, and how they touch: along a line, or at a point as Hertz says."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import radians
 from typing import Self, TypeVar
@@ -9,6 +9,7 @@ import numpy as np
 
 from geometry import Elastic
 from geometry.arrays import Array
+from solvers import Coating
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.test.bodies import Body
@@ -84,15 +85,32 @@ def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointC
     Bodies under layers of other materials count as the half-spaces that yield as much under this contact.
     Raises StudyError if a pad is too small for the load.
     """
-    contact = _hertz_of(normal_load_N, driven, held, driven.material, held.material)
-    coatings = [coating_of(body.layers, body.material) for body in (driven, held)]
-    for _ in range(6 if any(coatings) else 0):  # rounds in which the radius of coated bodies settles
+    both = driven, held
+    return under_coats(
+        lambda first, second: _hertz_of(normal_load_N, driven, held, first, second),
+        (driven.material, held.material),
+        [coating_of(body.layers, body.material) for body in both],
+        lambda found: found.contact_radius_mm,
+    )
+
+
+def under_coats(
+    contact: Callable[[Elastic, Elastic], Found],
+    own: tuple[Elastic, Elastic],
+    coatings: Sequence[Coating | None],
+    radius_mm: Callable[[Found], float],
+) -> Found:
+    """The contact of two materials, each under its coating or None: that of the half-spaces that yield as much under a
+    contact of the radius that it has then.
+    """
+    found = contact(*own)
+    for _ in range(6 if any(coatings) else 0):  # rounds in which the radius settles
         felt = [
-            body.material if coating is None else coating.felt(contact.contact_radius_mm)
-            for body, coating in zip((driven, held), coatings, strict=True)
+            one if coating is None else coating.felt(radius_mm(found))
+            for one, coating in zip(own, coatings, strict=True)
         ]
-        contact = _hertz_of(normal_load_N, driven, held, *felt)
-    return contact
+        found = contact(*felt)
+    return found
 
 
 def _hertz_of(

@@ -1,0 +1,88 @@
+"""Where a contact ends between nodes, and the area within.
+
+Next to the edge of an elastic contact the square of the pressure falls as the square of the distance from the middle:
+exactly so on every line through Hertz's ellipse. It is followed from the outermost pressed nodes of a line to where
+it vanishes, but at most to the next node; where it does not fall, the contact ends midway. Holes are as wide as their
+nodes.
+"""
+
+import numpy as np
+
+from geometry import ContactPatch
+from geometry.arrays import Array, BoolArray, IntArray
+
+_NODES = 3  #: Outermost nodes through which the square of the pressure is laid.
+
+
+def extent(patch: ContactPatch, pressure: Array) -> tuple[float, Array]:
+    """Area of contact in mm², and places (k, 2) of its edge along the patch's lines, from pressures (n,) at the nodes
+    of the patch that are 0 where it does not touch; of a line contact the area is that of one millimetre.
+    """
+    table = pressure.reshape(patch.shape)
+    if not table.any():
+        return 0.0, np.zeros((0, 2))
+    along, across = patch.axial_mm, patch.transverse_mm
+    low, high, chord = _chords(along, table)
+    at = np.flatnonzero(chord)
+    edges = [np.column_stack([own, across[at]]) for own in (low[at], high[at])]
+    if len(across) == 1:
+        return float(chord[0]), np.concatenate(edges)
+    low, high, own = _chords(across, table.T)
+    other = np.flatnonzero(own)
+    edges += [np.column_stack([along[other], ends]) for ends in (low[other], high[other])]
+    return 0.5 * (_area(across, chord) + _area(along, own)), np.concatenate(edges)
+
+
+def _chords(lines: Array, pressure: Array) -> tuple[Array, Array, Array]:
+    """Both ends and the pressed length (m,) of each column of pressures (n, m) at places `lines` (n,); 0 for none."""
+    pressed = pressure > 0.0
+    some = pressed.any(axis=0)
+    first, last = pressed.argmax(axis=0), len(lines) - 1 - pressed[::-1].argmax(axis=0)
+    middle = 0.5 * (lines[first] + lines[last])
+    low, high = (_end(lines, pressure, middle, end, step) for end, step in ((first, -1), (last, 1)))
+    widths = np.gradient(lines)
+    rows = np.arange(len(lines))[:, None]
+    holes = ~pressed & (rows > first) & (rows < last)
+    return low * some, high * some, np.where(some, high - low - widths @ holes, 0.0)
+
+
+def _end(lines: Array, pressure: Array, middle: Array, node: IntArray, step: int) -> Array:
+    """Where columns of pressures (n, m) end beyond their outermost pressed `node` (m,), on the side `step`, -1 or 1."""
+    columns, squares = np.arange(pressure.shape[1]), []
+    weights: list[BoolArray] = []
+    for k in range(_NODES):
+        inside = np.clip(node - k * step, 0, len(lines) - 1)
+        squares.append([(lines[inside] - middle) ** 2, pressure[inside, columns] ** 2])
+        counts = (pressure[inside, columns] > 0.0) & ((lines[inside] - middle) * step >= 0.0)
+        weights.append(counts if k == 0 else counts & weights[-1])
+    (x, y), w = np.moveaxis(np.array(squares), 1, 0), np.array(weights, dtype=np.float64)
+    total = np.maximum(w.sum(axis=0), 1.0)
+    x0, y0 = (w * x).sum(axis=0) / total, (w * y).sum(axis=0) / total
+    spread, fall = (w * (x - x0) ** 2).sum(axis=0), -(w * (x - x0) * (y - y0)).sum(axis=0)
+    after = np.clip(node + step, 0, len(lines) - 1)
+    falls = fall > 0.0
+    vanishes = x0 + y0 * spread / np.where(falls, fall, 1.0)
+    reach = np.where(falls, np.sqrt(np.maximum(vanishes, 0.0)), 0.5 * np.abs(lines[node] + lines[after] - 2.0 * middle))
+    limits = np.abs(lines[node] - middle), np.abs(lines[after] - middle)
+    return np.asarray(middle + step * np.clip(reach, *limits))
+
+
+def _area(lines: Array, chord: Array) -> float:
+    """Area under chords (m,) at places `lines` (m,), whose squares are linear between them and fall on beyond the last
+    ones, at most to the next line.
+    """
+    sections = 2.0 / 3.0 * (chord[1:] ** 2 + chord[1:] * chord[:-1] + chord[:-1] ** 2)
+    sections /= np.maximum(chord[1:] + chord[:-1], 1e-300)
+    between = (chord[1:] > 0.0) & (chord[:-1] > 0.0)
+    total = float((np.diff(lines) * sections)[between].sum())
+    for end in np.flatnonzero(chord):
+        for step in (-1, 1):
+            out, back = end + step, end - step
+            if 0 <= out < len(lines) and not chord[out]:
+                far = abs(lines[out] - lines[end])
+                inner = chord[back] if 0 <= back < len(lines) else 0.0
+                near = 0.5 * far
+                if inner > chord[end]:
+                    near = min(chord[end] ** 2 * abs(lines[back] - lines[end]) / (inner**2 - chord[end] ** 2), far)
+                total += 2.0 / 3.0 * chord[end] * near
+    return total
