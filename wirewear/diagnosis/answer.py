@@ -55,7 +55,7 @@ def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispe
     found, stretch = {}, _STRETCH
     for i, (name, parameter) in enumerate(candidate.parameters.items()):
         spread = stretch * deviations[i] * dispersion**0.5
-        reach = 1.96 * float(np.hypot(spread, candidate.unknown_spread(name)))
+        reach = 1.96 * float(np.hypot(spread, candidate.unknown_spread(name, float(coordinates[i]))))
         found[name] = _estimate(parameter, float(coordinates[i]), reach)
     for name, parameter in candidate.held.items():
         found[name] = Estimate(parameter.value(0.0), parameter.interest)

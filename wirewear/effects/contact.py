@@ -46,6 +46,7 @@ class FrictionOffset(Effect[ContactLaw]):
     answers = (
         measurements.NORMAL_FORCE.shows("as modelled, under friction that is off throughout"),
         measurements.HALF_LOAD.shows("half the height at half the load"),
+        measurements.LOWER_FREQUENCY.shows("friction and wear stay"),
         measurements.INTERRUPTED_SCARS.shows("volumes that follow the measured energy"),
         measurements.SCAR_MAPS.shows("volumes that follow the measured energy"),
     )
@@ -75,6 +76,7 @@ class FrictionEvolution(Effect[ContactLaw]):
         measurements.INTERRUPTED_SCARS.shows("volumes that follow the measured energy"),
         measurements.EARLY_LOOPS.shows("only the height changes"),
         measurements.OTHER_STROKE.shows("the same course over the cycles"),
+        measurements.LOWER_FREQUENCY.shows("friction and wear stay"),
     )
     # What its forms leave of ten laws over three decades, in the mean square: 2 % (0 to 3.4 %).
     model_error = 0.03
@@ -157,9 +159,11 @@ class RoughnessCompliance(Effect[ContactLaw]):
         return Course(self.layer_um, 0.0, self.cycles, self.steepness, self.order, self.lasting)
 
 
-def _retained(meaning: str) -> float:
+def _retained(meaning: str, held_by: tuple[str, float] | None = None) -> float:
     quantity, ends = Quantity("1", 0.0, 0.95), (0.02, 0.7)
-    return parameter(meaning, quantity, neutral=0.0, easy=0.4, hard=0.1, interest=ends, logarithmic=True)
+    return parameter(
+        meaning, quantity, neutral=0.0, easy=0.4, hard=0.1, interest=ends, logarithmic=True, held_by=held_by
+    )
 
 
 def _modulus_of_bed(easy: float) -> float:
@@ -236,7 +240,8 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         closure, _ = RoughLayer(1.0).closure(pressure_MPa, chain.worn_um3)
         return replace(
             chain,
-            retained_fraction=chain.retained_fraction + retained,
+            # Of two beds the second has what the first leaves open.
+            retained_fraction=chain.retained_fraction + (1.0 - chain.retained_fraction) * retained,
             bed_MPa=np.full_like(chain.bed_MPa, self.modulus_MPa) if self.retained_fraction > 0.0 else chain.bed_MPa,
             compliance_um_per_N=chain.compliance_um_per_N + shear,
             bed_um=chain.bed_um + self.spreading * retained * depth_um * pressure_MPa / self.modulus_MPa / closure,
@@ -252,11 +257,13 @@ class DebrisBalance(Effect[ContactLaw]):
     distance, so that h settles where source and ejection balance, h = f w d/(ε s) with the worn depth w over that path.
     A bed takes up part of the slip, which wears nothing; 1/(1 + h/h_p) of it wears. So wear is slower the longer the
     contact. Sources: Fillot, Iordanoff and Berthier, Wear 262 (2007) 949 (balance of source and ejection); Godet, Wear
-    100 (1984) 437 (protection). A diagnosis does not consider it.
+    100 (1984) 437 (protection).
     """
 
     name = "debris_balance"
     seam = Seam.CONTACT
+    # The bed that the fast model computes along the profile of a line contact does not leave.
+    contacts = kinds.AT_A_POINT
     ages = Ageing.BY_WEAR
     signature = "wear that is slower the longer the contact; a bed that is thickest in the middle"
     remedy = "look at the debris in and around the scars before they are cleaned"
@@ -265,10 +272,14 @@ class DebrisBalance(Effect[ContactLaw]):
         measurements.CLEANED_SCARS.shows("deeper scars once cleaned"),
         measurements.EARLY_LOOPS.shows("faster wear while the contact is small"),
     )
+    prior_weight = 0.5
     model_error = 0.3
     needs_whole_cycles = True
 
-    retained_fraction: float = _retained("share of the worn depth that becomes debris between the surfaces")
+    # What settles goes with the ratio of both.
+    retained_fraction: float = _retained(
+        "share of the worn depth that becomes debris between the surfaces", ("leaving_share", 1.0)
+    )
     modulus_MPa: float = _modulus_of_bed(2000.0)
     leaving_share: float = parameter(
         "part of the slip by which debris moves towards the contact's edge",
@@ -289,10 +300,6 @@ class DebrisBalance(Effect[ContactLaw]):
         logarithmic=True,
     )
 
-    @classmethod
-    def considered_for(cls, _contact: str, _held: str) -> bool:
-        return False
-
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         if self.retained_fraction == 0.0:
             return described
@@ -300,16 +307,13 @@ class DebrisBalance(Effect[ContactLaw]):
 
     def predicted(self, chain: Chain) -> Chain:
         """The chain with a bed as `ThirdBodyLayer` predicts it, limited to the thickness at which source and ejection
-        balance on a round scar, whose edge is a third of its radius away on average; wear is slower by what the bed
-        protects.
+        balance at the mean distance from the edge; wear is slower by what the bed protects.
         """
         if self.retained_fraction == 0.0:
             return chain
-        area_um2 = np.sqrt(chain.worn_area2_um4) + chain.fresh_area_um2
         path_um = 1e6 * chain.energy_J / (chain.friction * chain.load_N)
-        distance_um = np.sqrt(area_um2 / np.pi) / 3.0
-        depth_um = np.divide(chain.worn_um3, area_um2)
-        passages = np.maximum(self._flow.passages(path_um, distance_um), 1e-12)
+        depth_um = chain.worn_um3 / chain.area_um2
+        passages = np.maximum(self._flow.passages(path_um, chain.edge_um), 1e-12)
         full_um = self.retained_fraction * depth_um / passages
         bedded = self._bed.limited_to(np.maximum(full_um, 1e-9), chain)
         thickness_um = (bedded.retained_fraction - chain.retained_fraction) * depth_um

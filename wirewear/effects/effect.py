@@ -78,6 +78,24 @@ class Chain:
         """(n,) square of the worn contact's area: π R V, with the worn volume V."""
         return pi * self.radius_um * self.worn_um3
 
+    @property
+    def area_um2(self) -> Array:
+        """(n,) area of the contact, fresh and worn."""
+        return np.sqrt(self.worn_area2_um4) + self.fresh_area_um2
+
+    @property
+    def edge_um(self) -> Array:
+        """(n,) mean distance of places in the contact from its nearest edge: a third of a round contact's radius."""
+        return np.asarray(np.sqrt(self.area_um2 / pi) / 3.0)
+
+    @property
+    def warming_per_um(self) -> Array:
+        """(n,) mean rise of the temperature of an evenly heated contact at rest on a half-space, times the conductivity
+        and over the power, in 1/µm: of a disc of area A, 8 / (3 π^(3/2) √A) (Carslaw & Jaeger, Conduction of Heat in
+        Solids, 1959, § 10.5).
+        """
+        return np.asarray(8.0 / (3.0 * pi**1.5 * np.sqrt(self.area_um2)))
+
     def with_oxygen(self, supply_W: float, starved_factor: float) -> "Chain":
         """The chain with a supply of oxygen (see `solvers.OxygenSupply`): unchanged, since oxygen reaches every place
         in the scars of contacts at a point.
@@ -112,6 +130,18 @@ class LineChain(Chain):
         """(n,) square of the worn contact's area, (2 L w)², with w³ = 3 R V/(2 L)."""
         half_width = np.cbrt(1.5 * self.radius_um * self.worn_um3 / self.length_um)
         return np.asarray((2.0 * self.length_um * half_width) ** 2)
+
+    @property
+    def edge_um(self) -> Array:
+        """(n,) as of any chain: half the half-width."""
+        return np.asarray(0.25 * self.area_um2 / self.length_um)
+
+    @property
+    def warming_per_um(self) -> Array:
+        """(n,) as of any chain: the mean over a rectangle."""
+        long, wide = self.length_um, self.area_um2 / self.length_um
+        ends = (long**3 + wide**3 - np.hypot(long, wide) ** 3) / (3.0 * long * wide)
+        return np.asarray((long * np.arcsinh(wide / long) + wide * np.arcsinh(long / wide) + ends) / (pi * long * wide))
 
     def with_oxygen(self, supply_W: float, starved_factor: float) -> Chain:
         supply, factor = (np.full_like(self.cycles, one) for one in (supply_W, starved_factor))
@@ -268,6 +298,10 @@ class Effect(ABC, Generic[T]):
             changed.append(view.row(after))
         values = np.broadcast_to(np.array(changed), columns.shape)
         return replace(chain, **dict(zip(view.columns, values.T, strict=True)))
+
+    def may_show(self, chain: Chain) -> bool:  # noqa: ARG002
+        """False if an effect of this size does nothing in a test whose chain, with the effect in it, is `chain`."""
+        return True
 
     def foreseen(self, chain: Chain) -> Chain:
         """The former name of `predicted`."""

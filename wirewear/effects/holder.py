@@ -3,13 +3,13 @@ holds.
 """
 
 from dataclasses import dataclass, replace
-from math import radians
+from math import pi, radians
 
 from solvers import Holder
 from wirewear.base import kinds
 from wirewear.base.units import Quantity
 from wirewear.effects import measurements
-from wirewear.effects.effect import Effect
+from wirewear.effects.effect import Chain, Effect
 from wirewear.effects.parameter import RIGID, parameter
 from wirewear.effects.seams import Age, Ageing, Control, Loading, Seam, Specimens
 
@@ -182,6 +182,11 @@ class HolderInertia(Effect[Holder]):
 
     def changed(self, described: Holder, _age: Age) -> Holder:
         return replace(described, mass_kg=described.mass_kg + self.mass_kg)
+
+    def may_show(self, chain: Chain) -> bool:
+        """False for a mass that swings so much faster than the drive that even ten times as much does nothing."""
+        swings = 1e-5 * chain.mass_kg * (2.0 * pi * chain.frequency_Hz) ** 2 * chain.compliance_um_per_N
+        return bool(swings.max() > 0.01)
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,7 @@ INTERRUPTED_SCARS = Measurement(
 
 LOWER_FREQUENCY = Measurement(
     "the same test at a tenth of the frequency",
-    "a lag shrinks with the frequency, everything elastic stays",
+    "a lag and heat shrink with the frequency, everything elastic stays",
     cost_days=0.5,
 )
 

@@ -47,8 +47,8 @@ class Parameter:
     #: for plain values.
     share_of: str = ""
 
-    #: Another parameter, and the power p if only its ratio to this parameter to the power p shows in a record of wires;
-    #: a diagnosis then leaves this parameter in the middle of its range.
+    #: Another parameter ("" for any), and the power p if only its ratio to this parameter to the power p shows in a
+    #: record of wires; a diagnosis then leaves this parameter in the middle of its range.
     held_by: tuple[str, float] | None = None
     default: float | None = None  #: Value where a study does not state it; None: it must.
 

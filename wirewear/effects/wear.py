@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geometry.arrays import Array
 from solvers import Conductor, FrictionHeat, OxygenSupply, WearRates
 from wirewear.base import kinds
 from wirewear.base.course import Course
@@ -40,6 +41,7 @@ class WearRateOffset(Effect[WearRates]):
         INTERRUPTED_SCARS.shows("volumes in another proportion to the energy"),
         SCAR_MAPS.shows("other volumes at the modelled lengths"),
         CLEANED_SCARS.shows("the same scars once cleaned"),
+        LOWER_FREQUENCY.shows("friction and wear stay"),
     )
     model_error = 0.08
 
@@ -69,6 +71,7 @@ class WearRateEvolution(Effect[WearRates]):
         INTERRUPTED_SCARS.shows("volumes in no constant proportion to the energy"),
         SCAR_MAPS.shows("other volumes at the modelled lengths"),
         OTHER_STROKE.shows("the same course over the cycles"),
+        LOWER_FREQUENCY.shows("friction and wear stay"),
     )
     model_error = 0.08
 
@@ -142,9 +145,18 @@ class ContactOxygenation(Effect[WearRates]):
         return chain if self.starved_factor == 1.0 else chain.with_oxygen(self.supply_W, self.starved_factor)
 
 
+_WARM_K = 3.0  #: Less warming changes friction by less than 1 %, at the largest effect that is expected.
+
+
 def _of_conduction(
-    meaning: str, quantity: Quantity, typical: float, ends: tuple[float, float], default: float | None = None
+    meaning: str,
+    quantity: Quantity,
+    typical: float,
+    ends: tuple[float, float],
+    default: float | None = None,
+    power: float = 0.0,
 ) -> float:
+    """A number of the bodies. power: with which it makes surfaces colder, and whatever follows temperature larger."""
     return parameter(
         meaning,
         quantity,
@@ -154,12 +166,15 @@ def _of_conduction(
         interest=ends,
         logarithmic=default != 0.0,
         default=default,
+        held_by=("", power),
     )
 
 
-def _by_temperature(meaning: str, unit: str, easy: float) -> float:
+def _by_temperature(meaning: str, unit: str, easy: float, held_by: tuple[str, float] | None = None) -> float:
     quantity, ends = Quantity(unit, -1e3, 1e3), (-2.0 * easy, 2.0 * easy)
-    return parameter(meaning, quantity, neutral=0.0, easy=easy, hard=0.2 * easy, interest=ends, default=0.0)
+    return parameter(
+        meaning, quantity, neutral=0.0, easy=easy, hard=0.2 * easy, interest=ends, default=0.0, held_by=held_by
+    )
 
 
 @dataclass(frozen=True)
@@ -173,19 +188,23 @@ class FrictionHeating(Effect[WearRates]):
 
     name = "friction_heat"
     seam = Seam.WEAR
+    contacts = kinds.OF_BODIES
     ages = Ageing.BY_WEAR
     signature = "wear or friction that changes with the frequency, and with the contact's size as it wears"
     remedy = "measure a temperature beside the contact, or test at a lower frequency"
-    confused_with = ("wear_rate_offset", "friction_offset", "contact_oxygenation")
+    confused_with = (
+        "friction_evolution", "wear_rate_evolution", "wear_rate_offset", "friction_offset", "contact_oxygenation",
+    )  # fmt: skip
     answers = (
         LOWER_FREQUENCY.shows("wear and friction of cold surfaces"),
         SCAR_MAPS.shows("other volumes at the modelled lengths"),
     )
+    prior_weight = 0.5
     model_error = 0.3
     needs_whole_cycles = True
 
     conductivity_W_per_m_K: float = _of_conduction(
-        "thermal conductivity of the driven body", Quantity("W_per_m_K", 1e-3, 1e4), 46.0, (1.0, 400.0)
+        "thermal conductivity of the driven body", Quantity("W_per_m_K", 1e-3, 1e4), 46.0, (1.0, 400.0), power=1.0
     )
     heat_capacity_J_per_cm3_K: float = _of_conduction(
         "heat capacity of both bodies", Quantity("J_per_cm3_K", 1e-3, 1e3), 3.6, (1.5, 4.0)
@@ -200,12 +219,10 @@ class FrictionHeating(Effect[WearRates]):
         "length of a line contact", Quantity("mm", 1e-3, 1e5), 10.0, (1.0, 100.0), 1.0
     )
     wear_kJ_per_mol: float = _by_temperature("activation energy of the wear coefficient", "kJ_per_mol", 20.0)
-    oxidation_kJ_per_mol: float = _by_temperature("activation energy of the consumption of oxygen", "kJ_per_mol", 20.0)
+    oxidation_kJ_per_mol: float = _by_temperature(
+        "activation energy of the consumption of oxygen", "kJ_per_mol", 20.0, ("", 0.0)
+    )
     friction_per_K: float = _by_temperature("change of the coefficient of friction, over it, per kelvin", "per_K", 1e-3)
-
-    @classmethod
-    def considered_for(cls, _contact: str, _held: str) -> bool:
-        return False
 
     def changed(self, described: WearRates, _age: Age) -> WearRates:
         if not (self.wear_kJ_per_mol or self.oxidation_kJ_per_mol or self.friction_per_K):
@@ -213,24 +230,29 @@ class FrictionHeating(Effect[WearRates]):
         return replace(described, heat=self._heat)
 
     def predicted(self, chain: Chain) -> Chain:
-        """The chain with wear, friction and supply of oxygen at the mean temperature of an evenly heated disc of the
-        contact's area A: 8 P / (3 π^(3/2) k √A) by the power P and the conductivity k (Carslaw & Jaeger § 10.5).
-        """
+        """The chain with wear, friction and supply of oxygen at the mean temperature of the evenly heated contact."""
         if not (self.wear_kJ_per_mol or self.oxidation_kJ_per_mol or self.friction_per_K):
             return chain
-        heat, area_um2 = self._heat, np.sqrt(chain.worn_area2_um4) + chain.fresh_area_um2
-        power_W = (
-            np.abs(np.gradient(chain.energy_J, chain.cycles)) * chain.frequency_Hz if chain.cycles.size > 1 else 0.0
-        )
-        per_W = 8.0 / (3.0 * np.pi**1.5 * 1e-6 * np.sqrt(area_um2))
-        ways = (per_W / one.conductivity_W_per_m_K + one.resistance_K_per_W for one in (heat.upper, heat.lower))
-        rise = power_W / sum(1.0 / way for way in ways)
+        heat, rise = self._heat, self._rise_K(chain)
         return replace(
             chain,
             wear_um3_per_mJ=chain.wear_um3_per_mJ * heat.wearing(rise),
             friction=chain.friction * heat.friction_factor(rise),
             oxygen_W=chain.oxygen_W / heat.oxidising(rise),
         )
+
+    def may_show(self, chain: Chain) -> bool:
+        """False where the surfaces hardly warm."""
+        return bool(np.mean(self._rise_K(chain)) > _WARM_K)
+
+    def _rise_K(self, chain: Chain) -> Array:
+        """(n,) mean rise of the temperature of both surfaces by the friction power."""
+        power_W = chain.frequency_Hz * np.abs(np.gradient(chain.energy_J, chain.cycles)) if chain.cycles.size > 1 else 0
+        per_W = 1e6 * chain.warming_per_um
+        ways = (
+            per_W / one.conductivity_W_per_m_K + one.resistance_K_per_W for one in (self._heat.upper, self._heat.lower)
+        )
+        return np.asarray(power_W / sum(1.0 / way for way in ways))
 
     @property
     def _heat(self) -> FrictionHeat:

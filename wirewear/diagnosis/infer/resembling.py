@@ -16,6 +16,7 @@ from wirewear.diagnosis.observe.along_branches import PlateauForce, Stick
 from wirewear.diagnosis.observe.reduction import Part
 from wirewear.diagnosis.observe.scars import ProfileDepths
 from wirewear.effects import Seam
+from wirewear.effects.measurements import CLEANED_SCARS, LOWER_FREQUENCY
 
 _KNOWN = constants("infer.resembling")
 
@@ -24,6 +25,30 @@ LEAST_LISTED, MOST_LISTED = _KNOWN.number("least_listed"), _KNOWN.count("most_li
 
 #: A distortion is there in cycles and places where it has this share of its largest size.
 PRESENT = _KNOWN.number("present")
+
+#: What no effect of the library is and would act as a family, and the measurement that tells, by the family's name.
+MADE_BY = {
+    "friction that differs along the stroke from one side to the other": (
+        f"Debris piled up on one side would do so; {CLEANED_SCARS.what} would tell."
+    ),
+    "friction that differs along the stroke, alike on both sides of its middle": (
+        f"Surfaces that flash hot where they slide fast would do so; {LOWER_FREQUENCY.what} would tell."
+    ),
+    "friction that passes after each reversal": (
+        "Debris that rolls back would do so, and surfaces that warm as they slide, which "
+        f"{LOWER_FREQUENCY.what} would tell apart."
+    ),
+    "friction that changes over the test": (
+        "Air that turns moist and dry would do so, and debris that gathers and leaves at once; humidity logged beside "
+        "the loops would tell."
+    ),
+    "wear that goes faster and slower over the test": (
+        "Air that turns moist and dry would do so; humidity logged beside the loops would tell."
+    ),
+    "wear that differs from one side of the scar to the other": (
+        f"Debris piled up on one side would do so; {CLEANED_SCARS.what} would tell."
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -35,7 +60,7 @@ class Resemblance:
     probability: float  #: Among all families, given that the cause lies outside the library.
     cycles: tuple[int, int]  #: First and last logged cycle at which it shows.
     where: str  #: Place in the loop, in words.
-    text: str  #: A sentence, with its size.
+    text: str  #: A sentence, with its size, and one on what would do so and which measurement would tell.
 
 
 def resemblances(problem: Problem, found: Sequence[Distortion], best_log_evidence: float) -> tuple[Resemblance, ...]:
@@ -74,6 +99,7 @@ def _described(problem: Problem, one: Distortion, probability: float) -> Resembl
         if not one.family.column
         else f"The gap behaves like a {one.family.name}{beside}, {_over_the_test(problem, one)}: {amount}{at}."
     )
+    text = f"{text} {MADE_BY.get(one.family.name, '')}".rstrip()
     where = where or part.observable.words
     return Resemblance(str(one.family.seam), one.family.name, round(probability, 3), span, where, text)
 

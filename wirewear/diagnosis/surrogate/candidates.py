@@ -18,7 +18,9 @@ from geometry.arrays import Array
 from wirewear.base import kinds
 from wirewear.base.errors import StudyError
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import AnyEffect, Chain, Parameter, Stated, all_effects
 
 #: Where numerical freedoms lie on average, if not at their neutral value: a quick run sees a scar longer than the slip
@@ -31,9 +33,9 @@ class Candidate:
     """An effect of the library with the numbers that are to be inferred.
 
     kind: the effect's class. parameters: its numbers to be inferred, by name. held: numbers that stay at their middle,
-    as no record distinguishes them from the others. chosen: its words, such as the channel that lags. forms: numbers of
-    its law that differ between laws of one cause; they are inferred like parameters and follow them in coordinates
-    (p,).
+    as no record distinguishes them from the others; what a study need not state stays at its default. chosen: its
+    words, such as the channel that lags. forms: numbers of its law that differ between laws of one cause; they are
+    inferred like parameters and follow them in coordinates (p,).
     """
 
     kind: type[AnyEffect]
@@ -60,6 +62,7 @@ class Candidate:
         known = {
             name: described.beside(stated).scaled((scales or {}).get(described.quantity.unit, 1.0))
             for name, described in kind.parameters().items()
+            if described.default is None or described.default == described.neutral
         }
         free, held = (
             {name: item for name, item in known.items() if (item.held_by is not None) is wanted}
@@ -73,16 +76,17 @@ class Candidate:
         usual = {name: words[0] for name, words in self.kind.choices().items()}
         return ":".join([self.kind.name, *(word for name, word in self.chosen.items() if word != usual[name])])
 
-    def unknown_spread(self, name: str) -> float:
-        """Largest standard deviation that held numbers add to the coordinate of the parameter `name`; 0 if none depends
+    def unknown_spread(self, name: str, coordinate: float) -> float:
+        """Largest standard deviation that held numbers add to the parameter `name` at a coordinate; 0 if none depends
         on it.
         """
         spreads = [0.0]
         for held in self.held.values():
-            if held.held_by is not None and held.held_by[0] == name:
-                own = self.parameters[name].interest
-                ratios = log(held.interest[1] / held.interest[0]), log(own[1] / own[0])
-                spreads.append(held.held_by[1] * ratios[0] / ratios[1])
+            if held.held_by is not None and held.held_by[0] in (name, "") and held.held_by[1]:
+                own, ratio = self.parameters[name], log(held.interest[1] / held.interest[0])
+                # Of a number on a linear scale, about 0, the ratio is uncertain.
+                size = 1.0 / log(own.interest[1] / own.interest[0]) if own.logarithmic else abs(coordinate) / 3.92
+                spreads.append(held.held_by[1] * ratio * size)
         return max(spreads)
 
     @property
@@ -136,16 +140,22 @@ class Candidate:
         return starts
 
 
-def library(setup: SurrogateInputs) -> tuple[Candidate, ...]:
+def library(setup: SurrogateInputs, states: WearStates | None = None) -> tuple[Candidate, ...]:
     """All effects, also of installed packages, that the fast model can predict for these inputs, one candidate for each
     choice of words.
+
+    states: of the nominal run, from which those effects are known that do nothing in this test; None: in one cycle of a
+    contact of 1 µm².
     """
+    course = _Course.of(setup, states)
     return tuple(
         Candidate.of(
             kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), setup.scales, setup.contact_kind
         )
         for kind in all_effects().values()
-        if kind.considered_for(setup.contact_kind, setup.held) and _is_supported(kind, setup) and _may_show(kind, setup)
+        if kind.considered_for(setup.contact_kind, setup.held)
+        and _is_supported(kind, setup)
+        and _sized(kind, setup).may_show(course.chain(setup.with_effect(_sized(kind, setup))))
         for words in product(*kind.choices().values())
     )
 
@@ -166,18 +176,35 @@ def unsupported(setup: SurrogateInputs) -> tuple[str, ...]:
 
 def _is_supported(kind: type[AnyEffect], setup: SurrogateInputs) -> bool:
     try:
-        _chain_with(kind, setup)
+        _Course.of(setup, None).chain(setup.with_effect(_sized(kind, setup)))
     except StudyError:
         return False
     return True
 
 
-def _chain_with(kind: type[AnyEffect], setup: SurrogateInputs) -> Chain:
-    return setup.with_effect(kind.sized("easy", setup.stated)).chain(1.0, 1.0, *np.ones((3, 1)))
+def _sized(kind: type[AnyEffect], setup: SurrogateInputs) -> AnyEffect:
+    return kind.sized("easy", setup.stated)
 
 
-def _may_show(kind: type[AnyEffect], setup: SurrogateInputs) -> bool:
-    """False for a mass that swings so much faster than the drive that even ten times as much does nothing."""
-    chain = _chain_with(kind, setup)
-    swings = 1e-5 * chain.mass_kg * (2.0 * np.pi * setup.frequency_Hz) ** 2 * chain.compliance_um_per_N
-    return not chain.mass_kg.any() or bool(swings.max() > 0.01)
+@dataclass(frozen=True, eq=False)
+class _Course:
+    """Moments of the nominal test: radius and area of the fresh contact, cycles, friction energies and volumes."""
+
+    radius_um: float
+    fresh_area_um2: float
+    cycles: Array
+    energy_J: Array
+    worn_um3: Array
+
+    @classmethod
+    def of(cls, setup: SurrogateInputs, states: WearStates | None) -> _Course:
+        if states is None:
+            return cls(1.0, 1.0, *np.ones((3, 1)))
+        cycles = np.geomspace(1.0, max(setup.cycles, 10.0), 9)
+        loops = simulate(states, setup, cycles)
+        steps = 0.5 * (loops.energy_mJ + np.append(loops.energy_mJ[:1], loops.energy_mJ[:-1]))
+        energy_J = 1e-3 * np.cumsum(steps * np.diff(cycles, prepend=0.0))
+        return cls(states.spot_radius_um, states.fresh_area_um2, cycles, energy_J, loops.volume_um3)
+
+    def chain(self, setup: SurrogateInputs) -> Chain:
+        return setup.chain(self.radius_um, self.fresh_area_um2, self.cycles, self.energy_J, self.worn_um3)
