@@ -148,9 +148,9 @@ def test_bodies_are_pressed_from_wherever_the_holder_last_was() -> None:
 def test_the_contact_of_equal_crossed_wires_is_as_long_as_it_is_wide(hertz: PointContact) -> None:
     _, report = bodies.pressed(bodies.crossed_wires(FINE_mm))
     assert report.half_width_x == pytest.approx(report.half_width_y, rel=1e-4)
-    # Between nodes, to a small share of an element.
-    assert report.half_width_x == pytest.approx(hertz.major_semi_axis_mm, abs=0.3 * FINE_mm)
-    assert report.contact_area == pytest.approx(np.pi * hertz.major_semi_axis_mm**2, rel=0.05)
+    # With two elements a radius.
+    assert report.half_width_x == pytest.approx(hertz.major_semi_axis_mm, abs=0.1 * FINE_mm)
+    assert report.contact_area == pytest.approx(np.pi * hertz.major_semi_axis_mm**2, rel=0.1)
 
 
 def test_frictionless_sliding_needs_no_force_and_does_no_work() -> None:
@@ -265,4 +265,5 @@ def test_bodies_are_pressed_on_a_patch_that_is_fine_and_holds_little_beside_the_
     upper, lower = on_springs(Barrel(1.0 / radius_mm, 1.0 / radius_mm), upper=True), on_springs(Flat(), upper=False)
     problem = ContactProblem(upper, lower, Holder(load), friction=0.5, wear=WearRates(0.0, 0.0))
     _, report = bodies.pressed(problem)
-    assert report.contact_area == pytest.approx(np.pi * contact_mm**2, rel=0.02)
+    # On springs pressures fall to the edge along a line, not as its root: its place is taken for too near.
+    assert report.contact_area == pytest.approx(np.pi * contact_mm**2, rel=0.1)
