@@ -1,17 +1,21 @@
 """Mesh lines that fit a core which sticks, so that its nodes are as stiff as it."""
 
 import pickle
-from math import pi
+from math import acosh, pi
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from geometry import RimGradedAxis
 from tests.simulation.point_contacts import STEEL
 from tests.studies import WEARING, steel_wires
+from wirewear import reference
+from wirewear.simulation import simulate
 from wirewear.simulation.control import core_once_worn
-from wirewear.simulation.core_lines import fitted_to_core, punch_stiffness
+from wirewear.simulation.core_lines import fitted_to_core, punch_stiffness, up_to_core
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.expected_contact import Ellipse
 from wirewear.simulation.meshes import core_stages
@@ -74,3 +78,47 @@ def test_a_core_under_a_held_load_and_stroke_grows_as_far_as_rings_that_wear_lea
     assert grown(0.0) == pytest.approx(once_worn, abs=0.0011)
     assert grown(2.0 / 22461.5) == pytest.approx(0.5 * (grown(0.0) + fresh), abs=1e-4)
     assert grown(0.0, held_tangential_force_N=24.0 * share) == grown(0.0, approach_um=2.2) == fresh
+
+
+@pytest.mark.parametrize("core", [0.02, 0.3, 0.947])
+def test_two_lines_lie_as_far_within_a_line_contacts_core_as_beyond_it(core: float) -> None:
+    size, half = up_to_core(0.025, 2.0, core)
+    lines = np.arange(round(half / size) + 1) * size
+    assert size <= 0.025
+    assert half >= 2.0
+    assert np.diff(sorted(np.abs(lines - core))[:2])[0] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.15, 0.5, 0.8, 0.95])
+def test_what_wears_of_a_line_contact_under_a_held_force_is_what_its_core_leaves_of_the_load(share: float) -> None:
+    """Outside the core no pressure is left: a punch's share µP of the load, Q, and Hertz's of the core's half-width."""
+    radius, load, friction, cycles = 25.0, 150.0, 0.6, 20_000
+    steel = reference.Elastic(*STEEL.values())
+    modulus = reference.contact_modulus(steel, steel)
+    half = reference.hertz_line(load, radius, modulus).half_width_mm
+    core, punch = half * (1.0 - share) ** 0.5, 2.0 * share * load / (pi * modulus)
+
+    def depth(x: float) -> float:
+        angle = acosh(x / core)
+        return float(punch * angle - (x * (x**2 - core**2) ** 0.5 - core**2 * angle) / (2.0 * radius))
+
+    area = 2.0 * quad(depth, core, brentq(depth, 1.001 * core, 20.0 * core))[0]
+    tables = {
+        "format": 1,
+        "name": "line",
+        "kind": "cylinder-on-flat",
+        "pad": {"radius_mm": radius, **STEEL},
+        "specimen": STEEL,
+        "conditions": {
+            "normal_load_N_per_mm": load,
+            "displacement_amplitude_um": 30.0,
+            "held_tangential_force_N_per_mm": share * friction * load,
+            "cycles": cycles,
+        },
+        "contact": {"friction": friction},
+        "wear": {"pad_energy_mm3_per_J": 1e-3, "specimen_energy_mm3_per_J": 1e-3},
+        "log": {"loop_cycles": [1, cycles]},
+    }
+    worn = simulate(study_from_tables(tables, "s"), fidelity="quick").worn_volume_mm3
+    assert float(worn[-1]) / area == pytest.approx(1.0, abs=0.03)

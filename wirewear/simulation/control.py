@@ -340,9 +340,8 @@ def point_sticks(study: Study, *, under_largest_load: bool = False) -> bool:
     return expected_to_stick(study, onset, under_largest_load=under_largest_load)
 
 
-def stated_core(study: Study) -> float | None:
-    """Share (0 to 1) of a fresh contact's axes that sticks at the end of the first loading by the tangential force that
-    a study holds, by Cattaneo and Mindlin.
+def unused_friction(study: AnyStudy) -> float | None:
+    """Share (0 to 1) of the largest friction force that the tangential force which a study holds leaves unused.
 
     None where that is to be seen: the drive holds something else, friction is not Coulomb's alone, or loads change.
     """
@@ -350,7 +349,7 @@ def stated_core(study: Study) -> float | None:
     if held is None or study.effects or not plain or not study.drive.steady:
         return None
     friction_N = least_friction_N(study)
-    return float(1.0 - held / friction_N) ** (1.0 / 3.0) if held < friction_N else None
+    return 1.0 - held / friction_N if held < friction_N else None
 
 
 def core_once_worn(study: Study, core: float, compliance_mm_per_N: float) -> float:

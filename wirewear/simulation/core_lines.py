@@ -6,23 +6,28 @@ that of their cells. What wears depends steeply on that: a hundredth of the radi
 (docs/partial_slip.md).
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
-from math import pi, sqrt
+from math import ceil, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ellipk
 
-from geometry import RimGradedAxis
+from geometry import EdgeGradedAxis, GradedAxis, RimGradedAxis
 from geometry.arrays import Array
 from solvers.stress.pressing import depth_by_rectangle
+from wirewear.reference import LineContact
+from wirewear.simulation.control import unused_friction
 from wirewear.simulation.expected_contact import Ellipse
+from wirewear.test import LineStudy
 
 #: By how much lines are stretched at most, and how many stretches are tried.
 _STRETCH, _TRIED = 0.07, 141
 _SHARES = (0.5, 0.55, 0.6, 0.65, 0.7, 0.75)  #: How their sizes fall towards the rim.
 _BEYOND = 0.02  #: Of an element: by how much nodes may lie beyond the outline and stick, of Hertz's contacts.
+_COARSER = 5.0  #: Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 1e-9  #: Of the outline: nodes as near to its middle lie there.
 #: Of an element: nodes nearer to the outline within and beyond it might slip or stick.
 _CLEAR = -0.12, 0.1
@@ -79,6 +84,35 @@ def fitted_to_core(lines: _Lines, core: Ellipse, axial_rad: float) -> _Lines:
             fits[int(place)] = abs(stiffer - 1.0) + cells[place].unclear
         area /= stiffer**2
     return tried[min(fits, key=lambda one: fits[one])]
+
+
+def core_of_line(study: LineStudy, contact_under: Callable[[float], LineContact]) -> float | None:
+    """Half-width in mm of a line contact's core under the tangential force that a study holds; None where that is to be
+    seen. contact_under: the fresh contact under a load in N/mm.
+
+    It is that of the contact under the load whose friction is not used (Ciavarella, J. Appl. Mech. 65 (1998) 998).
+    """
+    unused = unused_friction(study)
+    return None if unused is None else contact_under(unused * study.conditions.normal_load_N).half_width_mm
+
+
+def up_to_core(fine_mm: float, half_mm: float, core_mm: float) -> tuple[float, float]:
+    """(element size, half-extent): even mesh lines from 0, at most `fine_mm` apart and at least as far as `half_mm`.
+
+    Two lie as far within a line contact's core as beyond it: such nodes are as stiff as it, within 0.05 of an element.
+    """
+    size = core_mm / (max(ceil(core_mm / fine_mm - 0.5), 1) + 0.5)
+    return size, size * ceil(half_mm / size)
+
+
+def even_lines(fine_mm: float, half_mm: float, even_mm: float, core_mm: float | None) -> GradedAxis | EdgeGradedAxis:
+    """Even mesh lines up to `half_mm`, coarser within a flat's middle `even_mm`, 0 for none; fitted to a core."""
+    if core_mm is not None and core_mm > even_mm:
+        fine_mm, half_mm = up_to_core(fine_mm, half_mm - even_mm, core_mm - even_mm)
+        half_mm += even_mm
+    if even_mm:
+        return EdgeGradedAxis(fine_mm, _COARSER * fine_mm, even_mm, half_mm)
+    return GradedAxis(fine_mm, half_mm, fine_mm, half_mm)
 
 
 def _within(axial: RimGradedAxis, transverse: RimGradedAxis, core: Ellipse, axial_rad: float) -> _Cells:

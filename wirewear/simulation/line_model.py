@@ -27,6 +27,7 @@ from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.control import SlidingOnset, expected_to_stick
+from wirewear.simulation.core_lines import core_of_line, even_lines
 from wirewear.simulation.expected_contact import wear_factors
 from wirewear.simulation.problem import laws_of, measured
 from wirewear.simulation.yielding import pressure_limit, spread_by_yield
@@ -37,12 +38,9 @@ from wirewear.test.gaps import under_coats
 from wirewear.test.study import LineStudy
 from wirewear.test.surfaces import StatedSurface
 
-# Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
-_MIDDLE = 5.0
-
 _WIDEST_OF_PINS = 85.0 / 180.0 * pi  # In rad; a bore's patch reaches further.
 
-_MARGIN, _UNWORN_MARGIN, _STUCK_MARGIN = 1.3, 1.15, 1.6
+_MARGIN, _UNWORN_MARGIN, _STUCK_MARGIN = 1.3, 1.15, 2.0
 
 # Pressures of worn surfaces have a kink where neighbouring elements differ in size: 4 % of their mean at 1.2.
 _GROWTH = 1.05
@@ -210,11 +208,13 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
     finer = mesh.mesh_refinement
     fine = (1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else reach / per_contact) / finer
 
+    around = sticks and wears and len(sticking) == 1
+    core = core_of_line(study, lambda own: fresh_contact(face, own, modulus, pad_half)[1]) if around else None
+
     def along(half: float, moved: float = 0.0) -> GradedAxis | EdgeGradedAxis:
-        if isinstance(face, RoundedFlat):
-            return EdgeGradedAxis(fine, _MIDDLE * fine, middle_of(face, reach, moved), half + moved)
-        if not wears or sticks:
-            return GradedAxis(fine, half + moved, fine, half + moved)
+        if isinstance(face, RoundedFlat) or not wears or sticks:
+            even = middle_of(face, reach, moved) if isinstance(face, RoundedFlat) else 0.0
+            return even_lines(fine, half + moved, even, core)
         fine_to = min(1.5 * fresh.half_width_mm + moved, half + moved)
         return GradedAxis(fine, fine_to, max(fine, half / (finer * level.per_scar)), half + moved, _GROWTH)
 
