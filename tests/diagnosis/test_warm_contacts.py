@@ -1,4 +1,4 @@
-"""Heat of friction and debris that leaves as causes: where they are weighed, what is told from them and by what."""
+"""Heat of friction as a cause: where it is weighed, what is told from it and by what."""
 
 from dataclasses import replace
 from unittest.mock import patch
@@ -51,7 +51,6 @@ def test_heat_is_weighed_only_where_surfaces_warm() -> None:
         {one.name for one in library(replace(nominal(), frequency_Hz=hertz), states())} for hertz in (3.0, 1000.0)
     )
     assert warm - cold == {"friction_heat", "holder_inertia"}
-    assert "debris_balance" in cold
 
 
 def test_what_follows_temperature_is_as_uncertain_as_the_conductivity() -> None:
@@ -92,12 +91,3 @@ def test_a_record_at_a_tenth_of_the_frequency_tells_heat_from_friction_that_runs
     assert both.equivalent == ()
     assert both.causes[0].effect == "friction_heat"
     assert both.causes[0].probability > 0.95
-
-
-@pytest.mark.slow
-def test_debris_that_leaves_is_told_from_a_rig_but_not_from_other_beds() -> None:
-    debris = {"retained_fraction": 0.4, "modulus_MPa": 500.0, "leaving_share": 1e-4, "protecting_um": 0.5}
-    found = answer(record({"debris_balance": debris}))
-    assert found.verdict == "explained"
-    assert {"debris_balance", "third_body"} <= set(found.equivalent[0])
-    assert "tangential_compliance" not in found.equivalent[0]
