@@ -88,7 +88,7 @@ def test_what_a_path_holds_is_seen_by_its_contents(name: str, held: Held | None)
         ("loops study.toml", "study.toml is a study, and no file of measured numbers or record or result of a run"),
         ("new german.csv", "german.csv holds numbers: `wirewear new "),
         ("new --mapping study.toml", "study.toml is a study, and no file of measured numbers"),
-        ("new --mapping .", ". is a folder of measured files, and no file of measured numbers: `wirewear new "),
+        ("new --mapping .", "mapping.toml exists already, and is not overwritten"),
         ("import . --output o", ". is a folder of measured files, and no mapping"),
         ("loops .", ". is a folder of measured files, and no file of measured numbers or record"),
     ],
