@@ -162,8 +162,8 @@ def test_a_force_that_friction_bears_is_held_on_any_rig(stiffness: float | str, 
 LARGE_AT_ONE_END = {"amplitude_share": 0.63, "lag_deg": 177.4}
 
 
-@pytest.mark.seconds
-@pytest.mark.parametrize("share", [1.16, pytest.param(1.4, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [1.16, 1.4])
 def test_a_force_is_held_that_only_the_load_at_one_end_of_the_stroke_bears(share: float) -> None:
     """Less than a load of 0.63 more bears at that end, more than the test's load bears."""
     conditions = {"displacement_amplitude_um": 40.0, "held_tangential_force_N": share * FRICTION * LOAD_N}
