@@ -39,32 +39,29 @@ def _chords(lines: Array, pressure: Array) -> tuple[Array, Array, Array]:
     some = pressed.any(axis=0)
     first, last = pressed.argmax(axis=0), len(lines) - 1 - pressed[::-1].argmax(axis=0)
     middle = 0.5 * (lines[first] + lines[last])
-    low, high = (_end(lines, pressure, middle, end, step) for end, step in ((first, -1), (last, 1)))
-    widths = np.gradient(lines)
+    low, high = _ends(lines, pressure, middle, np.stack([first, last]))
     rows = np.arange(len(lines))[:, None]
     holes = ~pressed & (rows > first) & (rows < last)
-    return low * some, high * some, np.where(some, high - low - widths @ holes, 0.0)
+    bare = np.gradient(lines) @ holes if holes.any() else 0.0
+    return low * some, high * some, np.where(some, high - low - bare, 0.0)
 
 
-def _end(lines: Array, pressure: Array, middle: Array, node: IntArray, step: int) -> Array:
-    """Where columns of pressures (n, m) end beyond their outermost pressed `node` (m,), on the side `step`, -1 or 1."""
-    columns, squares = np.arange(pressure.shape[1]), []
-    weights: list[BoolArray] = []
-    for k in range(_NODES):
-        inside = np.clip(node - k * step, 0, len(lines) - 1)
-        squares.append([(lines[inside] - middle) ** 2, pressure[inside, columns] ** 2])
-        counts = (pressure[inside, columns] > 0.0) & ((lines[inside] - middle) * step >= 0.0)
-        weights.append(counts if k == 0 else counts & weights[-1])
-    (x, y), w = np.moveaxis(np.array(squares), 1, 0), np.array(weights, dtype=np.float64)
+def _ends(lines: Array, pressure: Array, middle: Array, node: IntArray) -> Array:
+    """Where columns of pressures (n, m) end below and above (2, m), beyond their outermost pressed `node` (2, m)."""
+    step, most = np.array([[-1], [1]]), len(lines) - 1
+    inside = np.clip(node - step * np.arange(_NODES)[:, None, None], 0, most)
+    offsets, pressures = lines[inside] - middle, pressure[inside, np.arange(pressure.shape[1])]
+    # A line's nodes count as far as all before them do.
+    counted: BoolArray = np.logical_and.accumulate((pressures > 0.0) & (offsets * step >= 0.0))
+    x, y, w = offsets**2, pressures**2, counted.astype(np.float64)
     total = np.maximum(w.sum(axis=0), 1.0)
     x0, y0 = (w * x).sum(axis=0) / total, (w * y).sum(axis=0) / total
-    spread, fall = (w * (x - x0) ** 2).sum(axis=0), -(w * (x - x0) * (y - y0)).sum(axis=0)
-    after = np.clip(node + step, 0, len(lines) - 1)
-    falls = fall > 0.0
+    away = w * (x - x0)
+    spread, fall = (away * (x - x0)).sum(axis=0), -(away * (y - y0)).sum(axis=0)
+    after, falls = lines[np.clip(node + step, 0, most)] - middle, fall > 0.0
     vanishes = x0 + y0 * spread / np.where(falls, fall, 1.0)
-    reach = np.where(falls, np.sqrt(np.maximum(vanishes, 0.0)), 0.5 * np.abs(lines[node] + lines[after] - 2.0 * middle))
-    limits = np.abs(lines[node] - middle), np.abs(lines[after] - middle)
-    return np.asarray(middle + step * np.clip(reach, *limits))
+    reach = np.where(falls, np.sqrt(np.maximum(vanishes, 0.0)), 0.5 * np.abs(offsets[0] + after))
+    return np.asarray(middle + step * np.clip(reach, np.abs(offsets[0]), np.abs(after)))
 
 
 def _area(lines: Array, chord: Array) -> float:
