@@ -16,7 +16,8 @@ from solvers.contact_state import ContactState
 from solvers.wear_step.influence import Influences
 from solvers.wear_step.symmetry import Mirror
 
-#: By how much more friction bears at a punch's edge: all along it nothing slips, but by little.
+#: By how much more friction carries at a punch's edge, where nothing slips, but by little. Without it worn
+#: volumes of lines at 0.8 and 0.9 of their friction were 10 to 13 % too large.
 _SPARE = 0.03
 
 

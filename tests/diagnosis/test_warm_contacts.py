@@ -1,4 +1,4 @@
-"""Heat of friction as a cause: where it is weighed, what is told from it and by what."""
+"""Heat of friction as a cause: where it is weighed, what is distinguished from it and by what."""
 
 from dataclasses import replace
 from unittest.mock import patch

@@ -17,7 +17,6 @@ from wirewear.results import RunResult
 from wirewear.stress.bodies import meshed_body
 from wirewear.test import Study, study_from_tables
 
-DIALECTS = ("abaqus", "calculix")
 _STIFFNESS = 30.0  #: Of the penalty for penetration, over modulus by element size: it is some 1 % of the approach.
 _STICKING = 0.1  #: Of the stiffness against elastic slip, over that one.
 _INCREMENTS = 20  #: Of each half stroke, at first.
@@ -26,9 +25,9 @@ _INCREMENTS = 20  #: Of each half stroke, at first.
 def write_deck(result: RunResult, path: Path, cycle: float, dialect: str) -> Path:
     """Write the deck of the recorded cycle nearest to `cycle` to a file, in mm, N and MPa; return the file.
 
-    dialect: one of DIALECTS, which differ in words for friction and hard contact. The driven, lower body's grip follows
-    the node DRIVE; the upper one's follows HOLDER, which does not turn and which the normal load of that cycle and the
-    rig's spring act on. What wear by UMESHMOTION needs stands there for Abaqus as comments.
+    dialect: "abaqus" or "calculix", which differ in words for friction and hard contact. The driven, lower body's grip
+    follows the node DRIVE; the upper one's follows HOLDER, which does not turn and which the normal load of that cycle
+    and the rig's spring act on. What wear by UMESHMOTION needs stands there for Abaqus as comments.
 
     Raises ResultError if the run has recorded no contact forces, whose meshes these are, if a body is from a file, if
     the rig's holder turns, or the load changes within the cycle.

@@ -101,10 +101,9 @@ def guessed_campaign(
         raise RecordError(f"{folder} holds no test that can be read: {'; '.join(unread) or 'it is empty'}.")
     chosen = max(found.values(), key=lambda one: len(one.tables))
     conditions = {name: one.tables.get("conditions", {}) for name, one in found.items()}
-    differing = [
-        key for key in chosen.tables.get("conditions", {}) if len({own.get(key) for own in conditions.values()}) > 1
-    ]
-    asked = {key: own for key, own in chosen.tables.get("conditions", {}).items() if key not in differing}
+    asked = chosen.tables.get("conditions", {})
+    differing = [key for key in asked if len({own.get(key) for own in conditions.values()}) > 1]
+    alike = {key: own for key, own in asked.items() if key not in differing}
     unlike = [name for name, one in found.items() if _sources(one.tables) != _sources(chosen.tables)]
     remarks = [
         f"{len(found)} tests: {', '.join(found)}",
@@ -113,7 +112,7 @@ def guessed_campaign(
         *unread,
     ]
     rows = [{"test": name} | {key: own[key] for key in differing if key in own} for name, own in conditions.items()]
-    mapping = GuessedMapping(chosen.tables | {"conditions": asked}, (*remarks, *chosen.remarks))
+    mapping = GuessedMapping(chosen.tables | {"conditions": alike}, (*remarks, *chosen.remarks))
     return mapping, rows if differing else []
 
 
