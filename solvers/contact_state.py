@@ -12,6 +12,7 @@ import numpy as np
 from geometry.arrays import Array, BoolArray
 from solvers.drive import Drive
 from solvers.errors import SolverError
+from solvers.extent import Touching
 
 
 @dataclass(frozen=True)
@@ -131,17 +132,30 @@ class IncrementReport:
     iterations: int = 0  #: Newton steps.
     active: int = 0  #: Nodes in contact.
     sticking: int = 0  #: Nodes in contact that stick.
-    contact_area: float = 0.0  #: Area of contact in the plane, mm².
     max_pressure: float = 0.0  #: At any node, MPa.
     inner_pressure: float = 0.0  #: The largest away from the contact's rim, MPa, see `largest_within`.
-    half_width_x: float = 0.0  #: Half of the contact's extent along x, mm.
-    half_width_y: float = 0.0  #: Half of its extent along y, mm.
     force_error: float = 0.0  #: |unbalanced force| / normal force.
     penetration: float = 0.0  #: Largest overlap over the largest elastic displacement.
     complementarity: float = 0.0  #: Largest |gap| of nodes under pressure over the largest elastic displacement.
     slip_direction_error: float = 0.0  #: Largest angle between friction and slip of nodes that slide, rad.
     #: Largest slip of sticking nodes, which a penalty formulation allows, over the largest elastic displacement.
     elastic_slip: float = 0.0
+    touching: Touching | None = field(default=None, compare=False, repr=False)  #: Where the bodies touch.
+
+    @property
+    def contact_area(self) -> float:
+        """Area of contact in the plane, mm²."""
+        return self.touching.area if self.touching else 0.0
+
+    @property
+    def half_width_x(self) -> float:
+        """Half of the contact's extent along x, mm."""
+        return float(self.touching.half_widths[0]) if self.touching else 0.0
+
+    @property
+    def half_width_y(self) -> float:
+        """Half of its extent along y, mm."""
+        return float(self.touching.half_widths[1]) if self.touching else 0.0
 
 
 @dataclass(frozen=True)

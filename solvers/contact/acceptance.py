@@ -15,13 +15,13 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.arrays import Array, IntArray
-from solvers.contact.extent import extent
 from solvers.contact.linearising import law_at, layers_between, normal_of
 from solvers.contact.problem import ContactProblem, facing_offset, levers
 from solvers.contact_conditions import ContactOutcome, Linearisation
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity.pairing import Pairing
 from solvers.errors import PatchLeftError
+from solvers.extent import Touching
 from solvers.jit_cache import compiled
 from solvers.laws.friction_law import Friction
 from solvers.laws.layers import LayersAtNodes
@@ -261,8 +261,6 @@ def _report(
     pressure = np.einsum("ij,ij->i", outcome.traction, normals) * normals[:, 2]
     everywhere = np.zeros(problem.primary.patch.size)
     everywhere[pairing.nodes] = np.where(pressed, pressure, 0.0)
-    area, edge = extent(problem.primary.patch, np.maximum(everywhere, 0.0))
-    half = 0.5 * np.ptp(edge @ problem.primary.world_to_patch, axis=0) if len(edge) else np.zeros(2)
     return IncrementReport(
         drive=drive,
         tangential_force=float(force[0]),
@@ -271,14 +269,12 @@ def _report(
         iterations=iterations,
         active=int(pressed.sum()),
         sticking=outcome.sticking,
-        contact_area=area,
         max_pressure=float(pressure.max()),
         inner_pressure=largest_within(everywhere.reshape(problem.primary.patch.shape)),
-        half_width_x=float(half[0]),
-        half_width_y=float(half[1]),
         force_error=outcome.force_error,
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
         slip_direction_error=outcome.slip_direction_error,
         elastic_slip=outcome.elastic_slip,
+        touching=Touching(problem.primary.patch, np.maximum(everywhere, 0.0), problem.primary.world_to_patch),
     )

@@ -211,3 +211,14 @@ def test_a_folder_of_tests_gives_one_mapping_and_what_differs_between_them(tmp_p
     refused = CliRunner().invoke(cli, ["new", "--mapping", str(home), "--diameter", "0.45"])
     assert (refused.exit_code, refused.stdout) == (2, "")
     assert "exists already" in refused.stderr
+
+
+def test_files_of_one_stem_are_one_test(tmp_path: Path) -> None:
+    for name in ("T1", "T2"):
+        (tmp_path / f"{name}.csv").write_text(logged(20.0), encoding="utf-8")
+    (tmp_path / "T1.txt").write_text(bowl(3.0)[0].replace("x,y,depth", "x_um,y_um,depth_um"), encoding="utf-8")
+    answer = CliRunner().invoke(cli, ["new", "--mapping", str(tmp_path), "--diameter", "0.45"], catch_exceptions=False)
+    assert "2 tests: T1, T2" in answer.output
+    mapping = (tmp_path / "mapping.toml").read_text(encoding="utf-8")
+    assert "{test}.csv" in mapping
+    assert "{test}.txt" in mapping

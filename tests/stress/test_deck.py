@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import meshio
 import numpy as np
@@ -59,8 +60,27 @@ def test_a_deck_holds_both_worn_bodies_in_touch_and_moves_them_as_the_test_does(
     assert meshio.read(tmp_path / "worn.inp").points.shape[1] == 3
 
 
-def test_what_a_deck_cannot_state_is_refused_in_a_sentence(tmp_path: Path) -> None:
-    turning = wires(holder={"rotational_stiffness_N_mm_per_rad": 1e4, "pivot_height_mm": 9.0}).resolved()
-    with pytest.raises(ResultError, match="a holder that turns"):
-        write_deck(replace(run_with_forces(), study=turning), tmp_path / "worn.inp", CYCLE, "abaqus")
+@pytest.mark.parametrize(
+    ("words", "tables"),
+    [
+        ("a holder that turns", {"holder": {"rotational_stiffness_N_mm_per_rad": 1e4, "pivot_height_mm": 9.0}}),
+        ("bulk stress", {"wires": {"moving": {"bulk": {"axial_stress_MPa": 100.0}}}}),
+        (
+            "coats of their own modulus",
+            {
+                "wires": {
+                    "moving": {"layers": [{"thickness_um": 2.0, "youngs_modulus_MPa": 4e5, "poissons_ratio": 0.2}]}
+                }
+            },
+        ),
+        ("elastic grips", {"wires": {"grip_stiffness_N_per_mm3": 1e5}}),
+        (
+            "shear-limited friction",
+            {"contact": {"friction_law": {"name": "shear-limited", "shear_strength_MPa": 900.0}}},
+        ),
+    ],
+)
+def test_what_a_deck_cannot_state_is_refused_in_a_sentence(tmp_path: Path, words: str, tables: dict[str, Any]) -> None:
+    with pytest.raises(ResultError, match=f"a deck cannot state {words}: export"):
+        write_deck(replace(run_with_forces(), study=wires(**tables).resolved()), tmp_path / "worn.inp", CYCLE, "abaqus")
     assert not list(tmp_path.iterdir())

@@ -11,6 +11,7 @@ from scipy.interpolate import LinearNDInterpolator
 from geometry import BodyMesh, Elastic, HexMesh
 from geometry.arrays import Array, IntArray
 from solvers.elasticity.placement import rotation_to_world
+from solvers.laws.friction_law import Coulomb
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_text
 from wirewear.results import RunResult
@@ -29,8 +30,8 @@ def write_deck(result: RunResult, path: Path, cycle: float, dialect: str) -> Pat
     follows the node DRIVE; the upper one's follows HOLDER, which does not turn and which the normal load of that cycle
     and the rig's spring act on. What wear by UMESHMOTION needs stands there for Abaqus as comments.
 
-    Raises ResultError if the run has recorded no contact forces, whose meshes these are, if a body is from a file, if
-    the rig's holder turns, or the load changes within the cycle.
+    Raises ResultError if the run has recorded no contact forces, whose meshes these are, if a body is from a file, or
+    if the study has what a deck cannot state: it is named.
     """
     study: Study = study_from_tables(result.study, result.label)
     _require_simple(study, result)
@@ -89,14 +90,19 @@ def write_deck(result: RunResult, path: Path, cycle: float, dialect: str) -> Pat
 
 
 def _require_simple(study: Study, result: RunResult) -> None:
-    turning, conditions = study.holder.rotational_stiffness_N_mm_per_rad, study.conditions
-    lacking = [
-        *(["a holder that turns"] if turning != "rigid" else []),
-        *(["a load cycle or programme"] if conditions.load_cycle is not None or study.tables.programme else []),
-        *(["effects"] if study.tables.effects else []),
-    ]
-    if lacking:
-        raise ResultError(f"{result.label}: a deck cannot state {' or '.join(lacking)}: export a run without.")
+    tables, law = study.tables, study.contact.friction_law
+    beyond = {
+        "a holder that turns": study.holder.rotational_stiffness_N_mm_per_rad != "rigid",
+        "a load cycle or programme": study.conditions.load_cycle is not None or bool(tables.programme),
+        "effects": bool(tables.effects),
+        "bulk stress": bool(tables.drive.bulk),
+        "coats of their own modulus": any(tables.coatings),
+        "elastic grips": any(body.grip_stiffness_N_per_mm3 != "rigid" for body in study.bodies),
+        f"{law.name} friction": not isinstance(law, Coulomb),
+    }
+    if any(beyond.values()):
+        lacking = " or ".join(words for words, stated in beyond.items() if stated)
+        raise ResultError(f"{result.label}: a deck cannot state {lacking}: export a run without.")
 
 
 class _Placed:

@@ -9,6 +9,7 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -128,7 +129,7 @@ def _tests_of(folder: Path) -> dict[str, list[Path]]:
 
 def _beside(files: Sequence[Path]) -> dict[str, list[Path]]:
     """Files of each test where all lie in one folder: those that share the words before endings which most tests have
-    (A_raw.csv, A_scar.csv), or else each file by itself.
+    (A_raw.csv, A_scar.csv), or else those of one stem.
     """
     words = {path: re.findall(r"[_\W]*[^_\W]+", path.name) for path in files}
     for number in range(1, max(map(len, words.values()), default=0)):
@@ -139,7 +140,7 @@ def _beside(files: Sequence[Path]) -> dict[str, list[Path]]:
         common, tests = max(ends.items(), key=lambda one: len(one[0]) * one[1], default=((), 0))
         if len(common) > 1 and tests > 1 and 2 * len(common) * tests > len(files):
             return found
-    return {path.stem: [path] for path in files}
+    return {stem: list(own) for stem, own in groupby(files, lambda path: path.stem)}
 
 
 def _with_place(data: Any, name: str) -> Any:

@@ -6,12 +6,39 @@ it vanishes, but at most to the next node; where it does not fall, the contact e
 nodes.
 """
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
 
 _NODES = 3  #: Outermost nodes through which the square of the pressure is laid.
+
+
+@dataclass(frozen=True)
+class Touching:
+    """Where a patch touches, sought when it is asked for: few increments' extents are."""
+
+    patch: ContactPatch
+    pressure: Array  #: (n,) at the patch's nodes, MPa, 0 where it does not touch.
+    world_to_patch: Array  #: (2, 2) turn of the plane.
+
+    @cached_property
+    def _extent(self) -> tuple[float, Array]:
+        return extent(self.patch, self.pressure)
+
+    @property
+    def area(self) -> float:
+        """Area of contact in the plane, mm²."""
+        return self._extent[0]
+
+    @property
+    def half_widths(self) -> Array:
+        """(2,) halves of its extent along x and y of the world, mm."""
+        edge = self._extent[1]
+        return np.asarray(0.5 * np.ptp(edge @ self.world_to_patch, axis=0)) if len(edge) else np.zeros(2)
 
 
 def extent(patch: ContactPatch, pressure: Array) -> tuple[float, Array]:
