@@ -20,6 +20,7 @@ from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.expected_contact import Ellipse
 from wirewear.simulation.meshes import core_stages
 from wirewear.test import parse_study, study_from_tables
+from wirewear.verification.partial_slip_run import held_force_shape, held_force_study
 
 #: Volumes go with about the tenth power of the radius: this is 3 % of them.
 _OFF = 0.003
@@ -122,3 +123,11 @@ def test_what_wears_of_a_line_contact_under_a_held_force_is_what_its_core_leaves
     }
     worn = simulate(study_from_tables(tables, "s"), fidelity="quick").worn_volume_mm3
     assert float(worn[-1]) / area == pytest.approx(1.0, abs=0.03)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.3, 0.9, 0.95])
+def test_what_wears_of_a_ball_under_a_held_force_is_what_its_core_leaves_of_the_load(share: float) -> None:
+    """At 0.95 the worn annulus ends at 1.8 times the fresh contact's radius, which meshes must reach."""
+    worn = simulate(held_force_study(share), fidelity="quick").worn_volume_mm3
+    assert float(worn[-1]) / held_force_shape(share)[1] == pytest.approx(1.0, abs=0.08)

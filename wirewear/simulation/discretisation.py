@@ -11,7 +11,7 @@ from typing import Any
 
 from geometry import BodyGeometry, GradedAxis, Layering, RimGradedAxis
 from wirewear.base.errors import StudyError
-from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit
+from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit, worn_under_load
 from wirewear.results.scar import called
 from wirewear.simulation.control import point_sticks
 from wirewear.simulation.core_lines import fitted_to_core
@@ -33,6 +33,7 @@ SCAR_MARGIN = 1.2
 
 # Extent of the patch over that of a contact that sticks in its middle, without wear and with it, which widens it.
 _STUCK_MARGIN, _WORN_MARGIN = 1.3, 1.6
+_EDGE_MARGIN = 1.1  #: Extent of the patch over that of the worn annulus at its end.
 _LEAST_RADIUS = 0.6  #: Of the contact under the test's load: elements are fitted to no smaller one within a cycle.
 _EVENLY, _EVEN_MORE = 0.01, 1.25  #: Grading of lines that are spaced evenly, and how many more elements they need.
 
@@ -132,7 +133,7 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None, core:
         contact_mm=None if chosen.contact_mesh_um is None else chosen.contact_mesh_um * finer_mm,
         outer_mm=None if chosen.outer_mesh_um is None else chosen.outer_mesh_um * finer_mm,
         sticks=expected.sticks and follows(study, fidelity) and expected.face is None,
-        stuck_margin=_STUCK_MARGIN if study.wear is None else _WORN_MARGIN,
+        stuck_margin=_STUCK_MARGIN if study.wear is None else _worn_margin(core),
         core=core,
     )
     moving, fixed, coarsening = affordable_meshes(study, sizes, level)
@@ -152,6 +153,14 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None, core:
         predicted_scar_half_width_mm=half_width,
         coarsening=coarsening,
     )
+
+
+def _worn_margin(core: float | None) -> float:
+    """Extent of the patch over that of a fresh contact whose share `core` sticks in the end; None: not known yet."""
+    if core is None:
+        return _WORN_MARGIN
+    # Of a ball of radius 1 whose contact has radius 1.
+    return max(_WORN_MARGIN, _EDGE_MARGIN * worn_under_load(1.0, 1.0, 4.0 / 3.0, 1.0 - core**3).edge_radius_mm)
 
 
 def follows(study: Study, fidelity: str) -> bool:

@@ -61,22 +61,24 @@ def held_force_rows(_level: Level) -> tuple[Row, ...]:
     )
 
 
-def held_force_study() -> Study:
-    """Study of a ball on a flat under a held load and a held tangential force, until next to nothing wears."""
+def held_force_study(share: float = _HELD_SHARE) -> Study:
+    """Study of a ball on a flat under a held load and a held tangential force, of which friction bears as much over
+    `share` (0 to 1), until next to nothing wears.
+    """
     return study_of(
         _FLAT,
         _BALL,
         cycles=_HELD_CYCLES,
-        conditions={"normal_load_N": _HELD_N, "held_tangential_force_N": _HELD_SHARE * FRICTION * _HELD_N},
+        conditions={"normal_load_N": _HELD_N, "held_tangential_force_N": share * FRICTION * _HELD_N},
         wear=_WEAR | {"energy_wear_coefficient_mm3_per_J": 2.0e-3},
         log={"loop_cycles": [1, _HELD_CYCLES]},
     )
 
 
-def held_force_shape() -> tuple[reference.LimitingShape, float]:
+def held_force_shape(share: float = _HELD_SHARE) -> tuple[reference.LimitingShape, float]:
     """The shape at which wear of the run of `held_force_study` ends, and its volume in mm³ as slip is not small."""
     radius, modulus = 0.5 * _BALL_mm, hertz.CONTACT_MODULUS_MPa
-    exact = reference.worn_under_load(radius, modulus, _HELD_N, _HELD_SHARE)
+    exact = reference.worn_under_load(radius, modulus, _HELD_N, share)
     slip = exact.slip_mm(FRICTION, modulus, reference.tangential_contact_modulus(hertz.STEEL, hertz.STEEL))
     return exact, exact.volume_after_slip_mm3(slip, 0.5 / radius)
 
