@@ -1,9 +1,9 @@
 """Where a contact ends between nodes, and the area within.
 
-Next to the edge of an elastic contact the square of the pressure falls as the square of the distance from the middle:
-exactly so on every line through Hertz's ellipse. It is followed from the outermost pressed nodes of a line to where
-it vanishes, but at most to the next node; where it does not fall, the contact ends midway. Holes are as wide as their
-nodes.
+Next to the edge a power of the pressure falls as the square of the distance from the middle: its square on every line
+through Hertz's ellipse, itself on springs, and on thin soft layers one in between, as three nodes show. It is
+followed from the outermost pressed nodes of a line to where it vanishes, but at most to the next node; where it does
+not fall, the contact ends midway. Holes are as wide as their nodes.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ import numpy as np
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
 
-_NODES = 3  #: Outermost nodes through which the square of the pressure is laid.
+_NODES = 3  #: Outermost nodes through which the power of the pressure is laid.
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,8 @@ def _ends(lines: Array, pressure: Array, middle: Array, node: IntArray) -> Array
     offsets, pressures = lines[inside] - middle, pressure[inside, np.arange(pressure.shape[1])]
     # A line's nodes count as far as all before them do.
     counted: BoolArray = np.logical_and.accumulate((pressures > 0.0) & (offsets * step >= 0.0))
-    x, y, w = offsets**2, pressures**2, counted.astype(np.float64)
+    x, w = offsets**2, counted.astype(np.float64)
+    y = _straightened(x, pressures, np.asarray(counted.all(axis=0)))
     total = np.maximum(w.sum(axis=0), 1.0)
     x0, y0 = (w * x).sum(axis=0) / total, (w * y).sum(axis=0) / total
     away = w * (x - x0)
@@ -89,6 +90,18 @@ def _ends(lines: Array, pressure: Array, middle: Array, node: IntArray) -> Array
     vanishes = x0 + y0 * spread / np.where(falls, fall, 1.0)
     reach = np.where(falls, np.sqrt(np.maximum(vanishes, 0.0)), 0.5 * np.abs(offsets[0] + after))
     return np.asarray(middle + step * np.clip(reach, np.abs(offsets[0]), np.abs(after)))
+
+
+def _straightened(x: Array, pressures: Array, known: BoolArray) -> Array:
+    """Pressures (3, 2, m) over their largest, to the power of 1 to 2 that is most nearly linear in x; where it is not
+    known, to the mean of the others, or 2.
+    """
+    share = pressures / np.maximum(pressures.max(axis=0), 1e-300)
+    # By how much it is steeper between the inner two nodes, to either power.
+    single, square = (np.subtract(*np.diff(share**power, axis=0) * np.diff(x, axis=0)[::-1]) for power in (1, 2))
+    between = (single < 0.0) & (square > 0.0)
+    power = 1.0 + np.where(between, single / np.where(between, single - square, 1.0), single < 0.0)
+    return np.asarray(share ** np.where(known, power, power[known].mean() if known.any() else 2.0))
 
 
 def _area(lines: Array, chord: Array) -> float:
