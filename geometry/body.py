@@ -231,15 +231,25 @@ class BodyMesh:
             return None
         return stiffness * (self.mesh.surface_areas("grip") if self.host is None else self.host.areas_mm2)
 
-    def worn(self, depth_mm: Array) -> "BodyMesh":
+    def beneath_patch(self, reach: float) -> BoolArray:
+        """(n,) nodes of the box that leaves the patch on each side and below by `reach` times its least half-width."""
+        patch, points = self.patch, self.mesh.points
+        ends = np.array([[lines[0], lines[-1]] for lines in (patch.axial_mm, patch.transverse_mm)])
+        farther = 0.5 * reach * float(np.ptp(ends, axis=1).min())
+        low = np.append(ends[:, 0], points[patch.nodes, 2].min()) - farther
+        high = np.append(ends[:, 1] + farther, np.inf)
+        return np.asarray(((points >= low) & (points <= high)).all(axis=1))
+
+    def worn(self, depth_mm: Array, moving: BoolArray | None = None) -> "BodyMesh":
         """A copy of this mesh with the nodes of its patch moved down by a depth (n_a, n_t) in mm along z, on top of
-        earlier ones; the patch's `height` is then that of the worn surface.
+        earlier ones; the patch's `height` is then that of the worn surface. moving: (n,) nodes that may move with
+        them, None for all.
 
         Raises GeometryError, naming the element's place, when the scaled Jacobian of an element falls below
         LEAST_SCALED_JACOBIAN.
         """
         patch, depth_mm = self.patch, _without_round_off(depth_mm)
-        mesh = lowered(self.mesh, patch.nodes.ravel(), depth_mm.ravel())
+        mesh = lowered(self.mesh, patch.nodes.ravel(), depth_mm.ravel(), moving)
         smallest = mesh.require_quality(LEAST_SCALED_JACOBIAN)
         before = 0.0 if patch.repositioned_depth_mm is None else patch.repositioned_depth_mm
         return replace(

@@ -75,11 +75,16 @@ class ElementMesh(ABC):
         Knupp, "Algebraic mesh quality metrics", SIAM J. Sci. Comput. 23 (2001).
         """
 
+    @cached_property
+    def quality(self) -> Array:
+        """(m,) what `scaled_jacobians` gives, once worked out."""
+        return self.scaled_jacobians()
+
     def require_quality(self, least: float) -> float:
         """The smallest scaled Jacobian of the mesh. Raises GeometryError, naming the place of the worst cell, if it is
         below `least`.
         """
-        jacobians = self.scaled_jacobians()
+        jacobians = self.quality
         worst = int(np.argmin(jacobians))
         if not jacobians[worst] >= least:
             place = ", ".join(f"{at:.4f}" for at in self.points[self.cells[worst]].mean(axis=0))
@@ -283,9 +288,9 @@ def mirror_images(mesh: HexMesh | QuadMesh, axis: int) -> IntArray | None:
     return image if np.array_equal(one[np.lexsort(one.T)], other[np.lexsort(other.T)]) else None
 
 
-def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
+def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array, moving: BoolArray | None = None) -> HexMesh:
     """A copy of the mesh with its surface nodes of index `nodes` (k,) moved towards -z by `depth_mm` (k,), and inner
-    nodes moved smoothly with them.
+    nodes moved smoothly with them: those of `moving` (n,), None for all.
 
     The other nodes of the boundary stay in place, so the volume shrinks by exactly the integral of the depth. A mesh
     that is symmetric to the last bit stays so if the depth is. Elements are not checked: see `require_quality`. Raises
@@ -294,6 +299,8 @@ def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
     drop = np.zeros(len(mesh.points))
     drop[nodes] = depth_mm
     held = np.union1d(mesh.boundary_nodes, nodes)
+    if moving is not None:
+        held = np.union1d(held, np.flatnonzero(~moving))
     inner = np.setdiff1d(np.arange(len(mesh.points)), held)
     if inner.size:
         _, alike = np.unique(_orbits(mesh, drop)[inner], return_inverse=True)

@@ -7,7 +7,7 @@ All work is in dense LAPACK kernels, which makes it several times faster than a 
 extracting the trailing block (`make bench` prints the ratio).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from hashlib import sha256
 
 import numpy as np
@@ -174,24 +174,27 @@ class Front:
     coupling: Array  #: (b, m) matrix between boundary and own unknowns times the inverse of L's transpose.
     held: IntArray
 
-    def in_single_precision(self) -> "Front":
-        return replace(self, factor=self.factor.astype(np.float32), coupling=self.coupling.astype(np.float32))
-
 
 def eliminate(
     tree: Substructure, system: System, kept: list[list[Front]] | None = None
 ) -> tuple[IntArray, list[Array]]:
-    """Eliminate a substructure and its parts. Returns its boundary nodes (b,), which later substructures share, by
-    rank, and for each of the v ways to hold unknowns the update (d b, d b): what is to be added to the matrix of the
-    boundary.
+    """Eliminate a substructure and its parts; what is returned, and `kept`, as by `eliminated_after`."""
+    return eliminated_after([eliminate(part, system, kept) for part in tree.parts], tree.eliminated, system, kept)
+
+
+def eliminated_after(
+    parts: list[tuple[IntArray, list[Array]]], own: IntArray, system: System, kept: list[list[Front]] | None = None
+) -> tuple[IntArray, list[Array]]:
+    """Eliminate nodes (m,) after substructures that they separate, of each of which this function's result is given.
+    Returns the boundary nodes (b,), which later substructures share, by rank, and for each of the v ways to hold
+    unknowns the update (d b, d b): what is to be added to the matrix of the boundary.
 
     Ways that do not differ within the substructure share one array. Of dense matrices only the lower triangle is used:
     as fronts are ordered by rank, the lower triangle of an update falls into that of the front that receives it.
     Unknowns are held when their turn comes, which gives the same as holding them beforehand. kept: for each way a list
     to which the fronts of this substructure are appended; None to keep none.
     """
-    parts = [eliminate(part, system, kept) for part in tree.parts]
-    d, own = system.d, tree.eliminated
+    d = system.d
     boundary, position, columns = front_of(own, [nodes for nodes, _ in parts], system)
     unknowns = unknowns_of(own, d)
     held = system.held[:, unknowns]

@@ -136,14 +136,12 @@ class IntegrationPoints:
 
     def stresses(self, material: Elastic, displacement: Array) -> Array:
         """Stresses (m, q, 6) in MPa at the points, from displacements (n, 3) in mm of the mesh's nodes."""
-        cells = displacement[self.mesh.cells]
         count = self.gradients.shape[:2]
-        # (m, 3, c) times (m, c, 3 q): how each component changes along each axis.
-        along = np.moveaxis(self.gradients, 2, 1).reshape(len(cells), cells.shape[1], -1)
-        change = (np.swapaxes(cells, 1, 2) @ along).reshape(len(cells), 3, count[1], 3).transpose(0, 2, 1, 3)
+        change = _changes(np.ascontiguousarray(displacement), self.mesh.cells, self.gradients)
         if (axis := _axis_mm(self.mesh)) is not None:
             # A ring is stretched around its axis by what moves away from it, and shorn by what turns about it.
-            over = np.einsum("qc,mci->mqi", self.shapes, cells) / (self.positions[..., 1:] - axis)
+            moved = displacement[self.mesh.cells]
+            over = np.einsum("qc,mci->mqi", self.shapes, moved) / (self.positions[..., 1:] - axis)
             change[..., 1, 1], change[..., 2, 1] = over[..., 2], -over[..., 1]
         shear = material.shear_modulus_MPa
         trace = material.lame_MPa * np.trace(change, axis1=2, axis2=3)
@@ -203,10 +201,29 @@ def _gradients(points: Array, cells: IntArray, slopes: Array, is_planar: bool) -
                 for k in range(9):
                     jacobian[k // 3, k % 3] += points[cells[m, c], k // 3] * slopes[q, c, k % 3]
             determinants[m, q] = _cofactors(jacobian, cofactor)
+            for k in range(9):
+                cofactor[k // 3, k % 3] /= determinants[m, q]
             for c in range(corners):
-                for k in range(9):
-                    gradients[m, q, c, k // 3] += slopes[q, c, k % 3] * cofactor[k // 3, k % 3] / determinants[m, q]
+                for i in range(3):
+                    for j in range(3):
+                        gradients[m, q, c, i] += slopes[q, c, j] * cofactor[i, j]
     return gradients, determinants
+
+
+@compiled
+def _changes(displacement: Array, cells: IntArray, gradients: Array) -> Array:
+    """How each component of displacements (n, 3) changes along each axis, (m, q, 3, 3), at points with gradients
+    (m, q, c, 3) of shape functions.
+    """
+    count, corners = gradients.shape[1:3]
+    change = np.zeros((len(cells), count, 3, 3))
+    for m in range(len(cells)):
+        for q in range(count):
+            for c in range(corners):
+                for i in range(3):
+                    for j in range(3):
+                        change[m, q, i, j] += displacement[cells[m, c], i] * gradients[m, q, c, j]
+    return change
 
 
 @inlined

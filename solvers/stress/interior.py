@@ -2,14 +2,14 @@
 
 The same stiffness, grip and symmetry as in `elasticity.condensation`, so the patch moves as its compliance says. Forces
 are taken apart into parts even and odd about each mirror plane. Each has a factor of the piece on one side, made when
-the first such force comes and kept for all states to come.
+the first such force comes. What is far from wear is eliminated once for all states of a body.
 
 Of bodies that stick: when the motion turns round, no point of the contact slips at first (Mindlin & Deresiewicz, J.
 Appl. Mech. 20 (1953) 327). For a small step the contact is then a joint over the width that carries load, and the
 problem is linear.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -20,10 +20,11 @@ from threadpoolctl import threadpool_limits
 
 from geometry import Elastic, HexMesh, QuadMesh, mirror_images
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.elasticity import condensation, elimination
+from solvers.elasticity import condensation
+from solvers.elasticity.elimination import unknowns_of
 from solvers.elasticity.embedding import Joined
 from solvers.elasticity.strain import TENSOR_PLACES, Projection, solved_for_mass, stiffness_matrix
-from solvers.stress.factors import Factor, Factors, factorised
+from solvers.stress.factors import Factor, Far, factorised
 
 #: A contact is solved less exactly: forces of a symmetry below this share of the largest are none, and states whose
 #: forces differ by no more are one state.
@@ -76,9 +77,19 @@ class CycleImage:
 
 
 @dataclass
+class Shared:
+    """What bodies share that differ in wear: unknowns that are eliminated by what they are of, and by mirror planes the
+    projection in elements that do not differ.
+    """
+
+    eliminated: dict[tuple[object, ...], Far] = field(default_factory=dict)
+    projections: dict[tuple[int, ...], Projection] = field(default_factory=dict)
+
+
+@dataclass
 class Interior:
-    """A body with nodes that are held, solved for the displacements of all n nodes by forces on some. Factors of its
-    stiffness are kept once made.
+    """A body with nodes that are held, solved for the displacements of all n nodes by forces on some. Factors are kept
+    once made.
     """
 
     mesh: HexMesh | QuadMesh
@@ -86,8 +97,9 @@ class Interior:
     held: IntArray  #: Indices of nodes that do not move.
     #: (n,) stiffness in N/mm (planar: per mm) that holds nodes elastically in all directions; 0 at most. None: none is.
     bedding: Array | None = None
-    #: May be shared by bodies on the same cells, with the same hold, whose nodes stand elsewhere.
-    factors: Factors = field(default_factory=dict, repr=False)
+    #: (n,) nodes that stand elsewhere in other bodies, alike else, with which `shared` is; None: all.
+    moving: BoolArray | None = None
+    shared: Shared = field(default_factory=Shared, repr=False)
 
     def __post_init__(self) -> None:
         axes = (0,) if isinstance(self.mesh, QuadMesh) else (0, 1)
@@ -102,6 +114,12 @@ class Interior:
         self._on_planes = sum(
             ((self._piece.points[:, axis] == 0.0).astype(int) for axis in self.planes), np.zeros(len(self._nodes), int)
         )
+        self._factors: dict[tuple[object, ...], Factor] = {}
+        cells = self._piece.cells
+        near = np.ones(len(cells), bool) if self.moving is None else self.moving[self._nodes][cells].any(axis=1)
+        #: Elements that differ between bodies, and the others if there are any.
+        self._elements = [self._elements_of(cells[one]) for one in (near, ~near) if one.any()]
+        self._differs = np.isin(np.arange(len(self._nodes)), cells[near])
 
     @property
     def planes(self) -> tuple[int, ...]:
@@ -131,7 +149,7 @@ class Interior:
             for odd, part in parts.items():
                 # Nodes on a plane carry its half of their forces.
                 half = part / 2.0 ** self._on_planes[None, :, None]
-                moved = self._solved(odd, self._stiffness, half.reshape(len(half), -1).T, lambda: self._stiff(parts))
+                moved = self._stiff(odd, parts).solved(half.reshape(len(half), -1).T)
                 self._spread(result, moved.T.reshape(part.shape), odd)
         return result
 
@@ -146,7 +164,9 @@ class Interior:
         for odd, part in self._parts(lambda of: displacements[:, of], self._nodes, self.planes).items():
             if np.abs(part).max() <= _ALIKE * np.abs(displacements).max():
                 continue
-            loads = self._projection.loads(self.material, part)
+            loads = np.zeros((len(self._nodes), len(part), 6))
+            for (_, of_part), projection in zip(self._elements, self._projections, strict=True):
+                loads[of_part] += projection.loads(self.material, part[:, of_part])
             # Of each component its sign in the mirror image about each plane, on which it is zero where that is -1.
             signs = [
                 np.array([(-1.0 if is_odd else 1.0) * side[i] * side[j] for i, j in TENSOR_PLACES])
@@ -161,11 +181,11 @@ class Interior:
                     like &= (sign < 0.0) == is_zero
                 gathered.setdefault(zero, []).append((like, images, loads[..., like].reshape(len(loads), -1)))
         each_loads = [np.hstack([one for _, _, one in each]) for each in gathered.values()]
-        if len(displacements) >= _FEW or "_mass_factors" in self.__dict__:
-            solved = [self._mass_factors[zero].solved(load) for zero, load in zip(gathered, each_loads, strict=True)]
+        if len(displacements) >= _FEW or ("mass", *every[0]) in self._factors:
+            solved = [self._mass(zero).solved(load) for zero, load in zip(gathered, each_loads, strict=True)]
         else:
-            held = [self._zero_on[every.index(zero)] for zero in gathered]
-            solved = [_projected(self._projection.mass, *one) for one in zip(held, each_loads, strict=True)]
+            held, mass = [self._zero_on[every.index(zero)] for zero in gathered], sum(self._masses)
+            solved = [_projected(mass, *one) for one in zip(held, each_loads, strict=True)]
         own = self._own[nodes]
         for each, found in zip(gathered.values(), solved, strict=True):
             parts = np.split(found[own], np.cumsum([one.shape[1] for _, _, one in each])[:-1], axis=1)
@@ -175,9 +195,29 @@ class Interior:
         return result
 
     @cached_property
-    def _projection(self) -> Projection:
-        """The projection of stresses in the piece."""
-        return Projection.of(self._piece)
+    def _projections(self) -> list[Projection]:
+        """The projection of stresses in the parts of the piece."""
+        (near, _), *far = self._elements
+        if far and self.planes not in self.shared.projections:
+            self.shared.projections[self.planes] = Projection.of(far[0][0])
+        return [Projection.of(near), *([self.shared.projections[self.planes]] if far else [])]
+
+    @cached_property
+    def _masses(self) -> list[csr_matrix]:
+        """What the parts of the piece add to the matrix (p, p) of the projection."""
+        both = zip(self._elements, self._projections, strict=True)
+        return [self._widened(projection.mass, nodes) for (_, nodes), projection in both]
+
+    def _elements_of(self, cells: IntArray) -> tuple[HexMesh | QuadMesh, IntArray]:
+        """The mesh of these cells (m, c) of the piece, and its nodes' numbers (k,) in the piece."""
+        nodes = np.unique(cells)
+        return replace(self._piece, points=self._piece.points[nodes], cells=np.searchsorted(nodes, cells)), nodes
+
+    def _widened(self, matrix: csr_matrix, nodes: IntArray) -> csr_matrix:
+        """The matrix (d k, d k) of some nodes (k,) of the piece as one of all its nodes."""
+        d, known = matrix.shape[0] // len(nodes), matrix.tocoo()
+        place, size = unknowns_of(nodes, d), d * len(self._nodes)
+        return csr_matrix((known.data, (place[known.row], place[known.col])), shape=(size, size))
 
     @property
     def _ways(self) -> list[tuple[bool, ...]]:
@@ -190,24 +230,34 @@ class Interior:
         on_planes = np.array([self._piece.points[:, axis] == 0.0 for axis in self.planes]).reshape(-1, len(self._nodes))
         return np.array([on_planes[list(way)].any(axis=0) for way in self._ways])
 
-    @cached_property
-    def _mass_factors(self) -> dict[tuple[bool, ...], Factor]:
-        """For each way the factor by which stresses are projected in the piece."""
-        found = factorised(self._projection.mass, np.arange(len(self._nodes)), 1, self._zero_on)
-        return dict(zip(self._ways, found, strict=True))
+    def _mass(self, zero: tuple[bool, ...]) -> Factor:
+        """The factor by which stresses are projected in the piece that are zero on these planes."""
+        near, *far = self._masses
+        free = np.arange(len(self._nodes))
+        return self._factor("mass", zero, self._ways, lambda: near, lambda: far, (free, 1, self._zero_on))
 
-    def _solved(
-        self, name: tuple[object, ...], matrix: csr_matrix, forces: Array, factors: Callable[[], Factors]
-    ) -> Array:
-        """Displacements (n, k) of a matrix by forces (n, k), with the factors of this name: those that there are, if
-        they serve, else what `factors` makes.
+    def _factor(
+        self,
+        name: str,
+        way: tuple[bool, ...],
+        ways: Sequence[tuple[bool, ...]],
+        near: Callable[[], csr_matrix],
+        far: Callable[[], list[csr_matrix]],
+        of: tuple[IntArray, int, BoolArray],
+    ) -> Factor:
+        """The factor for one of some ways to hold unknowns, which are made together, of the sum of two matrices: near
+        what differs between bodies, and far from it, of none or one. of: nodes that are free, unknowns of each node,
+        and those held in each way.
         """
-        known = self.factors.get((self.planes, *name))
-        found = None if known is None else known.solved_for(matrix, forces)
-        if found is None:
-            self.factors |= {(self.planes, *one): factor for one, factor in factors().items()}
-            found = self.factors[self.planes, *name].solved(forces)
-        return found
+        if (name, *way) not in self._factors:
+            key, (free, d, held) = (name, self.planes, *ways), of
+            if key not in self.shared.eliminated:
+                none = csr_matrix((held.shape[1], held.shape[1]))
+                self.shared.eliminated[key] = Far.of(sum(far(), start=none), free, self._differs, d, held)
+            known = self.shared.eliminated[key]
+            made = factorised(csr_matrix(known.rest + near()), free, d, held, known)
+            self._factors |= {(name, *one): factor for one, factor in zip(ways, made, strict=True)}
+        return self._factors[(name, *way)]
 
     def cycle_image(self, nodes: IntArray, forces: Array, further: Array) -> CycleImage:
         """The mirror by which most of s states are images of others, so that the fewest need be computed. The states
@@ -244,33 +294,36 @@ class Interior:
         return own, sides
 
     def forget(self) -> None:
-        """Halve the memory of the factors. What is left is less exact, so solving again takes a few steps."""
-        halved: dict[int, elimination.Front] = {}
-        for name, factor in self.factors.items():
-            for front in factor.fronts:
-                if id(front) not in halved:
-                    halved[id(front)] = front.in_single_precision()
-            self.factors[name] = replace(factor, fronts=tuple(halved[id(front)] for front in factor.fronts))
+        """Drop factors that are not shared. They are made again when they are asked for."""
+        self._factors.clear()
 
-    def _stiff(self, wanted: Iterable[tuple[bool, ...]]) -> Factors:
-        """Factors of the stiffness for these symmetries."""
-        wanted, every = list(wanted), self._ways
+    def _stiff(self, odd: tuple[bool, ...], wanted: Iterable[tuple[bool, ...]]) -> Factor:
+        """The factor of the stiffness for one of these symmetries."""
+        ways, every = list(wanted), self._ways
         held, free = self._number[self.held], np.arange(len(self._nodes))
         held = held[held >= 0]
         of_ring = condensation.held_of_ring(self._piece, held)
-        on_planes = condensation.held_on_planes(self._piece, self.planes)[[every.index(odd) for odd in wanted]]
+        on_planes = condensation.held_on_planes(self._piece, self.planes)[[every.index(one) for one in ways]]
         if of_ring is None:
             free = np.setdiff1d(free, held)
         else:
             on_planes |= of_ring
-        return dict(zip(wanted, factorised(self._stiffness, free, 3, on_planes), strict=True))
+        near, *far = self._elements
 
-    @cached_property
-    def _stiffness(self) -> csr_matrix:
-        matrix = stiffness_matrix(self._piece, self.material)
-        if self.bedding is not None:
-            matrix = condensation.bedded(matrix, self._piece, self.planes, self.bedding[self._nodes])
-        return matrix
+        def stiffness(mesh: HexMesh | QuadMesh, nodes: IntArray, is_last: bool) -> csr_matrix:
+            found = self._widened(stiffness_matrix(mesh, self.material), nodes)
+            if self.bedding is None or not is_last:
+                return found
+            return condensation.bedded(found, self._piece, self.planes, self.bedding[self._nodes])
+
+        return self._factor(
+            "stiffness",
+            odd,
+            ways,
+            lambda: stiffness(*near, is_last=not far),
+            lambda: [stiffness(*one, is_last=True) for one in far],
+            (free, 3, on_planes),
+        )
 
     def _parts(
         self, field: Callable[[IntArray], Array], nodes: IntArray, planes: tuple[int, ...]
@@ -320,16 +373,18 @@ class EmbeddedInterior(Interior):
     def _computed(self, nodes: IntArray, forces: Array) -> Array:
         size = self.joined.stiffness.shape[0]
         with threadpool_limits(limits=1, user_api="blas"):
-            loads, none_held = np.zeros((len(forces), size // 3, 3)), np.zeros((1, size), dtype=bool)
+            loads = np.zeros((len(forces), size // 3, 3))
             loads[:, nodes] = forces
-            stiffness, free = self.joined.stiffness, self.joined.free
-            moved = self._solved(
-                (),
-                stiffness,
-                loads.reshape(len(forces), -1).T,
-                lambda: {(): factorised(stiffness, free, 3, none_held)[0]},
-            )
+            moved = self._of_both.solved(loads.reshape(len(forces), -1).T)
         return np.ascontiguousarray(moved.T.reshape(loads.shape)[:, : self.joined.block])
+
+    @cached_property
+    def _of_both(self) -> Factor:
+        """The factor of block and host, of which all differs."""
+        stiffness, free = self.joined.stiffness, self.joined.free
+        none_held = np.zeros((1, stiffness.shape[0]), dtype=bool)
+        none = Far.of(stiffness, free, np.ones(stiffness.shape[0] // 3, dtype=bool), 3, none_held)
+        return factorised(stiffness, free, 3, none_held, none)[0]
 
     def _image(self, axis: int) -> None:
         """None: the host need not be its own mirror image."""

@@ -12,7 +12,7 @@ from geometry import BodyMesh, Elastic, Flat, GradedAxis, HexMesh, PlanarGeometr
 from geometry.arrays import Array
 from solvers import condense
 from solvers.elasticity.strain import hydrostatic, integration_points, principal, turned, von_mises
-from solvers.stress.interior import Interior
+from solvers.stress.interior import Interior, Shared
 from tests import bodies
 from tests.commands import wirewear
 from tests.stress.interior_runs import CYCLE, FRICTION, LOAD_N, DEPTH_um, run_with_forces
@@ -46,17 +46,27 @@ def test_the_patch_moves_as_its_compliance_says_under_forces_of_no_symmetry(wire
     np.testing.assert_allclose(moved, expected, atol=1e-10 * np.abs(expected).max())
 
 
-def test_a_worn_body_moves_by_the_factors_of_the_fresh_one_as_by_its_own(wire: BodyMesh) -> None:
-    nodes, size = wire.patch.nodes.ravel(), wire.patch.smallest_element
+def test_what_is_far_from_wear_is_eliminated_once_for_all_states_of_a_body(wire: BodyMesh) -> None:
+    nodes, size, moving = wire.patch.nodes.ravel(), wire.patch.smallest_element, wire.beneath_patch(1.0)
     along, across = (wire.patch.grid() / np.ptp(wire.patch.grid(), axis=0)).T
     depth = 0.2 * size * np.clip(1.0 - 16.0 * (along**2 + across**2), 0.0, None).reshape(wire.patch.shape)
-    forces = np.random.default_rng(5).normal(size=(2, len(nodes), 3))
-    fresh, worn = held(wire.mesh), held(wire.worn(depth).mesh)
-    before, own = fresh.displacements(nodes, forces), worn.displacements(nodes, forces)
-    fresh.forget()
-    moved = replace(worn, factors=dict(fresh.factors)).displacements(nodes, forces)
-    assert np.abs(before - own).max() > 1e-3 * np.abs(own).max()
-    np.testing.assert_allclose(moved, own, atol=1e-5 * np.abs(own).max())
+    forces = np.random.default_rng(5).normal(size=(3, len(nodes), 3))
+    meshes = wire.mesh, wire.worn(depth, moving).mesh
+    assert moving.mean() < 0.5
+    assert np.array_equal(meshes[0].points[~moving], meshes[1].points[~moving])
+    grip, shared = wire.mesh.surface_nodes("grip"), Shared()
+    found = []
+    for mesh in meshes:
+        states = held(mesh), Interior(mesh, bodies.STEEL, grip, moving=moving, shared=shared)
+        (own, whole), (moved, stress) = (
+            (moved := one.displacements(nodes, forces), one.stresses(moved, np.arange(len(mesh.points))))
+            for one in states
+        )
+        np.testing.assert_allclose(moved, own, atol=1e-9 * np.abs(own).max())
+        np.testing.assert_allclose(stress, whole, atol=1e-9 * np.abs(whole).max())
+        found.append(own)
+    assert np.abs(found[1] - found[0]).max() > 1e-3 * np.abs(found[0]).max()
+    assert (len(shared.eliminated), len(shared.projections)) == (2, 1)
 
 
 def test_forces_reach_the_grip_whole_with_their_moments(wire: BodyMesh) -> None:
@@ -102,7 +112,7 @@ def test_forces_symmetric_but_for_the_error_of_a_contacts_solution_are_solved_by
     forces = np.zeros((1, len(nodes), 3))
     forces[..., 2] = -1.0
     interior.displacements(nodes, forces + 1e-11 * np.random.default_rng(7).normal(size=forces.shape))
-    assert len(interior.factors) == 1
+    assert len(interior.shared.eliminated) == 1
 
 
 def test_equivalent_stresses_of_plain_states() -> None:
@@ -366,7 +376,7 @@ def test_inside_a_ring_stresses_are_those_of_lame_and_saint_venant(axis_mm: floa
     half, radius, pressure = 50.0, 10.0, 100.0
     lines = GradedAxis(0.5, half - 0.01, 0.5, half - 0.01)
     ring = build_planar(PlanarGeometry(Flat(), half, 10.0, lines, growth=1.2, axis_mm=axis_mm, held_end=1))
-    body = LineBody.of(ring, bodies.STEEL, {})
+    body = LineBody.of(ring, bodies.STEEL)
     nodes, width = ring.patch.nodes.ravel(), ring.patch.node_areas()
     forces = np.zeros((2, len(nodes), 3))
     forces[0, :, 2], forces[1, :, 1] = -pressure * width, width

@@ -7,6 +7,7 @@ A position is a recorded moment of a cycle. Grids are in µm, in the test's axes
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
@@ -15,16 +16,18 @@ import numpy as np
 from matplotlib.tri import Triangulation
 
 from geometry import BodyGeometry, BodyMesh, Elastic, GeometryError, build_body
-from geometry.arrays import Array, IntArray
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.elasticity.embedding import Joined
 from solvers.elasticity.strain import hydrostatic, integration_points, principal, turned, von_mises
-from solvers.stress.factors import Factors
-from solvers.stress.interior import EmbeddedInterior
+from solvers.stress.interior import EmbeddedInterior, Shared
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
 from wirewear.stress.state import InnerState, Inside, SolvedBody
 
 T = TypeVar("T")
+
+#: How far beside and beneath the patch, in half-widths of it, nodes move with what wears.
+_REACH = 0.5
 
 
 class WornBody(SolvedBody[BodyMesh]):
@@ -33,19 +36,22 @@ class WornBody(SolvedBody[BodyMesh]):
     corrected = SurfaceStress
 
     @classmethod
-    def of(cls, meshed: BodyMesh, material: Elastic, factors: Factors) -> Self:
+    def of(
+        cls, meshed: BodyMesh, material: Elastic, moving: BoolArray | None = None, shared: Shared | None = None
+    ) -> Self:
         """The body with its stiffness ready to be solved; of a body from a file, block and surrounding elements
-        together. factors: as in `SolvedBody.of`. Raises GeometryError if the block holds elements of other materials.
+        together. moving, shared: as in `SolvedBody.of`. Raises GeometryError if the block holds elements of other
+        materials.
         """
         if meshed.host is None:
-            return super().of(meshed, material, factors)
+            return super().of(meshed, material, moving, shared)
         if meshed.host.block_part.any():
             raise GeometryError(
                 "stresses are computed of bodies from files that are of one material under their contact: name parts "
                 "of other materials farther from it"
             )
         held, joined = meshed.mesh.surface_nodes("grip"), Joined.of(meshed, material)
-        interior = EmbeddedInterior(meshed.mesh, material, held, factors=factors, joined=joined)
+        interior = EmbeddedInterior(meshed.mesh, material, held, joined=joined)
         return cls(meshed, material, interior, integration_points(meshed.mesh))
 
 
@@ -101,26 +107,27 @@ def _depth(result: RunResult, forces: ContactForces) -> bytes:
 
 @lru_cache(maxsize=2)
 def _meshed(geometry: BodyGeometry, material: Elastic, depth: bytes | None) -> WornBody:
-    try:
-        # Layers under the patch over those of the run. Its pressures need no more, but stresses two or three half-
-        # widths deep.
-        body = _built(geometry.with_layering(geometry.layering.deeper(1.4)), depth)
-    except GeometryError:
-        # There may be no room for more layers.
-        body = _built(geometry, depth)
-    return WornBody.of(body, material, _factors(body.geometry, material))
+    # Layers under the patch over those of the run. Its pressures need no more, but stresses two or three half-widths
+    # deep.
+    deeper = geometry.with_layering(geometry.layering.deeper(1.4))
+    # What wears may distort the elements beneath it too much, and there may be no room for more layers.
+    for of_mesh, reach in ((deeper, _REACH), (deeper, np.inf)):
+        with suppress(GeometryError):
+            body, moving = _built(of_mesh, depth, reach), _fresh(of_mesh).beneath_patch(reach)
+            return WornBody.of(body, material, moving, _shared(of_mesh, material, reach))
+    return WornBody.of(_built(geometry, depth), material)
 
 
-def _built(geometry: BodyGeometry, depth: bytes | None) -> BodyMesh:
+def _built(geometry: BodyGeometry, depth: bytes | None, reach: float = np.inf) -> BodyMesh:
     body = _fresh(geometry)
     worn = np.zeros(0) if depth is None else np.frombuffer(depth).reshape(body.patch.shape)
-    return body.worn(worn) if worn.any() else body
+    return body.worn(worn, body.beneath_patch(reach)) if worn.any() else body
 
 
 @lru_cache(maxsize=1)
-def _factors(_geometry: BodyGeometry, _material: Elastic) -> Factors:
-    """Factors that the states of wear of one body share."""
-    return {}
+def _shared(_geometry: BodyGeometry, _material: Elastic, _reach: float) -> Shared:
+    """What the states of wear of one body share."""
+    return Shared()
 
 
 #: What wears is the same mesh in all states of a body.
@@ -262,7 +269,7 @@ def stressed_grid(state: InnerState[Any], kind: pyvista.CellType) -> pyvista.Uns
     points["principal_MPa"] = values
     points["hydrostatic_MPa"] = hydrostatic(stress)
     cells["von_mises_MPa"] = von_mises(state.stress_at_points).mean(axis=1)
-    cells["scaled_jacobian"] = mesh.scaled_jacobians()
+    cells["scaled_jacobian"] = mesh.quality
     if state.forces.bulk_stress_MPa is not None:
         grid.field_data["bulk_stress_MPa"] = state.forces.bulk_stress_MPa[state.position]
     return grid

@@ -62,7 +62,7 @@ def _meshed(tables: str, fidelity: str, body: str, depth: bytes) -> LineBody:
     meshed = build_planar(_geometry(study, fidelity, body))
     if depth:
         meshed = meshed.worn(np.frombuffer(depth))
-    return LineBody.of(meshed, (study.pad if body == "pad" else study.specimen).elastic, {})
+    return LineBody.of(meshed, (study.pad if body == "pad" else study.specimen).elastic)
 
 
 def _tables(result: RunResult) -> str:

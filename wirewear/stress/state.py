@@ -16,13 +16,12 @@ from scipy.spatial import cKDTree
 from threadpoolctl import threadpool_limits
 
 from geometry import BodyMesh, ContactPatch, Elastic, PlanarMesh, QuadMesh
-from geometry.arrays import Array, IntArray
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.bulk_stress import section_stress
 from solvers.elasticity.placement import rotation_to_world
 from solvers.elasticity.strain import IntegrationPoints, integration_points, interpolation, scattered
 from solvers.stress.coats import SIDE, CoatStress, across_interface
-from solvers.stress.factors import Factors
-from solvers.stress.interior import Interior
+from solvers.stress.interior import Interior, Shared
 from solvers.stress.line_surface_stress import LineSurfaceStress
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
@@ -60,13 +59,13 @@ class SolvedBody(Generic[M]):
     points: IntegrationPoints
 
     @classmethod
-    def of(cls, meshed: M, material: Elastic, factors: Factors) -> Self:
+    def of(cls, meshed: M, material: Elastic, moving: BoolArray | None = None, shared: Shared | None = None) -> Self:
         """The body with its stiffness ready to be solved for any forces; held rigidly at its grip, or elastically if
-        the mesh has a bedding. factors: what is known of bodies that differ from it in wear, to which its own may be
-        added.
+        the mesh has a bedding. shared: what is known of bodies that differ from it in wear, by which only nodes
+        `moving` (n,) stand elsewhere; what its own factors add is kept there.
         """
         held = meshed.mesh.surface_nodes("grip") if meshed.bedding is None else np.zeros(0, dtype=np.int64)
-        interior = Interior(meshed.mesh, material, held, meshed.bedding, factors)
+        interior = Interior(meshed.mesh, material, held, meshed.bedding, moving, shared or Shared())
         return cls(meshed, material, interior, integration_points(meshed.mesh))
 
     @property
@@ -273,7 +272,7 @@ class Inside(Generic[S]):
         coats = coats_of(result, forces, of_body.patch, of_body.material, chosen)
         found = self.state.of(of_body, forces, chosen, is_upper=result.is_upper(body), residual=residual, coats=coats)
         if at is None:
-            # Of a whole cycle nothing is left to be solved but other states of wear; factors are most of the memory.
+            # Of a whole cycle no displacements are left to be found; factors are most of the memory.
             of_body.interior.forget()
         return found
 
