@@ -167,7 +167,7 @@ def line_plan(study: LineStudy, fidelity: str) -> LinePlan:
     specimen the stroke as well. Raises StudyError if the patch does not fit on a body.
     """
     driven = study.of_length(1.0).driven
-    return _planned(driven.envelope, fidelity, [_sticks(own.study) for own in driven.schedule.stretches])
+    return _planned(driven.envelope, fidelity, [_sticks(own) for own in driven.schedule.studies])
 
 
 def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LinePlan:

@@ -61,7 +61,7 @@ class PointRun(PlannedRun):
     def of(cls, study: Study, fidelity: str) -> "PointRun":
         """The planned run of a study without variants. Raises StudyError if the study cannot be discretised."""
         driven = study.driven
-        largest, regimes = driven.envelope, [point_sticks(own.study) for own in driven.schedule.stretches]
+        largest, regimes = driven.envelope, [point_sticks(own) for own in driven.schedule.studies]
         discretisation = discretise(largest, fidelity, sticks=all(regimes))
         stages = mesh_stages(largest, fidelity, discretisation)
         spare = spare_stages(largest, fidelity, discretisation, stages[-1])

@@ -116,10 +116,15 @@ class Schedule(Generic[AnyStudy]):
                 found.append(Stretch(start, end, number + 1, own))
         return tuple(found)
 
+    @property
+    def studies(self) -> Sequence[AnyStudy]:
+        """The study of each block that is run, in the order in which they come first, however often they come."""
+        return [*{own.block: own.study for own in self.stretches}.values()]
+
     @cached_property
     def pulled(self) -> bool:
-        every: Sequence[Stretch[Any]] = self.stretches
-        return any(own.study.drive.bulk for own in every)
+        every: Sequence[Any] = self.studies
+        return any(own.drive.bulk for own in every)
 
     def at(self, done: float) -> Stretch[AnyStudy]:
         """The stretch to which cycle `done` belongs; the last one for a cycle beyond the test's end."""
