@@ -1,4 +1,4 @@
-"""Heat of friction as a cause: where it is weighed, what is distinguished from it and by what."""
+"""Heat of friction and debris as causes: where they are weighed, what is distinguished from them and by what."""
 
 from dataclasses import replace
 from unittest.mock import patch
@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from tests.diagnosis import diagnosis_cases
-from tests.diagnosis.diagnosis_cases import nominal, record, states, tables
+from tests.diagnosis.diagnosis_cases import concluded, diagnosed, nominal, record, states, tables
+from tests.exam.frozen_states import frozen_states
+from tests.exam.independent_records import independent_record
 from wirewear.diagnosis.answer import Diagnosis
 from wirewear.diagnosis.infer.families import FAMILIES, PROFILE_FAMILIES
 from wirewear.diagnosis.infer.resembling import MADE_BY
@@ -91,3 +93,17 @@ def test_a_record_at_a_tenth_of_the_frequency_tells_heat_from_friction_that_runs
     assert both.equivalent == ()
     assert both.causes[0].effect == "friction_heat"
     assert both.causes[0].probability > 0.95
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("cause", "size"), [
+    ("debris_ridge", {"force_N": 0.12, "begins": 0.5, "cycles": 3e4}), ("lopsided_wear", {"slant": 0.6}),
+])  # fmt: skip
+def test_debris_at_one_end_is_no_effect_but_named_with_what_would_tell(cause: str, size: dict[str, float]) -> None:
+    one = independent_record({cause: size}, scars=True)
+    found = concluded(one, nominal_study(one), frozen_states(), reduce(one))
+    assert found.diagnosis.verdict == "unexplained"
+    assert "debris is cleaned" in found.diagnosis.resembles[0].text
+    # Debris that leaves is weighed where worn depths show it, not by loops alone.
+    assert ("debris_balance",) in {single.names for single in found.search.singles}
+    assert ("debris_balance",) not in {single.names for single in diagnosed(record()).search.singles}

@@ -159,9 +159,11 @@ class RoughnessCompliance(Effect[ContactLaw]):
         return Course(self.layer_um, 0.0, self.cycles, self.steepness, self.order, self.lasting)
 
 
-def _retained(meaning: str) -> float:
+def _retained(meaning: str, held_by: tuple[str, float] | None = None) -> float:
     quantity, ends = Quantity("1", 0.0, 0.95), (0.02, 0.7)
-    return parameter(meaning, quantity, neutral=0.0, easy=0.4, hard=0.1, interest=ends, logarithmic=True)
+    return parameter(
+        meaning, quantity, neutral=0.0, easy=0.4, hard=0.1, interest=ends, logarithmic=True, held_by=held_by
+    )
 
 
 def _modulus_of_bed(easy: float) -> float:
@@ -255,11 +257,13 @@ class DebrisBalance(Effect[ContactLaw]):
     distance, so that h settles where source and ejection balance, h = f w d/(ε s) with the worn depth w over that path.
     A bed takes up part of the slip, which wears nothing; 1/(1 + h/h_p) of it wears. So wear is slower the longer the
     contact. Sources: Fillot, Iordanoff and Berthier, Wear 262 (2007) 949 (balance of source and ejection); Godet, Wear
-    100 (1984) 437 (protection). A diagnosis does not consider it: it would explain springs that only one record shows.
+    100 (1984) 437 (protection).
     """
 
     name = "debris_balance"
     seam = Seam.CONTACT
+    # The bed that the fast model computes along the profile of a line contact does not leave.
+    contacts = kinds.AT_A_POINT
     ages = Ageing.BY_WEAR
     signature = "wear that is slower the longer the contact; a bed that is thickest in the middle"
     remedy = "look at the debris in and around the scars before they are cleaned"
@@ -268,10 +272,16 @@ class DebrisBalance(Effect[ContactLaw]):
         measurements.CLEANED_SCARS.shows("deeper scars once cleaned"),
         measurements.EARLY_LOOPS.shows("faster wear while the contact is small"),
     )
+    prior_weight = 0.5
     model_error = 0.3
     needs_whole_cycles = True
+    # Loops alone show a bed's give, and no more of what fills or leaves it than a spring that changes.
+    needs_scars = True
 
-    retained_fraction: float = _retained("share of the worn depth that becomes debris between the surfaces")
+    # What settles goes with the ratio of both.
+    retained_fraction: float = _retained(
+        "share of the worn depth that becomes debris between the surfaces", ("leaving_share", 1.0)
+    )
     modulus_MPa: float = _modulus_of_bed(2000.0)
     leaving_share: float = parameter(
         "part of the slip by which debris moves towards the contact's edge",
@@ -291,10 +301,6 @@ class DebrisBalance(Effect[ContactLaw]):
         interest=(0.05, 50.0),
         logarithmic=True,
     )
-
-    @classmethod
-    def considered_for(cls, _contact: str, _held: str) -> bool:
-        return False
 
     def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
         if self.retained_fraction == 0.0:

@@ -257,6 +257,8 @@ class Effect(ABC, Generic[T]):
     needs_load: ClassVar[bool] = False
     #: Whether it needs the implicit wear update, which knows averages over a cycle.
     needs_whole_cycles: ClassVar[bool] = False
+    #: Whether a diagnosis considers it only of records whose scars were measured.
+    needs_scars: ClassVar[bool] = False
     #: Whether a diagnosis considers it only where the drive is stated to hold another figure than its amplitude.
     of_held_drives: ClassVar[bool] = False
     #: The kinds of contact of which a diagnosis considers it; all where there are none.

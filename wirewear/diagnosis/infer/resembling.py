@@ -26,11 +26,14 @@ LEAST_LISTED, MOST_LISTED = _KNOWN.number("least_listed"), _KNOWN.count("most_li
 #: A distortion is there in cycles and places where it has this share of its largest size.
 PRESENT = _KNOWN.number("present")
 
+_ONE_END = f"Debris piled up at one end would do so, too, or more wear there; {CLEANED_SCARS.what} would tell."
+
 #: What no effect of the library is and would act as a family, and the measurement that tells, by the family's name.
 MADE_BY = {
-    "friction that differs along the stroke from one side to the other": (
-        f"Debris piled up on one side would do so; {CLEANED_SCARS.what} would tell."
-    ),
+    "distortion of the force channel, even in Q": _ONE_END,
+    "zero of the force channel that changes over the test": _ONE_END,
+    "force that follows the place, as slopes of a surface make it": _ONE_END,
+    "friction that differs along the stroke from one side to the other": _ONE_END,
     "friction that differs along the stroke, alike on both sides of its middle": (
         f"Surfaces that flash hot where they slide fast would do so; {LOWER_FREQUENCY.what} would tell."
     ),
@@ -45,9 +48,7 @@ MADE_BY = {
     "wear that goes faster and slower over the test": (
         "Air that turns moist and dry would do so; humidity logged beside the loops would tell."
     ),
-    "wear that differs from one side of the scar to the other": (
-        f"Debris piled up on one side would do so; {CLEANED_SCARS.what} would tell."
-    ),
+    "wear that differs from one side of the scar to the other": _ONE_END,
 }
 
 

@@ -95,7 +95,12 @@ def search(states: WearStates, setup: SurrogateInputs, observed: Observations, l
     """Search for the causes of the differences between a record's observables and its nominal model. setup, states:
     nominal inputs and wear states. left_out: names of effects that are not considered.
     """
-    effects = [effect for effect in library(setup, states) if effect.kind.name not in left_out]
+    scars = any(part.observable.of_scars for part in observed.layout)
+    effects = [
+        effect
+        for effect in library(setup, states)
+        if effect.kind.name not in left_out and (scars or not effect.kind.needs_scars)
+    ]
     problem, covariance = problem_around(states, setup, setup, observed)
     none, *singles = together(problem, [sought(problem, own) for own in ((), *((effect,) for effect in effects))])
     best = max((none, *singles), key=lambda one: one.merit)
