@@ -40,7 +40,7 @@ PAGES = sorted((ROOT / "docs").rglob("*.md"))
 READ_BY_PEOPLE = [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
 MOST_WORDS = 1500
 #: Of the whole site, with code and tables.
-MOST_WORDS_OF_ALL = 21_150
+MOST_WORDS_OF_ALL = 21_000
 #: Tables whose keys stand in the page of files.
 IN_FILES = (RecordTables, LineRecordTables, RecordMapping, LineMapping, RopeTables, SweepTables, Vary)
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.DOTALL | re.MULTILINE)

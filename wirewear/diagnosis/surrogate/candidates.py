@@ -154,8 +154,8 @@ def library(setup: SurrogateInputs, states: WearStates | None = None) -> tuple[C
         )
         for kind in all_effects().values()
         if kind.considered_for(setup.contact_kind, setup.held)
-        and _is_supported(kind, setup)
-        and _sized(kind, setup).may_show(course.chain(setup.with_effect(_sized(kind, setup))))
+        and (chain := _chain(kind, setup, course)) is not None
+        and _sized(kind, setup).may_show(chain)
         for words in product(*kind.choices().values())
     )
 
@@ -167,19 +167,20 @@ def effect_of(name: str) -> str:
 
 def unsupported(setup: SurrogateInputs) -> tuple[str, ...]:
     """Names of the effects that a diagnosis of this kind of contact considers, but the fast model cannot predict."""
+    course = _Course.of(setup, None)
     return tuple(
         name
         for name, kind in all_effects().items()
-        if kind.considered_for(setup.contact_kind, setup.held) and not _is_supported(kind, setup)
+        if kind.considered_for(setup.contact_kind, setup.held) and _chain(kind, setup, course) is None
     )
 
 
-def _is_supported(kind: type[AnyEffect], setup: SurrogateInputs) -> bool:
+def _chain(kind: type[AnyEffect], setup: SurrogateInputs, course: _Course) -> Chain | None:
+    """The test with the effect added; None if the fast model cannot predict it."""
     try:
-        _Course.of(setup, None).chain(setup.with_effect(_sized(kind, setup)))
+        return course.chain(setup.with_effect(_sized(kind, setup)))
     except StudyError:
-        return False
-    return True
+        return None
 
 
 def _sized(kind: type[AnyEffect], setup: SurrogateInputs) -> AnyEffect:
