@@ -366,6 +366,22 @@ def test_a_held_force_finds_its_amplitude_whatever_the_drive_has_at_most(
     assert len(tried) < 40
 
 
+def test_a_held_force_that_friction_just_bears_is_met_before_everything_slides() -> None:
+    """On a mesh friction comes to its limit slowly, as nodes that slide turn into the motion."""
+    contact = partial_slip_point(40.0, 0.6, 0.118, 9.5e4)
+    slides = sliding_threshold(contact, 1e9)
+
+    def force(place_mm: Any) -> float:
+        return float(first_loading_force(contact, place_mm, 1e9) * (1.0 - 4e-4 / (1.0 + (place_mm / slides) ** 2)))
+
+    held = HeldFigure("held_tangential_force_N", contact.limit_N, "N", 0.1, lambda *_: 0.0, None, 0.0)
+
+    def moved_to(place_mm: Any) -> Any:
+        return place_mm
+
+    assert amplitude_from(held, force, moved_to) == pytest.approx(slides, rel=0.02)
+
+
 @pytest.mark.parametrize("offset_N", [0.0, 0.6])
 def test_a_held_force_is_found_where_force_goes_with_the_way_or_is_there_before_it(offset_N: float) -> None:
     def force(place_mm: Any) -> float:

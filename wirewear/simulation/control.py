@@ -73,11 +73,18 @@ def amplitude_from(
     """
     from scipy.optimize import brentq
 
+    wanted = _just(held)
+
     def lacking(place_mm: float) -> float:
-        return shown_by(moved_to(place_mm)) - _just(held)
+        return shown_by(moved_to(place_mm)) - wanted
 
     low = high = elastic_amplitude_from(held, shown_by, moved_to)
-    while lacking(high) < 0.0:
+    while (left := lacking(high)) < 0.0:
+        # Of what friction just bears, the last ten thousandth is met only far beyond where everything slides.
+        nearly = (1.0 - 0.9 * WITHIN) * held.target
+        if low < high and left + wanted >= nearly:
+            wanted = nearly
+            break
         if high >= held.largest_mm:
             return held.largest_mm
         low, high = high, min(_GROWS * high, held.largest_mm)
