@@ -15,6 +15,7 @@ from geometry.arrays import Array
 
 _CYCLES = 2  #: Until the loop is closed.
 _SPRINGS = 40
+_MOVED_OUT = 60  #: Steps from mid-stroke to the stroke's end.
 
 
 @dataclass(frozen=True)
@@ -50,28 +51,33 @@ class SliderLoop:
         return float(means @ (self.displacement_mm - np.roll(self.displacement_mm, 1)))
 
 
-def slider_loop(amplitude_mm: float, load_N: Array, ball: SlidingBall) -> SliderLoop:
+def slider_loop(amplitude_mm: float, load_N: Array, ball: SlidingBall, pressed_N: float | None = None) -> SliderLoop:
     """The closed loop of a ball that a sinusoidal drive moves by ±amplitude_mm through the rig's spring.
 
     load_N: (n,) at the ends of n equal parts of the cycle, which starts at +amplitude; 0 where there is no contact.
+    pressed_N: load under which it is pressed at mid-stroke, which what sticks for good remembers; None: it starts
+    without force at +amplitude.
     """
-    drive = amplitude_mm * np.cos(2.0 * np.pi * np.arange(1, len(load_N) + 1) / len(load_N))
+    count = len(load_N)
+    drive = amplitude_mm * np.cos(2.0 * np.pi * np.arange(1, count + 1) / count)
+    out = np.linspace(0.0, 1.0, 0 if pressed_N is None else _MOVED_OUT)
+    path = np.concatenate([amplitude_mm * out, *[drive] * _CYCLES])
+    loads = np.concatenate([(pressed_N or 0.0) * (1.0 - out) + load_N[-1] * out, *[load_N] * _CYCLES])
     largest = (3.0 * float(load_N.max()) * ball.radius_mm / (4.0 * ball.modulus_MPa)) ** (1.0 / 3.0)
     width = largest / _SPRINGS
     depth = ((np.arange(_SPRINGS) + 0.5) * width) ** 2 / ball.radius_mm
     stiffness, across = 2.0 * ball.tangential_modulus_MPa * width, 2.0 * ball.modulus_MPa * width
-    limits = np.array([ball.friction * _carried(float(load), depth, across) for load in load_N])
-    strain, place, slid = np.zeros(_SPRINGS), float(drive[-1]), 0.0
-    found = np.empty((len(load_N), 2))
-    for _ in range(_CYCLES):
-        for k, (moved, load, limit) in enumerate(zip(drive, load_N, limits, strict=True)):
-            reach = limit / stiffness
-            step = _step(strain, reach, stiffness, float(moved) - place, ball.rig_stiffness_N_per_mm)
-            held = np.clip(strain + step, -reach, reach)
-            slid += float((strain + step - held) @ limit) / float(limit.sum()) if load > 0.0 else step
-            strain, place = held, place + step
-            found[k] = slid, stiffness * float(held.sum())
-    return SliderLoop(drive, *found.T)
+    limits = np.array([ball.friction * _carried(float(load), depth, across) for load in loads])
+    strain, place, slid = np.zeros(_SPRINGS), float(drive[-1]) if pressed_N is None else 0.0, 0.0
+    found = np.empty((len(loads), 2))
+    for k, (moved, load, limit) in enumerate(zip(path, loads, limits, strict=True)):
+        reach = limit / stiffness
+        step = _step(strain, reach, stiffness, float(moved) - place, ball.rig_stiffness_N_per_mm)
+        held = np.clip(strain + step, -reach, reach)
+        slid += float((strain + step - held) @ limit) / float(limit.sum()) if load > 0.0 else step
+        strain, place = held, place + step
+        found[k] = slid, stiffness * float(held.sum())
+    return SliderLoop(drive, *found[-count:].T)
 
 
 def _carried(load_N: float, depth_mm: Array, stiffness: float) -> Array:
