@@ -29,10 +29,14 @@ tangential_stiffness_N_per_mm = 167.0
 SCATTER = "[scatter]\nfriction = 0.05\n"
 SWEEP = """format = 1
 name = "frictions"
+design = "sobol"
+samples = 2
 study = "my_study.toml"
+variant = "rigid"
 [[vary]]
 key = "contact.friction"
-values = [0.5, 0.6]
+low = 0.5
+high = 0.6
 """
 #: What stands for what takes long.
 SMALL = {"studies/rig_sensitivity/sweep.toml": "sweep.toml"}
@@ -54,7 +58,7 @@ def stock(tmp_path_factory: pytest.TempPathFactory) -> Path:
         shutil.copytree(record, desk / name)
     (desk / "studies").symlink_to(ROOT / "studies")
     wirewear("new", desk / "STUDY.toml", "--from", desk / "RECORD")
-    (desk / "study.toml").write_text(STUDY + SCATTER, encoding="utf-8")
+    (desk / "study.toml").write_text(STUDY.partition("[variants")[0] + SCATTER, encoding="utf-8")
     (desk / "sweep.toml").write_text(SWEEP, encoding="utf-8")
     (desk / "my_study.toml").write_text(STUDY, encoding="utf-8")
     wirewear("run", desk / "my_study.toml", "--fidelity", "quick", "--output", desk / "runs" / "my_study")
