@@ -12,7 +12,7 @@ import numpy as np
 from geometry.arrays import Array, BoolArray
 from solvers.drive import Drive
 from solvers.errors import SolverError
-from solvers.extent import Touching
+from solvers.extent import Footprint
 
 
 @dataclass(frozen=True)
@@ -140,22 +140,22 @@ class IncrementReport:
     slip_direction_error: float = 0.0  #: Largest angle between friction and slip of nodes that slide, rad.
     #: Largest slip of sticking nodes, which a penalty formulation allows, over the largest elastic displacement.
     elastic_slip: float = 0.0
-    touching: Touching | None = field(default=None, compare=False, repr=False)  #: Where the bodies touch.
+    footprint: Footprint | None = field(default=None, compare=False, repr=False)  #: Where the bodies touch.
 
     @property
     def contact_area(self) -> float:
         """Area of contact in the plane, mm²."""
-        return self.touching.area if self.touching else 0.0
+        return self.footprint.area if self.footprint else 0.0
 
     @property
     def half_width_x(self) -> float:
         """Half of the contact's extent along x, mm."""
-        return float(self.touching.half_widths[0]) if self.touching else 0.0
+        return float(self.footprint.half_widths[0]) if self.footprint else 0.0
 
     @property
     def half_width_y(self) -> float:
         """Half of its extent along y, mm."""
-        return float(self.touching.half_widths[1]) if self.touching else 0.0
+        return float(self.footprint.half_widths[1]) if self.footprint else 0.0
 
 
 @dataclass(frozen=True)

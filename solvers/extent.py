@@ -18,7 +18,7 @@ _NODES = 3  #: Outermost nodes through which the power of the pressure is laid.
 
 
 @dataclass(frozen=True)
-class Touching:
+class Footprint:
     """Where a patch touches, sought when it is asked for: few increments' extents are."""
 
     patch: ContactPatch

@@ -21,7 +21,7 @@ from solvers.contact_conditions import ContactOutcome, Linearisation
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity.pairing import Pairing
 from solvers.errors import PatchLeftError
-from solvers.extent import Touching
+from solvers.extent import Footprint
 from solvers.jit_cache import compiled
 from solvers.laws.friction_law import Friction
 from solvers.laws.layers import LayersAtNodes
@@ -276,5 +276,5 @@ def _report(
         complementarity=outcome.complementarity,
         slip_direction_error=outcome.slip_direction_error,
         elastic_slip=outcome.elastic_slip,
-        touching=Touching(problem.primary.patch, np.maximum(everywhere, 0.0), problem.primary.world_to_patch),
+        footprint=Footprint(problem.primary.patch, np.maximum(everywhere, 0.0), problem.primary.world_to_patch),
     )
