@@ -72,10 +72,6 @@ class Far:
         return cls(csr_matrix(chosen @ matrix @ chosen), order, boundary, updates, fronts)
 
 
-#: What bodies share that differ in wear, by what it is of.
-Shared = dict[tuple[object, ...], Far]
-
-
 def factorised(matrix: csr_matrix, nodes: IntArray, d: int, held: BoolArray, far: Far) -> Sequence[Factor]:
     """Factors of a symmetric matrix (d n, d n) on the d unknowns of each of nodes (k,), all others being held at zero.
 

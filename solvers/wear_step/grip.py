@@ -5,7 +5,8 @@ bound, at one ratio all along it (on a circle or an ellipse: Mindlin, J. Appl. M
 have either by a few hundredths too large or too small, by how the mesh lies, and would come to slip where nothing does.
 So friction is compared with the pressure node by node as the mesh has them of a punch that is moved and of one that is
 pressed, for the part of the pressure that is a punch's: before the annulus has worn there is none. On unlike meshes
-pressure alone moves the bodies' nodes apart sideways, which the core does not let them; friction bears that, too.
+pressure alone would move the bodies' nodes apart sideways; in the core friction holds them together,
+and carries that, too.
 """
 
 import numpy as np

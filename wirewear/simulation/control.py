@@ -80,7 +80,7 @@ def amplitude_from(
 
     low = high = elastic_amplitude_from(held, shown_by, moved_to)
     while (left := lacking(high)) < 0.0:
-        # Of what friction just bears, the last ten thousandth is met only far beyond where everything slides.
+        # A force equal to friction is reached to its last ten thousandth only long after everything slides.
         nearly = (1.0 - 0.9 * WITHIN) * held.target
         if low < high and left + wanted >= nearly:
             wanted = nearly

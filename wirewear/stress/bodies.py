@@ -113,15 +113,15 @@ def _meshed(geometry: BodyGeometry, material: Elastic, depth: bytes | None) -> W
     # What wears may distort the elements beneath it too much, and there may be no room for more layers.
     for of_mesh, reach in ((deeper, _REACH), (deeper, np.inf)):
         with suppress(GeometryError):
-            body, moving = _built(of_mesh, depth, reach), _fresh(of_mesh).beneath_patch(reach)
-            return WornBody.of(body, material, moving, _shared(of_mesh, material, reach))
+            moving = _fresh(of_mesh).beneath_patch(reach)
+            return WornBody.of(_built(of_mesh, depth, moving), material, moving, _shared(of_mesh, material, reach))
     return WornBody.of(_built(geometry, depth), material)
 
 
-def _built(geometry: BodyGeometry, depth: bytes | None, reach: float = np.inf) -> BodyMesh:
+def _built(geometry: BodyGeometry, depth: bytes | None, moving: BoolArray | None = None) -> BodyMesh:
     body = _fresh(geometry)
     worn = np.zeros(0) if depth is None else np.frombuffer(depth).reshape(body.patch.shape)
-    return body.worn(worn, body.beneath_patch(reach)) if worn.any() else body
+    return body.worn(worn, moving) if worn.any() else body
 
 
 @lru_cache(maxsize=1)

@@ -62,8 +62,8 @@ def held_force_rows(_level: Level) -> tuple[Row, ...]:
 
 
 def held_force_study(share: float = _HELD_SHARE) -> Study:
-    """Study of a ball on a flat under a held load and a held tangential force, of which friction bears as much over
-    `share` (0 to 1), until next to nothing wears.
+    """Study of a ball on a flat under a held load and a held tangential force, the share `share` (0 to 1) of the
+    largest friction force, until next to nothing wears.
     """
     return study_of(
         _FLAT,
