@@ -213,6 +213,18 @@ def test_a_folder_of_tests_gives_one_mapping_and_what_differs_between_them(tmp_p
     assert "exists already" in refused.stderr
 
 
+@pytest.mark.parametrize("torn", [True, False])
+def test_a_test_without_a_row_is_named_for_its_torn_file_or_for_the_row(
+    torn: bool, folder: Path, tmp_path: Path
+) -> None:
+    rows = (folder / "tests.csv").read_text(encoding="utf-8").splitlines()
+    (folder / "tests.csv").write_text("\n".join(row for row in rows if not row.startswith("V4")), encoding="utf-8")
+    if torn:
+        (folder / "V4_Rohdaten.csv").write_text("torn", encoding="utf-8")
+    said = next(line for line in invoked(folder, "--output", tmp_path / "out").stderr.splitlines() if "V4" in line)
+    assert ("V4_Rohdaten.csv" in said, "has no row of V4" in said) == (torn, not torn)
+
+
 def test_files_of_one_stem_are_one_test(tmp_path: Path) -> None:
     for name in ("T1", "T2"):
         (tmp_path / f"{name}.csv").write_text(logged(20.0), encoding="utf-8")

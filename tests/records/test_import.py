@@ -12,6 +12,7 @@ from scipy.io import savemat
 from tests.records.loop_files import GERMAN, SAMPLES, FREQUENCY_Hz, german, mapped
 from wirewear import RecordError, check_record
 from wirewear.records.importing import import_record
+from wirewear.records.importing.guessed_conditions import frequency_of
 from wirewear.records.importing.loggers import kind_of
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.sources import read_source
@@ -263,3 +264,15 @@ def test_a_pipe_is_no_file_of_loops(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "loops.csv")
     with pytest.raises(RecordError, match="is no ordinary file"):
         kind_of(tmp_path / "loops.csv")
+
+
+@pytest.mark.parametrize("cycles", [1, 2])
+@pytest.mark.parametrize("labelled", [True, False])
+def test_samples_spread_unevenly_over_a_cycle_show_its_frequency(labelled: bool, cycles: int) -> None:
+    even = (np.arange(40 * cycles) + 0.3) / 40.0
+    phase = even + 0.08 * np.sin(2.0 * np.pi * even)
+    columns = {"time_s": phase / 5.0, "displacement_um": 60.0 * np.cos(2.0 * np.pi * phase)}
+    columns |= {"cycle": 1.0 + np.floor(phase)} if labelled else {}
+    found, doubt = frequency_of(columns, {})
+    assert found == pytest.approx(5.0, rel=1e-3)
+    assert doubt == ""

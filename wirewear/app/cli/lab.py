@@ -76,7 +76,7 @@ def _looked_at(
     from wirewear.comparison.mapped_tests import fretting_test
     from wirewear.records import check_record, read_record, write_record
     from wirewear.records.importing import import_record
-    from wirewear.records.importing.campaign import MAPPING
+    from wirewear.records.importing.campaign import MAPPING, why_refused
     from wirewear.records.importing.importing import inputs_of
 
     record_path, known = output / "records" / test.name, journal.get(test.name, {})
@@ -101,7 +101,7 @@ def _looked_at(
             test.name, mapped, problems=problems, notes=notes, answer=known.get("answer", ""), surfaces=surfaces
         )
     except WirewearError as refusal:
-        return CampaignResult(test.name, refused=str(refusal))
+        return CampaignResult(test.name, refused=why_refused(folder, test, str(refusal)))
     finally:
         journal[test.name] = known
 

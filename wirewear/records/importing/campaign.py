@@ -18,6 +18,7 @@ from wirewear.base.files import read_text, read_toml
 from wirewear.base.words import shown
 from wirewear.records.importing.guessed_scars import Touching
 from wirewear.records.importing.guessing import GuessedMapping, guessed_mapping, with_files_from
+from wirewear.records.importing.importing import import_record
 
 PLACE = "{test}"  #: What stands for a test's name in a campaign's mapping.
 MAPPING, TABLE = "mapping.toml", "tests.csv"
@@ -77,6 +78,22 @@ def campaign_tests(folder: Path) -> list[CampaignTest]:
     if not names:
         raise RecordError(f"no file below {folder} has a name like {shown(patterns[0])}, as {path} says.")
     return [CampaignTest(name, stated.get(name, {})) for name in sorted(names, key=_natural)]
+
+
+def why_refused(folder: Path, test: CampaignTest, refusal: str) -> str:
+    """Why a test is not read: `refusal` or, where that asks for what tests.csv states of others while it has no row of
+    this one, what keeps its files from being read, or that the row is missing.
+    """
+    stated = _stated(folder / TABLE)
+    others = {key: value for own in stated.values() for key, value in own.items()}
+    asked = [key for key in others if key.split(".")[-1] in refusal]
+    if test.name in stated or not asked:
+        return refusal
+    try:
+        import_record(folder / MAPPING, replace(test, stated=others))
+    except RecordError as problem:
+        return str(problem)
+    return f"{folder / TABLE} has no row of {test.name}, which must state {', '.join(asked)}."
 
 
 def guessed_campaign(

@@ -14,7 +14,7 @@ from wirewear.base.errors import RecordError
 from wirewear.loops import LoopError
 from wirewear.loops.clock import Clock, read_clock
 from wirewear.loops.cycles import split_cycles
-from wirewear.loops.drive import period_by_phase, period_of, series
+from wirewear.loops.drive import even_period, period_by_phase, period_of, series
 from wirewear.records.importing.guessed_columns import GuessedFile, shut
 from wirewear.records.importing.guessed_files import FEWEST
 from wirewear.records.importing.importing import drives_motion, loops_of
@@ -26,6 +26,8 @@ from wirewear.test.keys import AMPLITUDE_um
 
 #: Frequencies of fretting rigs, from creeping drives to piezos; numbers without a unit beyond are no seconds.
 _RIGS_Hz = 0.1, 1000.0
+_FEWEST = 4  #: Samples of a cycle that show its period.
+_SINE = 0.05  #: Of a cycle's displacement: what is left of one that is a sine.
 
 
 def conditions_of(
@@ -133,28 +135,40 @@ def frequency_of(columns: dict[str, Array], source: dict[str, Any], doubt_s: flo
         time = np.arange(x.shape[0]) / float(source["sample_rate_Hz"])
     if time is None:
         return None, ""
-    if x.ndim == 2 or (cycle := columns.get("cycle")) is None:
-        own = time[: max(x.shape)] if x.ndim == 2 else time
-        lengths = [own[np.isfinite(own)]] if x.ndim == 2 else None
-    else:
-        lengths = [time[cycle == number] for number in np.unique(cycle)[:20]]
-    if lengths is None:
-        known = np.isfinite(x) & np.isfinite(time)
-        x, time = x[known], time[known]
-        parts = split_cycles(x)
-        steps = np.diff(time)
-        usual = float(np.median(steps) * np.median([part.stop - part.start for part in parts]))
-        gaps = np.flatnonzero(steps > 0.5 * usual) + 1
-        if gaps.size:
-            return _across_gaps(np.split(x, gaps), np.split(time, gaps), doubt_s)
-        if len(parts) > 2:
-            starts = time[[part.start for part in parts]]
-            period = float(np.polyfit(np.arange(starts.size), starts, 1)[0])
-            steady = np.all(steps >= 0.0) and np.ptp(time) > 2.5 * period > 0.0
-            return _rounded(period_by_phase(time, x, period) if steady else period, 6), ""
-        lengths = [time[part] for part in parts]
-    spans = [float(np.ptp(own)) * own.size / max(own.size - 1, 1) for own in lengths if own.size]
-    return _rounded(float(np.median(spans)), 6) if spans else None, ""
+    if x.ndim == 2:
+        whole = time[: max(x.shape)]
+        return _rounded(even_period(whole[np.isfinite(whole)]), 6), ""
+    cycle, known = columns.get("cycle"), np.isfinite(x) & np.isfinite(time)
+    if cycle is not None:
+        alone = [known & (cycle == number) for number in np.unique(cycle)[:20]]
+        return _usual([(time[own], x[own]) for own in alone]), ""
+    x, time = x[known], time[known]
+    parts = split_cycles(x)
+    steps = np.diff(time)
+    usual = float(np.median(steps) * np.median([part.stop - part.start for part in parts]))
+    gaps = np.flatnonzero(steps > 0.5 * usual) + 1
+    if gaps.size:
+        return _across_gaps(np.split(x, gaps), np.split(time, gaps), doubt_s)
+    if len(parts) > 2:
+        starts = time[[part.start for part in parts]]
+        period = float(np.polyfit(np.arange(starts.size), starts, 1)[0])
+        steady = np.all(steps >= 0.0) and np.ptp(time) > 2.5 * period > 0.0
+        return _rounded(period_by_phase(time, x, period) if steady else period, 6), ""
+    return _usual([(time[part], x[part]) for part in parts]), ""
+
+
+def _usual(cycles: Sequence[tuple[Array, Array]]) -> float | None:
+    """Frequency in Hz of cycles, (times, displacements) of each."""
+    periods = [_period(time, x) for time, x in cycles if time.size >= _FEWEST]
+    return _rounded(float(np.median(periods)), 6) if periods else None
+
+
+def _period(time: Array, x: Array) -> float:
+    """Period in s of one cycle: that of its sine or, where it is none, of samples evenly spread over it."""
+    period = period_of(time, x)
+    sine = series(time, period, 1)
+    left = x - sine @ np.linalg.lstsq(sine, x, rcond=None)[0]
+    return period if np.std(left) < _SINE * np.std(x) else even_period(time)
 
 
 def _across_gaps(pieces: Sequence[Array], times: Sequence[Array], doubt_s: float) -> tuple[float | None, str]:
