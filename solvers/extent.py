@@ -6,6 +6,7 @@ followed from the outermost pressed nodes of a line to where it vanishes, but at
 not fall, the contact ends midway. Holes are as wide as their nodes.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -26,58 +27,74 @@ class Footprint:
     world_to_patch: Array  #: (2, 2) turn of the plane.
 
     @cached_property
-    def _extent(self) -> tuple[float, Array]:
-        return extent(self.patch, self.pressure)
-
-    @property
     def area(self) -> float:
         """Area of contact in the plane, mm²."""
-        return self._extent[0]
+        return extent(self.patch, self.pressure)[0]
 
-    @property
+    @cached_property
     def half_widths(self) -> Array:
         """(2,) halves of its extent along x and y of the world, mm."""
-        edge = self._extent[1]
-        return np.asarray(0.5 * np.ptp(edge @ self.world_to_patch, axis=0)) if len(edge) else np.zeros(2)
+        return np.asarray(half_widths([self])[0])
+
+
+def half_widths(footprints: Sequence[Footprint]) -> Array:
+    """(s, 2) halves of the extents of s contacts of one patch along x and y of the world, mm."""
+    if not footprints:
+        return np.zeros((0, 2))
+    first = footprints[0]
+    edge, there, _ = _edges(first.patch, np.stack([own.pressure for own in footprints]))
+    places, there = edge @ first.world_to_patch, there[..., None]
+    low, high = np.where(there, places, np.inf).min(axis=1), np.where(there, places, -np.inf).max(axis=1)
+    return np.asarray(0.5 * np.maximum(high - low, 0.0))
 
 
 def extent(patch: ContactPatch, pressure: Array) -> tuple[float, Array]:
     """Area of contact in mm², and places (k, 2) of its edge along the patch's lines, from pressures (n,) at the nodes
     of the patch that are 0 where it does not touch; of a line contact the area is that of one millimetre.
     """
-    table = pressure.reshape(patch.shape)
-    if not table.any():
-        return 0.0, np.zeros((0, 2))
-    along, across = patch.axial_mm, patch.transverse_mm
-    low, high, chord = _chords(along, table)
-    at = np.flatnonzero(chord)
-    edges = [np.column_stack([own, across[at]]) for own in (low[at], high[at])]
-    if len(across) == 1:
-        return float(chord[0]), np.concatenate(edges)
-    low, high, own = _chords(across, table.T)
-    other = np.flatnonzero(own)
-    edges += [np.column_stack([along[other], ends]) for ends in (low[other], high[other])]
-    return 0.5 * (_area(across, chord) + _area(along, own)), np.concatenate(edges)
+    (edge,), (there,), chords = _edges(patch, pressure[None])
+    if len(chords) == 1:
+        return float(chords[0][0, 0]), edge[there]
+    across, along = (
+        _area(lines, own[0]) for lines, own in zip((patch.transverse_mm, patch.axial_mm), chords, strict=True)
+    )
+    return 0.5 * (across + along), edge[there]
+
+
+def _edges(patch: ContactPatch, pressures: Array) -> tuple[Array, BoolArray, list[Array]]:
+    """Both ends (s, k, 2) of all lines of the patch under each of the pressures (s, n), whether a line is pressed
+    (s, k), and the pressed lengths of its lines along it and, but for a line contact, across it.
+    """
+    tables, lines = pressures.reshape(-1, *patch.shape), (patch.axial_mm, patch.transverse_mm)
+    ends, chords = [], []
+    for k in range(2 if patch.shape[1] > 1 else 1):
+        low, high, chord = _chords(lines[k], np.moveaxis(tables, 1 + k, 0))
+        for own in (low, high):
+            place = np.broadcast_to(lines[1 - k], own.shape)
+            ends.append(np.stack([own, place] if k == 0 else [place, own], axis=-1))
+        chords.append(chord)
+    there = np.concatenate([chord > 0.0 for chord in chords for _ in range(2)], axis=1)
+    return np.concatenate(ends, axis=1), there, chords
 
 
 def _chords(lines: Array, pressure: Array) -> tuple[Array, Array, Array]:
-    """Both ends and the pressed length (m,) of each column of pressures (n, m) at places `lines` (n,); 0 for none."""
+    """Both ends and pressed length (s, m) of each column of pressures (n, s, m) at places `lines` (n,), 0 of none."""
     pressed = pressure > 0.0
     some = pressed.any(axis=0)
     first, last = pressed.argmax(axis=0), len(lines) - 1 - pressed[::-1].argmax(axis=0)
     middle = 0.5 * (lines[first] + lines[last])
     low, high = _ends(lines, pressure, middle, np.stack([first, last]))
-    rows = np.arange(len(lines))[:, None]
+    rows = np.arange(len(lines))[:, None, None]
     holes = ~pressed & (rows > first) & (rows < last)
-    bare = np.gradient(lines) @ holes if holes.any() else 0.0
+    bare = np.tensordot(np.gradient(lines), holes, 1) if holes.any() else 0.0
     return low * some, high * some, np.where(some, high - low - bare, 0.0)
 
 
 def _ends(lines: Array, pressure: Array, middle: Array, node: IntArray) -> Array:
-    """Where columns of pressures (n, m) end below and above (2, m), beyond their outermost pressed `node` (2, m)."""
-    step, most = np.array([[-1], [1]]), len(lines) - 1
-    inside = np.clip(node - step * np.arange(_NODES)[:, None, None], 0, most)
-    offsets, pressures = lines[inside] - middle, pressure[inside, np.arange(pressure.shape[1])]
+    """Where columns of pressures (n, s, m) end below and above (2, s, m), beyond their outermost pressed `node`."""
+    step, most = np.array([-1, 1])[:, None, None], len(lines) - 1
+    inside: IntArray = np.clip(node - step * np.arange(_NODES)[:, None, None, None], 0, most)
+    offsets, pressures = lines[inside] - middle, np.take_along_axis(pressure[:, None], inside, axis=0)
     # A line's nodes count as far as all before them do.
     counted: BoolArray = np.logical_and.accumulate((pressures > 0.0) & (offsets * step >= 0.0))
     x, w = offsets**2, counted.astype(np.float64)
@@ -93,15 +110,17 @@ def _ends(lines: Array, pressure: Array, middle: Array, node: IntArray) -> Array
 
 
 def _straightened(x: Array, pressures: Array, known: BoolArray) -> Array:
-    """Pressures (3, 2, m) over their largest, to the power of 1 to 2 that is most nearly linear in x; where it is not
-    known, to the mean of the others, or 2.
+    """Pressures (3, 2, s, m) over their largest, to the power of 1 to 2 that is most nearly linear in x; where it is
+    not known, to the mean of the others of the s-th contact, or 2.
     """
     share = pressures / np.maximum(pressures.max(axis=0), 1e-300)
     # By how much it is steeper between the inner two nodes, to either power.
     single, square = (np.subtract(*np.diff(share**power, axis=0) * np.diff(x, axis=0)[::-1]) for power in (1, 2))
     between = (single < 0.0) & (square > 0.0)
     power = 1.0 + np.where(between, single / np.where(between, single - square, 1.0), single < 0.0)
-    return np.asarray(share ** np.where(known, power, power[known].mean() if known.any() else 2.0))
+    count = known.sum(axis=(0, 2))
+    mean = np.where(count, (power * known).sum(axis=(0, 2)) / np.maximum(count, 1), 2.0)
+    return np.asarray(share ** np.where(known, power, mean[:, None]))
 
 
 def _area(lines: Array, chord: Array) -> float:

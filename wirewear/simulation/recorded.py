@@ -13,6 +13,7 @@ import numpy as np
 
 from geometry import Arc
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, SolverError, bulk_work, measured_holder
+from solvers.extent import half_widths
 from wirewear.base.cache import installed
 from wirewear.base.course import enclosed_energy
 from wirewear.results import (
@@ -80,6 +81,7 @@ def evolution_row(
     """One row of the evolution, by column, from a closed loop after `done` cycles, the last `jump` of them in one jump.
     state: at the loop's end. scars: of the driven and the held body. pressures: the loop's, from `pressure_figures`.
     """
+    touching = [report.footprint for report in trace.reports if report.footprint is not None]
     return {
         "cycle": done,
         "displacement_amplitude_um": 1e3 * 0.5 * float(np.ptp(trace.drive)),
@@ -90,7 +92,7 @@ def evolution_row(
         "accumulated_energy_J": 1e-3 * state.wear.energy_mJ,
         **{f"worn_volume_{scar.body}_mm3": scar.volume_mm3 for scar in scars},
         **{f"max_depth_{scar.body}_um": scar.max_depth_um for scar in scars},
-        "contact_half_width_um": 1e3 * max(report.half_width_x for report in trace.reports),
+        "contact_half_width_um": 1e3 * float(half_widths(touching)[:, 0].max(initial=0.0)),
         **pressures,
         **yielded(problem, state, trace, scars),
         **covered(problem, state),
