@@ -4,9 +4,7 @@ there.
 A pressure that falls as the root of the distance from the contact's edge has a square that is smooth up to the edge
 (Johnson, Contact Mechanics, 1985, section 5.1). The square is fitted to the nodes (`fitted_square`) and evaluated at
 samples within elements. The outermost nodes also bear load of open nodes beside them, by an amount that depends on
-where the mesh lies, so they hardly count in the fit. Equilibrium fixes the load instead: the edge is moved by one
-distance all around until the samples carry it. For Hertz's ellipse the inner nodes thus give the peak pressure p0, and
-the load P gives the area 3 P / (2 p0).
+where the mesh lies, so they hardly count in the fit; the edge lies where the load is carried.
 """
 
 from collections.abc import Sequence
@@ -20,12 +18,11 @@ from scipy.sparse import csr_matrix
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.laws.friction_law import Friction
-from solvers.stress.subgrid_traction import SubgridTraction, fitted_square, refined
+from solvers.stress.subgrid_traction import SubgridTraction, carrying, fitted_square, refined
 
 #: Samples across a contact that few elements span, and of an element each way at least and at most.
 _ACROSS, _FEWEST, _MOST = 72, 2, 8
 _AROUND = 4  #: Nodes without pressure about the contact that are looked at.
-_MOVED, _HALVINGS = 0.25, 20  #: How far the edge is moved at most, in elements, and how exactly.
 _LARGEST = 1.5  #: Largest allowed ratio of an integral over elements and the sum over nodes, either way.
 
 
@@ -58,17 +55,17 @@ class SpreadPressure:
             return cls(nodal, areas, nothing, np.zeros(0), np.zeros(0), nothing, csr_matrix((len(nodal), 0)))
         narrow = min(size - 2 * _AROUND for size in inner.shape if size > 1)
         samples = min(max(-(-_ACROSS // max(narrow, 1)), _FEWEST), _MOST)
+        nodes = patch.axial_mm[rows], patch.transverse_mm[columns]
         tractions = -inner[..., None] * np.array([0.0, 0.0, 1.0])
         # Weight of the outermost nodes: where few lie inside, they keep the fit determined.
         fitted = fitted_square(inner, 0.02) if smooth else SubgridTraction.of_nodes(tractions).square
-        square = refined(fitted, samples)
+        square = refined(carrying(fitted, inner, nodes) if smooth else fitted, samples)
         lines = [
             np.interp(np.arange(size) / samples, np.arange(len(own)), own)
-            for size, own in zip(square.shape, (patch.axial_mm[rows], patch.transverse_mm[columns]), strict=True)
+            for size, own in zip(square.shape, nodes, strict=True)
         ]
         parts = np.outer(*(np.gradient(line) if len(line) > 1 else np.ones(1) for line in lines))
         load = float(areas @ nodal)
-        square = _carrying(square, parts, load, samples) if smooth else square
         inside = square > 0.0
         parts, found = parts[inside], np.sqrt(square[inside])
         carried = float(parts @ found)
@@ -181,21 +178,6 @@ def _about(loaded: BoolArray) -> slice:
     if not found.size:
         return slice(0, 0)
     return slice(max(int(found[0]) - _AROUND, 0), int(found[-1]) + _AROUND + 1)
-
-
-def _carrying(square: Array, parts: Array, load: float, samples: int) -> Array:
-    """A squared pressure at samples, with the contact's edge moved until the samples, of areas `parts`, carry the load.
-
-    samples: their number per element in each direction. A field changed by its slope times a distance has its zero
-    moved by this distance; its peaks stay.
-    """
-    slopes = [np.gradient(square, 1.0 / samples, axis=axis) for axis, size in enumerate(square.shape) if size > 1]
-    slope, inwards, outwards = np.sqrt(sum(each**2 for each in slopes)), -_MOVED, _MOVED
-    for _ in range(_HALVINGS):
-        moved = 0.5 * (inwards + outwards)
-        carried = float((parts * np.sqrt(np.maximum(square + moved * slope, 0.0))).sum())
-        inwards, outwards = (moved, outwards) if carried < load else (inwards, moved)
-    return np.asarray(square + 0.5 * (inwards + outwards) * slope)
 
 
 def _edge(square: Array, lines: Sequence[Array]) -> Array:

@@ -3,13 +3,15 @@
 Where smooth surfaces part, the pressure falls as the root of the distance from the edge (Johnson, Contact Mechanics,
 1985, section 5.1). So its square is smooth, and where it becomes zero is the edge. The square is fitted by quadratics
 of the nodes around each, as in moving least squares (Lancaster & Salkauskas, Math. Comput. 37 (1981) 141), continued
-beyond the edge, and scaled so that it carries the nodes' forces. Hertz's pressure is reproduced.
+beyond the edge, which equilibrium then moves by one distance all around until the load is carried: for Hertz's ellipse
+the inner nodes give the peak pressure p0, and the load P the area 3 P / (2 p0). Hertz's pressure is reproduced.
 
 A grid of one line only, (n_a, 1), stands for tractions that are alike across it, as those of a line contact.
 
 Tractions are (..., 3): x, y, and z outwards; pressure is negative z.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +39,7 @@ _BEYOND = 3  #: The square is continued so many elements beyond the contact.
 #: An edge lies no farther out than one element: squares beyond are below zero by this share of the largest one within
 #: so many elements.
 _OUTSIDE, _NEAREST = 0.3, 4
+_MOVED = 0.25  #: How far equilibrium moves an edge at most, in elements.
 _MOST_SCALED = 2.0
 _SAMPLES = 4
 _HALVINGS = 40
@@ -66,7 +69,7 @@ class SubgridTraction:
         loaded = pressure > _LOADED * pressure.max(initial=0.0)
         if not loaded.any():
             return cls(np.full(pressure.shape, -1.0), np.zeros_like(traction))
-        square = fitted_square(pressure, lines=lines)
+        square = carrying(fitted_square(pressure, lines=lines), pressure, lines)
         ratio = _ratios(traction, pressure, loaded)
         return cls(square * _scale(square, pressure) ** 2, ratio)
 
@@ -94,6 +97,33 @@ def fitted_square(pressure: Array, trust: float | None = None, lines: tuple[Arra
         weight = doubted + missed * (_by_row(loaded, _TRUSTED, 1.0) - doubted)
         fit = _fit(square, loaded, weight, moments)
     return largest * _continued(fit[..., 0], loaded)
+
+
+def carrying(square: Array, pressure: Array, lines: tuple[Array, Array] | None = None) -> Array:
+    """A squared pressure (n_a, n_t) with the contact's edge moved until it carries the load of nodal pressures; lines:
+    see `fitted_square`.
+
+    A field changed by its slope times a distance has its zero moved by this distance; its peaks stay.
+    """
+    slope = np.sqrt(sum(np.gradient(square, axis=axis) ** 2 for axis, size in enumerate(square.shape) if size > 1))
+    places = [np.arange(1.0 * size) for size in square.shape] if lines is None else lines
+    between = [
+        np.interp(np.arange((len(one) - 1) * _SAMPLES + 1) / _SAMPLES, np.arange(len(one)), one) for one in places
+    ]
+    fine, steep = refined(square, _SAMPLES), refined(slope, _SAMPLES)
+    near = fine > -_MOVED * steep
+    load, parts, fine, steep = float((_areas(places) * pressure).sum()), _areas(between)[near], fine[near], steep[near]
+    inwards, outwards = -_MOVED, _MOVED
+    for _ in range(_HALVINGS):
+        moved = 0.5 * (inwards + outwards)
+        carried = float(parts @ np.sqrt(np.maximum(fine + moved * steep, 0.0)))
+        inwards, outwards = (moved, outwards) if carried < load else (inwards, moved)
+    return np.asarray(square + 0.5 * (inwards + outwards) * slope)
+
+
+def _areas(lines: Sequence[Array]) -> Array:
+    """Areas (n_a, n_t) of the nodes of a grid of lines; one line has a width of 1."""
+    return np.outer(*(np.gradient(line) if len(line) > 1 else np.ones(1) for line in lines))
 
 
 def _by_row(loaded: BoolArray, rows: tuple[float, ...], others: float) -> Array:

@@ -49,7 +49,7 @@ class Level:
     slip_energy_tolerance: float = _at(0.15, 0.05)
     stress_tolerance: float = _at(0.02, 0.02)  #: Tolerance of the largest stress beneath a contact.
     surface_resolution: float = _at(3.5, 5.0)
-    surface_tolerance: float = _at(0.07, 0.03)
+    surface_tolerance: float = _at(0.05, 0.02)
     line_surface_resolution: float = _at(12.0, 18.0)
     line_surface_tolerance: float = _at(0.05, 0.03)
     yielding_fidelity: str = _at("quick", "standard")  #: Level of fidelity of bodies that yield.
