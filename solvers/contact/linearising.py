@@ -80,7 +80,28 @@ def linearised(
             state.holder_x, state.holder_tilt, float(state.primary_force[:, 0].sum())
         ),
         layers=layers_between(problem, state, pairing, traction) if problem.layers or problem.limit else None,
+        late=_late(problem, state, pairing, drive - holder_x, compliance.old),
     )
+
+
+def _late(
+    problem: ContactProblem, state: ContactState, pairing: Pairing, ahead: float, displacement: Array
+) -> Array | None:
+    """What nodes that bear nothing in `state` slip before they touch, see `Linearisation.late`; None where it is
+    nothing.
+
+    ahead: of the drive before the holder where the bodies are paired, mm. displacement: (k, 3) in mm before the
+    increment. Bodies that have parted stick from where they meet.
+    """
+    apart = state.traction[pairing.nodes, 2] == 0.0
+    if problem.friction == 0.0 or not apart.any() or apart.all():
+        return None
+    normals, lever = pairing.frames[:, 0], levers(problem, state.drive, state.holder_x)[pairing.nodes]
+    rigid = pairing.gap + pairing.gap_rate * (ahead - state.drive + state.holder_x)
+    rigid += state.holder_z + lever * state.holder_tilt
+    gap = np.where(apart, normals[:, 2] * rigid + np.einsum("ij,ij->i", displacement, normals), 0.0)
+    along, _, across = problem.nodal_compliance
+    return np.maximum(gap, 0.0) * (along / across) if gap.max() > 0.0 else None
 
 
 def law_at(

@@ -62,6 +62,7 @@ def solved_on_one_side(
         friction=system.friction.among(kept),
         lever=system.lever[kept],
         layers=None if system.layers is None else system.layers.among(kept),
+        late=None if system.late is None else system.late[kept],
     )
     found = problem.algorithm.solve_contact(
         side, guess._replace(traction=guess.traction[kept], active=guess.active[kept])

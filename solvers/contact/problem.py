@@ -65,15 +65,15 @@ class ContactProblem:
         object.__setattr__(self, "retained", retained_share(self.layers))
         object.__setattr__(self, "surface", primary_surface(self.primary))
         # Of the nodes' own compliance; penetration is then about 1 % of the approach on usual meshes.
-        layer = 0.02 * self._nodal_compliance() if self.formulation == "penalty" else 0.0
+        layer = 0.02 * float(self.nodal_compliance[2]) if self.formulation == "penalty" else 0.0
         object.__setattr__(self, "layer_mm_per_MPa", layer)
 
-    def _nodal_compliance(self) -> float:
-        """Displacement of a typical node of both surfaces together by unit pressure on its own area, mm per MPa."""
-        return sum(
-            float(np.median(body.folded.diagonal()[2::3] * body.patch.node_areas()))
-            for body in (self.upper, self.lower)
-        )
+    @property
+    def nodal_compliance(self) -> Array:
+        """Displacements (3,) of a typical node of both surfaces together by a unit traction on its own area, mm per
+        MPa.
+        """
+        return self.upper.nodal_compliance + self.lower.nodal_compliance
 
     @cached_property
     def law(self) -> Friction:

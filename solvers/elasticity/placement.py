@@ -99,6 +99,12 @@ class PlacedBody:
         return self.patch.node_areas()
 
     @cached_property
+    def nodal_compliance(self) -> Array:
+        """Displacements (3,) of a typical node along x, y and z by a unit traction on its own area, mm per MPa."""
+        own = self.folded.diagonal().reshape(-1, 3) * self.node_areas[:, None]
+        return np.asarray(np.median(own, axis=0))
+
+    @cached_property
     def edge_nodes(self) -> BoolArray:
         return self.patch.edge_nodes()
 

@@ -20,7 +20,7 @@ import numpy as np
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact_conditions import Linearisation
 from solvers.jit_cache import compiled, inlined
-from solvers.newton.terms import Carried, HolderTerms, Iterate, LinearLaws, Nodes, linear_laws, nodes_of
+from solvers.newton.terms import Carried, HolderTerms, Iterate, LinearLaws, Nodes, linear_laws, nodes_of, sheared
 
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
 # friction on all nodes would cause; beyond, iterating the direction mostly converges fast.
@@ -80,7 +80,7 @@ class ContactConditions:
 
     def laws(self, about: Array) -> LinearLaws:
         """Friction and layers, linearised at pressures `about` (k,) in MPa; laws that are linear only once."""
-        straight = self.system.layers is None and self.system.friction.law.proportional
+        straight = self.system.layers is None and self.system.late is None and self.system.friction.law.proportional
         return self._laws if straight else linear_laws(self.system, about)
 
     def world(self, normal: Array, tangential: Array) -> Array:
@@ -118,10 +118,9 @@ class ContactConditions:
         was not. given: True to keep the nodes in contact that were.
         """
         layers, friction, normal = self.system.layers, self.system.friction, solution.normal
-        if layers is None:
-            closure = softness = shear = self._laws.shear
-        else:
-            (closure, softness), (shear, _) = layers.closure(normal), layers.shear_compliance(normal)
+        shear, closure, softness = sheared(self.system, normal)[0], self._laws.closure, self._laws.softness
+        if layers is not None:
+            closure, softness = layers.closure(normal)
             if layers.yielding is not None and about is not None:
                 # What yielded in a step that went too far bears elastically again before it opens.
                 softness = np.maximum(softness, layers.yielding.closure(about)[1])

@@ -148,7 +148,8 @@ class _Change(NamedTuple):
     """How far a state is from the one before."""
 
     nodes: Changes  #: Numbers of nodes that change their status, and more.
-    gap_error: float  #: Largest gap of nodes in contact over the largest elastic displacement.
+    #: Largest gap of nodes in contact, or slip of those that stick, over the largest elastic displacement.
+    gap_error: float
     #: Largest difference of the friction law from its tangent at slipping nodes, over the largest friction.
     bend: float
     settled: bool  #: No node and no stop changes.
@@ -158,7 +159,11 @@ class _Change(NamedTuple):
         cls, nodes: Changes, conditions: ContactConditions, before: Iterate, after: Iterate, about: Array
     ) -> "_Change":
         stays = stop_in_play(conditions, before) == stop_in_play(conditions, after)
-        gap_error = nodes.gap / max(after.elastic, 1e-300)
+        gap = nodes.gap
+        if conditions.system.late is not None:
+            sticks = before.stick & (after.normal > 0.0)
+            gap = max(gap, float(np.abs(after.slip[sticks]).max(initial=0.0)))
+        gap_error = gap / max(after.elastic, 1e-300)
         return cls(nodes, gap_error, _bend(conditions, before, after, about), nodes.changing == 0 and stays)
 
     @property

@@ -12,6 +12,8 @@ from geometry.arrays import Array, BoolArray
 from solvers.contact_conditions import Linearisation
 from solvers.jit_cache import inlined
 
+_HARDLY = 1e-6  # Of the largest pressure: a node under less bears nothing.
+
 
 class Carried(NamedTuple):
     """Tractions of k nodes in world axes by normal traction p: `per_normal` (k, 3) times p plus `constant` (k, 3)."""
@@ -141,12 +143,28 @@ def nodes_of(system: Linearisation) -> Nodes:
 def linear_laws(system: Linearisation, pressure: Array) -> LinearLaws:
     """Friction and layers of a linearised system at pressures (k,) in MPa."""
     tangent = system.friction.tangent(pressure)
+    shear, change = sheared(system, pressure)
     if system.layers is None:
         none = np.zeros_like(pressure)
-        return LinearLaws(pressure, *tangent, none, none, none, none)
+        return LinearLaws(pressure, *tangent, none, none, shear, change)
     closure, softness = system.layers.closure(pressure)
-    shear = system.layers.shear_compliance(pressure)
-    return LinearLaws(pressure, *tangent, closure - softness * pressure, softness, *shear)
+    return LinearLaws(pressure, *tangent, closure - softness * pressure, softness, shear, change)
+
+
+def sheared(system: Linearisation, pressure: Array) -> tuple[Array, Array]:
+    """Tangential displacement per traction (k,) in mm/MPa, besides the bodies' own, at pressures (k,) in MPa, and its
+    derivative by these: of layers, and of nodes that touch only within the increment.
+
+    Such a node bears tractions in proportion to how far the bodies go on from there along and across its surface. They
+    go on by what its own tractions deform; in all they go further by the gap that was there, and along by as much more.
+    """
+    none = np.zeros_like(pressure)
+    shear, change = (none, none) if system.layers is None else system.layers.shear_compliance(pressure)
+    if system.late is None:
+        return shear, change
+    borne = np.maximum(pressure, _HARDLY * float(pressure.max(initial=0.0)))
+    borne = np.where(borne > 0.0, borne, 1.0)
+    return shear + system.late / borne, change - system.late / borne**2
 
 
 def holder_terms(system: Linearisation, series_mm_per_N: float, held_mm: float | None) -> HolderTerms:

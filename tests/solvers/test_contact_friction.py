@@ -10,6 +10,7 @@ from scipy.sparse import csr_matrix
 
 from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, IncrementReport
+from solvers.contact import advance
 from solvers.newton.equations import _solved
 from solvers.wear_step import coupled as coupled_equations
 from solvers.wear_step.coupled import Coupled, SimilarEquations, as_a_whole, position_by_position
@@ -262,3 +263,17 @@ def test_swapped_roles_give_the_same_loop_within_mesh_error(rig: ContactProblem,
     _, reports = driven(swapped, pressed(swapped)[0], sines(count))
     assert forces(reports) == pytest.approx(forces(gross_slip[1][:count]), abs=0.01 * LIMIT_N)
     assert works(reports).sum() == pytest.approx(works(gross_slip[1][:count]).sum(), rel=0.01)
+
+
+@pytest.mark.parametrize("share", [2.0, 4.0])
+def test_what_comes_into_contact_in_an_increment_is_sheared_from_where_it_touches(share: float) -> None:
+    problem, found, iterations = crossed_wires(COARSE_mm, long_patch=True), [], []
+    for count in (1, 32):
+        state, steps = pressed(problem)[0], 0
+        for part in np.arange(1, count + 1) / count:
+            state, reports = advance(problem, state, 1e-4 * part, 0.0, load_share=1.0 + (share - 1.0) * part)
+            steps += sum(report.iterations for report in reports)
+        found.append(reports[-1].tangential_force)
+        iterations.append(steps)
+    assert found[0] == pytest.approx(found[1], rel=0.025)
+    assert iterations[0] <= 6
