@@ -17,6 +17,7 @@ from solvers.stress.coats import SIDE, CoatStress, _waves, across_interface
 from tests.simulation.point_contacts import LOAD_N, TEST, RADIUS_mm
 from tests.studies import line_study
 from wirewear.simulation.line_model import bodies, line_plan, line_problem
+from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.problem import condensed_body, laws_of
 from wirewear.test import Study, study_from_tables
 
@@ -193,6 +194,20 @@ def test_a_ball_on_a_coat_presses_as_without_elements(stiffness: float, thick: f
     assert approach - bare == pytest.approx(exact[1] - hertz, abs=0.01 * exact[1])
     # The contact's edge falls between nodes that are a quarter of its radius apart.
     assert radius == pytest.approx(exact[0], rel=0.03)
+
+
+@pytest.mark.first_case
+@pytest.mark.parametrize(("stiffness", "thick"), [(0.25, 0.1), (4.0, 1.0)])
+def test_the_first_mesh_of_a_quick_run_holds_the_contact_on_a_coat(stiffness: float, thick: float) -> None:
+    modulus, thickness = stiffness * STEEL.youngs_modulus_MPa, thick * HERTZ_mm
+    layer = {"thickness_um": 1e3 * thickness, "youngs_modulus_MPa": modulus}
+    study = ball_on_flat().with_values({"bodies.flat.layers": [layer], "wear.energy_wear_coefficient_mm3_per_J": 1e-5})
+    meshes = PointRun.of(study, "quick").meshes
+    problem = meshes.problem(meshes.first(), lambda _: None)
+    _, report = press(problem, unloaded_state(problem))
+    radius, _, pressure = indented(RADIUS_mm, thickness, Elastic(modulus, STEEL.poissons_ratio))
+    assert report.max_pressure == pytest.approx(pressure, rel=0.03)
+    assert (report.contact_area / np.pi) ** 0.5 == pytest.approx(radius, rel=0.03)
 
 
 LINE_N_per_mm, CYLINDER_mm = 30.0, 6.0

@@ -6,7 +6,7 @@ level's number of unknowns.
 """
 
 from dataclasses import dataclass, replace
-from math import cos, hypot, pi, radians, sin
+from math import ceil, cos, hypot, pi, radians, sin
 from typing import Any
 
 from geometry import BodyGeometry, GradedAxis, Layering, RimGradedAxis
@@ -108,6 +108,9 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None, core:
     if not study.contact.friction_law.proportional:
         # Elements a radius over those under Coulomb's law, for laws of friction that bend with the pressure.
         level = replace(level, per_contact_radius=1.25 * level.per_contact_radius)
+    if any(study.tables.coatings):
+        # The edge of a contact on a coat then falls on a node, where it is best known.
+        level = replace(level, per_contact_radius=ceil(level.per_contact_radius))
     if expected.face is not None:
         # Elements of a pad's contact over those of a ball's: at a flat's edge pressure rises within a fifth of its
         # radius.
