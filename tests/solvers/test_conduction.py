@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
-from scipy.special import k0e
 
 from geometry.arrays import Array
 from solvers import Conductor, surface_rise
@@ -40,24 +38,28 @@ def test_under_an_oscillating_flux_a_wide_surface_follows_an_eighth_of_a_period_
     assert middle == pytest.approx(exact, abs=0.02 * exact.max())
 
 
-def test_a_band_that_moves_is_as_hot_as_jaeger_s_integral_says() -> None:
-    width, cells, diffusivity, conductivity, speed = 0.12, 16, 0.02, 10.0, 10.0
-    cell, passed = width / cells, 3 * cells
-    # It passes once in a period that is long beside its passage, over a surface that has cooled.
-    power = np.zeros((4096, passed + 1, 2 * cells + 1))
-    for step in range(passed + cells):
-        power[step, max(0, step - cells) : min(step, passed)] = cell**2
-    body = Conductor(conductivity, conductivity / diffusivity)
-    rise = surface_rise(power, cell, len(power) * cell / speed, body)
-    hottest = rise[int(2.5 * cells), :, cells].max() - rise[0, cells // 2, cells]
-    # Jaeger 1942, with the Péclet number V l / (2 κ) of half the width l.
-    peclet = 0.25 * speed * width / diffusivity
-    found = [
-        quad(lambda u: np.exp(-u - abs(u)) * k0e(abs(u)), at - peclet, at + peclet, points=[0.0], limit=200)[0]
-        for at in np.linspace(-0.99 * peclet, 0.99 * peclet, 40)
-    ]
-    exact = 2.0 * diffusivity / (np.pi * conductivity * speed) * max(found)
-    assert hottest == pytest.approx(exact, rel=0.02)
+@pytest.mark.parametrize(("peclet", "cells"), [(0.3, 11), (3.0, 17), (20.0, 25)])
+def test_a_square_that_moves_is_as_hot_as_its_point_sources_say(peclet: float, cells: int) -> None:
+    """Carslaw & Jaeger § 10.7, sources exp(-V (r + x) / (2 κ)) / (2 π k r) over a square; Péclet's number V l / (2 κ)
+    of half its side l.
+    """
+    passed, half, diffusivity, conductivity = 20 + int(max(3.0, 3.0 / peclet) * cells), 0.5 * cells, 0.02, 10.0
+    moments = 1024 if passed < 90 else 2048
+    power = np.zeros((moments, passed + cells, cells))
+    for step in range(passed):
+        power[step, step : step + cells] = 1.0
+    # It passes once in a period that is long beside its passage; what is left of that at last is all over the place.
+    period = moments * half / (2.0 * diffusivity * peclet)
+    rise = surface_rise(power, 1.0, period, Conductor(conductivity, conductivity / diffusivity))[:, :, cells // 2]
+    step = passed - cells // 2
+    found = rise[step, step : step + cells] - rise[-1, passed // 2 : passed // 2 + cells].mean()
+    turn = np.linspace(1e-6, np.pi - 1e-6, 4000)
+    exact = []
+    for at in (np.arange(cells) - cells // 2) / half:
+        reach = np.minimum((np.sign(np.cos(turn)) - at) / np.cos(turn), 1.0 / np.sin(turn))
+        decay = peclet * (1.0 - np.cos(turn))
+        exact.append(half / (np.pi * conductivity) * np.trapezoid(-np.expm1(-decay * reach) / decay, turn))
+    assert found.max() == pytest.approx(max(exact), rel=0.02)
 
 
 def test_the_way_to_the_surroundings_adds_the_mean_power_times_its_resistance() -> None:
