@@ -9,7 +9,7 @@ turn (Jaeger, Proc. R. Soc. NSW 76 (1942) 203).
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import fft
+import scipy
 
 from geometry.arrays import Array, ComplexArray
 
@@ -43,8 +43,8 @@ def surface_rise(heat_mW: Array, cell_mm: float, period_s: float, body: Conducto
 def spread(heat_mW: ComplexArray, kernel: ComplexArray) -> ComplexArray:
     """Rises (..., n, m) in K by the heat (..., n, m) of cells and the `response` (..., n', m') to it."""
     n, m = heat_mW.shape[-2:]
-    whole = fft.fft2(heat_mW, s=kernel.shape[-2:]) * kernel
-    return np.asarray(fft.ifft2(whole)[..., :n, :m])
+    whole = scipy.fft.fft2(heat_mW, s=kernel.shape[-2:]) * kernel
+    return np.asarray(scipy.fft.ifft2(whole)[..., :n, :m])
 
 
 def response(
@@ -57,7 +57,7 @@ def response(
     length, by a mW per mm of it. 0: cells are squares.
     """
     decay = np.sqrt(2j * np.pi * order / period_s / body.diffusivity_mm2_per_s)
-    padded = [fft.next_fast_len(2 * size - 1) for size in shape]
+    padded = [scipy.fft.next_fast_len(2 * size - 1) for size in shape]
     steps = [np.minimum(np.arange(size), size - np.arange(size)) for size in padded]
     distance = cell_mm * np.hypot(steps[0][:, None], steps[1][None, :])
     if length_mm:
@@ -70,7 +70,7 @@ def response(
         distance[0, 0] = 1.0
         rise = np.exp(-decay * distance) / (2.0 * np.pi * distance)
         rise[0, 0] = (-np.expm1(-decay * disc) / decay if order else disc) / cell_mm**2
-    return np.asarray(fft.fft2(rise) / body.conductivity_W_per_m_K)
+    return np.asarray(scipy.fft.fft2(rise) / body.conductivity_W_per_m_K)
 
 
 def _along(distance: Array, decay: complex, length_mm: float) -> ComplexArray:

@@ -122,9 +122,12 @@ def law_at(
         problem.cycle,
         problem.fields,
     )
-    law, within = problem.law_at(local), within_elements(problem, [state], np.zeros(len(nodes), dtype=int))
-    coefficient = law.coefficient * state.grip[nodes] if len(state.grip) else law.coefficient
-    return replace(law, coefficient=coefficient, within=within)
+    law = problem.law_at(local)
+    if len(state.grip):
+        law = replace(law, coefficient=law.coefficient * state.grip[nodes])
+    if law.law.proportional and problem.wear.law.work_per_slip(law).law.proportional:
+        return law
+    return replace(law, within=within_elements(problem, [state], np.zeros(len(nodes), dtype=int)))
 
 
 def within_elements(problem: ContactProblem, states: Sequence[ContactState], position: IntArray) -> WithinElements:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from solvers.contact.increment import IncrementFailedError, LostContactError, closest, solve_increment
 from solvers.contact.problem import ContactProblem, vertical_gaps
@@ -66,7 +66,7 @@ def _lowered_to_load(problem: ContactProblem, state: ContactState) -> tuple[Cont
         low *= _BRACKET
     while excess(high) > 0.0:
         high /= _BRACKET
-    return held(brentq(excess, low, high, xtol=_HEIGHT_TOLERANCE * abs(low)))
+    return held(scipy.optimize.brentq(excess, low, high, xtol=_HEIGHT_TOLERANCE * abs(low)))
 
 
 def _stuck(state: ContactState) -> ContactState:

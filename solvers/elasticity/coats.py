@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.special import ndtr
+import scipy
 
 from geometry import ContactPatch, Elastic
 from geometry.arrays import Array, IntArray
@@ -230,7 +230,7 @@ def _between_cells(lines: Array, widths_mm: Array) -> Array:
     result = np.zeros((3, len(widths_mm), len(lines), len(lines)))
     for moved, loaded, sign in ((high, low, 1.0), (low, low, -1.0), (high, high, -1.0), (low, high, 1.0)):
         x = (moved[:, None] - loaded) / widths_mm[:, None, None]
-        bell, part = np.exp(-0.5 * x**2) / np.sqrt(2.0 * np.pi), ndtr(x)
+        bell, part = np.exp(-0.5 * x**2) / np.sqrt(2.0 * np.pi), scipy.special.ndtr(x)
         width = widths_mm[:, None, None]
         result += sign * np.stack([width * (x * part + bell), part, bell / width])
     result /= np.outer(high - low, high - low)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from hashlib import sha256
 
 import numpy as np
+import scipy
 from scipy.linalg import blas, lapack
 from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.errors import SolverError
@@ -140,7 +140,7 @@ def _separator(graph: csr_matrix, second: BoolArray) -> BoolArray:
     """
     ends, starts = np.flatnonzero(second), np.flatnonzero(~second)
     across = graph[starts][:, ends]
-    paired = maximum_bipartite_matching(across, perm_type="column")
+    paired = scipy.sparse.csgraph.maximum_bipartite_matching(across, perm_type="column")
     partner = np.full(len(ends), -1)
     partner[paired[paired >= 0]] = np.flatnonzero(paired >= 0)
     reached, reached_ends = paired < 0, np.zeros(len(ends), dtype=bool)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import fft
+import scipy
 
 from geometry import Elastic
 from geometry.arrays import Array, ComplexArray
@@ -62,7 +62,7 @@ class HalfSpace:
         """Displacements (n_x, n_y // 2 + 1, 3 (l + 1)) U, T, W of all levels by initial stresses (m, n_x, n_y, 6) of
         the upper m layers, as in `moved`.
         """
-        inner = fft.rfft2(initial_MPa, axes=(1, 2))
+        inner = scipy.fft.rfft2(initial_MPa, axes=(1, 2))
         # The mean has no direction.
         inner[:, 0, 0, :2] = 0.5 * (inner[:, 0, 0, :1] + inner[:, 0, 0, 1:2])
         levels = np.zeros(self._factor.shape[:3], dtype=complex)
@@ -76,7 +76,7 @@ class HalfSpace:
         count = len(self.layers_mm) if layers is None else layers
         inner = np.zeros((count, *pushed.shape[:2], 6), dtype=complex)
         _spread(*self._waves, self.layers_mm, self._by_traction, waves, pushed, inner)
-        return np.asarray(fft.irfft2(inner, s=self.shape, axes=(1, 2), overwrite_x=True))
+        return np.asarray(scipy.fft.irfft2(inner, s=self.shape, axes=(1, 2), overwrite_x=True))
 
     def displacements(self, waves: ComplexArray, traction_MPa: Array | None = None) -> Array:
         """Displacements (n_x, n_y, 3) of the surface in mm, as in `moved`, by `waves` and tractions."""
@@ -86,14 +86,14 @@ class HalfSpace:
             found = found + np.einsum("xyij,xyj->xyi", self._by_traction[..., :3, :], self._pushed(traction_MPa))
         along, across, up = np.moveaxis(found, -1, 0)
         surface = np.stack([1j * c * along - s * across, 1j * s * along + c * across, up], axis=-1)
-        return np.asarray(fft.irfft2(surface, s=self.shape, axes=(0, 1)))
+        return np.asarray(scipy.fft.irfft2(surface, s=self.shape, axes=(0, 1)))
 
     def _pushed(self, traction_MPa: Array | None) -> ComplexArray:
         """Waves (n_x, n_y // 2 + 1, 3) of tractions, as forces on U, T and W of the surface."""
         _, c, s = self._waves
         if traction_MPa is None:
             return np.zeros((*c.shape, 3), dtype=complex)
-        along, across, up = np.moveaxis(fft.rfft2(traction_MPa, axes=(0, 1)), -1, 0)
+        along, across, up = np.moveaxis(scipy.fft.rfft2(traction_MPa, axes=(0, 1)), -1, 0)
         return np.stack([-1j * (c * along + s * across), c * across - s * along, up], axis=-1)
 
     def stresses(self, strain: Array) -> Array:
@@ -106,8 +106,8 @@ class HalfSpace:
     @cached_property
     def _waves(self) -> tuple[Array, Array, Array]:
         """Length and direction's cosine and sine of each wave vector (n_x, n_y // 2 + 1)."""
-        along = 2.0 * np.pi * fft.fftfreq(self.shape[0], self.step_mm[0])
-        across = 2.0 * np.pi * fft.rfftfreq(self.shape[1], self.step_mm[1])
+        along = 2.0 * np.pi * scipy.fft.fftfreq(self.shape[0], self.step_mm[0])
+        across = 2.0 * np.pi * scipy.fft.rfftfreq(self.shape[1], self.step_mm[1])
         length = np.hypot(along[:, None], across)
         cosine, sine = np.ones_like(length), np.zeros_like(length)
         np.divide(along[:, None], length, out=cosine, where=length > 0.0)

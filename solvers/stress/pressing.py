@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import fft
+import scipy
 
 from geometry.arrays import Array
 from solvers.stress.plastic_zone import Flowed, PlasticZone
@@ -42,21 +42,21 @@ class Indenter:
     @cached_property
     def _kernel(self) -> Array:
         """Spectrum of displacements by unit pressure on a cell."""
-        along, across = (h * n * fft.fftfreq(n) for n, h in zip(self._size, self.step_mm, strict=True))
+        along, across = (h * n * scipy.fft.fftfreq(n) for n, h in zip(self._size, self.step_mm, strict=True))
         return np.asarray(
-            fft.rfft2(depth_by_rectangle(along[:, None], across, *self.step_mm) / (np.pi * self.modulus_MPa))
+            scipy.fft.rfft2(depth_by_rectangle(along[:, None], across, *self.step_mm) / (np.pi * self.modulus_MPa))
         )
 
     @property
     def _size(self) -> tuple[int, ...]:
         """Cells of the grid on which convolutions do not come round."""
-        return tuple(fft.next_fast_len(2 * n) for n in self.gap_mm.shape)
+        return tuple(scipy.fft.next_fast_len(2 * n) for n in self.gap_mm.shape)
 
     def displacement(self, pressure: Array) -> Array:
         """Elastic approach (n_x, n_y) in mm of both surfaces at the cells by pressures (n_x, n_y) in MPa."""
         n_x, n_y = pressure.shape
-        spectrum = fft.rfft2(pressure, s=self._size) * self._kernel
-        return np.asarray(fft.irfft2(spectrum, s=self._size)[:n_x, :n_y])
+        spectrum = scipy.fft.rfft2(pressure, s=self._size) * self._kernel
+        return np.asarray(scipy.fft.irfft2(spectrum, s=self._size)[:n_x, :n_y])
 
     def carried(self, load_N: float, print_mm: Array, guess: Array, tolerance: float = _CLOSED) -> tuple[Array, float]:
         """Pressures (n_x, n_y) in MPa, zero or more, that carry the load, and the approach in mm of the bodies, by

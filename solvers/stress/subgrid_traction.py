@@ -15,14 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import (
-    binary_dilation,
-    binary_erosion,
-    convolve1d,
-    distance_transform_edt,
-    gaussian_filter,
-    grey_dilation,
-)
+import scipy
 
 from geometry.arrays import Array, BoolArray
 from solvers.jit_cache import compiled, inlined
@@ -131,7 +124,7 @@ def _by_row(loaded: BoolArray, rows: tuple[float, ...], others: float) -> Array:
     result, left = np.zeros(loaded.shape), loaded
     for own in (*rows, others):
         result[left] = own
-        left = binary_erosion(left, structure=_around_one(loaded))
+        left = scipy.ndimage.binary_erosion(left, structure=_around_one(loaded))
     return result
 
 
@@ -170,7 +163,7 @@ def _fit(square: Array, loaded: BoolArray, weight: Array, moments: list[Array]) 
                 found[powers] = moment(weight, *powers)
             matrix[..., row, column] = found[powers]
     right = np.stack([moment(weight * square, i, j) for i, j in _POWERS], axis=-1)
-    around = binary_dilation(loaded, structure=_around_one(loaded), iterations=_BEYOND)
+    around = scipy.ndimage.binary_dilation(loaded, structure=_around_one(loaded), iterations=_BEYOND)
     chosen = matrix[around]
     # Curvatures that the nodes do not show are small.
     chosen += 1e-6 * chosen[:, :1, :1] * np.diag([0.0, 1.0, 1.0, 1.0, 1.0, 1.0])
@@ -182,13 +175,15 @@ def _fit(square: Array, loaded: BoolArray, weight: Array, moments: list[Array]) 
 def _continued(square: Array, loaded: BoolArray) -> Array:
     """Fitted squares (n_a, n_t), low enough beyond the contact for its edge to lie no farther out than one element."""
     width = 2 * _NEAREST + 1
-    inside = grey_dilation(
+    inside = scipy.ndimage.grey_dilation(
         np.where(loaded, square, 0.0), footprint=np.ones((width, width if square.shape[1] > 1 else 1))
     )
-    near, around = (binary_dilation(loaded, structure=_around_one(loaded), iterations=n) for n in (1, _BEYOND))
+    near, around = (
+        scipy.ndimage.binary_dilation(loaded, structure=_around_one(loaded), iterations=n) for n in (1, _BEYOND)
+    )
     square = np.where(near, square, np.minimum(square, -_OUTSIDE * np.maximum(inside, 0.0)))
     # A step to where nothing is fitted would swing back into what is.
-    nearest = distance_transform_edt(~around, return_distances=False, return_indices=True)
+    nearest = scipy.ndimage.distance_transform_edt(~around, return_distances=False, return_indices=True)
     return np.asarray(square[tuple(nearest)])
 
 
@@ -218,12 +213,12 @@ def _scale(square: Array, pressure: Array) -> Array:
 
 def _summed(values: Array, along: Array, across: Array) -> Array:
     """Sums around each node of a grid with weights that are products; nothing lies beyond it but across one line."""
-    first = convolve1d(values, along, axis=0, mode="constant")
-    return np.asarray(convolve1d(first, across, axis=1, mode=_beyond(values)))
+    first = scipy.ndimage.convolve1d(values, along, axis=0, mode="constant")
+    return np.asarray(scipy.ndimage.convolve1d(first, across, axis=1, mode=_beyond(values)))
 
 
 def _smoothed(values: Array, width: float) -> Array:
-    return np.asarray(gaussian_filter(values, width, mode=("constant", _beyond(values))))
+    return np.asarray(scipy.ndimage.gaussian_filter(values, width, mode=("constant", _beyond(values))))
 
 
 def _beyond(values: Array) -> str:

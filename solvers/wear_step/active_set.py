@@ -7,7 +7,6 @@ is along z, positive where the bodies are apart.
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from math import nan
 from typing import NamedTuple
 
@@ -122,20 +121,11 @@ class CycleEquations:
 
     def _coupled(self, terms: "_Terms", moved: Array) -> Coupled:
         """The matrix of `_product`."""
-        on, start, facing, held = terms.on, terms.start, self.facing, self.problem.holder.approach_mm is not None
-        blocks, entry = [], 0
-        for k, (begin, end) in enumerate(pairwise(np.searchsorted(terms.position, np.arange(len(start))))):
-            own, nodes = on[begin:end], start[k + 1] - start[k]
-            size = len(own) * nodes
-            block = np.zeros((len(own) + 1, len(own) + 1), order="F")
-            block[:-1, :-1] = moved[entry : entry + size].reshape(len(own), nodes)[:, own - start[k]].T
-            block[np.arange(len(own)), np.arange(len(own))] += terms.softness[own]
-            block[:-1, -1] = facing.upward[own]
-            if not held:
-                block[-1, :-1] = facing.lift[0, own] + terms.slope[own] * facing.lift[1, own]
-            block[-1, -1] = 1.0 if held else -terms.spring_N_per_mm
-            blocks.append(block)
-            entry += size
+        on, blocks, begin = terms.on, [], 0
+        together = _blocks(terms, self.facing, moved)
+        for size in np.bincount(terms.position, minlength=len(terms.start) - 1) + 1:
+            blocks.append(together[begin : begin + size**2].reshape(size, size).T)
+            begin += size**2
         opened, worked = scaled_rows(self.opening.faced[on], terms.opened[on]), self.opening.worked[on]
         return Coupled(blocks, opened, scaled_rows(worked, terms.worn[on]))
 
@@ -237,6 +227,30 @@ def _alone(terms: _Terms, facing: Facing, moved: Array) -> tuple[Array, Array]:
     for k in range(len(carried)):
         carried[k] = max(carried[k] / most, terms.spring_N_per_mm)
     return alone, carried
+
+
+@compiled
+def _blocks(terms: _Terms, facing: Facing, moved: Array) -> Array:
+    """The blocks of `Coupled`, transposed, one after another."""
+    on, start, held, first = terms.on, terms.start, np.isnan(terms.load_N[0]), 0
+    size = np.ones(len(start) - 1, np.int64)
+    for k in terms.position:
+        size[k] += 1
+    blocks, at, entry = np.empty((size * size).sum()), 0, 0
+    for k in range(len(size)):
+        last = first + size[k] - 1
+        for a in range(first, last):
+            i = on[a]
+            for b in range(first, last):
+                blocks[at + b - first] = moved[entry + on[b] - start[k]]
+            blocks[at + a - first] += terms.softness[i]
+            blocks[at + last - first] = 0.0 if held else facing.lift[0, i] + terms.slope[i] * facing.lift[1, i]
+            at, entry = at + size[k], entry + start[k + 1] - start[k]
+        for a in range(first, last):
+            blocks[at + a - first] = facing.upward[on[a]]
+        blocks[at + last - first] = 1.0 if held else -terms.spring_N_per_mm
+        at, first = at + size[k], last
+    return blocks
 
 
 @compiled

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import KDTree
+import scipy
 
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
@@ -239,7 +239,7 @@ def _to_edge(patch: ContactPatch, touched: BoolArray) -> Array:
     beside = places[~touched]
     if not len(beside):
         return np.full(touched.shape, np.inf)
-    return np.asarray(np.maximum(KDTree(beside).query(places)[0] - half, half))
+    return np.asarray(np.maximum(scipy.spatial.KDTree(beside).query(places)[0] - half, half))
 
 
 @compiled

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+import scipy
 
 from geometry.arrays import Array, BoolArray, ComplexArray, IntArray
 from geometry.patch import linear_weights
@@ -163,7 +163,9 @@ def _turns(positions: Sequence[Position], orders: IntArray, at: Array, gaps: Arr
     slips = np.array([(position.before.sum(), position.after.sum()) for position in positions])
     slips[~slips.any(axis=1)] = 1.0
     ways = slips[:, 0] + 1e-9 * slips.max()
-    done = PchipInterpolator(np.concatenate([at - whole, at, at + whole]), np.cumsum(np.tile(ways, 3)))
+    done = scipy.interpolate.PchipInterpolator(
+        np.concatenate([at - whole, at, at + whole]), np.cumsum(np.tile(ways, 3))
+    )
     found = np.zeros((len(orders), len(positions)), dtype=complex)
     for slip, gap, side in zip(slips.T, gaps.T, (-1.0, 0.0), strict=True):
         lines = at[:, None] + gap[:, None] * (side + np.arange(_MOMENTS + 1) / _MOMENTS)

@@ -269,7 +269,7 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): its weight when a version is made, with 3 % of slack for the next one.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 89_100,
+    "lines of geometry, solvers and wirewear": 89_200,
     "lines of wirewear": 69_100,
     "lines of studies": 17_530,
     "lines of tests": 37_560,

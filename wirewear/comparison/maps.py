@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from math import radians
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.special import stdtrit
 
 from geometry import Elastic
 from geometry.arrays import Array, BoolArray
@@ -284,7 +284,7 @@ def line_with_threshold(energy_J: ArrayLike, volume_mm3: ArrayLike) -> Regressio
 
 
 def _quantile(free: int) -> float:
-    return float(stdtrit(free, 0.975)) if free > 0 else float("inf")
+    return float(scipy.special.stdtrit(free, 0.975)) if free > 0 else float("inf")
 
 
 def _explained(y: Array, left: Array) -> float:

@@ -13,7 +13,7 @@ from math import ceil, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import ellipk
+import scipy
 
 from geometry import EdgeGradedAxis, GradedAxis, RimGradedAxis
 from geometry.arrays import Array
@@ -74,7 +74,7 @@ def fitted_to_core(lines: _Lines, core: Ellipse, axial_rad: float) -> _Lines:
         for share in _SHARES
     ]
     cells = [_within(axial, transverse, core, axial_rad) for axial, transverse in tried]
-    right = core.major_mm / float(ellipk(1.0 - (core.minor_mm / core.major_mm) ** 2))
+    right = core.major_mm / float(scipy.special.ellipk(1.0 - (core.minor_mm / core.major_mm) ** 2))
     fits: dict[int, float] = {}
     area = pi * core.major_mm * core.minor_mm
     for count in _FITS:

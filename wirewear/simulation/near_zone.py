@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from scipy.ndimage import map_coordinates
+import scipy
 from threadpoolctl import threadpool_limits
 
 from geometry.arrays import Array
@@ -56,7 +56,7 @@ class FlowGrid:
 
         def of(body: PlacedBody, own: Flowed, shape: tuple[int, ...]) -> Array:
             # Cubic, since pressures follow the print's curvature.
-            found = map_coordinates(-own.residual_mm[..., 2], self._index(body.node_positions), order=3)
+            found = scipy.ndimage.map_coordinates(-own.residual_mm[..., 2], self._index(body.node_positions), order=3)
             return np.asarray(found.reshape(shape))
 
         primary, secondary = left if problem.primary_is_upper else left[::-1]
