@@ -130,7 +130,8 @@ def analyse_loop(
     geometry-independent coefficient (Jahangiri et al. 2012). Raises LoopError, which says in one sentence what is wrong
     with the samples.
     """
-    loop, fits, other, lag, _ = read_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s)
+    given = read_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s)
+    loop, fits, other, lag, _ = given
     forward, backward = fits.both
     force = mean_force(loop)
     loop, energy, slip, of_slip = _energy_and_slip(loop, fits, force.value, other)
@@ -145,10 +146,8 @@ def analyse_loop(
     positions = sliding_stiffness(stiffness, corner)
     sliding = sliding_figures(loop, fits.both, tops, positions) if slides else SlidingFigures()
     zero = fits.force_zero
-    as_read = loop.displacement_um - loop.lean_um_per_N * loop.force_N
-    length_um = float(np.ptp(as_read)) if loop.lean_um_per_N else fits.length_um
     deviation = loop.amplitude_noise_um if loop.smoothed else loop.raw_noise_um
-    amplitude, largest_force = Measured.from_deviation(0.5 * length_um, deviation), force_amplitude(loop, tops)
+    amplitude, largest_force = Measured.from_deviation(0.5 * given.length_um, deviation), force_amplitude(loop, tops)
     read, reread = _slip_by_energy(loop, slip, energy, sliding, amplitude)
     ratio = energy_ratio(energy, amplitude, largest_force)
     hidden = None if fits.slide or viscous or ratio is None else _hidden(fits, ratio)

@@ -1,6 +1,7 @@
 """From raw samples to one clean cycle: checks, order of time, direction of turning, outliers, noise."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -75,6 +76,11 @@ class CleanLoop:
     lean_um_per_N: float = 0.0
     #: Possible drift, µm per unit of `time`; another period would explain the samples as well. 0: none.
     may_drift_by: float = 0.0
+
+    @cached_property
+    def force_step_N(self) -> float:
+        """Resolution of the tangential force, 0 if it has none, see `step_of`."""
+        return step_of(self.force_N)
 
     @property
     def amplitude_noise_um(self) -> float:

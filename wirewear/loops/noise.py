@@ -251,7 +251,10 @@ def step_of(values: Array) -> float:
     if apart.size == 0:
         return 0.0
     # Written digits make equal steps differ a little, and values that were put in between are few.
-    step = float(np.median(apart[apart < 1.5 * np.quantile(apart, 0.05)]))
+    ordered = np.sort(apart)
+    twentieth = float(np.interp(0.05 * (apart.size - 1), np.arange(apart.size), ordered))
+    count = int(np.searchsorted(ordered, 1.5 * twentieth))
+    step = 0.5 * float(ordered[(count - 1) // 2] + ordered[count // 2])
     # The more steps lie between two levels, the better they must be known to be counted.
     for most in (4.0, 30.0):
         near = apart[apart < (most + 0.5) * step]
@@ -260,8 +263,9 @@ def step_of(values: Array) -> float:
     if not counted[-1]:
         return 0.0
     # Over all levels the digits of one step are as good as nothing.
-    step, first = np.polyfit(counted, levels, 1).tolist()
-    multiples = (values - first) / step
+    away = counted - counted.mean()
+    step = float(away @ levels / (away @ away))
+    multiples = (values - levels.mean()) / step + counted.mean()
     within = WITHIN + _digit_of(levels) / step
     return step if float(np.mean(np.abs(multiples - np.round(multiples)) < within)) >= ON_STEPS else 0.0
 
@@ -269,8 +273,12 @@ def step_of(values: Array) -> float:
 def _digit_of(values: Array) -> float:
     """Power of ten of the last digit with which values (n,) are written; 0 for numbers that are not rounded."""
     for digit in 10.0 ** -np.arange(DIGITS):
-        counted = values / digit
-        if np.abs(counted - np.round(counted)).max() < WITHIN:
+        # Most channels fail at their first few values.
+        for some in (values[:8], values):
+            counted = some / digit
+            if np.abs(counted - np.round(counted)).max() >= WITHIN:
+                break
+        else:
             return float(digit)
     return 0.0
 

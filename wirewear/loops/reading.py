@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from wirewear.loops.branch_fits import BranchFits, branch_fits_of
@@ -34,6 +35,12 @@ class ReadLoop(NamedTuple):
     other_mJ: float
     lag: float
     removed_lag: float
+
+    @property
+    def length_um(self) -> float:
+        """Distance between the drive's reversals."""
+        lean, loop = self.loop.lean_um_per_N, self.loop
+        return float(np.ptp(loop.displacement_um - lean * loop.force_N)) if lean else self.fits.length_um
 
 
 def read_loop(

@@ -22,7 +22,7 @@ def biweight(residuals: Array, scale: float) -> Array:
     """Tukey's biweights (n,), from 0 to 1, of residuals (n,): 0 beyond six scales; all 1 unless scale > 0."""
     if scale <= 0.0:
         return np.ones_like(residuals)
-    inside = np.clip(1.0 - (residuals / (6.0 * scale)) ** 2, 0.0, None)
+    inside = np.maximum(1.0 - (residuals / (6.0 * scale)) ** 2, 0.0)
     weights: Array = inside**2
     return weights
 

@@ -12,7 +12,6 @@ from geometry.arrays import Array
 from wirewear.loops.branches import Branch, MicroSlip, remaining_force
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.figures import Measured, MicroSlipBranch, mean_of
-from wirewear.loops.noise import step_of
 from wirewear.loops.robust import CHOICE, RobustLine, fit_line, median_deviation
 
 STEEP = 0.7  # a concave course rises along the first half of its travel by at least its mean slope
@@ -153,7 +152,7 @@ def _line(
     loop: CleanLoop, branch: Branch, reach_um: float
 ) -> tuple[RobustLine, np.ndarray[tuple[int], np.dtype[np.intp]]]:
     # A force stays on its step at the reversal until it has changed by half of one.
-    off = branch.force_N > branch.force_N[0] + 0.5 * step_of(loop.force_N)
+    off = branch.force_N > branch.force_N[0] + 0.5 * loop.force_step_N
     inside = np.flatnonzero((branch.travel_um <= reach_um) & (np.maximum.accumulate(off) | ~off.any()))
     if len(inside) < 2:
         inside = np.argsort(branch.travel_um)[:2]

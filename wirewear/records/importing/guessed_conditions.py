@@ -15,6 +15,7 @@ from wirewear.loops import LoopError
 from wirewear.loops.clock import Clock, read_clock
 from wirewear.loops.cycles import split_cycles
 from wirewear.loops.drive import even_period, period_by_phase, period_of, series
+from wirewear.loops.reading import read_loop
 from wirewear.records.importing.guessed_columns import GuessedFile, shut
 from wirewear.records.importing.guessed_files import FEWEST
 from wirewear.records.importing.importing import drives_motion, loops_of
@@ -235,8 +236,10 @@ def _amplitude(
 
 def _amplitude_of(loop: MeasuredLoop) -> float:
     """Displacement amplitude in µm, between the drive's reversals and not the outermost noisy samples."""
+    whole = loop.complete
+    signals = whole.displacement_um, whole.tangential_force_N, whole.normal_force_N
     try:
-        return loop.figures(None).displacement_amplitude_um.value
+        return 0.5 * read_loop(*signals, time_s=whole.time_s).length_um
     except LoopError:
         return 0.5 * float(np.ptp(np.percentile(loop.displacement_um, [0.2, 99.8])))
 
