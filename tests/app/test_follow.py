@@ -79,6 +79,7 @@ def of(home: Path, *names: str) -> list[Any]:
     return [json.loads((home / "out" / name).read_text(encoding="utf-8")) for name in names]
 
 
+@pytest.mark.slow
 def test_a_test_as_stated_is_not_warned_of(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     answer = followed(home, Logger(home / "run.csv", logged(0.0), 3), monkeypatch)
     assert answer.exit_code == 0, answer.output

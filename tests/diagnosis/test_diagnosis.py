@@ -117,7 +117,7 @@ def test_a_compliance_asks_for_a_measurement_that_splits_its_class() -> None:
     assert {"tangential_compliance", "displacement_load_coupling"} <= set(following["splits"])
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_the_gap_shrinks_to_its_floor_on_cycles_left_out_of_the_fit() -> None:
     shrink = with_compliance().diagnosis.shrink
     assert shrink.held_out == CYCLES[-1:]
