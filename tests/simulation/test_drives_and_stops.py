@@ -82,6 +82,16 @@ def test_line_contacts_hold_too_and_a_force_above_friction_cannot_be_held() -> N
         simulate(coarse(held("held_tangential_force_N = 1.5")), fidelity="quick")
 
 
+def test_a_motion_held_under_a_load_that_comes_twice_a_cycle_is_as_wide_where_it_wears_as_in_the_loop() -> None:
+    twice = {"amplitude_share": 0.6, "lag_deg": 273.0, "frequency_ratio": 2}
+    study = line_study(
+        conditions={"cycles": 1, "held_motion_um": 20.0, "displacement_amplitude_um": 60.0, "load_cycle": twice},
+        holder={"tangential_stiffness_N_per_mm": 1500.0},
+    )
+    first = simulate(study, fidelity="quick").evolution
+    assert 1e3 * first["accumulated_energy_J"] == pytest.approx(first["dissipated_energy_mJ"], rel=2e-3)
+
+
 def test_a_drive_holds_one_figure() -> None:
     with pytest.raises(StudyError, match="held_energy_mJ are both given, but a drive holds one"):
         coarse(held("held_slip_amplitude_um = 5\nheld_energy_mJ = 1"))

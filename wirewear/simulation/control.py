@@ -226,7 +226,8 @@ def _slip_um(_: Sensor, trace: CycleTrace, probe: Probe | None) -> float:
 
 def _apart_um(_: Sensor, trace: CycleTrace, __: Probe | None) -> float:
     """Amplitude in µm of the bodies' relative motion between their holders, half of its range."""
-    return 500.0 * float(np.ptp([state.drive - state.holder_x for state in (trace.start, *trace.states)]))
+    apart = np.array([state.drive - state.holder_x for state in (trace.start, *trace.states)])
+    return 500.0 * float(np.ptp(np.append(apart, -apart) if is_half(trace) else apart))
 
 
 def _read_um(sensor: Sensor, trace: CycleTrace, _: Probe | None) -> float:
