@@ -49,8 +49,8 @@ class Linearisation:
     prescribed_height: float | None  #: Height at which the holder is held instead of loaded; None: loaded.
     old_place_in_play: float = 0.0  #: Holder's position between the stops of its free play before the increment.
     layers: LayersAtNodes | None = None  #: Layers between the surfaces.
-    #: (k,) gap in mm before the increment of nodes that then bore nothing, times their compliance along over across the
-    #: surface: what they slip before they touch, per tangential over normal traction. None: all bore.
+    #: (k,) gap in mm before the increment of nodes that then carried nothing, times their compliance along over across
+    #: the surface: what they slip before they touch, per tangential over normal traction. None: all carried some.
     late: Array | None = None
 
 

@@ -18,7 +18,7 @@ from scipy.sparse import csr_matrix
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.laws.friction_law import Friction
-from solvers.stress.subgrid_traction import SubgridTraction, carrying, fitted_square, refined
+from solvers.stress.subgrid_traction import SubgridTraction, areas_of, carrying, fitted_square, refined, refined_lines
 
 #: Samples across a contact that few elements span, and of an element each way at least and at most.
 _ACROSS, _FEWEST, _MOST = 72, 2, 8
@@ -60,11 +60,8 @@ class SpreadPressure:
         # Weight of the outermost nodes: where few lie inside, they keep the fit determined.
         fitted = fitted_square(inner, 0.02) if smooth else SubgridTraction.of_nodes(tractions).square
         square = refined(carrying(fitted, inner, nodes) if smooth else fitted, samples)
-        lines = [
-            np.interp(np.arange(size) / samples, np.arange(len(own)), own)
-            for size, own in zip(square.shape, nodes, strict=True)
-        ]
-        parts = np.outer(*(np.gradient(line) if len(line) > 1 else np.ones(1) for line in lines))
+        lines = refined_lines(nodes, samples)
+        parts = areas_of(lines)
         load = float(areas @ nodal)
         inside = square > 0.0
         parts, found = parts[inside], np.sqrt(square[inside])

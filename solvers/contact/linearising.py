@@ -87,7 +87,7 @@ def linearised(
 def _late(
     problem: ContactProblem, state: ContactState, pairing: Pairing, ahead: float, displacement: Array
 ) -> Array | None:
-    """What nodes that bear nothing in `state` slip before they touch, see `Linearisation.late`; None where it is
+    """What nodes that carry nothing in `state` slip before they touch, see `Linearisation.late`; None where it is
     nothing.
 
     ahead: of the drive before the holder where the bodies are paired, mm. displacement: (k, 3) in mm before the

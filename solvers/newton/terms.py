@@ -12,7 +12,7 @@ from geometry.arrays import Array, BoolArray
 from solvers.contact_conditions import Linearisation
 from solvers.jit_cache import inlined
 
-_HARDLY = 1e-6  # Of the largest pressure: a node under less bears nothing.
+_HARDLY = 1e-6  # Of the largest pressure: a node under less carries nothing.
 
 
 class Carried(NamedTuple):
@@ -155,16 +155,17 @@ def sheared(system: Linearisation, pressure: Array) -> tuple[Array, Array]:
     """Tangential displacement per traction (k,) in mm/MPa, besides the bodies' own, at pressures (k,) in MPa, and its
     derivative by these: of layers, and of nodes that touch only within the increment.
 
-    Such a node bears tractions in proportion to how far the bodies go on from there along and across its surface. They
-    go on by what its own tractions deform; in all they go further by the gap that was there, and along by as much more.
+    Such a node carries tractions in proportion to how far the bodies go on from there along and across its surface.
+    They go on by what its own tractions deform; in all they go further by the gap that was there, and along by as much
+    more.
     """
     none = np.zeros_like(pressure)
     shear, change = (none, none) if system.layers is None else system.layers.shear_compliance(pressure)
     if system.late is None:
         return shear, change
-    borne = np.maximum(pressure, _HARDLY * float(pressure.max(initial=0.0)))
-    borne = np.where(borne > 0.0, borne, 1.0)
-    return shear + system.late / borne, change - system.late / borne**2
+    carried = np.maximum(pressure, _HARDLY * float(pressure.max(initial=0.0)))
+    carried = np.where(carried > 0.0, carried, 1.0)
+    return shear + system.late / carried, change - system.late / carried**2
 
 
 def holder_terms(system: Linearisation, series_mm_per_N: float, held_mm: float | None) -> HolderTerms:

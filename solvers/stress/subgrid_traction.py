@@ -100,12 +100,10 @@ def carrying(square: Array, pressure: Array, lines: tuple[Array, Array] | None =
     """
     slope = np.sqrt(sum(np.gradient(square, axis=axis) ** 2 for axis, size in enumerate(square.shape) if size > 1))
     places = [np.arange(1.0 * size) for size in square.shape] if lines is None else lines
-    between = [
-        np.interp(np.arange((len(one) - 1) * _SAMPLES + 1) / _SAMPLES, np.arange(len(one)), one) for one in places
-    ]
     fine, steep = refined(square, _SAMPLES), refined(slope, _SAMPLES)
     near = fine > -_MOVED * steep
-    load, parts, fine, steep = float((_areas(places) * pressure).sum()), _areas(between)[near], fine[near], steep[near]
+    parts, fine, steep = areas_of(refined_lines(places, _SAMPLES))[near], fine[near], steep[near]
+    load = float((areas_of(places) * pressure).sum())
     inwards, outwards = -_MOVED, _MOVED
     for _ in range(_HALVINGS):
         moved = 0.5 * (inwards + outwards)
@@ -114,7 +112,12 @@ def carrying(square: Array, pressure: Array, lines: tuple[Array, Array] | None =
     return np.asarray(square + 0.5 * (inwards + outwards) * slope)
 
 
-def _areas(lines: Sequence[Array]) -> Array:
+def refined_lines(lines: Sequence[Array], parts: int) -> list[Array]:
+    """Lines along both axes of the grid on which `refined` gives a field of the grid with these lines."""
+    return [np.interp(np.arange((len(one) - 1) * parts + 1) / parts, np.arange(len(one)), one) for one in lines]
+
+
+def areas_of(lines: Sequence[Array]) -> Array:
     """Areas (n_a, n_t) of the nodes of a grid of lines; one line has a width of 1."""
     return np.outer(*(np.gradient(line) if len(line) > 1 else np.ones(1) for line in lines))
 

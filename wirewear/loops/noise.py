@@ -251,10 +251,7 @@ def step_of(values: Array) -> float:
     if apart.size == 0:
         return 0.0
     # Written digits make equal steps differ a little, and values that were put in between are few.
-    ordered = np.sort(apart)
-    twentieth = float(np.interp(0.05 * (apart.size - 1), np.arange(apart.size), ordered))
-    count = int(np.searchsorted(ordered, 1.5 * twentieth))
-    step = 0.5 * float(ordered[(count - 1) // 2] + ordered[count // 2])
+    step = float(np.median(apart[apart < 1.5 * np.quantile(apart, 0.05)]))
     # The more steps lie between two levels, the better they must be known to be counted.
     for most in (4.0, 30.0):
         near = apart[apart < (most + 0.5) * step]
@@ -273,12 +270,8 @@ def step_of(values: Array) -> float:
 def _digit_of(values: Array) -> float:
     """Power of ten of the last digit with which values (n,) are written; 0 for numbers that are not rounded."""
     for digit in 10.0 ** -np.arange(DIGITS):
-        # Most channels fail at their first few values.
-        for some in (values[:8], values):
-            counted = some / digit
-            if np.abs(counted - np.round(counted)).max() >= WITHIN:
-                break
-        else:
+        counted = values / digit
+        if np.abs(counted - np.round(counted)).max() < WITHIN:
             return float(digit)
     return 0.0
 
