@@ -58,23 +58,23 @@ class HalfSpace:
         inner = self.waves(np.zeros((0, *self.shape, 6)) if initial_MPa is None else initial_MPa)
         return self.strains(inner, traction_MPa), self.displacements(inner, traction_MPa)
 
-    def waves(self, initial_MPa: Array) -> ComplexArray:
-        """Displacements (n_x, n_y // 2 + 1, 3 (l + 1)) U, T, W of all levels by initial stresses (m, n_x, n_y, 6) of
-        the upper m layers, as in `moved`.
+    def waves(self, initial_MPa: Array, layers: int | None = None) -> ComplexArray:
+        """Displacements (n_x, n_y // 2 + 1, 3 (k + 1)) U, T, W of the levels down to below the upper k `layers` (None:
+        all) by initial stresses (m, n_x, n_y, 6) of the upper m ≤ k layers, as in `moved`.
         """
         inner = scipy.fft.rfft2(initial_MPa, axes=(1, 2))
         # The mean has no direction.
         inner[:, 0, 0, :2] = 0.5 * (inner[:, 0, 0, :1] + inner[:, 0, 0, 1:2])
-        levels = np.zeros(self._factor.shape[:3], dtype=complex)
+        count = len(self.layers_mm) if layers is None else layers
+        levels = np.zeros((*self._factor.shape[:2], 3 * (count + 1)), dtype=complex)
         if len(inner):
             _solved(*self._waves, self.layers_mm, self._factor, inner, levels)
         return levels
 
-    def strains(self, waves: ComplexArray, traction_MPa: Array | None, layers: int | None = None) -> Array:
-        """Strains (m, n_x, n_y, 6) as in `moved` of the upper m `layers` (None: all), by `waves` and tractions."""
+    def strains(self, waves: ComplexArray, traction_MPa: Array | None) -> Array:
+        """Strains (k, n_x, n_y, 6) as in `moved` of the upper k layers, by their `waves` and tractions."""
         pushed = self._pushed(traction_MPa)
-        count = len(self.layers_mm) if layers is None else layers
-        inner = np.zeros((count, *pushed.shape[:2], 6), dtype=complex)
+        inner = np.zeros((waves.shape[2] // 3 - 1, *pushed.shape[:2], 6), dtype=complex)
         _spread(*self._waves, self.layers_mm, self._by_traction, waves, pushed, inner)
         return np.asarray(scipy.fft.irfft2(inner, s=self.shape, axes=(1, 2), overwrite_x=True))
 
@@ -117,7 +117,7 @@ class HalfSpace:
 
     @cached_property
     def _factor(self) -> Array:
-        """Cholesky factors of all waves, banded: (n_x, n_y // 2 + 1, 3 (l + 1), 6)."""
+        """Cholesky factors of all waves, banded, from the deepest level up: (n_x, n_y // 2 + 1, 3 (l + 1), 6)."""
         length, _, _ = self._waves
         # Unknowns of two neighbouring levels.
         band = np.zeros((*length.shape, 3 * (len(self.layers_mm) + 1), 6))
@@ -135,8 +135,9 @@ class HalfSpace:
 @compiled
 def _factorise(length: Array, layers: Array, lame: float, shear: float, nu: float, band: Array) -> None:
     """Fill `band` (n_x, n_y, 3 (l + 1), 6), zeros, with the lower Cholesky factor of each wave's stiffness between the
-    displacements along the wave, U, across it, T, and downwards, W, of all l + 1 levels from the surface down:
-    band[..., i, d] stands in row i, column i − d.
+    displacements along the wave, U, across it, T, and downwards, W, of all l + 1 levels: band[..., i, d] stands in row
+    i, column i − d, counted from the last unknown of the deepest level, so that only levels with forces take part;
+    band[..., 0] is one over the diagonal.
 
     length: (n_x, n_y) of wave vectors in 1/mm. layers: (l,) thicknesses in mm. lame, shear: Lamé's constants in MPa.
     """
@@ -155,12 +156,13 @@ def _factorise(length: Array, layers: Array, lame: float, shear: float, nu: floa
                 stiffness = layers[k] * slope.T @ law @ slope
                 for i in range(6):
                     for j in range(i + 1):
-                        own[3 * k + i, i - j] += stiffness[i, j]
-            own[size - 3, 0] += shear * q * 4.0 * (1.0 - nu) / kappa
-            own[size - 2, 0] += shear * q
-            own[size - 1, 0] += shear * q * 4.0 * (1.0 - nu) / kappa
-            own[size - 1, 2] += shear * q * 2.0 * (1.0 - 2.0 * nu) / kappa
+                        own[size - 1 - 3 * k - j, i - j] += stiffness[i, j]
+            own[2, 0] += shear * q * 4.0 * (1.0 - nu) / kappa
+            own[1, 0] += shear * q
+            own[0, 0] += shear * q * 4.0 * (1.0 - nu) / kappa
+            own[2, 2] += shear * q * 2.0 * (1.0 - 2.0 * nu) / kappa
             _cholesky(own)
+            own[:, 0] = 1.0 / own[:, 0]
 
 
 @compiled
@@ -176,21 +178,24 @@ def _cholesky(own: Array) -> None:
 
 @compiled
 def _substituted(own: Array, x: ComplexArray) -> None:
-    """Change a right-hand side to the solution, by the factor."""
-    size = len(own)
-    for i in range(size):
-        for d in range(1, min(i, 5) + 1):
-            x[i] -= own[i, d] * x[i - d]
-        x[i] /= own[i, 0]
-    for i in range(size - 1, -1, -1):
-        for d in range(1, min(size - 1 - i, 5) + 1):
-            x[i] -= own[i + d, d] * x[i + d]
-        x[i] /= own[i, 0]
+    """Change forces on the upper levels, from the surface down, to their displacements, by the factor."""
+    last = len(x) - 1
+    first = len(own) - len(x)
+    for k in range(len(x)):
+        row, total = own[first + k], x[last - k]
+        for d in range(1, min(k, 5) + 1):
+            total -= row[d] * x[last - k + d]
+        x[last - k] = total * row[0]
+    for k in range(len(x)):
+        total = x[k]
+        for d in range(1, min(k, 5) + 1):
+            total -= own[first + last - k + d, d] * x[k - d]
+        x[k] = total * own[first + last - k, 0]
 
 
 @compiled
 def _inverted(factor: Array, found: Array) -> None:
-    """Set the first three columns of the inverse."""
+    """Set the columns of the inverse for the surface."""
     x = np.zeros(factor.shape[2], dtype=np.complex128)
     for a in range(factor.shape[0]):
         for b in range(factor.shape[1]):
@@ -219,17 +224,12 @@ def _slope(slope: Array, q: float, thickness: float) -> None:
 def _solved(
     length: Array, cosine: Array, sine: Array, layers: Array, factor: Array, inner: ComplexArray, levels: ComplexArray
 ) -> None:
-    """Set U, T and W of all levels, which are zero, to those by initial stresses."""
-    slope, stress = np.zeros((5, 6)), np.zeros(5, dtype=np.complex128)
+    """Set U, T and W of the upper levels, which are zero, to those by initial stresses."""
     for a in range(length.shape[0]):
         for b in range(length.shape[1]):
             x = levels[a, b]
             for k in range(len(inner)):
-                _along_wave(stress, inner[k, a, b], cosine[a, b], sine[a, b])
-                _slope(slope, length[a, b], layers[k])
-                for i in range(6):
-                    for m in range(5):
-                        x[3 * k + i] += layers[k] * slope[m, i] * stress[m]
+                _push(x[3 * k : 3 * k + 6], inner[k, a, b], length[a, b], layers[k], cosine[a, b], sine[a, b])
             _substituted(factor[a, b], x)
 
 
@@ -245,38 +245,38 @@ def _spread(
     inner: ComplexArray,
 ) -> None:
     """Set strains of the upper layers, by levels and forces on the surface."""
-    slope, x = np.zeros((5, 6)), np.zeros(levels.shape[2], dtype=np.complex128)
+    x = np.zeros(levels.shape[2], dtype=np.complex128)
     for a in range(length.shape[0]):
         for b in range(length.shape[1]):
             force, unit = pushed[a, b], by_traction[a, b]
-            for i in range(3 * (len(inner) + 1)):
+            for i in range(len(x)):
                 x[i] = levels[a, b, i] + unit[i, 0] * force[0] + unit[i, 1] * force[1] + unit[i, 2] * force[2]
             for k in range(len(inner)):
-                _slope(slope, length[a, b], layers[k])
-                _strained(inner[k, a, b], slope, x[3 * k : 3 * k + 6], cosine[a, b], sine[a, b])
+                _strained(inner[k, a, b], x[3 * k : 3 * k + 6], length[a, b], layers[k], cosine[a, b], sine[a, b])
 
 
 @compiled
-def _along_wave(stress: ComplexArray, t: ComplexArray, c: float, s: float) -> None:
-    """Stresses ee, zz, ez, et, tz as the equations take them, from those in the grid's axes."""
-    stress[0] = c * c * t[0] + s * s * t[1] + 2.0 * c * s * t[3]
-    stress[1] = t[2]
-    stress[2] = -1j * (c * t[5] + s * t[4])
-    stress[3] = -1j * (c * s * (t[1] - t[0]) + (c * c - s * s) * t[3])
-    stress[4] = c * t[4] - s * t[5]
+def _push(x: ComplexArray, t: ComplexArray, q: float, thickness: float, c: float, s: float) -> None:
+    """Add the forces on U, T, W of a layer's upper and lower level by its initial stresses in the grid's axes."""
+    ee = 0.5 * q * thickness * (c * c * t[0] + s * s * t[1] + 2.0 * c * s * t[3])
+    et = -0.5j * q * thickness * (c * s * (t[1] - t[0]) + (c * c - s * s) * t[3])
+    ez, tz = -1j * (c * t[5] + s * t[4]), c * t[4] - s * t[5]
+    for side in range(2):
+        sign = 1.0 - 2.0 * side
+        x[3 * side] += sign * ez - ee
+        x[3 * side + 1] += sign * tz + et
+        x[3 * side + 2] += sign * t[2] + 0.5 * q * thickness * ez
 
 
 @compiled
-def _strained(strain: ComplexArray, slope: Array, x: ComplexArray, c: float, s: float) -> None:
-    """Set strains in the grid's axes, from U, T and W of a layer."""
-    own = np.zeros(5, dtype=np.complex128)
-    for m in range(5):
-        for i in range(6):
-            own[m] += slope[m, i] * x[i]
-    ee, zz, ez, et, tz = own[0], own[1], 0.5j * own[2], 0.5j * own[3], 0.5 * own[4]
+def _strained(strain: ComplexArray, x: ComplexArray, q: float, thickness: float, c: float, s: float) -> None:
+    """Set strains in the grid's axes, from U, T and W of a layer's upper and lower level."""
+    ee, et = -0.5 * q * (x[0] + x[3]), 0.25j * q * (x[1] + x[4])
+    ez = 0.5j * ((x[0] - x[3]) / thickness + 0.5 * q * (x[2] + x[5]))
+    tz = 0.5 * (x[1] - x[4]) / thickness
     strain[0] = c * c * ee - 2.0 * c * s * et
     strain[1] = s * s * ee + 2.0 * c * s * et
-    strain[2] = zz
+    strain[2] = (x[2] - x[5]) / thickness
     strain[3] = c * s * ee + (c * c - s * s) * et
     strain[4] = s * ez + c * tz
     strain[5] = c * ez - s * tz

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from geometry.arrays import Array, IntArray
+from geometry.arrays import Array, BoolArray, ComplexArray, IntArray
 from solvers.errors import NotConvergedError
 from solvers.jit_cache import compiled
 from solvers.laws.plasticity import Flow, Metal, flown
@@ -60,10 +60,32 @@ class PlasticZone:
         """
         return loaded_together((self,), lambda left: (traction(left[0]),), (before,))[0]
 
-    def stressed(self, strain: Array) -> Array:
-        """Stresses (l, n_x, n_y, 6) in MPa by which plastic strain (k, 6) would be elastic."""
-        size = 2.0 * self.space.material.shear_modulus_MPa
-        return size * strain.reshape(len(self.space.layers_mm), *self.space.shape, 6)
+    def flowing(self, strain: Array, *, whole: bool) -> int:
+        """Number of upper layers that flow soon: all, or to a little beneath those that have plastic strain (k, 6)."""
+        layers = len(self.space.layers_mm)
+        flows = np.flatnonzero(_nonzero(strain.reshape(layers, -1)))
+        return layers if whole or not len(flows) else min(int(flows[-1]) + 3, layers)
+
+    def waves(self, strain: Array, layers: int) -> ComplexArray:
+        """Displacements of the levels of the upper `layers` by plastic strain (k, 6), as `HalfSpace.waves`."""
+        inner = strain.reshape(len(self.space.layers_mm), *self.space.shape, 6)
+        count = layers if inner[:layers].any() else 0
+        return self.space.waves(2.0 * self.space.material.shear_modulus_MPa * inner[:count], layers)
+
+    def flown(self, strain: Array, before: Flow) -> Flow:
+        """The state of all points after a step from `before` in which the upper layers have strains (m, n_x, n_y, 6)
+        and the deeper ones do not flow.
+        """
+        lame, shear = self.space.elastic
+        trial = strain.reshape(-1, 6).copy()
+        upper = slice(len(trial))
+        _stressed(trial, before.strain[upper], lame, shear)
+        own = flown(
+            self.metal, shear, trial, Flow(before.strain[upper], before.shift[upper], before.accumulated[upper])
+        )
+        after = Flow(before.strain.copy(), before.shift.copy(), before.accumulated.copy())
+        after.strain[upper], after.shift[upper], after.accumulated[upper] = own.strain, own.shift, own.accumulated
+        return after
 
 
 #: From residual displacements of half-spaces to their tractions, (n_x, n_y, 3) each.
@@ -82,35 +104,52 @@ def loaded_together(
     tolerance: of the plastic strain, over yield stress over 2 G. guess: of the plastic strain (k, 6) of each after the
     step; None: that before. Raises NotConvergedError if they cannot be carried, or nearly so.
     """
-    strain = [one.flow.strain for one in before] if guess is None else guess
-    mixing, ends = _Mixing(), np.cumsum([len(own) for own in strain])[:-1]
-    initial = [zone.stressed(old.flow.strain) for zone, old in zip(zones, before, strict=True)]
+    strain = [one.flow.strain for one in before] if guess is None else list(guess)
+    base = np.concatenate([old.flow.strain for old in before])
+    mixing, ends, whole = _Mixing(), np.cumsum([len(own) for own in strain])[:-1], False
     for _ in range(_MOST_ROUNDS):
-        inner = [zone.space.waves(_upper(zone.stressed(own))) for zone, own in zip(zones, strain, strict=True)]
+        depths = [zone.flowing(own, whole=whole) for zone, own in zip(zones, strain, strict=True)]
+        inner = [zone.waves(own, deep) for zone, own, deep in zip(zones, strain, depths, strict=True)]
         residual = [zone.space.displacements(own) for zone, own in zip(zones, inner, strict=True)]
         pushed, flows, totals, missed = tractions(residual), [], [], 0.0
-        for zone, own, push, old, trial, last in zip(zones, inner, pushed, before, initial, strain, strict=True):
-            shear = zone.space.material.shear_modulus_MPa
-            total = zone.space.stresses(zone.space.strains(own, push))
-            flow = flown(zone.metal, shear, (total - trial).reshape(-1, 6), old.flow)
+        for zone, own, push, old, last in zip(zones, inner, pushed, before, strain, strict=True):
+            total = zone.space.strains(own, push)
+            flow = zone.flown(total, old.flow)
             flows.append(flow)
             totals.append(total)
+            shear = zone.space.material.shear_modulus_MPa
             missed = max(missed, _apart(flow.strain, last) * 2.0 * shear / zone.metal.yield_stress_MPa)
-        if missed <= tolerance:
-            stresses = [
-                total - zone.stressed(own.strain) for zone, total, own in zip(zones, totals, flows, strict=True)
-            ]
-            return tuple(Flowed(*of) for of in zip(flows, stresses, residual, pushed, strict=True))
-        found = np.concatenate([own.strain for own in flows])
-        flowed = np.flatnonzero(np.concatenate([own.accumulated for own in flows]))
-        strain = np.split(mixing.next(np.concatenate(strain), found, flowed), ends)
+        if missed <= tolerance and whole:
+            for zone, total, flow in zip(zones, totals, flows, strict=True):
+                _stressed(total.reshape(-1, 6), flow.strain, *zone.space.elastic)
+            return tuple(Flowed(*of) for of in zip(flows, totals, residual, pushed, strict=True))
+        # Deeper layers have their say once the upper ones have found theirs.
+        whole = missed <= tolerance
+        if not whole:
+            found = np.concatenate([own.strain for own in flows])
+            strain = np.split(base + mixing.next(np.concatenate(strain) - base, found - base), ends)
     raise NotConvergedError("the body flows without end under the contact's forces")
 
 
-def _upper(stress: Array) -> Array:
-    """Stresses (m, ...) of the upper layers, below which all are zero."""
-    flows = [bool(own.any()) for own in stress]
-    return stress[: len(flows) - flows[::-1].index(True) if any(flows) else 0]
+@compiled
+def _stressed(strain: Array, plastic: Array, lame: float, shear: float) -> None:
+    """Change strains (k, 6), of which `plastic` (k, 6) are not elastic, to stresses."""
+    for k in range(len(strain)):
+        mean = lame * (strain[k, 0] + strain[k, 1] + strain[k, 2])
+        for c in range(6):
+            strain[k, c] = 2.0 * shear * (strain[k, c] - plastic[k, c]) + (mean if c < 3 else 0.0)
+
+
+@compiled
+def _nonzero(rows: Array) -> BoolArray:
+    """Which rows (k,) of a field (k, m) have anything but zeros."""
+    found = np.zeros(len(rows), dtype=np.bool_)
+    for k in range(len(rows)):
+        for own in rows[k]:
+            if own != 0.0:
+                found[k] = True
+                break
+    return found
 
 
 @compiled
@@ -127,13 +166,13 @@ def _apart(one: Array, other: Array) -> float:
 class _Mixing:
     """The next of a series of guesses (k, 6), by the last ones and what was found from them."""
 
-    points: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  #: Those that flow.
+    points: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  #: Where either was not zero.
     last: Array | None = None  #: At them, what was found from the last guess, and what that missed.
     changes: Array = field(default_factory=lambda: np.zeros((0, 2, 0, 6)))  #: Of both, from guess to guess.
 
-    def next(self, guess: Array, found: Array, points: IntArray) -> Array:
-        """The guess that, were all linear, would be found from itself; points: those that have flowed."""
-        self._widen(points)
+    def next(self, guess: Array, found: Array) -> Array:
+        """The guess that, were all linear, would be found from itself."""
+        self._widen(np.flatnonzero(_nonzero(guess) | _nonzero(found)))
         own = np.stack([found[self.points], found[self.points] - guess[self.points]])
         if self.last is not None:
             self.changes = np.concatenate([self.changes, (own - self.last)[None]])[-_REMEMBERED:]
@@ -145,7 +184,7 @@ class _Mixing:
         return mixed
 
     def _widen(self, points: IntArray) -> None:
-        """Take in points that have had no strain so far."""
+        """Take in points at which both have been zero so far."""
         points = np.union1d(self.points, points)
         if len(points) > len(self.points):
             place = np.searchsorted(points, self.points)

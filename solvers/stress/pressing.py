@@ -1,8 +1,8 @@
 """A hard profile pressed into a half-space without friction, elastic or of metal that flows."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 import scipy
@@ -39,33 +39,35 @@ class Indenter:
     step_mm: tuple[float, float]
     modulus_MPa: float
 
-    @cached_property
-    def _kernel(self) -> Array:
-        """Spectrum of displacements by unit pressure on a cell."""
-        along, across = (h * n * scipy.fft.fftfreq(n) for n, h in zip(self._size, self.step_mm, strict=True))
-        return np.asarray(
-            scipy.fft.rfft2(depth_by_rectangle(along[:, None], across, *self.step_mm) / (np.pi * self.modulus_MPa))
-        )
-
     @property
     def _size(self) -> tuple[int, ...]:
         """Cells of the grid on which convolutions do not come round."""
-        return tuple(scipy.fft.next_fast_len(2 * n) for n in self.gap_mm.shape)
+        return tuple(scipy.fft.next_fast_len(2 * n, real=True) for n in self.gap_mm.shape)
 
     def displacement(self, pressure: Array) -> Array:
         """Elastic approach (n_x, n_y) in mm of both surfaces at the cells by pressures (n_x, n_y) in MPa."""
-        n_x, n_y = pressure.shape
-        spectrum = scipy.fft.rfft2(pressure, s=self._size) * self._kernel
-        return np.asarray(scipy.fft.irfft2(spectrum, s=self._size)[:n_x, :n_y])
+        (n_x, n_y), size = pressure.shape, self._size
+        spectrum = scipy.fft.rfft2(pressure, s=size)
+        spectrum *= _kernel(size, self.step_mm, self.modulus_MPa)
+        return np.asarray(scipy.fft.irfft2(spectrum, s=size, overwrite_x=True)[:n_x, :n_y])
 
     def carried(self, load_N: float, print_mm: Array, guess: Array, tolerance: float = _CLOSED) -> tuple[Array, float]:
-        """Pressures (n_x, n_y) in MPa, zero or more, that carry the load, and the approach in mm of the bodies, by
-        conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206).
+        """Pressures (n_x, n_y) in MPa, zero or more, that carry the load, and the approach in mm of the bodies.
 
         print_mm: (n_x, n_y) depth added to the gap. guess: (n_x, n_y) pressures to start from, of any scale.
         tolerance: mean distance of touching cells over the approach.
         """
-        gap, mean = self.gap_mm + print_mm, load_N / (self.step_mm[0] * self.step_mm[1])
+        gap, around = self.gap_mm + print_mm, _around(guess)
+        inner, whole = (replace(self, gap_mm=own) for own in (gap[around], gap))
+        pressure = np.zeros_like(gap)
+        pressure[around], approach = inner.borne(load_N, guess[around], tolerance)
+        open_by = self.displacement(pressure) + gap - approach
+        open_by[around] = 0.0
+        return (pressure, approach) if open_by.min() >= 0.0 else whole.borne(load_N, guess, tolerance)
+
+    def borne(self, load_N: float, guess: Array, tolerance: float) -> tuple[Array, float]:
+        """As `carried`, without a print, by conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206)."""
+        gap, mean = self.gap_mm, load_N / (self.step_mm[0] * self.step_mm[1])
         # At first everything touches barely.
         pressure = np.maximum(guess, 1e-12)
         pressure *= mean / pressure.sum()
@@ -89,6 +91,24 @@ class Indenter:
             kept = 0.0 if again.any() else 1.0
             pressure *= mean / pressure.sum()
         return pressure, approach
+
+
+@lru_cache(maxsize=8)
+def _kernel(size: tuple[int, ...], step_mm: tuple[float, float], modulus_MPa: float) -> Array:
+    """Spectrum of displacements by unit pressure on a cell, on a grid of this size."""
+    along, across = (h * n * scipy.fft.fftfreq(n) for n, h in zip(size, step_mm, strict=True))
+    depth = depth_by_rectangle(along[:, None], across, *step_mm)
+    return np.asarray(scipy.fft.rfft2(depth / (np.pi * modulus_MPa)))
+
+
+def _around(pressure: Array) -> tuple[slice, ...]:
+    """The cells that bear pressures (n_x, n_y), and some around them."""
+    found = []
+    for axis in (1, 0):
+        borne = np.flatnonzero((pressure > 0.0).any(axis=axis))
+        wide = 2 + (borne[-1] - borne[0]) // 4
+        found.append(slice(max(borne[0] - wide, 0), borne[-1] + wide + 1))
+    return tuple(found)
 
 
 @dataclass(frozen=True)

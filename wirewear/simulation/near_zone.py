@@ -156,7 +156,7 @@ def _on_grid(study: Study, load_N: float, semi_axes_mm: tuple[float, float], sli
     away = np.maximum(np.abs(middle), np.abs(middle - end))
     reach = away + _MARGIN * major * np.sqrt(np.diag(inverse) / np.linalg.eigvalsh(inverse)[-1])
     size = max(minor / fine, 2.0 * float(reach.max()) / (_MOST - 1))
-    along, across = (2 * int(np.ceil(own / size)) + 1 for own in reach)
+    along, across = (_odd(2 * int(np.ceil(own / size)) + 1) for own in reach)
     stroke = max(round(slip_mm / size), 1) if slip_mm else 0
 
     def zone(body: Body) -> PlasticZone:
@@ -174,6 +174,11 @@ def _on_grid(study: Study, load_N: float, semi_axes_mm: tuple[float, float], sli
         # At most four steps from mid-stroke to its end, each of half a smaller semi-axis or more.
         rubbed = rubbing.rubbed(load_N * _LOADS, stroke, max(2, -(-stroke // 4)), _CYCLES if stroke else 0)
     return FlowGrid(zones[0].space.axes_mm(), zones[0].space.depths_mm, rubbed)
+
+
+def _odd(least: int) -> int:
+    """The least odd number from `least` on that Fourier transforms are fast for."""
+    return next(n for n in range(least, 2 * least) if n % 2 and scipy.fft.next_fast_len(n) == n)
 
 
 def _slip_mm(study: Study) -> float:
