@@ -24,7 +24,8 @@ from geometry import BodyMesh, ContactPatch, Elastic, HexMesh
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.elasticity.strain import components, tensors
 from solvers.stress.lattice_error import ComplexArray, lattice_error
-from solvers.stress.subgrid_traction import SubgridTraction, half_space_stress
+from solvers.stress.nearby_tractions import half_space_stress
+from solvers.stress.subgrid_traction import SubgridTraction
 
 _ALIKE = 0.02  #: Elements are alike that differ by no more than this share.
 _LOADED = 1e-6  #: Share of the largest traction that counts as some.

@@ -15,7 +15,8 @@ from solvers.stress.body_forces import forces_on_bodies
 from solvers.stress.interior import Interior
 from solvers.stress.lattice_error import line_lattice_error
 from solvers.stress.line_surface_stress import LineSurfaceStress, LoadedLine
-from solvers.stress.subgrid_traction import SubgridTraction, fitted_square, half_space_stress
+from solvers.stress.nearby_tractions import half_space_stress
+from solvers.stress.subgrid_traction import SubgridTraction, fitted_square
 from solvers.stress.surface_stress import LoadedSurface, SurfaceStress, unspread, window_lines
 from solvers.transfer import hat_products, hats
 from tests import bodies
