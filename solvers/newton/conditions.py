@@ -80,8 +80,13 @@ class ContactConditions:
 
     def laws(self, about: Array) -> LinearLaws:
         """Friction and layers, linearised at pressures `about` (k,) in MPa; laws that are linear only once."""
-        straight = self.system.layers is None and self.system.late is None and self.system.friction.law.proportional
-        return self._laws if straight else linear_laws(self.system, about)
+        system = self.system
+        if system.layers is not None or not system.friction.law.proportional:
+            return linear_laws(system, about)
+        if system.late is None:
+            return self._laws
+        shear, change = sheared(system, about)
+        return self._laws._replace(pressure=about, shear=shear, change=change)
 
     def world(self, normal: Array, tangential: Array) -> Array:
         """Tractions (k, 3) in world axes from normal (k,) and tangential (k, 2) ones in the nodes' local frames."""
@@ -118,7 +123,9 @@ class ContactConditions:
         was not. given: True to keep the nodes in contact that were.
         """
         layers, friction, normal = self.system.layers, self.system.friction, solution.normal
-        shear, closure, softness = sheared(self.system, normal)[0], self._laws.closure, self._laws.softness
+        shear, closure, softness = self._laws.shear, self._laws.closure, self._laws.softness
+        if layers is not None or self.system.late is not None:
+            shear = sheared(self.system, normal)[0]
         if layers is not None:
             closure, softness = layers.closure(normal)
             if layers.yielding is not None and about is not None:
