@@ -81,19 +81,18 @@ def campaign_tests(folder: Path) -> list[CampaignTest]:
 
 
 def why_refused(folder: Path, test: CampaignTest, refusal: str) -> str:
-    """Why a test is not read: `refusal` or, where that asks for what tests.csv states of others while it has no row of
-    this one, what keeps its files from being read, or that the row is missing.
+    """Why a test is not read: `refusal` or, where tests.csv has rows of others but none of this one, what keeps its
+    files from being read even with what those state, or that the row is missing.
     """
     stated = _stated(folder / TABLE)
     others = {key: value for own in stated.values() for key, value in own.items()}
-    asked = [key for key in others if key.split(".")[-1] in refusal]
-    if test.name in stated or not asked:
+    if test.name in stated or not others:
         return refusal
     try:
         import_record(folder / MAPPING, replace(test, stated=others))
     except RecordError as problem:
         return str(problem)
-    return f"{folder / TABLE} has no row of {test.name}, which must state {', '.join(asked)}."
+    return f"{folder / TABLE} has no row of {test.name}, which must state {', '.join(others)}."
 
 
 def guessed_campaign(
