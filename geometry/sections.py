@@ -236,8 +236,8 @@ def _rings_and_core(
 
 
 def _ring_angles(corner: float, size: float, at_back: int | None = None) -> Array:
-    """Angles in rad from the columns' corner to the back; one is at 3/4 π, the edge of the quarter gripped by
-    default.
+    """Angles (n,) in rad, 0 at the contact and π at the back, of rings of about `size` rad from the angle `corner` on.
+    at_back: number of rings in the last quarter, from 3/4 π, the edge of what is gripped by default; None: by `size`.
     """
     sides, back = max(2, round((0.75 * pi - corner) / size)), at_back or max(2, round(0.25 * pi / size))
     return np.append(np.linspace(corner, 0.75 * pi, sides + 1), np.linspace(0.75 * pi, pi, back + 1)[1:])

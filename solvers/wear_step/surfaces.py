@@ -215,7 +215,7 @@ class Cycle:
         return replace(wear, primary_rise=primary, secondary_rise=secondary, rise_K=mean)
 
     def at(self, index: int) -> slice:
-        """Slice of the K nodes that belong to the position of this index."""
+        """The nodes of the position of this index, as a slice of the K nodes of all positions, one after another."""
         return slice(*self.nodes.start[index : index + 2])
 
     def gaps(self, problem: ContactProblem, depths: Depths) -> Array:

@@ -45,7 +45,9 @@ def beside_record(pair: Pair, record: ExperimentRecord) -> dict[str, RecordCompa
 
 
 def compliant_run_is_nearer(comparisons: dict[str, RecordComparison]) -> Finding:
-    """The record of a compliant rig is closer to the compliant run, at every cycle, by the force at equal phase."""
+    """Finding whether the record of a compliant rig is nearer to the compliant run than to the rigid one at every
+    recorded cycle, by the force at equal phase. comparisons: of the record, by the run's variant.
+    """
     distances = {variant: _force_distances(comparison) for variant, comparison in comparisons.items()}
     evidence = [f"{variant} {min(d):.3f} to {max(d):.3f} N" for variant, d in distances.items()]
     nearer = all(a < b for a, b in zip(distances["compliant"], distances["rigid"], strict=True))

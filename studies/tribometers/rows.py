@@ -93,8 +93,8 @@ def _row(names: Sequence[str], cells: list[str], path: Path, line: int) -> Tribo
 
 
 def row_of(values: Mapping[str, str], where: str, source: str = "") -> TribometerRow:
-    """The row of texts by column; `where` names their origin in messages, `source` the row if its column is empty.
-    Raises RecordError, in one sentence, if a value is missing or wrong.
+    """A row of the table from its texts by column. where: names their origin in messages. source: for an empty column
+    `source`. Raises RecordError, in one sentence, if a value is missing or wrong.
     """
     if values.get("contact") not in CONTACTS:
         raise RecordError(

@@ -95,9 +95,9 @@ class Quantity:
     words: tuple[str, ...] = ()
 
     def __call__(self, value: object) -> float | int | str:
-        """The value, checked; see the class.
+        """A stated value as the number or word that it is, in the unit of its key.
 
-        Raises ValueError if it is not allowed, with a message that continues after the key's name.
+        Raises ValueError if the quantity does not allow it, with a message that continues after the key's name.
         """
         if isinstance(value, str) and value in self.words:
             return value

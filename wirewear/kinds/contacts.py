@@ -31,7 +31,7 @@ class Contacts(ABC):
     @property
     @abstractmethod
     def refined(self) -> RefinedSubject:
-        """How convergence is studied: what is refined, and which figures are compared."""
+        """What `wirewear converge` refines of such studies, and which figures it compares."""
 
     @property
     @abstractmethod

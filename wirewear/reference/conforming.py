@@ -32,7 +32,9 @@ class PinContact:
 
     @property
     def clearance_share(self) -> float:
-        """Twice E* times the clearance over the load per length; falls from infinity to 0 at the widest contact."""
+        """2 E* ΔR / P for the radial clearance ΔR and the load per length P; it falls from infinity at a narrow contact
+        to 0 at the widest.
+        """
         b = tan(0.5 * self.half_angle_rad)
         return (2.0 - log(b**2 + 1.0) - 2.0 * b**4) / (pi * (b**2 + 1.0) * b**2)
 

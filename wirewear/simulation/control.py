@@ -364,8 +364,9 @@ def core_once_worn(study: Study, core: float, compliance_mm_per_N: float) -> flo
     """Share (0 to 1) of a fresh contact's axes that sticks once nothing more wears, of a contact whose share `core`
     sticks at the end of the first loading. compliance_mm_per_N: displacement over tangential force there.
 
-    Under a held load and displacement the core grows: alone it gives way more under the load, as the closed form says
-    (Ciavarella and Hills 1999), and then less is left to slip. Under a held force or a held approach it stays.
+    Under a held load and displacement the core grows: once it carries the load alone, it yields more along the motion
+    (Ciavarella and Hills 1999), and less of the displacement is left to slip. Under a held force or approach it
+    stays.
     """
     stated = held_by(study.conditions)
     if study.conditions.approach_um is not None or (stated is not None and stated.figure not in _OF_MOTION):

@@ -150,7 +150,7 @@ class BothMeshes(Protocol):
 
     @property
     def fixed(self) -> BodyGeometry:
-        """Geometry of the held body's mesh."""
+        """Shape and planned elements of the held body."""
 
 
 def contact_problem(study: Study, meshes: BothMeshes, announce: Announce) -> solvers.ContactProblem:

@@ -324,7 +324,10 @@ class _Bent:
         )
 
     def _crowns(self, own: MemberSlip, load_N_per_mm: float) -> Iterator[WireContact]:
-        """Contacts of the strands' innermost wires with a core strand or core wire; none on a core of fibres."""
+        """Contacts of wires of the outer strands with a core strand or core wire; none on a core of fibres.
+
+        own: slip of an outer strand. load_N_per_mm: on the core, by all outer strands.
+        """
         ring, core = self.strand.layers[0], self.strand.core
         if isinstance(core, Fibre) or not isinstance(ring.member, Strand):
             return

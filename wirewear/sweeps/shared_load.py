@@ -144,8 +144,9 @@ def _ends(study: Study) -> tuple[int, ...]:
 def _studies(
     test: ManyContacts, load: Array, share: Array, lengths: Array
 ) -> tuple[tuple[str, ...], dict[str, Study], BoolArray]:
-    """(label of each contact, studies by label, closed (n, b)); those with equal tables and loads have one study, those
-    that stay open none.
+    """(label of each of n contacts, studies by label, True (n, b) where it is closed); contacts with equal tables and
+    loads have one study, those that stay open none. load, share: (n, b) in N, and of the friction force. lengths: (b,)
+    cycles of each block.
     """
     found: dict[str, str] = {}
     labels: list[str] = []

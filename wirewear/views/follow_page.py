@@ -28,7 +28,7 @@ PAGE, TABLE = "follow.html", "follow.csv"
 @dataclass(frozen=True, eq=False)
 class RunningTest:
     """A test so far. energies_J: (n,) of each of its n loops. wear_mm3_per_J: expected worn volume of both bodies per
-    friction energy, None before it is known. looks: so far.
+    friction energy, None before it is known. looks: diagnoses of the record so far, the first one first.
     """
 
     record: AnyRecord

@@ -188,8 +188,8 @@ def settings_rows(values: Mapping[str, object], place: str = "") -> list[tuple[s
 
 
 def runs_json(results: Sequence[RunResult]) -> str:
-    """JSON list with an object for each run: its sentence, last row of the evolution, and quality measures with their
-    limits.
+    """JSON list with an object for each run: names, the sentence that sums it up, the last row of the evolution, and
+    quality measures with their limits.
     """
     return json_text([_run(result) for result in results])
 

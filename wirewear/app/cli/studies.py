@@ -29,7 +29,7 @@ _OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity
 def materials_command() -> None:
     """List the materials that a study may name, where they yield, their fatigue, and friction and wear of pairs.
 
-    Each has its source, read or not.
+    Each value has its source, and says where we have not read it ourselves.
     """
     from rich import box
     from rich.table import Table
