@@ -225,6 +225,12 @@ def test_curves_are_no_lines(size: float, correlation: float, coupling: float, d
         assert corners_of(loops, FREQUENCY_Hz) is None
 
 
+def test_lines_of_one_channel_alone_are_no_lines() -> None:
+    curves = [one.tangential_force_N for one in logged(None, 256)]
+    loops = [replace(one, tangential_force_N=force) for one, force in zip(logged(30, 256), curves, strict=True)]
+    assert corners_of(loops, FREQUENCY_Hz) is None
+
+
 def test_a_record_is_read_at_its_corners_whatever_outliers_it_has() -> None:
     loops = logged(40, 256)
     spoiled = loops[3].displacement_um.copy()

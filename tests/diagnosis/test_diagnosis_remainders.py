@@ -15,12 +15,14 @@ from tests.diagnosis.layouts import at_sites
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Fit, Problem, fit
+from wirewear.diagnosis.infer.search import pair_fits
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of
 from wirewear.diagnosis.observe import Site
 from wirewear.diagnosis.observe.channels import own_noise
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.scars import ScarSkew
 from wirewear.diagnosis.surrogate.candidates import Candidate, library
+from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.wording import of_remainder, remaining
 from wirewear.records import AnyRecord
 
@@ -67,6 +69,28 @@ def test_explanations_are_fitted_with_a_law_of_friction_far_from_mindlins() -> N
     found = fit(replace(problem, mean=problem.predicted(softer)), [spring])
     assert found.free == pytest.approx([2.5], abs=0.3)
     assert spring.values(found.coordinates)["stiffness_N_per_mm"] == pytest.approx(150.0, rel=0.02)
+
+
+@pytest.mark.parametrize("micro_slip", [1.0, 2.0, 4.4])
+def test_a_contact_that_sticks_longer_is_moved_as_far_over_the_same_scar(micro_slip: float) -> None:
+    mindlin, longer = (
+        simulate(states(), replace(nominal("stroke"), micro_slip=one), np.array([100.0, 1e5]))
+        for one in (0.0, micro_slip)
+    )
+    assert 0.5 * np.ptp(longer.displacement_um, axis=(1, 2)) == pytest.approx(60.0, rel=1e-5)
+    # What the scar adds to friction at the ends follows from wear by less energy alone.
+    ends = [loops.tangential_force_N.max(axis=(1, 2)) for loops in (mindlin, longer)]
+    assert ends[1] == pytest.approx(ends[0], rel=0.012)
+
+
+@pytest.mark.seconds
+def test_a_pair_is_found_although_another_single_effect_leads() -> None:
+    spring = {"tangential_compliance": {"stiffness_N_per_mm": 150.0}, "free_play": {"gap_um": 6.0}}
+    observed, setup = reduce(record(spring, repeats=1)), nominal("sensor")
+    problem = Problem.of(states(), setup, observed.layout, estimate(states(), setup, observed))
+    lag, *pair = (fit(problem, [candidate(name)]) for name in ("sensor_lag:force", *PAIR))
+    found = pair_fits(problem, fit(problem, ()), [replace(lag, log_evidence=0.0), *pair])
+    assert set(max(found, key=lambda one: one.merit).names) == set(PAIR)
 
 
 def test_effects_that_are_one_beside_another_are_a_class_though_neither_explains_alone() -> None:

@@ -7,7 +7,7 @@ the same parameters.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 
@@ -117,7 +117,7 @@ def search(states: WearStates, setup: SurrogateInputs, observed: Observations, l
     pairs: list[Fit] = []
     if best.candidates:
         alone = problem, covariance, none, singles
-        tried = _pair_fits(problem, none, singles)
+        tried = pair_fits(problem, none, singles)
         alone_at_best = max(one.log_evidence for one in singles)
         pairs = [one for one in tried if one.log_evidence > alone_at_best + PAIR_GAIN]
         pairs = [one for one in pairs if pairs[0].log_evidence - one.log_evidence < _PAIRS_WITHIN]
@@ -174,8 +174,10 @@ def _refitted(problem: Problem, singles: Sequence[Fit], best: Fit) -> list[Fit]:
     return together(problem, asked)
 
 
-def _pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]:
-    """The likeliest single effect with each second one that promises something, best first."""
+def pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]:
+    """Fits of the likeliest single effect with each second one that promises something, and of the next likely ones
+    with one another, best first. none, singles: fits without effects and of each effect alone.
+    """
     ordered = sorted(singles, key=lambda one: -one.merit)
     first = ordered[0]
     # With the first effect in place, a few steps show which second ones are worth a joint fit.
@@ -191,16 +193,20 @@ def _pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]
         chosen = [(one, one) for one in others if np.abs(one.coordinates).max() > _SHOWN]
     else:
         # The first effect, bent to do for both, may hide those that explain much by themselves.
-        likely = [one for one in ordered[1 : _LIKELY + 1] if one.log_evidence > none.log_evidence + PAIR_GAIN]
-        chosen = [*screened[:_SECONDS], *((one, one) for one in likely)]
+        likely = [one for one in ordered[: _LIKELY + 1] if one.log_evidence > none.log_evidence + PAIR_GAIN]
+        chosen = [*screened[:_SECONDS], *((one, one) for one in likely[1:])]
+    asked = [(first, started, one) for started, one in chosen]
+    if not alone:
+        # The best single effect may be one that imitates two others together.
+        asked += [(one, other, other) for one, other in combinations(likely[1:], 2)]
     joint = [
         sought(
             problem,
-            (*first.candidates, *one.candidates),
-            _joint_starts(first, started, alone),
+            (*one.candidates, *other.candidates),
+            _joint_starts(one, started, alone),
             _FEW_ITERATIONS if alone else ITERATIONS,
         )
-        for started, one in chosen
+        for one, started, other in asked
     ]
     found = together(problem, joint)
     best: dict[tuple[str, ...], Fit] = {}

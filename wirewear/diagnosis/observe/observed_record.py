@@ -222,8 +222,8 @@ def corners_of(loops: Sequence[MeasuredLoop], frequency_Hz: float) -> int | None
     curves.
 
     Corners are at even times from the beginning of the cycle. In the mean of all loops noise is small enough: lines
-    with the right corners leave noise alone, and must fit the displacement better than lines shifted by half a line,
-    which fit a smooth curve equally well.
+    with the right corners leave noise alone, and must fit both channels better than lines shifted by half a line, which
+    fit a smooth curve equally well.
     """
     if not loops or loops[0].time_s.size < FEWEST_CORNERS * SAMPLES_A_LINE:
         return None
@@ -247,7 +247,7 @@ def corners_of(loops: Sequence[MeasuredLoop], frequency_Hz: float) -> int | None
         dispersion = np.maximum(squares / (samples - corners), 1.0)
         if dispersion[1] > MOST_UNLIKE**2 * dispersion[0] or dispersion.max() > OUTLYING**2:
             continue
-        advantage = 0.5 * float(left(corners, 0.5)[0] - squares[0]) / float(dispersion[0] * np.sqrt(corners))
+        advantage = float(np.min((left(corners, 0.5) - squares) / dispersion)) / (2.0 * np.sqrt(corners))
         if advantage > max(best, LEAST_ADVANTAGE):
             best, count = advantage, corners
     if count is None or not _bends_throughout(_Lines.between(count, shares), channels[0]):

@@ -22,7 +22,7 @@ def driven(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact
     if (at := np.flatnonzero(wanted < least)).size:
         numbers: dict[str, Any] = {name: np.take(getattr(setup, name), at) for name in NUMBERS}
         share[at] = _sticking_share(replace(setup, **numbers), chain.taken(at), contact.taken(at))
-    return np.where(share < 1.0, 0.0, np.maximum(wanted, least)), share
+    return np.where(share < 1.0, 0.0, np.maximum(wanted, 0.0)), share
 
 
 def missing_of(
@@ -63,13 +63,14 @@ def _sticking_share(setup: SurrogateInputs, chain: Chain, contact: sensing.Slidi
             figure = force if setup.held == "tangential" else moved - chain.compliance_um_per_N * force
         return np.where(held, figure, stroke)
 
-    low, high = np.zeros_like(tip), np.full_like(tip, 1.0 - 1e-9)
-    whole = reached(high) <= target
+    # By what is left of the travel until sliding: of high orders, much of it is on the last of the force.
+    low, high = 1e-15 ** (1.0 / contact.order), np.ones_like(tip)
+    whole = reached(1.0 - low**contact.order) <= target
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        above = reached(middle) > target
-        low, high = np.where(above, low, middle), np.where(above, middle, high)
-    return np.where(whole, 1.0, np.maximum(low, 1e-4))
+        above = reached(1.0 - middle**contact.order) > target
+        low, high = np.where(above, middle, low), np.where(above, high, middle)
+    return np.where(whole, 1.0, np.maximum(1.0 - high**contact.order, 1e-4))
 
 
 def _missing_slip(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:

@@ -31,6 +31,9 @@ from wirewear.effects import Chain
 _WEAR_SWEEPS, _SLIP_SWEEPS = 3, 2
 
 
+#: Orders of micro-slip beyond this one are as good as an exponential, of which sliding would never begin.
+HIGHEST_ORDER = 16.0
+
 #: Relative change of `SCAR_FIGURES` per retained fraction, from a simulation with 40 %: debris holds wear in place.
 _CONCENTRATION = np.array([0.0, 0.5, -0.34, -0.25])
 
@@ -143,13 +146,13 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     last = max(setups[0].cycles, float(cycles[-1]))
     # Wear is followed over this many cycles, evenly spaced in their logarithm.
     nodes = np.unique(np.concatenate([np.geomspace(0.5, last, 20), cycles]))
-    chains, slip, energy, share = _wear_path(states, setups, nodes)
-    layer = _Layer.of_all(states, chains, slip)
+    chains, slip, swept, energy, share = _wear_path(states, setups, nodes)
+    layer = _Layer.of_all(states, chains, swept)
     first = nodes.size * np.arange(len(setups))
     at, ends = (first[:, None] + np.searchsorted(nodes, cycles)).ravel(), first + nodes.size - 1
     whole, setup = Chain.joined(chains), _columns(setups, cycles.size)
     chain, end = whole.taken(at), whole.taken(ends)
-    contact = _contact(states, setup, chain, slip[at], layer and layer.taken(at), share[at])
+    contact = _contact(states, setup, chain, swept[at], layer and layer.taken(at), share[at])
     contact = replace(contact, share=share[at])
     if not in_time[0]:
         true = *sensing.branches_of(contact, chain, slip[at]), sensing.loads_of(contact)
@@ -158,7 +161,7 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
         true = own.displacement_um, own.force_N, own.load_N
     loops = sensing.read_by_sensors(setup, chain, *true, contact.share)
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
-    reach = states.reach(np.maximum(slip[ends], [LEAST_SLIP * one.amplitude_um for one in setups]))
+    reach = states.reach(np.maximum(swept[ends], [LEAST_SLIP * one.amplitude_um for one in setups]))
     scars, skews = _scars(states, end, reach, under), _skews(states, end, reach)
     profiles = [
         states.profiles(one, end.taken(np.array([place])), float(reach[place]), float(share[ends[place]]))
@@ -176,9 +179,9 @@ def _columns(setups: Sequence[SurrogateInputs], moments: int) -> SurrogateInputs
 
 def _wear_path(
     states: WearStates, setups: Sequence[SurrogateInputs], cycles: Array
-) -> tuple[list[Chain], Array, Array, Array]:
-    """Each setup's chain with its worn volume at cycles (n,), and slip amplitudes, loop energies and shares of the
-    friction that are reached, of all, joined.
+) -> tuple[list[Chain], Array, Array, Array, Array]:
+    """Each setup's chain with its worn volume at cycles (n,), and slip amplitudes, amplitudes over which scars are
+    swept, loop energies and shares of the friction that are reached, of all, joined.
     """
     count, setup = len(setups), _columns(setups, cycles.size)
     wearing = setups[0].wearing_cycles(cycles)
@@ -191,9 +194,9 @@ def _wear_path(
         for one, own in zip(setups, np.split(spent, count), strict=True)
     ]
     energy = 4e-3 * np.concatenate([chain.friction for chain in chains]) * load_N * slip
-    share = np.full(slip.size, states.yields[0, 1] if states.sticks else 1.0)
+    swept, share = slip, np.full(slip.size, states.yields[0, 1] if states.sticks else 1.0)
     for _ in range(_WEAR_SWEEPS):
-        each = zip(setups, chains, np.split(slip, count), strict=True)
+        each = zip(setups, chains, np.split(swept, count), strict=True)
         faster = np.concatenate([states.wearing(*own) for own in each])
         # What comes together over steps of cycles (n,), of which the first goes on as it ends; per cycle (..., n).
         per_cycle = np.stack([faster * energy, 1e-3 * energy]).reshape(2, count, -1)
@@ -203,17 +206,29 @@ def _wear_path(
             one.chain(*circumstances, own, lost) if one.follows_wear else replace(chain, energy_J=own, worn_um3=lost)
             for one, chain, own, lost in zip(setups, chains, spent, worn, strict=True)
         ]
-        layer, chain = _Layer.of_all(states, chains, slip), Chain.joined(chains)
+        layer, chain = _Layer.of_all(states, chains, swept), Chain.joined(chains)
         for _ in range(_SLIP_SWEEPS if setup.load_cycle.steady else 1):
-            contact = _contact(states, setup, chain, slip, layer, share)
+            contact = _contact(states, setup, chain, swept, layer, share)
             # What a swinging holder changes of slip goes with the square of the ratio of both frequencies.
             if setup.load_cycle.steady:
                 slip, share = driven(setup, chain, contact, slip)
                 energy = sensing.loop_energy(replace(contact, share=share), slip)
+                swept = slip if states.sticks else _swept(states, setup, replace(contact, share=share), slip)
             else:
                 found = _followed(setup, chain, contact, slip)
                 slip, share, energy = found.slip_um, found.share, found.energy_mJ
-    return chains, slip, energy, share
+                swept = slip
+    return chains, slip, swept, energy, share
+
+
+def _swept(states: WearStates, setup: SurrogateInputs, contact: sensing.SlidingContact, slip: Array) -> Array:
+    """Amplitudes (n,) in µm over which surfaces sweep one another: their motion less what bodies yield by the run's own
+    order of micro-slip. A higher order sticks longer, but moves the bodies no less.
+    """
+    yielded = contact.yielding_um_per_N * contact.tip_N
+    moved = np.where(contact.share < 1.0, sensing.micro_slip(contact) - contact.share * yielded, slip)
+    more = contact.share * yielded * (1.0 - states.full_slip / contact.order)
+    return np.asarray(np.maximum(moved + more, LEAST_SLIP * setup.amplitude_um))
 
 
 def _contact(
@@ -260,7 +275,7 @@ def _contact(
     order, bends = yields[:, 0], yields[:, 1:]
     # Micro-slip works as n − 1, which is known as well where a body gives way as a whole, with an order near one.
     less = np.minimum(3.0 * (1.0 - 1.0 / order), 1.0) if states.sticks else 1.0
-    order = order * np.exp(less * setup.micro_slip)
+    order = np.minimum(order * np.exp(less * setup.micro_slip), HIGHEST_ORDER)
     bends[:, 0] = reached
     return sensing.SlidingContact(along, along * ratio, stiffness, springs, order, np.ones_like(stiffness), bends)
 
