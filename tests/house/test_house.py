@@ -269,10 +269,10 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): its weight when a version is made, with 3 % of slack for the next one.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 89_200,
+    "lines of geometry, solvers and wirewear": 89_300,
     "lines of wirewear": 69_100,
-    "lines of studies": 17_530,
-    "lines of tests": 37_600,
+    "lines of studies": 17_840,
+    "lines of tests": 37_660,
     "files of geometry, solvers and wirewear": 440,
     "rooms of wirewear": 20,
     "arrows between rooms": 106,
