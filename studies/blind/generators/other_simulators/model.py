@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import cos, radians, sin
+from math import cos, inf, radians, sin
 from typing import Any, cast
 
 import numpy as np
 
-from studies.blind.causes import causes_of
+from studies.blind.causes import causes_of, seam_of
 from studies.blind.generators.cases import Case
 from studies.blind.generators.files import line_record_tables, record_tables
 from studies.blind.generators.generator import LIBRARY_EFFECTS, OTHERS, MadeRecord
@@ -18,12 +18,13 @@ from studies.blind.generators.other_simulators.foundation import FoundationWires
 from studies.blind.generators.other_simulators.half_space import HalfSpaceWires
 from studies.blind.generators.other_simulators.layers import ElasticLayer, LinePair
 from studies.blind.generators.other_simulators.logger import Channels, Logger, drawn_logger
-from studies.blind.generators.other_simulators.pair import Array, Pair
+from studies.blind.generators.other_simulators.pair import Array, Pair, StickingPair
 from studies.blind.generators.other_simulators.rig import periodic_loop, readings
 from studies.blind.generators.other_simulators.strips import StripWires
 from studies.blind.generators.other_simulators.tests_drawn import (
     SIMULATORS,
     LineTest,
+    StickingTest,
     Test,
     WireTest,
     drawn_tests,
@@ -32,17 +33,27 @@ from studies.blind.generators.other_simulators.tests_drawn import (
 from studies.blind.generators.other_simulators.world import World
 from wirewear.base.errors import RunError
 from wirewear.records import AnyRecord, ExperimentRecord, MeasuredProfile, MeasuredScar, RecordTables
-from wirewear.records.contact_tables import LineRecordTables
+from wirewear.records.contact_tables import RECORDS, LineRecordTables
 
 Contact = HalfSpaceWires | FoundationWires | StripWires | LinePair
 
 #: Cells of a scar's half-length, and how much longer the grid is than the scar that is expected.
-CELLS, WIDER = {"half_space": 20, "foundation": 26, "strips": 70, "layers": 80}, 1.35
+CELLS, WIDER = {"half_space": 20, "foundation": 26, "strips": 70, "layers": 80, "sticking": 32}, 1.35
 #: Cycles grow so much from jump to jump; the first jump has this share of the first snapshot's.
-GROWTH, FIRST = {"half_space": 1.25, "foundation": 1.12, "strips": 1.12, "layers": 1.15}, 0.1
+GROWTH, FIRST = {"half_space": 1.25, "foundation": 1.12, "strips": 1.12, "layers": 1.15, "sticking": 2.0}, 0.1
 SPEED_EXPONENT, PRESSURE_EXPONENT = 0.004, -0.004  #: Exponents of friction by speed and by pressure that strips have.
 #: Effects that a simulator cannot make.
-CANNOT = {"strips": ("crossing_angle_error",), "layers": ("crossing_angle_error", "plasticity")}
+CANNOT = {
+    "strips": ("crossing_angle_error",),
+    "layers": ("crossing_angle_error", "plasticity"),
+    "sticking": (
+        *("roughness_compliance", "third_body", "plasticity", "crossing_angle_error"),
+        *("wear_rate_offset", "wear_rate_evolution"),
+    ),
+}
+WORN_SEAMS = ("wear", "specimens")  #: Where causes enter that only wear shows.
+#: Shares of the load at which partial slip is traced, close where little slips.
+TRACED = np.append(1.0 - np.geomspace(0.99, 0.004, 24), 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +70,12 @@ class OtherSimulators:
 
     chosen: str = "development"
     tier: str = OTHERS
-    outside: Sequence[str] = causes_of("others")
+
+    @property
+    def outside(self) -> Sequence[str]:
+        """Causes of no library; where little is worn, those that wear or worn specimens would show are none."""
+        causes = causes_of("others")
+        return causes if self.chosen != "sticking" else [one for one in causes if seam_of(one) not in WORN_SEAMS]
 
     @property
     def description(self) -> str:
@@ -131,6 +147,7 @@ def world_of(test: Test) -> World:
         speed_exponent=SPEED_EXPONENT if strips else 0.0,
         pressure_exponent=PRESSURE_EXPONENT if strips else 0.0,
         expected_MPa=expected_pressure_MPa(test),
+        least_slip=-inf if isinstance(test, StickingTest) else 0.35,
         stated_friction=test.friction,
         stated_load_N=test.load_N,
     )
@@ -157,8 +174,11 @@ def contact_of(test: Test, angle_error_deg: float = 0.0) -> Contact:
         return StripWires((x**2 / (2.0 * radius))[:, None], (step, 2.0 * half), reach, test.modulus_MPa, test.easier)
     angle = radians(test.crossing_angle_deg + angle_error_deg)
     shape = _circle(x[:, None] * sin(angle) - x * cos(angle), radius) + _circle(x, radius)
-    kind = HalfSpaceWires if test.simulator == "half_space" else FoundationWires
-    return kind(shape, (step, step), reach, test.modulus_MPa, test.easier)
+    kind = FoundationWires if test.simulator == "foundation" else HalfSpaceWires
+    pair = kind(shape, (step, step), reach, test.modulus_MPa, test.easier)
+    if isinstance(test, StickingTest) and isinstance(pair, StickingPair):
+        pair.shares = TRACED
+    return pair
 
 
 def _circle(x: Array, radius: float) -> Array:
@@ -174,22 +194,25 @@ def simulated(test: Test, world: World, snapshots: Sequence[int]) -> Course:
     if world.flattening_mm > 0.0:
         pair.flatten(world.flattening_mm, half_slip)
     now, load, first_approach = 0.0, world.load_N, None
-    touch, channels = None, {}
+    touch, settled, channels = None, None, {}
     for following in _schedule(snapshots, GROWTH[test.simulator]):
         layer = world.layer_at(now)
-        if touch is None or now in snapshots:
+        pressed = load, layer, pair.sweeps
+        if touch is None or (now in snapshots and pressed != settled):
+            settled = pressed
             pair.settle(load, layer)
             touch = pair.touch(load, half_slip, layer)
             first_approach = touch.approach_mm if first_approach is None else first_approach
             load = world.load_at(now, touch.approach_mm - first_approach)
         loop = periodic_loop(world, now, load, touch, pair)
-        half_slip = loop.half_slip_mm
+        half_slip = max(loop.half_slip_mm, 0.0)
         if now in snapshots:
             channels[int(now)] = readings(world, now, loop)
         if following > now:
             volume = 1e-3 * world.wear_at(now, following) * loop.work_mJ * (following - now)
             load = world.load_at(0.5 * (now + following), touch.approach_mm - (first_approach or 0.0))
-            pair.sweep(load, half_slip, volume / load, world.moving_share, layer)
+            if not isinstance(test, StickingTest):
+                pair.sweep(load, half_slip, volume / load, world.moving_share, layer)
         now = following
     return Course(channels, scars_of(pair))
 
@@ -276,8 +299,9 @@ def tables_of(case: Case, test: Test, logger: Logger) -> RecordTables | LineReco
     more: dict[str, Any] = {"scatter": scatter} if logger.states_scatter else {}
     if isinstance(test, WireTest):
         plain = record_tables(replace(case, nuisances=logger)).model_dump(mode="json", exclude_unset=True)
-        plain["wires"]["crossing_angle_deg"] = test.crossing_angle_deg
-        return RecordTables.model_validate({**plain, **more})
+        if not isinstance(test, StickingTest):
+            plain["wires"]["crossing_angle_deg"] = test.crossing_angle_deg
+        return RECORDS[test.kind].model_validate({**plain, **more})
     plain = line_record_tables(test, case.name, logger.stated_noise).model_dump(mode="json", exclude_unset=True)
     for body, height, half in zip(("pad", "specimen"), test.heights_mm, test.half_widths_mm, strict=True):
         plain[body] |= {"height_mm": height, "half_width_mm": half}

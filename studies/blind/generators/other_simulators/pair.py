@@ -172,14 +172,15 @@ class StickingPair(Pair):
 
     sheared: Elastic
     easier = 1.0
+    shares = SHARES
     curve = (np.array([0.0, 1.0]), np.array([0.0, 1.0]))
 
     def settle(self, load_N: float, layer: Layer) -> None:
         """Trace the displacement over the friction's coefficient, and the share of the limit, up to full slip."""
         gap, _, local = self._problem(0.0, load_N, layer)
-        approaches = [self.sheared.press(gap, share * load_N, local)[1] for share in SHARES[::-1]]
+        approaches = [self.sheared.press(gap, share * load_N, local)[1] for share in self.shares[::-1]]
         given = self.easier * (approaches[0] - np.r_[approaches, gap.min()])
-        self.curve = given, 1.0 - np.r_[SHARES[::-1], 0.0]
+        self.curve = given, 1.0 - np.r_[self.shares[::-1], 0.0]
 
     def lag_mm(self, friction: float, load_N: float) -> float:  # noqa: ARG002 - settled at this load
         """Displacement at which everything slips."""

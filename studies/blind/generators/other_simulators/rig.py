@@ -13,7 +13,6 @@ from wirewear.base.errors import RunError
 POINTS, TIMES = 480, 1024  #: Points of a stroke, closer to its beginning, and of a loop over time.
 #: A drive holds its amplitude so well; a play is crossed within this share of the friction's limit.
 HELD, CROSSED = 1e-7, 1e-3
-LEAST_SLIP = 0.35  #: Contacts that slip less than this share of the stroke are no tests of sliding.
 
 
 class Sliding(Protocol):
@@ -41,18 +40,22 @@ class Loop:
 
 def periodic_loop(world: World, cycle: float, load_N: float, touch: Touch, sliding: Sliding) -> Loop:
     """The loop whose stroke the drive holds. Raises RunError if the contact does not slide, or no stroke is found."""
-    half = world.amplitude_mm
+    half, rate, before = world.amplitude_mm, 1.0, None
     for _ in range(40):
         strokes = [_stroke(world, cycle, load_N, touch, sliding, half, direction) for direction in (1, -1)]
         held = np.concatenate([stroke[1] for stroke in strokes])
         missing = world.amplitude_mm - 0.5 * float(np.ptp(held))
         if abs(missing) < HELD * world.amplitude_mm:
             break
-        half += missing
+        if before is not None and half != before[0]:
+            # Where the contact sticks, a soft rig takes most of the stroke.
+            rate = max((before[1] - missing) / (half - before[0]), 1.0)
+        before = half, missing
+        half += missing / rate
         if half <= 0.0:
             raise RunError("the rig takes the whole stroke.")
     lag = sliding.lag_mm(world.friction_at(cycle), load_N)
-    if half - lag < LEAST_SLIP * world.amplitude_mm:
+    if half - lag < world.least_slip * world.amplitude_mm:
         raise RunError(f"the contact slips over {1e3 * (half - lag):.3g} µm only.")
     phase = 2.0 * np.pi * np.arange(TIMES) / TIMES
     rising = np.cos(phase) >= 0.0

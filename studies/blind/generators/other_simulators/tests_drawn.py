@@ -1,8 +1,11 @@
-"""Tests by others: wires of other materials, sizes and angles than the article's, and lines on shallow bodies."""
+"""Tests by others: wires of other materials, sizes and angles than the article's, lines on shallow bodies, and balls on
+flats in partial slip.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import cos, pi, radians
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -10,7 +13,11 @@ from studies.blind.generators.line_nominal import LineNominal
 from studies.blind.generators.nominal import Nominal
 
 #: Simulators that may be looked at, and those for scoring alone; of each, tests take turns.
-SIMULATORS = {"development": ("foundation", "strips"), "scoring": ("half_space", "layers", "half_space")}
+SIMULATORS = {
+    "development": ("foundation", "strips"),
+    "scoring": ("half_space", "layers", "half_space"),
+    "sticking": ("sticking",),
+}
 
 #: Aluminium, titanium, bronze, zirconia's like, steel: Young's modulus and Poisson's ratio.
 MATERIALS_MPa = (
@@ -29,6 +36,8 @@ MOST_OF_BODIES = 0.08
 #: Most of the stroke that contact and rig take, widest scar over the radius, scars' depths of both bodies [mm], least
 #: energy of a cycle [mJ] (five digits of it are written), and scars' half-lengths over the amplitude.
 MOST_TAKEN, WIDEST, DEPTHS_mm, LEAST_mJ, LENGTHS = 0.25, 0.4, (1e-3, 0.05), 5e-3, (0.3, 12.0)
+#: Of partial slip: force over friction's limit, strokes, and largest pressure.
+REACHED, STROKES_um, LARGEST_MPa = (0.3, 0.97), (0.4, 20.0), 2500.0
 
 
 @dataclass(frozen=True)
@@ -96,6 +105,27 @@ class LineTest(LineNominal):
         return super().sensible and flat and bodies_um < MOST_OF_BODIES * self.amplitude_um
 
 
+@dataclass(frozen=True)
+class StickingTest(WireTest):
+    """A ball on a flat of its material whose middle sticks: few cycles, in which nothing wears."""
+
+    kind: ClassVar[str] = "ball-on-flat"
+    bodies: ClassVar[tuple[str, str]] = ("flat", "ball")
+
+    simulator: str = "sticking"
+
+    @property
+    def tables(self) -> dict[str, Any]:
+        """A ball held above a driven flat."""
+        return {"bodies": {"ball": {"diameter_mm": self.diameter_mm, **self.elastic}, "flat": self.elastic}}
+
+    @property
+    def sensible(self) -> bool:
+        """Whether it moves by what a sensor resolves, and the metal does not yield."""
+        peak_MPa = 1.5 * self.load_N / (pi * self.hertz_mm**2)
+        return STROKES_um[0] < self.amplitude_um < STROKES_um[1] and peak_MPa < LARGEST_MPa
+
+
 Test = WireTest | LineTest
 
 
@@ -104,7 +134,13 @@ def drawn_tests(number: int, simulators: Sequence[str], random: np.random.Genera
     drawn: list[Test] = []
     while len(drawn) < number:
         simulator = simulators[len(drawn) % len(simulators)]
-        test = _drawn_line(random) if simulator == "layers" else _drawn_wires(simulator, random)
+        test: Test
+        if simulator == "layers":
+            test = _drawn_line(random)
+        elif simulator == "sticking":
+            test = _drawn_sticking(random)
+        else:
+            test = _drawn_wires(simulator, random)
         if test.sensible:
             drawn.append(test)
     return tuple(drawn)
@@ -133,6 +169,31 @@ def _drawn_wires(simulator: str, random: np.random.Generator) -> WireTest:
         simulator=simulator,
         crossing_angle_deg=float(random.choice([60.0, 70.0, 75.0, 80.0])) if turned else 90.0,
     )
+
+
+def _drawn_sticking(random: np.random.Generator) -> StickingTest:
+    modulus, ratio = MATERIALS_MPa[random.integers(len(MATERIALS_MPa))]
+    friction, reached = round(random.uniform(0.3, 0.95), 2), random.uniform(*REACHED)
+    test = StickingTest(
+        diameter_mm=_digits(random, 5.0, 30.0),
+        youngs_modulus_MPa=modulus,
+        poissons_ratio=ratio,
+        load_N=_digits(random, 5.0, 200.0),
+        frequency_Hz=_digits(random, 0.5, 40.0),
+        cycles=int(_digits(random, 2e2, 5e3, 1)),
+        friction=friction,
+        wear_mm3_per_J=1e-9,
+        stiffness_N_per_mm=None,
+        spring_N_per_mm=0.0,
+    )
+    # Mindlin's displacement of half-spaces, and springs of a fifth to five times the contact's stiffness.
+    slides_mm = friction * test.easier * 2.0 * test.hertz_mm**2 / test.diameter_mm
+    given_mm = slides_mm * (1.0 - (1.0 - reached) ** (2.0 / 3.0))
+    stiffness = None
+    if random.random() > 0.25:
+        stiffness = float(f"{friction * test.load_N / slides_mm * np.exp(random.uniform(-1.0, 1.0) * np.log(5.0)):.3g}")
+        given_mm += reached * friction * test.load_N / stiffness
+    return replace(test, amplitude_um=float(f"{1e3 * given_mm:.3g}"), stiffness_N_per_mm=stiffness)
 
 
 def _drawn_line(random: np.random.Generator) -> LineTest:

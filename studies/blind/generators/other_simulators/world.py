@@ -46,6 +46,8 @@ class World:
     expected_MPa: float = 100.0
     stated_friction: float = 0.5
     stated_load_N: float = 1.0
+    #: Share of the stroke that must slip.
+    least_slip: float = 0.35
     causes: tuple[OtherCause, ...] = ()
 
     def with_effect(self, effect: str, given: Mapping[str, float]) -> "World":
