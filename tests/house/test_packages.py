@@ -43,7 +43,7 @@ def test_a_command_takes_an_example_where_no_file_has_its_name(tmp_path: Path, m
     assert "experiment.toml" in wirewear("check", "no_gap", code=2).output
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_the_built_package_is_the_only_one_to_import_and_holds_what_the_program_looks_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

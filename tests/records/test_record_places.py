@@ -170,7 +170,7 @@ write_record("record", record.__class__(record.tables, record.loops[:5]))
 def test_a_record_whose_writer_is_killed_is_the_one_before_or_the_one_after(home: Path) -> None:
     write_record(home / "record", read_record(home / "by_hand"))
     before = contents(home / "record")
-    for left in (0, 5, 9):
+    for left in (5, 9):
         ended = subprocess.run([sys.executable, "-c", ENDED, str(left)], cwd=home, check=False)
         found = contents(home / "record")
         assert (found == before) == (ended.returncode == 9)

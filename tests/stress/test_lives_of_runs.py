@@ -58,7 +58,7 @@ tensile_strength_MPa = 800.0
 """
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_the_page_of_a_run_says_where_a_pulled_flat_cracks_and_which_lives_count_as_endless(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

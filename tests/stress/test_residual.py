@@ -103,8 +103,11 @@ def test_uniform_residual_stress_is_the_mean_stress_of_lives(residual_MPa: float
 
 @pytest.mark.parametrize(
     ("stated", "bodies"),
-    [({}, 2), ({"moving": {"yield_stress_MPa": 700.0}}, 1), ({"yield_stress_MPa": 5000.0}, 0)],
-    ids=["both yield", "the softer one yields", "load below first yield"],
+    [
+        pytest.param({}, 2, id="both yield"),
+        pytest.param({"moving": {"yield_stress_MPa": 700.0}}, 1, id="the softer one yields", marks=pytest.mark.slow),
+        pytest.param({"yield_stress_MPa": 5000.0}, 0, id="load below first yield"),
+    ],
 )
 def test_only_bodies_that_yield_have_residual_stress(stated: dict[str, Any], bodies: int) -> None:
     result = run_of(**stated)
