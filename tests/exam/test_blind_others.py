@@ -28,7 +28,14 @@ from studies.blind.generators.other_simulators.model import (
 )
 from studies.blind.generators.other_simulators.pair import Layer, Touch
 from studies.blind.generators.other_simulators.rig import Loop, periodic_loop, readings
-from studies.blind.generators.other_simulators.tests_drawn import SIMULATORS, LineTest, Test, WireTest, drawn_tests
+from studies.blind.generators.other_simulators.tests_drawn import (
+    SIMULATORS,
+    LineTest,
+    StickingTest,
+    Test,
+    WireTest,
+    drawn_tests,
+)
 from studies.blind.generators.other_simulators.world import World
 from wirewear.records import read_record
 
@@ -131,6 +138,21 @@ def test_the_work_of_friction_is_the_area_of_the_loop_and_that_of_sliding(simula
     assert area == pytest.approx(loop.work_mJ, rel=0.02)
     lost = 2e-4 * friction + pair.lag_mm(world.friction, world.load_N)
     assert loop.half_slip_mm == pytest.approx(world.amplitude_mm - lost, rel=1e-3)
+
+
+@pytest.mark.parametrize(("reached", "stiffness"), [(0.35, None), (0.35, 4000.0), (0.7, 4000.0), (0.95, 1500.0)])
+def test_a_ball_in_partial_slip_loses_what_mindlin_and_deresiewicz_say(reached: float, stiffness: float | None) -> None:
+    ball = StickingTest(
+        diameter_mm=12.7, load_N=40.0, friction=0.6, cycles=300, stiffness_N_per_mm=stiffness, spring_N_per_mm=0.0
+    )
+    limit, rest = ball.friction * ball.load_N, 1.0 - reached
+    slides_mm = ball.friction * ball.easier * 2.0 * ball.hertz_mm**2 / ball.diameter_mm
+    given_mm = slides_mm * (1.0 - rest ** (2.0 / 3.0)) + (reached * limit / stiffness if stiffness else 0.0)
+    test = replace(ball, amplitude_um=1e3 * given_mm)
+    found = figures(simulated(test, world_of(test), (300,)).channels[300])
+    assert found["max_tangential_force_N"] == pytest.approx(reached * limit, rel=5e-3)
+    bent = 1.0 - rest ** (5.0 / 3.0) - 5.0 * reached / 6.0 * (1.0 + rest ** (2.0 / 3.0))
+    assert found["dissipated_energy_mJ"] == pytest.approx(4.8 * limit * slides_mm * bent, rel=0.02)
 
 
 @pytest.mark.seconds

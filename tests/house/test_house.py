@@ -271,8 +271,8 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 BUDGETS = {
     "lines of geometry, solvers and wirewear": 89_300,
     "lines of wirewear": 69_100,
-    "lines of studies": 17_840,
-    "lines of tests": 37_660,
+    "lines of studies": 17_960,
+    "lines of tests": 37_760,
     "files of geometry, solvers and wirewear": 440,
     "rooms of wirewear": 20,
     "arrows between rooms": 106,

@@ -32,8 +32,9 @@ from studies.blind.generators.other_simulators.tests_drawn import (
 )
 from studies.blind.generators.other_simulators.world import World
 from wirewear.base.errors import RunError
-from wirewear.records import AnyRecord, ExperimentRecord, MeasuredProfile, MeasuredScar, RecordTables
+from wirewear.records import AnyRecord, ExperimentRecord, MeasuredProfile, MeasuredScar
 from wirewear.records.contact_tables import RECORDS, LineRecordTables
+from wirewear.records.tables import PointRecordTables
 
 Contact = HalfSpaceWires | FoundationWires | StripWires | LinePair
 
@@ -52,8 +53,8 @@ CANNOT = {
     ),
 }
 WORN_SEAMS = ("wear", "specimens")  #: Where causes enter that only wear shows.
-#: Shares of the load at which partial slip is traced, close where little slips.
-TRACED = np.append(1.0 - np.geomspace(0.99, 0.004, 24), 1.0)
+#: Shares of the load at which partial slip is traced: cores whose sizes are close where little slips.
+TRACED = (1.0 - np.linspace(0.95, 0.0, 36) ** 2) ** 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -292,7 +293,7 @@ def differences(test: Test, true: World, changed: World, logger: Logger) -> dict
     return {name: round(abs(with_it[name][0] - value) / size, 3) for name, (value, size) in without.items()}
 
 
-def tables_of(case: Case, test: Test, logger: Logger) -> RecordTables | LineRecordTables:
+def tables_of(case: Case, test: Test, logger: Logger) -> PointRecordTables | LineRecordTables:
     """The tables of experiment.toml."""
     known = logger.scatter
     scatter = {"friction": round(known.friction, 4), "normal_load": round(known.load, 4), "wear": round(known.wear, 3)}
@@ -301,7 +302,7 @@ def tables_of(case: Case, test: Test, logger: Logger) -> RecordTables | LineReco
         plain = record_tables(replace(case, nuisances=logger)).model_dump(mode="json", exclude_unset=True)
         if not isinstance(test, StickingTest):
             plain["wires"]["crossing_angle_deg"] = test.crossing_angle_deg
-        return RECORDS[test.kind].model_validate({**plain, **more})
+        return cast("PointRecordTables", RECORDS[test.kind].model_validate({**plain, **more}))
     plain = line_record_tables(test, case.name, logger.stated_noise).model_dump(mode="json", exclude_unset=True)
     for body, height, half in zip(("pad", "specimen"), test.heights_mm, test.half_widths_mm, strict=True):
         plain[body] |= {"height_mm": height, "half_width_mm": half}

@@ -5,6 +5,7 @@ from math import tan
 from typing import Protocol
 
 import numpy as np
+from scipy.optimize import brentq
 
 from studies.blind.generators.other_simulators.pair import Array, Touch
 from studies.blind.generators.other_simulators.world import World
@@ -40,20 +41,21 @@ class Loop:
 
 def periodic_loop(world: World, cycle: float, load_N: float, touch: Touch, sliding: Sliding) -> Loop:
     """The loop whose stroke the drive holds. Raises RunError if the contact does not slide, or no stroke is found."""
-    half, rate, before = world.amplitude_mm, 1.0, None
-    for _ in range(40):
-        strokes = [_stroke(world, cycle, load_N, touch, sliding, half, direction) for direction in (1, -1)]
-        held = np.concatenate([stroke[1] for stroke in strokes])
-        missing = world.amplitude_mm - 0.5 * float(np.ptp(held))
-        if abs(missing) < HELD * world.amplitude_mm:
-            break
-        if before is not None and half != before[0]:
-            # Where the contact sticks, a soft rig takes most of the stroke.
-            rate = max((before[1] - missing) / (half - before[0]), 1.0)
-        before = half, missing
-        half += missing / rate
-        if half <= 0.0:
-            raise RunError("the rig takes the whole stroke.")
+
+    def both_strokes(half: float) -> list[tuple[Array, ...]]:
+        return [_stroke(world, cycle, load_N, touch, sliding, half, direction) for direction in (1, -1)]
+
+    def missing(half: float) -> float:
+        return world.amplitude_mm - 0.5 * float(np.ptp(np.concatenate([stroke[1] for stroke in both_strokes(half)])))
+
+    shortest, longest = 1e-3 * world.amplitude_mm, world.amplitude_mm
+    if missing(shortest) <= 0.0:
+        raise RunError("the rig takes the whole stroke.")
+    while missing(longest) > 0.0:
+        longest *= 1.5
+    half = float(brentq(missing, shortest, longest, xtol=HELD * world.amplitude_mm))
+    strokes = both_strokes(half)
+    held = np.concatenate([stroke[1] for stroke in strokes])
     lag = sliding.lag_mm(world.friction_at(cycle), load_N)
     if half - lag < world.least_slip * world.amplitude_mm:
         raise RunError(f"the contact slips over {1e3 * (half - lag):.3g} µm only.")
