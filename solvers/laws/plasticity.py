@@ -55,14 +55,18 @@ class Flow:
 
 
 def flown(metal: Metal, shear_MPa: float, trial_MPa: Array, before: Flow) -> Flow:
-    """The state of k points after a step in which purely elastic stresses would become `trial_MPa` (k, 6).
+    """The state of k points after a step in which purely elastic stresses of the first n would become `trial_MPa` (n,
+    6), and the others do not flow.
 
     shear_MPa: shear modulus. before: the state at the step's start. Where the yield surface is exceeded, plastic strain
     returns the stress to it.
     """
-    strain, shift, accumulated = before.strain.copy(), before.shift.copy(), before.accumulated.copy()
-    _return(trial_MPa, strain, shift, accumulated, shear_MPa, *metal.moduli)
-    return Flow(strain, shift, accumulated)
+    after = Flow(before.strain.copy(), before.shift.copy(), before.accumulated.copy())
+    upper = slice(len(trial_MPa))
+    _return(
+        trial_MPa, after.strain[upper], after.shift[upper], after.accumulated[upper], shear_MPa, *metal.moduli
+    )  # fmt: skip
+    return after
 
 
 @compiled

@@ -48,19 +48,9 @@ class HalfSpace:
         along, across = (h * np.arange(-(n // 2), n // 2 + 1.0) for n, h in zip(self.shape, self.step_mm, strict=True))
         return np.asarray(along, dtype=np.float64), np.asarray(across, dtype=np.float64)
 
-    def moved(self, traction_MPa: Array | None, initial_MPa: Array | None) -> tuple[Array, Array]:
-        """Strains (l, n_x, n_y, 6) of tensors in the middles of layers, and displacements (n_x, n_y, 3) of the surface
-        in mm.
-
-        traction_MPa: (n_x, n_y, 3) on the surface. initial_MPa: (l, n_x, n_y, 6) stresses by which the initial strains
-        would be elastic ones.
-        """
-        inner = self.waves(np.zeros((0, *self.shape, 6)) if initial_MPa is None else initial_MPa)
-        return self.strains(inner, traction_MPa), self.displacements(inner, traction_MPa)
-
     def waves(self, initial_MPa: Array, layers: int | None = None) -> ComplexArray:
         """Displacements (n_x, n_y // 2 + 1, 3 (k + 1)) U, T, W of the levels down to below the upper k `layers` (None:
-        all) by initial stresses (m, n_x, n_y, 6) of the upper m ≤ k layers, as in `moved`.
+        all), by stresses (m, n_x, n_y, 6) by which the initial strains of the upper m ≤ k layers would be elastic ones.
         """
         inner = scipy.fft.rfft2(initial_MPa, axes=(1, 2))
         # The mean has no direction.
@@ -72,14 +62,16 @@ class HalfSpace:
         return levels
 
     def strains(self, waves: ComplexArray, traction_MPa: Array | None) -> Array:
-        """Strains (k, n_x, n_y, 6) as in `moved` of the upper k layers, by their `waves` and tractions."""
+        """Strains (k, n_x, n_y, 6) of tensors in the middles of the upper k layers, by their `waves` and tractions
+        (n_x, n_y, 3) on the surface.
+        """
         pushed = self._pushed(traction_MPa)
         inner = np.zeros((waves.shape[2] // 3 - 1, *pushed.shape[:2], 6), dtype=complex)
         _spread(*self._waves, self.layers_mm, self._by_traction, waves, pushed, inner)
         return np.asarray(scipy.fft.irfft2(inner, s=self.shape, axes=(1, 2), overwrite_x=True))
 
     def displacements(self, waves: ComplexArray, traction_MPa: Array | None = None) -> Array:
-        """Displacements (n_x, n_y, 3) of the surface in mm, as in `moved`, by `waves` and tractions."""
+        """Displacements (n_x, n_y, 3) of the surface in mm, by `waves` and tractions (n_x, n_y, 3)."""
         _, c, s = self._waves
         found = waves[..., :3]
         if traction_MPa is not None:
@@ -95,13 +87,6 @@ class HalfSpace:
             return np.zeros((*c.shape, 3), dtype=complex)
         along, across, up = np.moveaxis(scipy.fft.rfft2(traction_MPa, axes=(0, 1)), -1, 0)
         return np.stack([-1j * (c * along + s * across), c * across - s * along, up], axis=-1)
-
-    def stresses(self, strain: Array) -> Array:
-        """Stresses (..., 6) in MPa by elastic strains (..., 6), tensor components."""
-        lame, shear = self.elastic
-        result = 2.0 * shear * strain
-        result[..., :3] += lame * strain[..., :3].sum(axis=-1, keepdims=True)
-        return np.asarray(result)
 
     @cached_property
     def _waves(self) -> tuple[Array, Array, Array]:
@@ -178,19 +163,31 @@ def _cholesky(own: Array) -> None:
 
 @compiled
 def _substituted(own: Array, x: ComplexArray) -> None:
-    """Change forces on the upper levels, from the surface down, to their displacements, by the factor."""
-    last = len(x) - 1
+    """Change forces on the upper levels, from the surface down, to their displacements, by the factor.
+
+    T has to do with neither U nor W: of the band, as much is zero as is left out.
+    """
+    last = len(x) - 3
     first = len(own) - len(x)
-    for k in range(len(x)):
-        row, total = own[first + k], x[last - k]
-        for d in range(1, min(k, 5) + 1):
-            total -= row[d] * x[last - k + d]
-        x[last - k] = total * row[0]
-    for k in range(len(x)):
-        total = x[k]
-        for d in range(1, min(k, 5) + 1):
-            total -= own[first + last - k + d, d] * x[k - d]
-        x[k] = total * own[first + last - k, 0]
+    for k in range(0, len(x), 3):
+        w, t, u = own[first + k], own[first + k + 1], own[first + k + 2]
+        up = last - k
+        if k:
+            x[up + 2] -= w[1] * x[up + 3] + w[3] * x[up + 5]
+            x[up + 1] -= t[3] * x[up + 4]
+            x[up] -= u[3] * x[up + 3] + u[5] * x[up + 5]
+        x[up + 2] *= w[0]
+        x[up + 1] *= t[0]
+        x[up] = (x[up] - u[2] * x[up + 2]) * u[0]
+    for k in range(0, len(x), 3):
+        row = first + last - k
+        if k:
+            x[k] -= own[row + 3, 1] * x[k - 1] + own[row + 5, 3] * x[k - 3]
+            x[k + 1] -= own[row + 4, 3] * x[k - 2]
+            x[k + 2] -= own[row + 3, 3] * x[k - 1] + own[row + 5, 5] * x[k - 3]
+        x[k] *= own[row + 2, 0]
+        x[k + 1] *= own[row + 1, 0]
+        x[k + 2] = (x[k + 2] - own[row + 2, 2] * x[k]) * own[row, 0]
 
 
 @compiled

@@ -17,6 +17,9 @@ from solvers.laws.plasticity import Flow, Metal, flown
 from solvers.stress.half_space import HalfSpace
 
 _MOST_ROUNDS, _REMEMBERED = 100, 8
+#: Part of the shear modulus by which a point's flow relieves it: about the rest its surroundings keep up. What is found
+#: does not depend on it.
+_YIELDING = 0.4
 PRESSING_TOLERANCE = 1e-3  #: Of the plastic strain of a step over the largest elastic one, yield stress over modulus.
 
 
@@ -63,8 +66,8 @@ class PlasticZone:
     def flowing(self, strain: Array, *, whole: bool) -> int:
         """Number of upper layers that flow soon: all, or to a little beneath those that have plastic strain (k, 6)."""
         layers = len(self.space.layers_mm)
-        flows = np.flatnonzero(_nonzero(strain.reshape(layers, -1)))
-        return layers if whole or not len(flows) else min(int(flows[-1]) + 3, layers)
+        flows = [layer for layer, own in enumerate(strain.reshape(layers, -1)) if own.any()]
+        return layers if whole or not flows else min(flows[-1] + 3, layers)
 
     def waves(self, strain: Array, layers: int) -> ComplexArray:
         """Displacements of the levels of the upper `layers` by plastic strain (k, 6), as `HalfSpace.waves`."""
@@ -72,20 +75,16 @@ class PlasticZone:
         count = layers if inner[:layers].any() else 0
         return self.space.waves(2.0 * self.space.material.shear_modulus_MPa * inner[:count], layers)
 
-    def flown(self, strain: Array, before: Flow) -> Flow:
+    def flown(self, strain: Array, before: Flow, guess: Array) -> Flow:
         """The state of all points after a step from `before` in which the upper layers have strains (m, n_x, n_y, 6)
         and the deeper ones do not flow.
+
+        guess: (k, 6) plastic strain that makes these strains. That which is found is the same if it is right.
         """
         lame, shear = self.space.elastic
         trial = strain.reshape(-1, 6).copy()
-        upper = slice(len(trial))
-        _stressed(trial, before.strain[upper], lame, shear)
-        own = flown(
-            self.metal, shear, trial, Flow(before.strain[upper], before.shift[upper], before.accumulated[upper])
-        )
-        after = Flow(before.strain.copy(), before.shift.copy(), before.accumulated.copy())
-        after.strain[upper], after.shift[upper], after.accumulated[upper] = own.strain, own.shift, own.accumulated
-        return after
+        _tried(trial, before.strain, guess, lame, shear, _YIELDING * shear)
+        return flown(self.metal, _YIELDING * shear, trial, before)
 
 
 #: From residual displacements of half-spaces to their tractions, (n_x, n_y, 3) each.
@@ -106,7 +105,7 @@ def loaded_together(
     """
     strain = [one.flow.strain for one in before] if guess is None else list(guess)
     base = np.concatenate([old.flow.strain for old in before])
-    mixing, ends, whole = _Mixing(), np.cumsum([len(own) for own in strain])[:-1], False
+    mixing, ends, whole = _Mixing(base), np.cumsum([len(own) for own in strain])[:-1], True
     for _ in range(_MOST_ROUNDS):
         depths = [zone.flowing(own, whole=whole) for zone, own in zip(zones, strain, strict=True)]
         inner = [zone.waves(own, deep) for zone, own, deep in zip(zones, strain, depths, strict=True)]
@@ -114,39 +113,40 @@ def loaded_together(
         pushed, flows, totals, missed = tractions(residual), [], [], 0.0
         for zone, own, push, old, last in zip(zones, inner, pushed, before, strain, strict=True):
             total = zone.space.strains(own, push)
-            flow = zone.flown(total, old.flow)
+            flow = zone.flown(total, old.flow, last)
             flows.append(flow)
             totals.append(total)
             shear = zone.space.material.shear_modulus_MPa
             missed = max(missed, _apart(flow.strain, last) * 2.0 * shear / zone.metal.yield_stress_MPa)
         if missed <= tolerance and whole:
             for zone, total, flow in zip(zones, totals, flows, strict=True):
-                _stressed(total.reshape(-1, 6), flow.strain, *zone.space.elastic)
+                _tried(total.reshape(-1, 6), flow.strain, flow.strain, *zone.space.elastic, 0.0)
             return tuple(Flowed(*of) for of in zip(flows, totals, residual, pushed, strict=True))
-        # Deeper layers have their say once the upper ones have found theirs.
+        # Deeper layers have their say at first, and once the upper ones have found theirs.
         whole = missed <= tolerance
         if not whole:
             found = np.concatenate([own.strain for own in flows])
-            strain = np.split(base + mixing.next(np.concatenate(strain) - base, found - base), ends)
+            strain = np.split(mixing.next(np.concatenate(strain), found), ends)
     raise NotConvergedError("the body flows without end under the contact's forces")
 
 
 @compiled
-def _stressed(strain: Array, plastic: Array, lame: float, shear: float) -> None:
-    """Change strains (k, 6), of which `plastic` (k, 6) are not elastic, to stresses."""
+def _tried(strain: Array, before: Array, guess: Array, lame: float, shear: float, part: float) -> None:
+    """Change strains (k, 6) to the stresses from which metal returns that yields to its flow by 2 `part` alone."""
     for k in range(len(strain)):
         mean = lame * (strain[k, 0] + strain[k, 1] + strain[k, 2])
         for c in range(6):
-            strain[k, c] = 2.0 * shear * (strain[k, c] - plastic[k, c]) + (mean if c < 3 else 0.0)
+            stress = 2.0 * shear * (strain[k, c] - guess[k, c]) + (mean if c < 3 else 0.0)
+            strain[k, c] = stress + 2.0 * part * (guess[k, c] - before[k, c])
 
 
 @compiled
-def _nonzero(rows: Array) -> BoolArray:
-    """Which rows (k,) of a field (k, m) have anything but zeros."""
+def _differ(rows: Array, others: Array) -> BoolArray:
+    """Which rows (k,) of two fields (k, m) are not the same."""
     found = np.zeros(len(rows), dtype=np.bool_)
     for k in range(len(rows)):
-        for own in rows[k]:
-            if own != 0.0:
+        for c in range(rows.shape[1]):
+            if rows[k, c] != others[k, c]:
                 found[k] = True
                 break
     return found
@@ -164,27 +164,31 @@ def _apart(one: Array, other: Array) -> float:
 
 @dataclass
 class _Mixing:
-    """The next of a series of guesses (k, 6), by the last ones and what was found from them."""
+    """The next of a series of guesses (k, 6), by the last ones and what was found from them.
 
-    points: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  #: Where either was not zero.
-    last: Array | None = None  #: At them, what was found from the last guess, and what that missed.
+    base: (k, 6) what the first points to differ from it count from.
+    """
+
+    base: Array
+    points: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  #: Where either was not the base.
+    last: Array | None = None  #: At them, what was found from the last guess, less the base, and what that missed.
     changes: Array = field(default_factory=lambda: np.zeros((0, 2, 0, 6)))  #: Of both, from guess to guess.
 
     def next(self, guess: Array, found: Array) -> Array:
-        """The guess that, were all linear, would be found from itself."""
-        self._widen(np.flatnonzero(_nonzero(guess) | _nonzero(found)))
-        own = np.stack([found[self.points], found[self.points] - guess[self.points]])
+        """The guess that, were all linear, would be found from itself; `found` is changed to it."""
+        self._widen(np.flatnonzero(_differ(guess, self.base) | _differ(found, self.base)))
+        at = found[self.points]
+        own = np.stack([at - self.base[self.points], at - guess[self.points]])
         if self.last is not None:
             self.changes = np.concatenate([self.changes, (own - self.last)[None]])[-_REMEMBERED:]
         self.last = own
         missed = self.changes[:, 1].reshape(len(self.changes), own[1].size)
         weights, *_ = np.linalg.lstsq(missed @ missed.T, missed @ own[1].ravel(), rcond=1e-12)
-        mixed = found.copy()
-        mixed[self.points] -= np.tensordot(weights, self.changes[:, 0], axes=1)
-        return mixed
+        found[self.points] = at - np.tensordot(weights, self.changes[:, 0], axes=1)
+        return found
 
     def _widen(self, points: IntArray) -> None:
-        """Take in points at which both have been zero so far."""
+        """Take in points at which both have been the base so far."""
         points = np.union1d(self.points, points)
         if len(points) > len(self.points):
             place = np.searchsorted(points, self.points)

@@ -16,16 +16,21 @@ from solvers.stress.plastic_zone import PRESSING_TOLERANCE, Flowed, PlasticZone,
 from solvers.stress.pressing import Indenter
 
 _TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
-_TOLERANCE = 5e-3  #: Of plastic strain over a step of sliding, in the place of a pressing's.
-_FINER = 1e-3  #: Of the contact's accuracy, over the tolerance of plastic strain.
+_TOLERANCE = 1e-2  #: Of plastic strain over a step of sliding, in the place of a pressing's.
+_FINER = 5e-3  #: Of the contact's accuracy, over the tolerance of plastic strain.
 
 
 @dataclass(frozen=True)
 class FlowOfCycle:
-    """The largest plastic strain that a cycle goes through at any point of both bodies, and of it what is left."""
+    """The largest plastic strain that a cycle goes through at any point of both bodies beneath their skin, and of it
+    what is left; skin: the largest in it.
+
+    The skin is the outermost layer: friction as strong as the metal shears it by the more the thinner it is.
+    """
 
     through: float
     left: float
+    skin: float
 
 
 @dataclass(frozen=True)
@@ -59,29 +64,34 @@ class Rubbing:
     states: tuple[Flowed, ...] = field(init=False)
     work_mJ: float = field(init=False, default=0.0)
     _pressure: Array = field(init=False)
+    #: Of the last step: gap, place, direction and the plastic strain of both bodies in it.
+    _last: tuple[Array, int, float, list[Array]] = field(init=False)
     #: By place and direction: how often it was reached, and the plastic strain of both bodies in the last such step.
     _reached: dict[tuple[int, float], tuple[int, list[Array]]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.states = tuple(zone.fresh for zone in self.zones)
         self._pressure = np.ones(self.zones[0].space.shape)
+        self._last = (self._pressure, 0, 0.0, [])
 
     def rubbed(self, loads_N: Array, stroke: int, step: int, most: int) -> Rubbed:
-        """Press under rising loads (k,), slide by up to `most` cycles of ± `stroke` cells in steps of `step`, unload.
+        """Press under rising loads (k,), slide by up to `most` cycles of ± `stroke` cells, unload.
 
-        Cycles end when the metal flows no more, or alike in each. Raises NotConvergedError if pressing has no end.
+        Steps are of `step` cells, in cycles after the first, which change little, of twice as many.
+        Cycles end when the metal beneath its skin flows no more, or alike in each. Raises NotConvergedError if pressing
+        has no end.
         """
         for load in loads_N.tolist():
             self._step(load, 0, 0.0)
         pressed, first, load = self.states, self.work_mJ, float(loads_N[-1])
         cycles, endless = list[FlowOfCycle](), False
         out = [min(place, stroke) for place in range(step, stroke + step, step)]
-        back = [*(stroke - place for place in out), *(-place for place in out)]
         try:
             for place in out if most else ():
                 self._step(load, place, 1.0)
             while len(cycles) < most and not self._repeats(cycles):
-                before = self.states
+                before, half = self.states, out if not cycles else [*out[1:-1:2], stroke]
+                back = [*(stroke - place for place in half), *(-place for place in half)]
                 for place in back:
                     self._step(load, place, -1.0)
                 for place in back:
@@ -110,14 +120,29 @@ class Rubbing:
 
         times, steps = self._reached.get((place, direction), (0, []))
         # Fresh metal yields more than it ever does again: only cycles after the first resemble each other.
-        guess = [old.flow.strain + own for old, own in zip(before, steps, strict=True)] if times > 1 else None
+        if times <= 1:
+            steps = self._followed(indenter.gap_mm, place, direction)
+        guess = [old.flow.strain + own for old, own in zip(before, steps, strict=True)] if steps else None
         self.states = loaded_together(zones, tractions, before, tolerance, guess)
         grown = [new.flow.strain - old.flow.strain for old, new in zip(before, self.states, strict=True)]
         self._reached[place, direction] = times + 1, grown
-        for zone, new, own in zip(zones, self.states, grown, strict=True):
-            done = np.einsum("ki,ki,i->k", new.stress.reshape(-1, 6), own, _TWICE)
+        self._last = (indenter.gap_mm, place, direction, grown)
+        for zone, old, new, own in zip(zones, before, self.states, grown, strict=True):
+            # The mean stress of a step does what its tractions and what is stored leave.
+            done = np.einsum("ki,ki,i->k", 0.5 * (old.stress + new.stress).reshape(-1, 6), own, _TWICE)
             volumes = np.repeat(zone.space.layers_mm * cell, self._pressure.size)
             self.work_mJ += float(done @ volumes)
+
+    def _followed(self, gap_mm: Array, place: int, direction: float) -> list[Array]:
+        """What plastic strains (k, 6) of the last step become if they go with the contact; none if it turned."""
+        gap, at, way, grown = self._last
+        if not direction or way != direction:
+            return []
+        moved = int(gap_mm.min(axis=1).argmin()) - int(gap.min(axis=1).argmin())
+        return [
+            shifted(own.reshape(-1, *gap_mm.shape, 6).swapaxes(0, 1), cells).swapaxes(0, 1).reshape(-1, 6)
+            for own, cells in zip(grown, (moved, moved - (place - at)), strict=True)
+        ]
 
     def _gap(self, place: int) -> Array:
         """Gap (n_x, n_y) in mm with the lower body at `place` cells, on the upper one's grid."""
@@ -129,18 +154,20 @@ class Rubbing:
         return np.asarray(gap - gap.min())
 
     def _flow_since(self, before: Sequence[Flowed]) -> FlowOfCycle:
-        through, left = 0.0, 0.0
+        through, left, outermost, skin = 0.0, 0.0, 0.0, self._pressure.size
         for zone, old, new in zip(self.zones, before, self.states, strict=True):
-            own = float((new.flow.accumulated - old.flow.accumulated).max())
+            own = new.flow.accumulated - old.flow.accumulated
             # Plastic strain of a cycle, over the elastic one at yield, below which metal has shaken down.
-            if own * 2.0 * zone.space.material.shear_modulus_MPa > 0.02 * zone.metal.yield_stress_MPa:
-                change = (new.flow.strain - old.flow.strain) ** 2 @ _TWICE
-                through, left = max(through, own), max(left, sqrt(float(change.max()) / 1.5))
-        return FlowOfCycle(through, left)
+            own[own * 2.0 * zone.space.material.shear_modulus_MPa <= 0.02 * zone.metal.yield_stress_MPa] = 0.0
+            outermost = max(outermost, float(own[:skin].max()))
+            if own[skin:].any():
+                change = (new.flow.strain - old.flow.strain)[skin:] ** 2 @ _TWICE
+                through, left = max(through, float(own[skin:].max())), max(left, sqrt(float(change.max()) / 1.5))
+        return FlowOfCycle(through, left, outermost)
 
     @staticmethod
     def _repeats(cycles: Sequence[FlowOfCycle]) -> bool:
-        """True if the last cycle did not flow, or as much as the one before."""
+        """True if the last cycle did not flow beneath the skin, or as much as the one before."""
         if not cycles or cycles[-1].through == 0.0:
             return bool(cycles)
         if len(cycles) < 2:

@@ -1,4 +1,4 @@
-"""Metal that flows: hardening in bars, strains of a half-space, and spheres pressed into it."""
+"""Metal that flows: strains of a half-space, spheres pressed into it, and wires that slide on each other."""
 
 import numpy as np
 import pytest
@@ -6,99 +6,16 @@ from threadpoolctl import threadpool_limits
 
 from geometry import Elastic
 from geometry.arrays import Array
-from solvers.laws.plasticity import Flow, Metal, flown
-from solvers.laws.yielding import PressureLimit
+from solvers.laws.plasticity import Metal
 from solvers.stress.half_space import HalfSpace
+from solvers.stress.plastic_zone import Flowed, PlasticZone
 from solvers.stress.pressing import Indentation, indented
-from tests.solvers import test_contact_bodies as known
-from tests.solvers.test_yielding import MODULUS_MPa, jackson_green, kogut_etsion, limit_at
-from wirewear.verification.near_zone import rolled, under_sphere
+from solvers.stress.rubbing import Rubbing
+from wirewear.verification.near_zone import jackson_green, kogut_etsion, pressed_beyond, rolled, under_sphere
 
 STEEL = Elastic(200_000.0, 0.3)
-
-
-def stretched(metal: Metal, strains: list[float], steps: int = 300) -> list[float]:
-    """Axial stresses in MPa of a bar at the turning points of its strain."""
-    lame, shear = 200_000.0 * 0.3 / 1.3 / 0.4, STEEL.shear_modulus_MPa
-    flow, found, last, across = Flow.none(1), [], 0.0, 0.0
-
-    def after(axial: float, lateral: float) -> tuple[Array, Flow]:
-        strain = np.array([axial, lateral, lateral, 0.0, 0.0, 0.0])
-        stress = 2.0 * shear * strain + lame * (axial + 2.0 * lateral) * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-        new = flown(metal, shear, stress[None] - 2.0 * shear * flow.strain, flow)
-        return stress - 2.0 * shear * new.strain[0], new
-
-    for goal in strains:
-        for axial in np.linspace(last, goal, steps + 1)[1:]:
-            other = across - 1e-6
-            (stress, new), (side, _) = after(axial, across), after(axial, other)
-            while abs(stress[1]) > 1e-8:
-                across, other, side = across - stress[1] * (across - other) / (stress[1] - side[1]), across, stress
-                stress, new = after(axial, across)
-            flow = new
-        last = goal
-        found.append(float(stress[0]))
-    return found
-
-
-@pytest.mark.parametrize(
-    ("metal", "strains", "expected"),
-    [
-        (Metal(300.0, 10_000.0), [0.006, -0.006, 0.006], [342.857, -342.857, 342.857]),
-        (Metal(300.0, 10_000.0, 0.8), [0.006, -0.006, 0.006, -0.006], [342.857, -359.184, 375.199, -390.910]),
-        (Metal(300.0, 30_000.0, 1.0, 150.0), [0.006, -0.006] * 4, [406.694, -406.694]),
-    ],
-    ids=["kinematic", "mixed", "recalling"],
-)
-def test_a_bar_hardens_as_in_closed_form(metal: Metal, strains: list[float], expected: list[float]) -> None:
-    assert stretched(metal, strains)[-len(expected) :] == pytest.approx(expected, rel=1e-3)
-
-
-def test_a_beam_keeps_the_residual_curvature_and_stress_of_its_closed_form() -> None:
-    """Bent by 1.3 times the moment of first yield, 10 mm x 20 mm, 300 MPa: fibres from the axis to the face."""
-    share = (np.arange(200) + 0.5) / 200.0
-    first = 300.0 / 200_000.0
-    stress = np.array([stretched(Metal(300.0), [1.58114 * first * one], 1)[0] for one in share[::20]])
-    core = np.minimum(1.58114 * share, 1.0)
-    assert stress == pytest.approx(300.0 * core[::20], rel=1e-6)
-    moment = 3.0 * (core * share).mean()
-    assert moment == pytest.approx(1.3, rel=1e-3)
-    assert 1.58114 - moment == pytest.approx(0.28114, abs=5e-3)
-    assert (core - moment * share)[[-1, 126]] == pytest.approx([-0.3, 0.1778], abs=5e-3)
-
-
-def expanded(pressure_MPa: float, shells: int = 40) -> float:
-    """Displacement in mm of the inner face of a sphere of 10 and 20 mm radius, perfectly plastic at 250 MPa."""
-    r = np.linspace(10.0, 20.0, shells + 1)
-    middle, size = 0.5 * (r[1:] + r[:-1]), np.diff(r)
-    # Strains rr, tt and tt at the middles by displacements of the shells' faces.
-    slope = np.zeros((3, shells, shells + 1))
-    for k in range(shells):
-        slope[0, k, k : k + 2] = [-1.0 / size[k], 1.0 / size[k]]
-        slope[1:, k, k : k + 2] = 0.5 / middle[k]
-    volume, shear = middle**2 * size, STEEL.shear_modulus_MPa
-    law = 2.0 * shear * np.eye(3) + 2.0 * shear * 0.3 / 0.4
-    stiffness = np.einsum("akn,ab,bkm,k->nm", slope, law, slope, volume)
-    flow, moved = Flow.none(shells), np.zeros(shells + 1)
-    for pressure in np.linspace(0.0, pressure_MPa, 21)[1:]:
-        for _ in range(400):
-            strain = np.einsum("akn,n->ka", slope, moved)
-            trial = np.zeros((shells, 6))
-            trial[:, :3] = strain @ law - 2.0 * shear * flow.strain[:, :3]
-            new = flown(Metal(250.0), shear, trial, flow)
-            stress = strain @ law - 2.0 * shear * new.strain[:, :3]
-            left = -np.einsum("akn,ka,k->n", slope, stress, volume)
-            left[0] += pressure * r[0] ** 2
-            if np.abs(left).max() < 1e-5 * pressure * r[0] ** 2:
-                break
-            moved += np.linalg.solve(stiffness, left)
-        flow = new
-    return float(moved[0])
-
-
-@pytest.mark.parametrize(("pressure_MPa", "moved_mm"), [(221.827, 0.0106835), (299.087, 0.0235495)])
-def test_a_thick_sphere_expands_as_in_closed_form(pressure_MPa: float, moved_mm: float) -> None:
-    assert expanded(pressure_MPa) == pytest.approx(moved_mm, rel=5e-3)
+BODY = (1.0, 200_000.0, 1000.0)  #: Radius in mm, contact modulus and yield stress in MPa.
+TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 
 
 def space(shape: tuple[int, int] = (63, 63)) -> HalfSpace:
@@ -106,12 +23,23 @@ def space(shape: tuple[int, int] = (63, 63)) -> HalfSpace:
     return HalfSpace(STEEL, shape, (1.0 / 6.0, 1.0 / 6.0), np.asarray(0.06 * 1.1 ** np.arange(20), dtype=np.float64))
 
 
+def strained(own: HalfSpace, traction: Array | None, initial: Array | None = None) -> tuple[Array, Array]:
+    """Strains (l, n_x, n_y, 6) of all layers and displacements (n_x, n_y, 3) of the surface."""
+    inner = own.waves(np.zeros((0, *own.shape, 6)) if initial is None else initial)
+    return own.strains(inner, traction), own.displacements(inner, traction)
+
+
+def stressed(own: HalfSpace, strain: Array) -> Array:
+    lame, shear = own.elastic
+    return np.asarray(2.0 * shear * strain + lame * strain[..., :3].sum(axis=-1, keepdims=True) * (TWICE == 1.0))
+
+
 def test_stresses_beneath_hertz_pressure_are_those_of_closed_form() -> None:
     own = space()
     x, y = own.axes_mm()
     pressure = np.sqrt(np.maximum(1.0 - x[:, None] ** 2 - y**2, 0.0))
     traction = np.stack([0.0 * pressure, 0.0 * pressure, -pressure], axis=-1)
-    stress, z = own.stresses(own.moved(traction, None)[0])[:, 31, 31], own.depths_mm
+    stress, z = stressed(own, strained(own, traction)[0])[:, 31, 31], own.depths_mm
     radial = 0.5 / (1.0 + z**2) - 1.3 * (1.0 - z * np.arctan(1.0 / z))
     assert stress[:, 2] == pytest.approx(-1.0 / (1.0 + z**2), abs=2e-3)
     # Whose images, ten radii away, press as well.
@@ -126,9 +54,8 @@ def test_displacements_by_initial_strains_and_by_tractions_are_reciprocal(shape:
     traction, initial = random.normal(size=(*shape, 3)), random.normal(size=(20, *shape, 6))
     traction -= traction.mean(axis=(0, 1))
     initial -= initial.mean(axis=(1, 2), keepdims=True)
-    (strain, _), (_, moved) = own.moved(traction, None), own.moved(None, initial)
-    twice = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
-    work = np.einsum("lxyc,lxyc,c,l->", initial, strain, twice, own.layers_mm)
+    (strain, _), (_, moved) = strained(own, traction), strained(own, None, initial)
+    work = np.einsum("lxyc,lxyc,c,l->", initial, strain, TWICE, own.layers_mm)
     assert (traction * moved).sum() == pytest.approx(work, rel=1e-9)
 
 
@@ -136,21 +63,15 @@ def test_metal_that_may_not_spread_between_layers_of_strain_leaves_its_thickness
     """A strain that is alike in the whole of a layer, with no room aside, raises all above it."""
     own, initial = space((5, 5)), np.zeros((20, 5, 5, 6))
     initial[3] = 2.0 * STEEL.shear_modulus_MPa * np.array([0.5e-3, 0.5e-3, -1e-3, 0.0, 0.0, 0.0])
-    strain, _ = own.moved(None, initial)
+    strain, _ = strained(own, None, initial)
     ratio = 2.0 * STEEL.shear_modulus_MPa / (own.elastic[0] + 2.0 * STEEL.shear_modulus_MPa)
     assert strain[3, 2, 2, 2] == pytest.approx(-1e-3 * ratio, rel=1e-6)
     assert np.abs(strain[[2, 4]]).max() < 1e-9
 
 
-def sphere_at(beyond: float, points: int = 4) -> tuple[PressureLimit, Indentation]:
-    """What a perfectly plastic body at so many times the load of first yield carries, and its state under a sphere."""
-    limit = limit_at(beyond)
-    contact = (0.75 * known.LOAD_N * known.RADIUS_mm / MODULUS_MPa) ** (1.0 / 3.0) * beyond**0.08
-    material = Elastic(MODULUS_MPa * (1.0 - 0.3**2), 0.3)
-    zone, gap = under_sphere(known.RADIUS_mm, material, Metal(limit.yield_stress_MPa), contact, points)
+def sphere_at(beyond: float, points: int = 4) -> tuple[float, Indentation]:
     with threadpool_limits(limits=1, user_api="blas"):
-        *_, last = indented(zone, gap, known.LOAD_N * np.linspace(0.1, 1.0, 10) ** 2)
-    return limit, last
+        return pressed_beyond(beyond, *BODY, points)
 
 
 @pytest.mark.seconds
@@ -158,42 +79,84 @@ def sphere_at(beyond: float, points: int = 4) -> tuple[PressureLimit, Indentatio
 def test_metal_that_flows_keeps_of_its_penetration_the_part_that_finite_elements_leave(
     beyond: float, residual: float
 ) -> None:
-    limit, last = sphere_at(beyond)
-    assert jackson_green(limit, last.approach_mm) == pytest.approx(known.LOAD_N, rel=0.05)
+    load, last = sphere_at(beyond)
+    assert jackson_green(last.approach_mm, *BODY) == pytest.approx(load, rel=0.05)
     assert last.print_mm / last.approach_mm == pytest.approx(residual, rel=0.12, abs=0.01)
-    assert last.pressure_MPa.sum() * (last.area_mm2 / (last.pressure_MPa > 0.0).sum()) == pytest.approx(
-        known.LOAD_N, rel=1e-9
-    )
+    assert last.pressure_MPa.sum() * (last.area_mm2 / (last.pressure_MPa > 0.0).sum()) == pytest.approx(load, rel=1e-9)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("beyond", [1.05, 1.5, 2.5, 4.1, 8.7, 16.0, 27.0, 58.0, 110.0, 210.0, 458.0])
 def test_metal_that_flows_bears_what_published_curves_say(beyond: float) -> None:
     """Penetrations of 1 to 100 times that of first yield; 4 points to a radius miss one by 6 %."""
-    limit, last = sphere_at(beyond, 6)
-    assert jackson_green(limit, last.approach_mm) == pytest.approx(known.LOAD_N, rel=0.05)
-    assert kogut_etsion(limit, last.approach_mm) == pytest.approx(known.LOAD_N, rel=0.05)
+    load, last = sphere_at(beyond, 6)
+    assert jackson_green(last.approach_mm, *BODY) == pytest.approx(load, rel=0.05)
+    assert kogut_etsion(last.approach_mm, *BODY) == pytest.approx(load, rel=0.05)
 
 
 @pytest.mark.seconds
 def test_pressed_again_metal_is_elastic_and_work_is_stored_or_plastic() -> None:
-    limit = limit_at(8.7)
-    contact = (0.75 * known.LOAD_N * known.RADIUS_mm / MODULUS_MPa) ** (1.0 / 3.0) * 1.1
-    material = Elastic(MODULUS_MPa * (1.0 - 0.3**2), 0.3)
-    zone, gap = under_sphere(known.RADIUS_mm, material, Metal(limit.yield_stress_MPa), contact, 4)
+    (radius, modulus, stress_MPa), load = BODY, 4.87
+    material = Elastic(modulus * (1.0 - 0.3**2), 0.3)
+    zone, gap = under_sphere(radius, material, Metal(stress_MPa), 0.029, 4)
     rising = np.linspace(0.04, 1.0, 20) ** 2
-    loads = known.LOAD_N * np.concatenate([rising, rising[-2::-1], np.tile([1.0, rising[0]], 4)])
+    loads = load * np.concatenate([rising, rising[-2::-1], np.tile([1.0, rising[0]], 4)])
     with threadpool_limits(limits=1, user_api="blas"):
         course = list(indented(zone, gap, loads))
     pressed, last = course[19].state.flow.accumulated, course[-1].state
     assert np.abs(last.flow.accumulated - pressed).max() < 5e-3 * pressed.max()
     work = np.trapezoid([0.0] + [one.load_N for one in course], [0.0] + [one.approach_mm for one in course])
     volumes = np.repeat(zone.space.layers_mm * np.prod(zone.space.step_mm), gap.size)
-    plastic = limit.yield_stress_MPa * float(last.flow.accumulated @ volumes)
+    plastic = stress_MPa * float(last.flow.accumulated @ volumes)
     stress = last.stress.reshape(-1, 6)
-    square = stress**2 @ np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+    square = stress**2 @ TWICE
     stored = 0.5 / material.youngs_modulus_MPa * (1.3 * square - 0.3 * stress[:, :3].sum(axis=1) ** 2)
     assert work == pytest.approx(plastic + float(stored @ volumes), rel=5e-3)
+
+
+class Watched(Rubbing):
+    """Wires whose tractions' work on both surfaces is added up."""
+
+    done_mJ = 0.0
+
+    def _step(self, load_N: float, place: int, direction: float) -> None:
+        before = self.states
+        super()._step(load_N, place, direction)
+        for zone, old, new in zip(self.zones, before, self.states, strict=True):
+            pushed = 0.5 * (old.traction_MPa + new.traction_MPa)
+            self.done_mJ += float((pushed * (moved(zone, new) - moved(zone, old))).sum()) * 0.005**2
+
+    @property
+    def stored_mJ(self) -> float:
+        """Of loads, and of stresses that plastic strain makes."""
+        total = 0.0
+        for zone, state in zip(self.zones, self.states, strict=True):
+            loaded = state.traction_MPa * (moved(zone, state) - state.residual_mm)
+            strain = 2.0 * zone.space.material.shear_modulus_MPa * state.flow.strain.reshape(state.stress.shape)
+            left = stressed(zone.space, strained(zone.space, None, strain)[0]) - strain
+            own = left * state.flow.strain.reshape(state.stress.shape) * zone.space.layers_mm[:, None, None, None]
+            total += 0.5 * float(loaded.sum() - (own @ TWICE).sum()) * 0.005**2
+        return total
+
+
+def moved(zone: PlasticZone, state: Flowed) -> Array:
+    """Displacements of the surface, but for what the mean traction does to a half-space without end."""
+    elastic = strained(zone.space, state.traction_MPa)[1]
+    return np.asarray(state.residual_mm + elastic - elastic.mean(axis=(0, 1)))
+
+
+@pytest.mark.seconds
+@pytest.mark.parametrize("friction", [0.1, 0.6])
+def test_work_of_sliding_tractions_is_stored_or_plastic(friction: float) -> None:
+    """Wires of 0.45 mm under 2 N, three points to a semi-axis."""
+    space = HalfSpace(STEEL, (35, 21), (0.005, 0.005), np.asarray(0.0015 * 1.2 ** np.arange(10), dtype=np.float64))
+    zone, bent = PlasticZone(space, Metal(1400.0, 2000.0)), 1.0 / 0.225
+    modulus = 0.5 * STEEL.youngs_modulus_MPa / 0.91
+    wires = Watched((zone, zone), (np.diag([bent, 0.0]), np.diag([0.0, bent])), modulus, friction)
+    with threadpool_limits(limits=1, user_api="blas"):
+        wires.rubbed(2.0 * np.linspace(0.1, 1.0, 10) ** 2, 6, 1, 1)
+    assert wires.work_mJ > 0.5 * wires.stored_mJ
+    assert wires.done_mJ == pytest.approx(wires.stored_mJ + wires.work_mJ, rel=5e-3)
 
 
 @pytest.mark.seconds

@@ -1,7 +1,6 @@
 """Pressed bodies that yield, beside the curves of Jackson and Green and of Kogut and Etsion, and beside themselves."""
 
 from dataclasses import replace
-from math import exp, pi, sqrt
 
 import numpy as np
 import pytest
@@ -15,12 +14,11 @@ from solvers.laws.yielding import PressureLimit
 from tests.bodies import pressed
 from tests.solvers import test_contact_bodies as known
 from wirewear.reference import hertz_point
+from wirewear.verification.near_zone import RATIO, jackson_green, kogut_etsion
 
 pytestmark = pytest.mark.seconds
 MODULUS_MPa = known.MODULUS_MPa / 0.75 / 2.0  # E*, of two incompressible half-spaces.
 HERTZ = hertz_point(known.LOAD_N, known.RADIUS_mm, MODULUS_MPa)
-#: Largest pressure over the yield stress at first yield, for a Poisson's ratio of 0.3.
-RATIO = 1.613
 
 
 @pytest.fixture(scope="module")
@@ -36,28 +34,6 @@ def limit_at(beyond: float) -> PressureLimit:
     """What bodies bear whose load is so many times that of first yield."""
     stress = HERTZ.peak_pressure_MPa / (RATIO * beyond ** (1.0 / 3.0))
     return PressureLimit(stress, RATIO, known.LOAD_N / beyond, HERTZ.approach_mm)
-
-
-def jackson_green(limit: PressureLimit, approach_mm: float) -> float:
-    """Force on a sphere on a flat, N: J. Tribol. 127 (2005) 343."""
-    stress, radius = limit.yield_stress_MPa, known.RADIUS_mm
-    first = (pi * RATIO * stress / (2.0 * MODULUS_MPa)) ** 2 * radius
-    load = 4.0 / 3.0 * (radius / MODULUS_MPa) ** 2 * (pi * RATIO * stress / 2.0) ** 3
-    s = approach_mm / first
-    if s < 1.9:
-        return float(load * s**1.5)
-    contact = pi * RATIO * stress * radius / (2.0 * MODULUS_MPa)
-    contact *= sqrt(s * (s / 1.9) ** (0.14 * exp(23.0 * stress / MODULUS_MPa)))
-    hardness = 2.84 * (1.0 - exp(-0.82 * (contact / radius) ** -0.7)) / RATIO
-    plastic = 4.0 * hardness * (1.0 - exp(-(s ** (5 / 9)) / 25.0)) * s
-    return float(load * (exp(-(s ** (5 / 12)) / 4.0) * s**1.5 + plastic))
-
-
-def kogut_etsion(limit: PressureLimit, approach_mm: float) -> float:
-    """Force in N by J. Appl. Mech. 69 (2002) 657, from first yield to 110 times its approach."""
-    stress = limit.yield_stress_MPa
-    s = approach_mm / ((pi * RATIO * stress / (2.0 * MODULUS_MPa)) ** 2 * known.RADIUS_mm)
-    return float(limit.first_yield_load * (1.03 * s**1.425 if s < 6.0 else 1.40 * s**1.263))
 
 
 def prints_of(state: ContactState) -> tuple[Array, Array]:
@@ -88,8 +64,9 @@ def test_force_at_a_penetration_is_that_of_published_curves(elastic: solvers.Con
     approach = -state.holder_z / mesh
     assert report.normal_force == pytest.approx(known.LOAD_N, rel=1e-6)
     assert report.max_pressure == pytest.approx(limit.limit_MPa(known.LOAD_N), rel=0.01)
-    assert jackson_green(limit, approach) == pytest.approx(known.LOAD_N, rel=0.05)
-    assert kogut_etsion(limit, approach) == pytest.approx(known.LOAD_N, rel=0.07)
+    at = approach, known.RADIUS_mm, MODULUS_MPa, limit.yield_stress_MPa
+    assert jackson_green(*at) == pytest.approx(known.LOAD_N, rel=0.05)
+    assert kogut_etsion(*at) == pytest.approx(known.LOAD_N, rel=0.07)
 
 
 def test_pressed_again_bodies_are_elastic_and_under_more_load_they_yield_again(elastic: solvers.ContactProblem) -> None:

@@ -19,6 +19,7 @@ from wirewear.verification.conforming import pin_rows, taper_rows
 from wirewear.verification.hertz import STEEL, bulk_compliance, crossed_bulk_compliance, ellipse_rows, hertz_rows
 from wirewear.verification.interior import line_rows, surface_rows, wire_rows
 from wirewear.verification.line_contact import line_contact_rows, line_surface_rows, stuck_line_rows
+from wirewear.verification.metals import metal_rows
 from wirewear.verification.partial_slip import (
     partial_slip_rows,
     partial_slip_wear_rows,
@@ -93,7 +94,7 @@ def test_on_a_coarse_mesh_too_partial_slip_is_nearly_mindlins() -> None:
 
 
 #: Of the reference problems those in plane strain are solved in less than a second.
-PLANE = (line_contact_rows, stuck_line_rows, line_surface_rows, line_rows, pin_rows, taper_rows)
+PLANE = (line_contact_rows, stuck_line_rows, line_surface_rows, line_rows, pin_rows, taper_rows, metal_rows)
 SOLID = (
     hertz_rows, ellipse_rows, block_rows, partial_slip_rows, partial_slip_wear_rows, partial_slip_run_rows,
     held_force_rows, rig_loop_rows, book_keeping_rows, worn_pressure_rows, limit_rows, wire_rows, surface_rows,

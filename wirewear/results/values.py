@@ -39,9 +39,12 @@ LAYERS_OF_BODIES = "layers"  #: Setting of a result with the coatings of bodies:
 SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
 #: Settings of metal that flows: cycles followed, largest plastic strain of the last one, what of it is left, and 1
 #: where the metal then flowed without end.
-FLOW_CYCLES, FLOW, RATCHETTING, ENDLESS = (
-    f"fresh_{name}" for name in ("flow_cycles", "flow_strain_per_cycle", "ratchetting_strain_per_cycle", "flow_endless")
-)
+FLOW_CYCLES, FLOW, RATCHETTING, SKIN, ENDLESS = (
+    f"fresh_{name}"
+    for name in (
+        "flow_cycles", "flow_strain_per_cycle", "ratchetting_strain_per_cycle", "skin_strain_per_cycle", "flow_endless",
+    )
+)  # fmt: skip
 
 #: Settings of a result with the largest pressure that the softer body bears, and its source in words.
 BORNE, BORNE_IS = "borne_pressure_MPa", "borne_pressure_is"

@@ -21,7 +21,7 @@ from solvers.stress.plastic_zone import Flowed, PlasticZone
 from solvers.stress.pressing import largest_MPa
 from solvers.stress.rubbing import Rubbed, Rubbing
 from wirewear import reference
-from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, RATCHETTING, PlasticStrain
+from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, RATCHETTING, SKIN, PlasticStrain
 from wirewear.simulation.control import point_sticks, round_contact
 from wirewear.simulation.yielding import limit_of_points, spread_by_yield
 from wirewear.test import Study, study_from_tables
@@ -34,7 +34,8 @@ NEAR_ZONE = "near zone"  #: What a study's `plasticity` is called.
 _PRESSED, _SLID, _MARGIN, _MOST = 5.0, 4.0, 4.0, 129
 _LAYERS = np.asarray(0.1 * 1.1 ** np.arange(15), dtype=np.float64)  #: Over the smaller semi-axis.
 _LOADS = (np.arange(1, 17) / 16) ** 2  #: Steps of the load.
-_CYCLES = 20
+#: Most cycles, and most steps from mid-stroke to its end, which are of a point or more.
+_CYCLES, _STEPS = 20, 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +112,7 @@ class NearZone:
             FLOW_CYCLES: float(len(rubbed.cycles)),
             FLOW: 0.0 if last is None else last.through,
             RATCHETTING: 0.0 if last is None else last.left,
+            SKIN: 0.0 if last is None else last.skin,
             ENDLESS: float(rubbed.endless),
         }
 
@@ -171,8 +173,7 @@ def _on_grid(study: Study, load_N: float, semi_axes_mm: tuple[float, float], sli
     rubbing = Rubbing(zones, curvatures, modulus, study.contact.friction)
     # Shared between cores, small problems cost more than they gain.
     with threadpool_limits(limits=1, user_api="blas"):
-        # At most four steps from mid-stroke to its end, each of half a smaller semi-axis or more.
-        rubbed = rubbing.rubbed(load_N * _LOADS, stroke, max(2, -(-stroke // 4)), _CYCLES if stroke else 0)
+        rubbed = rubbing.rubbed(load_N * _LOADS, stroke, max(1, -(-stroke // _STEPS)), _CYCLES if stroke else 0)
     return FlowGrid(zones[0].space.axes_mm(), zones[0].space.depths_mm, rubbed)
 
 

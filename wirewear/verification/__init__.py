@@ -10,6 +10,7 @@ from wirewear.verification.conforming import pin_rows, taper_rows
 from wirewear.verification.hertz import ellipse_rows, hertz_rows
 from wirewear.verification.interior import interior_rows, surface_rows
 from wirewear.verification.line_contact import bulk_rows, line_contact_rows, line_surface_rows, stuck_line_rows
+from wirewear.verification.metals import metal_rows
 from wirewear.verification.near_zone import near_zone_rows
 from wirewear.verification.partial_slip import partial_slip_rows, partial_slip_wear_rows, worn_pressure_rows
 from wirewear.verification.partial_slip_run import block_rows, held_force_rows, partial_slip_run_rows
@@ -42,6 +43,7 @@ FAMILIES: tuple[Family, ...] = (
     ("wear and energy book-keeping", book_keeping_rows),
     ("pressures of a worn line contact", worn_pressure_rows),
     ("bodies that yield", yielding_rows),
+    ("bars, a beam and a sphere of metal that flows", metal_rows),
     ("metal that flows beneath a contact", near_zone_rows),
     ("limits, symmetries and units", limit_rows),
 )

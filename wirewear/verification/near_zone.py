@@ -9,7 +9,7 @@ Johnson, Proc. Inst. Mech. Eng. 177 (1963) 676).
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import pi, sqrt
+from math import exp, pi, sqrt
 
 import numpy as np
 
@@ -36,6 +36,9 @@ _HARDER = tuple(
 _BY_TAMAAS = ((1400.0, 3081.0), (1800.0, 3595.0), (2400.0, 4262.0))
 #: Friction of a rolling line, and the largest pressure over the yield stress in shear at which it still shakes down.
 SHAKEDOWN = ((0.0, 4.0), (0.3, 2.886))
+#: Loads over that of first yield of a sphere for which published curves are compared, and largest pressure over yield
+#: stress at first yield, for a Poisson's ratio of 0.3.
+_BEYOND, RATIO = (1.05, 4.1, 27.0, 110.0, 458.0), 1.613
 _SHEAR_MPa, _MODULUS_MPa, _PASSES = 100.0, 200_000.0, 8
 
 
@@ -65,7 +68,7 @@ def near_zone_rows(level: Level) -> tuple[Row, ...]:
         )
         for stress, pressure in _BY_TAMAAS
     )
-    return pressed + hardened + rolling_rows()
+    return pressed + hardened + curve_rows(fine) + rolling_rows()
 
 
 def rows_of(case: Pressed, resolution: int, tolerance: float) -> tuple[Row, ...]:
@@ -92,6 +95,51 @@ def pressed_by(case: Pressed, resolution: int, hardening: float = 0.0) -> Indent
     zone, gap = under_sphere(radius, Elastic(modulus, nu), metal, width, resolution)
     *_, last = indented(zone, gap, case.load_N * (np.arange(1, _STEPS + 1) / _STEPS) ** 2)
     return last
+
+
+def curve_rows(resolution: int) -> tuple[Row, ...]:
+    """Rows on the load of a sphere of 1 mm at its penetration, on a grid of `resolution` points per contact radius."""
+    rows = []
+    for beyond in _BEYOND:
+        load, last = pressed_beyond(beyond, 1.0, 200_000.0, 1000.0, resolution)
+        at, name = (last.approach_mm, 1.0, 200_000.0, 1000.0), f"Sphere under {beyond:g} times first yield's load"
+        rows += [
+            compared(name, "load by Jackson and Green [N]", load, jackson_green(*at), 0.05),
+            compared(name, "load by Kogut and Etsion [N]", load, kogut_etsion(*at), 0.05),
+        ]
+    return tuple(rows)
+
+
+def pressed_beyond(
+    beyond: float, radius_mm: float, modulus_MPa: float, stress_MPa: float, resolution: int
+) -> tuple[float, Indentation]:
+    """(load in N, `beyond` times that of first yield; indentation) of a perfectly plastic body under a hard sphere.
+
+    modulus_MPa: contact modulus E*. stress_MPa: yield stress.
+    """
+    load = beyond * pi**3 * radius_mm**2 * (RATIO * stress_MPa) ** 3 / (6.0 * modulus_MPa**2)
+    contact = (0.75 * load * radius_mm / modulus_MPa) ** (1.0 / 3.0) * beyond**0.08
+    material = Elastic(modulus_MPa * (1.0 - 0.3**2), 0.3)
+    zone, gap = under_sphere(radius_mm, material, Metal(stress_MPa), contact, resolution)
+    *_, last = indented(zone, gap, load * np.linspace(0.1, 1.0, 10) ** 2)
+    return load, last
+
+
+def jackson_green(approach_mm: float, radius_mm: float, modulus_MPa: float, stress_MPa: float) -> float:
+    """Load in N of a sphere on a flat of contact modulus E* and yield stress in MPa at an approach."""
+    slope = pi * RATIO * stress_MPa / (2.0 * modulus_MPa)
+    load, s = 4.0 / 3.0 * radius_mm**2 * modulus_MPa * slope**3, approach_mm / (slope**2 * radius_mm)
+    contact = slope * sqrt(s * (s / 1.9) ** (0.14 * exp(23.0 * stress_MPa / modulus_MPa)))
+    hardness = 2.84 * (1.0 - exp(-0.82 * contact**-0.7)) / RATIO
+    plastic = 4.0 * hardness * (1.0 - exp(-(s ** (5 / 9)) / 25.0)) * s
+    return float(load * (s**1.5 if s < 1.9 else exp(-(s ** (5 / 12)) / 4.0) * s**1.5 + plastic))
+
+
+def kogut_etsion(approach_mm: float, radius_mm: float, modulus_MPa: float, stress_MPa: float) -> float:
+    """As `jackson_green`, from first yield to 110 times its approach."""
+    slope = pi * RATIO * stress_MPa / (2.0 * modulus_MPa)
+    load, s = 4.0 / 3.0 * radius_mm**2 * modulus_MPa * slope**3, approach_mm / (slope**2 * radius_mm)
+    return float(load * (1.03 * s**1.425 if s < 6.0 else 1.40 * s**1.263))
 
 
 def rolling_rows() -> tuple[Row, ...]:

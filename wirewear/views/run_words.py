@@ -14,7 +14,7 @@ from wirewear.results import BORNE, BORNE_IS, ELASTIC_LAYERS, PLAY_TRAVEL, SPRIN
 from wirewear.results.flat import named_for_users
 from wirewear.results.health import limit_of
 from wirewear.results.scar import figure_volume
-from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, RATCHETTING
+from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, RATCHETTING, SKIN
 
 
 def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
@@ -104,8 +104,9 @@ def flow_sentence(settings: Mapping[str, SupportsFloat]) -> str:
     if not float(settings[FLOW_CYCLES]):
         return " The metal is pressed; flow by sliding is not followed, since the contact sticks or slides far."
     if not float(settings[FLOW]):
-        return f" Unworn, the metal shakes down within {count}."
-    known = "strains of cycles are known within a factor of 2.4"
+        skin = ", but for its skin" if float(settings.get(SKIN, 0.0)) else ""
+        return f" Unworn, the metal shakes down within {count}{skin}."
+    known = "its skin shears more, and strains of cycles beneath it are known within a factor of 1.4"
     return f" Unworn, the metal flows by a strain of {flow} a cycle after {count} and ratchets by {left}; {known}."
 
 
@@ -206,7 +207,7 @@ def _run(result: RunResult) -> dict[str, object]:
         "last": last,
         "flow": {
             name: float(result.settings[name])
-            for name in (FLOW_CYCLES, FLOW, RATCHETTING, ENDLESS)
+            for name in (FLOW_CYCLES, FLOW, RATCHETTING, SKIN, ENDLESS)
             if name in result.settings
         },
         "quality": {
