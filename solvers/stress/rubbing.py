@@ -77,9 +77,8 @@ class Rubbing:
     def rubbed(self, loads_N: Array, stroke: int, step: int, most: int) -> Rubbed:
         """Press under rising loads (k,), slide by up to `most` cycles of ± `stroke` cells, unload.
 
-        Steps are of `step` cells, in cycles after the first, which change little, of twice as many.
-        Cycles end when the metal beneath its skin flows no more, or alike in each. Raises NotConvergedError if pressing
-        has no end.
+        Steps are of `step` cells, in cycles after the first, which change little, of twice as many. Cycles end when the
+        metal beneath its skin flows no more, or alike in each. Raises NotConvergedError if pressing has no end.
         """
         for load in loads_N.tolist():
             self._step(load, 0, 0.0)

@@ -106,7 +106,7 @@ def flow_sentence(settings: Mapping[str, SupportsFloat]) -> str:
     if not float(settings[FLOW]):
         skin = ", but for its skin" if float(settings.get(SKIN, 0.0)) else ""
         return f" Unworn, the metal shakes down within {count}{skin}."
-    known = "its skin shears more, and strains of cycles beneath it are known within a factor of 1.4"
+    known = "its skin shears more, and strains beneath it are known to 0.3 %"
     return f" Unworn, the metal flows by a strain of {flow} a cycle after {count} and ratchets by {left}; {known}."
 
 
