@@ -269,10 +269,10 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): its weight when a version is made, with 3 % of slack for the next one.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 89_450,
-    "lines of wirewear": 69_250,
+    "lines of geometry, solvers and wirewear": 89_530,
+    "lines of wirewear": 69_330,
     "lines of studies": 17_960,
-    "lines of tests": 37_760,
+    "lines of tests": 37_790,
     "files of geometry, solvers and wirewear": 440,
     "rooms of wirewear": 20,
     "arrows between rooms": 106,

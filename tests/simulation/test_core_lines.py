@@ -15,7 +15,7 @@ from tests.studies import WEARING, steel_wires
 from wirewear import reference
 from wirewear.simulation import simulate
 from wirewear.simulation.control import core_once_worn
-from wirewear.simulation.core_lines import fitted_to_core, punch_stiffness, up_to_core
+from wirewear.simulation.core_lines import fitted_to_core, loop_error, punch_stiffness, up_to_core
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.expected_contact import Ellipse
 from wirewear.simulation.meshes import core_stages
@@ -31,7 +31,7 @@ def test_a_punch_of_the_nodes_within_a_core_has_its_stiffness(elements: int, sha
     stuck = (1.0 - share) ** (1.0 / 3.0)
     core = Ellipse(longer * stuck, stuck, 0.0)
     lines = RimGradedAxis(longer, elements, 1.6 * longer), RimGradedAxis(1.0, elements, 1.6)
-    axial, transverse = fitted_to_core(lines, core, 0.0)
+    axial, transverse = fitted_to_core(lines, Ellipse(longer, 1.0, 0.0), stuck, 0.0)
     x, y = np.meshgrid(axial.lines(), transverse.lines(), indexing="ij")
     wide, high = np.meshgrid(np.gradient(axial.lines()), np.gradient(transverse.lines()), indexing="ij")
     within = np.hypot(x / core.major_mm, y / core.minor_mm) < 1.0
@@ -41,6 +41,21 @@ def test_a_punch_of_the_nodes_within_a_core_has_its_stiffness(elements: int, sha
     assert stiffness * ellipk(1.0 - longer**-2) / (longer * stuck) == pytest.approx(1.0, abs=_OFF)
     assert axial.half_extent_mm == lines[0].half_extent_mm
     assert axial.rim_mm / lines[0].rim_mm == pytest.approx(transverse.rim_mm, abs=1e-12)
+
+
+@pytest.mark.parametrize(("q", "longer", "turn"), [(0.3, 1.0, 0.0), (0.6, 3.0, 0.0), (0.8, 2.0, 0.4)])
+def test_many_nodes_give_a_loop_mindlin_and_deresiewiczs_energy(q: float, longer: float, turn: float) -> None:
+    contact, stuck = Ellipse(longer, 1.0, turn), (1.0 - q) ** (1.0 / 3.0)
+    lines = RimGradedAxis(longer, 16, 1.3 * longer, 0.55), RimGradedAxis(1.0, 16, 1.3, 0.55)
+    assert loop_error(lines, contact, stuck, 0.0) == pytest.approx(0.0, abs=0.03)
+
+
+@pytest.mark.parametrize(("elements", "q"), [(8, 0.25), (8, 0.4), (10, 0.3), (12, 0.15), (12, 0.2)])
+def test_loops_have_their_energy_on_lines_fitted_to_a_core(elements: int, q: float) -> None:
+    """Of lines that are as stiff as the core alone some have the double."""
+    contact, stuck = Ellipse(1.0, 1.0, 0.0), (1.0 - q) ** (1.0 / 3.0)
+    lines = fitted_to_core((RimGradedAxis(1.0, elements, 1.3, 0.6),) * 2, contact, stuck, 0.0)
+    assert loop_error(lines, contact, stuck, 0.0) == pytest.approx(0.0, abs=0.04)
 
 
 def test_a_punch_of_ever_smaller_cells_has_a_discs_stiffness() -> None:

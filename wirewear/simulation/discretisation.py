@@ -322,8 +322,7 @@ def _geometry(body: Body, axes: PatchAxes, sizes: ElementSizes, level: WireLevel
     narrowest = min(sizes.contact.chord(axis.angle_rad) for axis in (axes.axial, axes.transverse))
     axial, transverse = (_graded(axis, narrowest, sizes, level, motion_rad) for axis in (axes.axial, axes.transverse))
     if sizes.core is not None and isinstance(axial, RimGradedAxis) and isinstance(transverse, RimGradedAxis):
-        core = sizes.contact.enlarged(sizes.core)
-        axial, transverse = fitted_to_core((axial, transverse), core, axes.axial.angle_rad)
+        axial, transverse = fitted_to_core((axial, transverse), sizes.contact, sizes.core, axes.axial.angle_rad)
     per_radius = level.per_contact_radius if sizes.contact_mm is None else narrowest / sizes.contact_mm
     # Elements a radius, over those to the rim, for which layers resolve the depth below.
     per_radius = 0.6 * level.to_rim if sizes.sticks else per_radius
