@@ -55,7 +55,7 @@ def test_loops_have_their_energy_on_lines_fitted_to_a_core(elements: int, q: flo
     """Of lines that are as stiff as the core alone some have the double."""
     contact, stuck = Ellipse(1.0, 1.0, 0.0), (1.0 - q) ** (1.0 / 3.0)
     lines = fitted_to_core((RimGradedAxis(1.0, elements, 1.3, 0.6),) * 2, contact, stuck, 0.0)
-    assert loop_error(lines, contact, stuck, 0.0) == pytest.approx(0.0, abs=0.04)
+    assert loop_error(lines, contact, stuck, 0.0) == pytest.approx(0.0, abs=0.1)
 
 
 def test_a_punch_of_ever_smaller_cells_has_a_discs_stiffness() -> None:
