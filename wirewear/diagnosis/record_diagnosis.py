@@ -239,7 +239,9 @@ def _stated(
     asked = measurement_after((record, *further), weighed, equivalent)
 
     finding, relevance, shrink = weighing.finding, weighing.relevance, checked.shrink
-    remainder = remaining(checked.left, findings(gap.left_over)) if checked.remains else None
+    # Where an unknown cause is likelier than the explanation, its numbers are those of an imitation.
+    holds = checked.remains and verdict != "unexplained"
+    remainder = remaining(checked.left, findings(gap.left_over)) if holds else None
     return Diagnosis(
         record=record.name,
         model=study.name,
