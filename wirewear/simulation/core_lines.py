@@ -36,7 +36,7 @@ _MIDDLE = 1e-9  #: Of the outline: nodes as near to its middle lie there.
 #: Of an element: nodes nearer to the outline within and beyond it might slip or stick.
 _CLEAR = -0.12, 0.1
 _FITS = 1, 48  #: Of how many lines of nearly one area stiffness is found: of the core's area, then of the one it needs.
-_STEEP = 2.5  #: Power of the annulus' share of the axes by which the volume goes that wears in the end (Popov's, 2.7).
+_STEEP = 2.5  #: What wears in the end goes with this power of the share of the axes that slips (Popov; 2.7 at 0.5 µP).
 #: Of a mean element of the core: by how much a punch of finite elements is larger than one of as many cells of even
 #: pressure that are held at their middles.
 _LARGER = 0.08
