@@ -58,15 +58,19 @@ class Indenter:
         tolerance: mean distance of touching cells over the approach.
         """
         gap, around = self.gap_mm + print_mm, _around(guess)
-        inner, whole = (replace(self, gap_mm=own) for own in (gap[around], gap))
         pressure = np.zeros_like(gap)
-        pressure[around], approach = inner.borne(load_N, guess[around], tolerance)
+        pressure[around], approach = replace(self, gap_mm=gap[around]).by_gradients(load_N, guess[around], tolerance)
         open_by = self.displacement(pressure) + gap - approach
         open_by[around] = 0.0
-        return (pressure, approach) if open_by.min() >= 0.0 else whole.borne(load_N, guess, tolerance)
+        if open_by.min() >= 0.0:
+            return pressure, approach
+        # They would overlap beyond the cells that were looked at.
+        return replace(self, gap_mm=gap).by_gradients(load_N, guess, tolerance)
 
-    def borne(self, load_N: float, guess: Array, tolerance: float) -> tuple[Array, float]:
-        """As `carried`, without a print, by conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206)."""
+    def by_gradients(self, load_N: float, guess: Array, tolerance: float) -> tuple[Array, float]:
+        """Pressures (n_x, n_y) in MPa, zero or more, that carry the load on this gap, and the approach in mm, by
+        conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206). guess, tolerance: as in `carried`.
+        """
         gap, mean = self.gap_mm, load_N / (self.step_mm[0] * self.step_mm[1])
         # At first everything touches barely.
         pressure = np.maximum(guess, 1e-12)
@@ -102,12 +106,12 @@ def _kernel(size: tuple[int, ...], step_mm: tuple[float, float], modulus_MPa: fl
 
 
 def _around(pressure: Array) -> tuple[slice, ...]:
-    """The cells that bear pressures (n_x, n_y), and some around them."""
+    """Rows and columns of the cells under pressure (n_x, n_y), and of a margin around them."""
     found = []
     for axis in (1, 0):
-        borne = np.flatnonzero((pressure > 0.0).any(axis=axis))
-        wide = 2 + (borne[-1] - borne[0]) // 4
-        found.append(slice(max(borne[0] - wide, 0), borne[-1] + wide + 1))
+        under = np.flatnonzero((pressure > 0.0).any(axis=axis))
+        wide = 2 + (under[-1] - under[0]) // 4
+        found.append(slice(max(under[0] - wide, 0), under[-1] + wide + 1))
     return tuple(found)
 
 

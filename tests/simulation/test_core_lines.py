@@ -52,7 +52,7 @@ def test_many_nodes_give_a_loop_mindlin_and_deresiewiczs_energy(q: float, longer
 
 @pytest.mark.parametrize(("elements", "q"), [(8, 0.25), (8, 0.4), (10, 0.3), (12, 0.15), (12, 0.2)])
 def test_loops_have_their_energy_on_lines_fitted_to_a_core(elements: int, q: float) -> None:
-    """Of lines that are as stiff as the core alone some have the double."""
+    """Some lines that are chosen for the core's stiffness alone lose twice the energy."""
     contact, stuck = Ellipse(1.0, 1.0, 0.0), (1.0 - q) ** (1.0 / 3.0)
     lines = fitted_to_core((RimGradedAxis(1.0, elements, 1.3, 0.6),) * 2, contact, stuck, 0.0)
     assert loop_error(lines, contact, stuck, 0.0) == pytest.approx(0.0, abs=0.1)

@@ -128,7 +128,7 @@ class Watched(Rubbing):
 
     @property
     def stored_mJ(self) -> float:
-        """Of loads, and of stresses that plastic strain makes."""
+        """Elastic energy by the loads, and by the stresses that plastic strain leaves."""
         total = 0.0
         for zone, state in zip(self.zones, self.states, strict=True):
             loaded = state.traction_MPa * (moved(zone, state) - state.residual_mm)

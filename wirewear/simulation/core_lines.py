@@ -176,8 +176,8 @@ def _unloaded(compliance: Array, gap: Array, area: Array, load: float, least: fl
 
 
 def _placed(lines: _Lines, outline: Ellipse, axial_rad: float) -> tuple[Array, ...]:
-    """Of all nodes, (n, m) each: places and sizes of their cells along both axes in mm, and places along and across an
-    outline in shares of its axes.
+    """Places x, y and sizes along both axes, in mm, of the cells of all nodes, and places along and across an outline
+    in shares of its axes, (n, m) each.
     """
     x, y = lines[0].lines()[:, None], lines[1].lines()
     turn = outline.angle_rad - axial_rad

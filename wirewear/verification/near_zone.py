@@ -136,7 +136,9 @@ def jackson_green(approach_mm: float, radius_mm: float, modulus_MPa: float, stre
 
 
 def kogut_etsion(approach_mm: float, radius_mm: float, modulus_MPa: float, stress_MPa: float) -> float:
-    """As `jackson_green`, from first yield to 110 times its approach."""
+    """Load in N that presses a sphere in by `approach_mm`, from first yield to 110 times its approach (Kogut & Etsion,
+    J. Appl. Mech. 69 (2002) 657).
+    """
     slope = pi * RATIO * stress_MPa / (2.0 * modulus_MPa)
     load, s = 4.0 / 3.0 * radius_mm**2 * modulus_MPa * slope**3, approach_mm / (slope**2 * radius_mm)
     return float(load * (1.03 * s**1.425 if s < 6.0 else 1.40 * s**1.263))
