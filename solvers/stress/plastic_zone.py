@@ -20,6 +20,8 @@ _MOST_ROUNDS, _REMEMBERED = 100, 8
 #: Part of the shear modulus by which a point's flow relieves it: about the rest its surroundings keep up. What is found
 #: does not depend on it.
 _YIELDING = 0.4
+#: Of this many times the tolerance, all layers have their say again: one round less where that is the last one.
+_NEARLY = 5.0
 PRESSING_TOLERANCE = 1e-3  #: Of the plastic strain of a step over the largest elastic one, yield stress over modulus.
 
 
@@ -122,9 +124,9 @@ def loaded_together(
             for zone, total, flow in zip(zones, totals, flows, strict=True):
                 _tried(total.reshape(-1, 6), flow.strain, flow.strain, *zone.space.elastic, 0.0)
             return tuple(Flowed(*of) for of in zip(flows, totals, residual, pushed, strict=True))
-        # Deeper layers have their say at first, and once the upper ones have found theirs.
-        whole = missed <= tolerance
-        if not whole:
+        # Deeper layers have their say at first, and once the upper ones have all but found theirs.
+        whole = missed <= _NEARLY * tolerance
+        if missed > tolerance:
             found = np.concatenate([own.strain for own in flows])
             strain = np.split(mixing.next(np.concatenate(strain), found), ends)
     raise NotConvergedError("the body flows without end under the contact's forces")

@@ -34,10 +34,26 @@ class FlowOfCycle:
 
 
 @dataclass(frozen=True)
+class EnergyBook:
+    """Work of load and drive on fresh bodies so far, and what became of it, mJ."""
+
+    work: float = 0.0
+    friction: float = 0.0  #: Friction times slip, of which displacements of the surfaces are part.
+    plastic: float = 0.0
+    stored: float = 0.0  #: Elastic, by tractions and by the stresses that plastic strain leaves.
+
+    @property
+    def missing(self) -> float:
+        """What the book lacks over all that is plastic or stored; friction, mostly much more, would hide it."""
+        kept = self.plastic + self.stored
+        return abs(self.work - self.friction - kept) / kept if kept else 0.0
+
+
+@dataclass(frozen=True)
 class Rubbed:
     """The upper and the lower body pressed, and unloaded after cycles of sliding, with the plastic work done by then.
 
-    endless: whether the metal flowed without end in the next cycle.
+    endless: whether the metal flowed without end in the next cycle. book: of all before they are unloaded.
     """
 
     pressed: tuple[Flowed, ...]
@@ -46,6 +62,24 @@ class Rubbed:
     work_mJ: float
     pressed_mJ: float
     endless: bool
+    book: EnergyBook
+
+
+@dataclass(frozen=True, eq=False)
+class _Touching:
+    """Both bodies at the end of a step: the lower one's place in cells, gap (n_x, n_y) of the unworn surfaces there,
+    their approach, their states, and how far friction shears either surface along x, (n_x, n_y).
+    """
+
+    place: int
+    gap_mm: Array
+    approach_mm: float
+    states: tuple[Flowed, ...]
+    sheared_mm: Sequence[Array]
+
+    def opened(self, place: int, gap_mm: Array) -> Array:
+        """The gap with the lower body and its print at a place; gap_mm: of unworn surfaces there."""
+        return np.asarray(gap_mm - shifted(self.states[1].residual_mm[..., 2], place))
 
 
 @dataclass
@@ -54,7 +88,7 @@ class Rubbing:
 
     zones: metal that may yield, on equal grids. curvatures_per_mm: (2, 2) matrices of the unworn surfaces' curvatures.
     modulus_MPa: contact modulus E* of the pair. friction: coefficient. states: plastic strain, stress and tractions of
-    each zone so far. work_mJ: plastic work of both so far.
+    each zone so far. book: energies so far.
     """
 
     zones: tuple[PlasticZone, PlasticZone]
@@ -62,7 +96,8 @@ class Rubbing:
     modulus_MPa: float
     friction: float
     states: tuple[Flowed, ...] = field(init=False)
-    work_mJ: float = field(init=False, default=0.0)
+    book: EnergyBook = field(init=False, default=EnergyBook())
+    _touching: _Touching = field(init=False)
     _pressure: Array = field(init=False)
     #: Of the last step: gap, place, direction and the plastic strain of both bodies in it.
     _last: tuple[Array, int, float, list[Array]] = field(init=False)
@@ -73,6 +108,8 @@ class Rubbing:
         self.states = tuple(zone.fresh for zone in self.zones)
         self._pressure = np.ones(self.zones[0].space.shape)
         self._last = (self._pressure, 0, 0.0, [])
+        still = np.zeros_like(self._pressure)
+        self._touching = _Touching(0, self._gap(0), 0.0, self.states, (still, still))
 
     def rubbed(self, loads_N: Array, stroke: int, step: int, most: int) -> Rubbed:
         """Press under rising loads (k,), slide by up to `most` cycles of ± `stroke` cells, unload.
@@ -82,7 +119,7 @@ class Rubbing:
         """
         for load in loads_N.tolist():
             self._step(load, 0, 0.0)
-        pressed, first, load = self.states, self.work_mJ, float(loads_N[-1])
+        pressed, first, load = self.states, self.book.plastic, float(loads_N[-1])
         cycles, endless = list[FlowOfCycle](), False
         out = [min(place, stroke) for place in range(step, stroke + step, step)]
         try:
@@ -100,18 +137,21 @@ class Rubbing:
             endless = True
         nothing = np.zeros((*self._pressure.shape, 3))
         unloaded = loaded_together(self.zones, lambda _: (nothing, nothing), self.states, _TOLERANCE)
-        return Rubbed(pressed, unloaded, tuple(cycles), self.work_mJ, first, endless)
+        return Rubbed(pressed, unloaded, tuple(cycles), self.book.plastic, first, endless, self.book)
 
     def _step(self, load_N: float, place: int, direction: float) -> None:
         """Move the lower body to `place` cells along x under a load; direction: of its motion."""
         zones, cell = self.zones, float(np.prod(self.zones[0].space.step_mm))
-        indenter = Indenter(self._gap(place), zones[0].space.step_mm, self.modulus_MPa)
+        gap, approach = self._gap(place), 0.0
+        # Where they touch first nothing is left between them.
+        indenter = Indenter(gap - gap.min(), zones[0].space.step_mm, self.modulus_MPa)
         borne = min(zone.metal.yield_stress_MPa for zone in zones) / sqrt(3.0)
         before, tolerance = self.states, _TOLERANCE if direction else PRESSING_TOLERANCE
 
         def tractions(left: Sequence[Array]) -> tuple[Array, Array]:
+            nonlocal approach
             opened = -left[0][..., 2] - shifted(left[1][..., 2], place)
-            self._pressure, _ = indenter.carried(load_N, opened, self._pressure, _FINER * tolerance)
+            self._pressure, approach = indenter.carried(load_N, opened, self._pressure, _FINER * tolerance)
             push = np.zeros((*self._pressure.shape, 3))
             push[..., 0] = direction * np.minimum(self.friction * self._pressure, borne)
             push[..., 2] = -self._pressure
@@ -126,11 +166,49 @@ class Rubbing:
         grown = [new.flow.strain - old.flow.strain for old, new in zip(before, self.states, strict=True)]
         self._reached[place, direction] = times + 1, grown
         self._last = (indenter.gap_mm, place, direction, grown)
-        for zone, old, new, own in zip(zones, before, self.states, grown, strict=True):
+        unstrained, along = np.zeros((1, 1, 3), dtype=complex), np.array([1.0, 0.0, 0.0])
+        sheared = [
+            zone.space.displacements(unstrained, state.traction_MPa * along)[..., 0]
+            for zone, state in zip(zones, self.states, strict=True)
+        ]
+        # But for what the mean traction does to a half-space without end.
+        sheared = [own - own.mean() for own in sheared]
+        self._write(_Touching(place, gap, approach + float(gap.min()), self.states, sheared), indenter, cell, grown)
+
+    def _write(self, new: _Touching, indenter: Indenter, cell_mm2: float, grown: Sequence[Array]) -> None:
+        """Add a step to the book. grown: (k, 6) plastic strain of each body in it."""
+        old, self._touching = self._touching, new
+        ends, book = (old, new), self.book
+        pressures = [-end.states[0].traction_MPa[..., 2] for end in ends]
+        pushed = [float(end.states[0].traction_MPa[..., 0].sum()) for end in ends]
+        away = (new.place - old.place) * indenter.step_mm[0]
+        # Pressures of either end are drawn over the surfaces of the other.
+        drawn = sum(
+            float((pressure * (end.opened(new.place, new.gap_mm) - end.opened(old.place, old.gap_mm))).sum())
+            for pressure, end in zip(pressures, ends[::-1], strict=True)
+        )
+        lowered = sum(float(pressure.sum()) for pressure in pressures) * (new.approach_mm - old.approach_mm)
+        dragged, sheared, plastic = sum(pushed) * away, 0.0, 0.0
+        stored = float((pressures[1] * indenter.displacement(pressures[1])).sum())
+        for k, zone in enumerate(self.zones):
+            before, after = old.states[k], new.states[k]
+            moved = [end.sheared_mm[k] + end.states[k].residual_mm[..., 0] for end in ends]
+            along = before.traction_MPa[..., 0] + after.traction_MPa[..., 0]
+            sheared += float((along * (moved[1] - moved[0])).sum())
+            volumes = np.repeat(zone.space.layers_mm, new.gap_mm.size)
             # The mean stress of a step does what its tractions and what is stored leave.
-            done = np.einsum("ki,ki,i->k", 0.5 * (old.stress + new.stress).reshape(-1, 6), own, _TWICE)
-            volumes = np.repeat(zone.space.layers_mm * cell, self._pressure.size)
-            self.work_mJ += float(done @ volumes)
+            stress = (before.stress + after.stress).reshape(-1, 6)
+            plastic += float((stress * grown[k]) @ _TWICE @ volumes)
+            stored += float((after.traction_MPa[..., 0] * new.sheared_mm[k]).sum())
+            stored += float((after.traction_MPa * after.residual_mm).sum())
+            stored -= float((after.stress.reshape(-1, 6) * after.flow.strain) @ _TWICE @ volumes)
+        half = 0.5 * cell_mm2
+        self.book = EnergyBook(
+            book.work + half * (lowered - drawn + dragged),
+            book.friction + half * (dragged - sheared),
+            book.plastic + half * plastic,
+            half * stored,
+        )
 
     def _followed(self, gap_mm: Array, place: int, direction: float) -> list[Array]:
         """What plastic strains (k, 6) of the last step become if they go with the contact; none if it turned."""
@@ -150,7 +228,7 @@ class Rubbing:
         away = at - np.array([place * space.step_mm[0], 0.0])
         upper, lower = self.curvatures_per_mm
         gap = 0.5 * (np.einsum("xyi,ij,xyj->xy", at, upper, at) + np.einsum("xyi,ij,xyj->xy", away, lower, away))
-        return np.asarray(gap - gap.min())
+        return np.asarray(gap)
 
     def _flow_since(self, before: Sequence[Flowed]) -> FlowOfCycle:
         through, left, outermost, skin = 0.0, 0.0, 0.0, self._pressure.size

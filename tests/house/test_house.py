@@ -269,7 +269,7 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): its weight when a version is made, with 3 % of slack for the next one.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 89_530,
+    "lines of geometry, solvers and wirewear": 89_620,
     "lines of wirewear": 69_330,
     "lines of studies": 17_960,
     "lines of tests": 37_790,

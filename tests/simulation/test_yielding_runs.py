@@ -10,6 +10,7 @@ from solvers.stress.pressing import largest_MPa
 from tests.studies import line_study
 from wirewear.reference import first_yield_ratio
 from wirewear.results import RunResult, read_result, write_result
+from wirewear.results.health import limit_of
 from wirewear.simulation import simulate
 from wirewear.simulation.near_zone import NearZone, near_zone_of
 from wirewear.simulation.observers import Observer
@@ -129,13 +130,16 @@ def test_metal_that_flows_is_named_before_it_is_followed(monkeypatch: pytest.Mon
 def test_wires_whose_metal_flows_are_pressed_as_finite_elements_say(
     yield_MPa: float, pressure_MPa: float, radius_um: float, print_um: float
 ) -> None:
-    grid = near_zone(yield_MPa, 0.0).pressing
+    near = near_zone(yield_MPa, 0.0)
+    grid, settings = near.pressing, near.settings
     upper, lower = grid.rubbed.pressed
     pressure, cell = -upper.traction_MPa[..., 2], float(np.diff(grid.axes_mm[0][:2])[0]) ** 2
     assert largest_MPa(pressure) == pytest.approx(pressure_MPa, rel=0.03)
     assert 1e3 * (cell * (pressure > 0.0).sum() / np.pi) ** 0.5 == pytest.approx(radius_um, rel=0.03)
     for body in (upper, lower):
         assert -1e3 * body.residual_mm[..., 2].min() == pytest.approx(print_um, rel=0.1)
+    assert settings["fresh_flow_energy_error"] == grid.rubbed.book.missing
+    assert 0.0 < grid.rubbed.book.missing < 0.5 * limit_of("flow_energy")
 
 
 @pytest.mark.slow
@@ -143,6 +147,7 @@ def test_sliding_metal_shakes_down_below_the_limit_and_ratchets_above_it() -> No
     """Largest pressures of 1.8 and 2.1 yield stresses; Melan's limit is 2.39 at a friction of 0.1, 0.93 at 0.62."""
     below, above = (near_zone(*own).sliding.rubbed for own in ((2400.0, 0.1), (1400.0, 0.62)))
     assert not below.endless
+    assert max(below.book.missing, above.book.missing) < limit_of("flow_energy")
     assert (below.cycles[-1].through, below.cycles[-1].skin) == (0.0, 0.0)
     elastic = 1400.0 / 208_700.0
     assert above.cycles[-1].through > 0.5 * elastic

@@ -30,6 +30,7 @@ QUALITIES: Mapping[str, tuple[str, float]] = {
         1.0,
     ),
     "indentation_strain": ("strain of the print, 0.2 a/R, beyond which plasticity of small strains ends", 0.1),
+    "flow_energy": ("work on metal that flows, less friction, against what is plastic or stored, relative", 5e-3),
     "mirror_error": ("pressures against their mirror image on the way back, relative", 2e-2),
 }
 
@@ -45,6 +46,7 @@ _REMEDIES: Mapping[str, str] = {
     "with the mesh",
     "slip_against_loops": _OF_THE_PROGRAM,
     "volume_against_energy": _OF_THE_PROGRAM,
+    "flow_energy": _OF_THE_PROGRAM,
 }
 
 

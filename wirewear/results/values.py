@@ -37,12 +37,13 @@ ELASTIC_LAYERS = "elastic_layers"
 LAYERS_OF_BODIES = "layers"  #: Setting of a result with the coatings of bodies: lists of thickness and wear factor.
 #: Settings of a result with the rig's travel to either side at the first loop, by springs (µP/K) and by play.
 SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
-#: Settings of metal that flows: cycles followed, largest plastic strain of the last one, what of it is left, and 1
-#: where the metal then flowed without end.
-FLOW_CYCLES, FLOW, RATCHETTING, SKIN, ENDLESS = (
+#: Settings of metal that flows: cycles followed, largest plastic strain of the last one, what of it is left, 1 where
+#: the metal then flowed without end, and what the balance of energy lacks.
+FLOW_CYCLES, FLOW, RATCHETTING, SKIN, ENDLESS, FLOW_ENERGY = (
     f"fresh_{name}"
     for name in (
         "flow_cycles", "flow_strain_per_cycle", "ratchetting_strain_per_cycle", "skin_strain_per_cycle", "flow_endless",
+        "flow_energy_error",
     )
 )  # fmt: skip
 

@@ -21,7 +21,7 @@ from solvers.stress.plastic_zone import Flowed, PlasticZone
 from solvers.stress.pressing import largest_MPa
 from solvers.stress.rubbing import Rubbed, Rubbing
 from wirewear import reference
-from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, RATCHETTING, SKIN, PlasticStrain
+from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, FLOW_ENERGY, RATCHETTING, SKIN, PlasticStrain
 from wirewear.simulation.control import point_sticks, round_contact
 from wirewear.simulation.yielding import limit_of_points, spread_by_yield
 from wirewear.test import Study, study_from_tables
@@ -114,6 +114,7 @@ class NearZone:
             RATCHETTING: 0.0 if last is None else last.left,
             SKIN: 0.0 if last is None else last.skin,
             ENDLESS: float(rubbed.endless),
+            FLOW_ENERGY: rubbed.book.missing,
         }
 
 

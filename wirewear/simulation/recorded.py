@@ -33,6 +33,7 @@ from wirewear.results import (
     Scar,
 )
 from wirewear.results.evolution import DEBRIS_LEFT, DEBRIS_THICKNESS, DEBRIS_VOLUME, LARGEST_RISE, MEAN_RISE
+from wirewear.results.values import FLOW_ENERGY
 from wirewear.simulation.control import HeldFigure
 from wirewear.simulation.expected_contact import borne_settings, law_error
 from wirewear.simulation.measures import dissipated_energy_mJ, slip_amplitude_mm, unresolved_slip
@@ -45,6 +46,8 @@ from wirewear.test import AnyStudy
 from wirewear.test.conditions import held_keys
 
 _LAW_ERROR = "fresh_law_error"
+#: Qualities of the fresh contact, and their names among its values.
+_OF_FRESH = {"indentation_strain": STRAIN, "flow_energy": FLOW_ENERGY, "law_between_nodes": _LAW_ERROR}
 
 MEASURED = "measured_"  #: Beginning of the names of a holder's measured elements.
 
@@ -338,8 +341,7 @@ class Recorded(ABC):
         fresh = tally.fresh["fresh_max_pressure_MPa"] if STRAIN in tally.fresh else settings["hertz_pressure_MPa"]
         largest = float(np.fmax.reduce([fresh, *evolution["max_mean_pressure_MPa"]]))
         known = {"pressure_against_strength": largest / float(borne[BORNE])}
-        known |= {"indentation_strain": tally.fresh[STRAIN]} if STRAIN in tally.fresh else {}
-        known |= {"law_between_nodes": tally.fresh[_LAW_ERROR]} if _LAW_ERROR in tally.fresh else {}
+        known |= {name: tally.fresh[key] for name, key in _OF_FRESH.items() if key in tally.fresh}
         return RunResult(
             name=self._study.name,
             variant=self._study.variant_name,
