@@ -152,17 +152,23 @@ def stick_radius_after_reversal(contact: PartialSlipPoint, force_N: float, rever
 def energy_per_cycle(contact: PartialSlipPoint, force_amplitude_N: float) -> float:
     """Energy in mJ that a closed cycle between ±Q* dissipates, without gross slip.
 
-    7.2(µP)²/K · {1 − (1−T)^(5/3) − (5T/6)[1 + (1−T)^⅔]}, T = Q*/µP (Mindlin & Deresiewicz 1953). Raises ValueError
-    beyond µP.
+    (µP)²/K times `cyclic_loss`. Raises ValueError beyond µP.
     """
-    unused = float(_unused_capacity(contact, force_amplitude_N))
-    ratio = 1.0 - unused
-    if ratio < 2e-3:
-        # the terms cancel to third order: their Taylor series keeps six digits here
-        braces = 5.0 / 162.0 * ratio**3 * (1.0 + ratio * 2.0 / 3.0)
-    else:
-        braces = 1.0 - unused ** (5.0 / 3.0) - 5.0 * ratio / 6.0 * (1.0 + unused ** (2.0 / 3.0))
-    return 7.2 * contact.limit_N**2 / contact.stiffness_N_per_mm * braces
+    ratio = 1.0 - _unused_capacity(contact, force_amplitude_N)
+    return float(contact.limit_N**2 / contact.stiffness_N_per_mm * cyclic_loss(ratio))
+
+
+def cyclic_loss(ratio: ArrayLike) -> Array:
+    """Energy of a closed cycle of forces T = Q*/µP between 0 and 1, times K/(µP)².
+
+    7.2 {1 − (1−T)^(5/3) − (5T/6)[1 + (1−T)^⅔]} (Mindlin & Deresiewicz 1953).
+    """
+    ratio = np.asarray(ratio, float)
+    unused = 1.0 - ratio
+    braces = 1.0 - unused ** (5.0 / 3.0) - 5.0 * ratio / 6.0 * (1.0 + unused ** (2.0 / 3.0))
+    # the terms cancel to third order: their Taylor series keeps six digits where little is reached
+    series = 5.0 / 162.0 * ratio**3 * (1.0 + ratio * 2.0 / 3.0)
+    return np.asarray(7.2 * np.where(ratio < 2e-3, series, braces))
 
 
 def _unused_capacity(contact: PartialSlipPoint, force_N: ArrayLike) -> Array:

@@ -23,6 +23,7 @@ from geometry import EdgeGradedAxis, GradedAxis, RimGradedAxis
 from geometry.arrays import Array
 from solvers.stress.pressing import depth_by_rectangle
 from wirewear.reference import LineContact
+from wirewear.reference.cattaneo_mindlin import cyclic_loss
 from wirewear.simulation.control import unused_friction
 from wirewear.simulation.expected_contact import Ellipse
 from wirewear.test import LineStudy
@@ -150,8 +151,8 @@ def loop_error(lines: _Lines, contact: Ellipse, share: float, axial_rad: float) 
     moved = np.interp(force, loads[0] - loads, approach[0] - approach)
     work = scipy.integrate.cumulative_trapezoid(force, moved, initial=0.0)
     enclosed = (2.0 * work - force * moved)[np.searchsorted(force, q * load)]
-    # Mindlin and Deresiewicz, of µ = 1.
-    right = 1.2 - 1.2 * (1.0 - q) ** (5.0 / 3.0) - q * (1.0 + (1.0 - q) ** (2.0 / 3.0))
+    # µ = 1. A loop loses four times what its first branch encloses, and µP displaces a contact by 1.5 µP/K.
+    right = cyclic_loss(q) / 6.0
     return np.asarray(enclosed / (right * load * pi * contact.minor_mm * whole) - 1.0)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from studies.blind.generators.nuisances import Nuisances, Scatter
 from studies.blind.generators.other_simulators.pair import Array
-from studies.blind.generators.other_simulators.tests_drawn import LineTest, StickingTest, Test
+from studies.blind.generators.other_simulators.tests_drawn import LineTest, Test
 from studies.blind.generators.waveform import Waveform
 from wirewear.records import MeasuredEvolution, MeasuredLoop, MeasuredProfile, MeasuredScar
 
@@ -35,8 +35,6 @@ def drawn_logger(test: Test, random: np.random.Generator) -> Logger:
     snapshots = np.unique(np.round(np.geomspace(max(10.0, test.cycles / 2000.0), test.cycles, SNAPSHOTS)).astype(int))
     kept = random.random(snapshots.size) < KEPT
     kept[[0, -1]] = True
-    # Tables of energies have five digits, of which those of partial slip use one or two.
-    sticks = isinstance(test, StickingTest)
     depth_um = (
         250.0 * test.expected_scar_mm**2 / (test.radius_mm if isinstance(test, LineTest) else 0.5 * test.diameter_mm)
     )
@@ -53,8 +51,9 @@ def drawn_logger(test: Test, random: np.random.Generator) -> Logger:
         drive="stroke" if random.random() < 0.5 else "sensor",
         samples=int(random.choice([100, 180, 250, 360, 500])),
         has_normal_force=bool(random.random() < 0.65),
-        has_evolution=bool(random.random() < 0.67) and not sticks,
-        has_scars=bool(random.random() < 0.75) and not sticks,
+        # Tables of energies have five digits, of which those of partial slip use one or two.
+        has_evolution=bool(random.random() < 0.67) and test.slides,
+        has_scars=bool(random.random() < 0.75) and test.slides,
         loop_cycles=(tuple(snapshots[kept].tolist()),) * repeats,
         evolution_cycles=tuple(snapshots.tolist()),
         steps=(noise[0] * random.uniform(0.05, 2.0), noise[1] * random.uniform(0.05, 2.0)),

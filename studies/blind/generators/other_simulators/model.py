@@ -18,13 +18,12 @@ from studies.blind.generators.other_simulators.foundation import FoundationWires
 from studies.blind.generators.other_simulators.half_space import HalfSpaceWires
 from studies.blind.generators.other_simulators.layers import ElasticLayer, LinePair
 from studies.blind.generators.other_simulators.logger import Channels, Logger, drawn_logger
-from studies.blind.generators.other_simulators.pair import Array, Pair, StickingPair
+from studies.blind.generators.other_simulators.pair import Array, Pair
 from studies.blind.generators.other_simulators.rig import periodic_loop, readings
 from studies.blind.generators.other_simulators.strips import StripWires
 from studies.blind.generators.other_simulators.tests_drawn import (
     SIMULATORS,
     LineTest,
-    StickingTest,
     Test,
     WireTest,
     drawn_tests,
@@ -53,8 +52,6 @@ CANNOT = {
     ),
 }
 WORN_SEAMS = ("wear", "specimens")  #: Where causes enter that only wear shows.
-#: Shares of the load at which partial slip is traced: cores whose sizes are close where little slips.
-TRACED = (1.0 - np.linspace(0.95, 0.0, 36) ** 2) ** 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +145,7 @@ def world_of(test: Test) -> World:
         speed_exponent=SPEED_EXPONENT if strips else 0.0,
         pressure_exponent=PRESSURE_EXPONENT if strips else 0.0,
         expected_MPa=expected_pressure_MPa(test),
-        least_slip=-inf if isinstance(test, StickingTest) else 0.35,
+        least_slip=0.35 if test.slides else -inf,
         stated_friction=test.friction,
         stated_load_N=test.load_N,
     )
@@ -175,10 +172,10 @@ def contact_of(test: Test, angle_error_deg: float = 0.0) -> Contact:
         return StripWires((x**2 / (2.0 * radius))[:, None], (step, 2.0 * half), reach, test.modulus_MPa, test.easier)
     angle = radians(test.crossing_angle_deg + angle_error_deg)
     shape = _circle(x[:, None] * sin(angle) - x * cos(angle), radius) + _circle(x, radius)
-    kind = FoundationWires if test.simulator == "foundation" else HalfSpaceWires
-    pair = kind(shape, (step, step), reach, test.modulus_MPa, test.easier)
-    if isinstance(test, StickingTest) and isinstance(pair, StickingPair):
-        pair.shares = TRACED
+    if test.simulator == "foundation":
+        return FoundationWires(shape, (step, step), reach, test.modulus_MPa, test.easier)
+    pair = HalfSpaceWires(shape, (step, step), reach, test.modulus_MPa, test.easier)
+    pair.shares = test.shares
     return pair
 
 
@@ -212,7 +209,7 @@ def simulated(test: Test, world: World, snapshots: Sequence[int]) -> Course:
         if following > now:
             volume = 1e-3 * world.wear_at(now, following) * loop.work_mJ * (following - now)
             load = world.load_at(0.5 * (now + following), touch.approach_mm - (first_approach or 0.0))
-            if not isinstance(test, StickingTest):
+            if test.slides:
                 pair.sweep(load, half_slip, volume / load, world.moving_share, layer)
         now = following
     return Course(channels, scars_of(pair))
@@ -300,8 +297,6 @@ def tables_of(case: Case, test: Test, logger: Logger) -> PointRecordTables | Lin
     more: dict[str, Any] = {"scatter": scatter} if logger.states_scatter else {}
     if isinstance(test, WireTest):
         plain = record_tables(replace(case, nuisances=logger)).model_dump(mode="json", exclude_unset=True)
-        if not isinstance(test, StickingTest):
-            plain["wires"]["crossing_angle_deg"] = test.crossing_angle_deg
         return cast("PointRecordTables", RECORDS[test.kind].model_validate({**plain, **more}))
     plain = line_record_tables(test, case.name, logger.stated_noise).model_dump(mode="json", exclude_unset=True)
     for body, height, half in zip(("pad", "specimen"), test.heights_mm, test.half_widths_mm, strict=True):

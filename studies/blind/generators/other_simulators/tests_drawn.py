@@ -11,6 +11,7 @@ import numpy as np
 
 from studies.blind.generators.line_nominal import LineNominal
 from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.other_simulators.pair import SHARES, Array
 
 #: Simulators that may be looked at, and those for scoring alone; of each, tests take turns.
 SIMULATORS = {
@@ -42,7 +43,13 @@ REACHED, STROKES_um, LARGEST_MPa = (0.3, 0.97), (0.4, 20.0), 2500.0
 
 @dataclass(frozen=True)
 class WireTest(Nominal):
-    """Crossed wires, and who simulates them."""
+    """Crossed wires, and who simulates them.
+
+    slides: whether the contact must slide, and wears. shares: of the load, at which partial slip is traced.
+    """
+
+    slides: ClassVar[bool] = True
+    shares: ClassVar[Array] = SHARES
 
     simulator: str = "foundation"
     crossing_angle_deg: float = 90.0
@@ -87,6 +94,8 @@ class WireTest(Nominal):
 class LineTest(LineNominal):
     """A cylinder on a flat, both shallow beside their widths, so that they are elastic layers."""
 
+    slides: ClassVar[bool] = True
+
     simulator: str = "layers"
     elongation: float = 1.0
     heights_mm: tuple[float, float] = (4.0, 4.0)
@@ -111,6 +120,9 @@ class StickingTest(WireTest):
 
     kind: ClassVar[str] = "ball-on-flat"
     bodies: ClassVar[tuple[str, str]] = ("flat", "ball")
+    slides: ClassVar[bool] = False
+    #: Cores whose sizes are close where little slips.
+    shares: ClassVar[Array] = (1.0 - np.linspace(0.95, 0.0, 36) ** 2) ** 3
 
     simulator: str = "sticking"
 
